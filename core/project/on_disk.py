@@ -24,6 +24,8 @@ class OnDisk(Enum):
     SAME = "same"
     CHANGED = "changed"
     GONE = "gone"
+    SOURCE = "source"
+    """The file is as it was; one that its motions follow from is not."""
 
 
 class DesignFiles:
@@ -31,21 +33,27 @@ class DesignFiles:
 
     def __init__(self) -> None:
         self._texts: dict[Path, str] = {}
-        self._sources: dict[Path, dict[str, bytes | None]] = {}
+        self._sources: dict[Path, tuple[str, ...]] = {}
+        self._held: dict[str, bytes | None] = {}
 
     def note(self, path: Path, design: Design | None = None) -> None:
         """Take what a file holds now for what was read, and what the motions of its design follow from."""
         with suppress(FileError):
             self._texts[path] = read_text(path)
-            self._note_sources(path, design)
+            if design is not None:
+                self._note_sources(path, design)
 
-    def _note_sources(self, path: Path, design: Design | None) -> None:
-        if design is not None:
-            self._sources[path] = {name: _held(name) for name in files_of(design)}
+    def _note_sources(self, path: Path, design: Design) -> None:
+        self._sources[path] = files_of(design)
+        self._held |= {name: _held(name) for name in self._sources[path]}
 
     def sources(self, path: Path) -> tuple[str, ...]:
         """The files that the motions of a design follow from."""
-        return tuple(self._sources.get(path, ()))
+        return self._sources.get(path, ())
+
+    def changed_sources(self, path: Path) -> tuple[str, ...]:
+        """Those of them that hold something else than when the design was read."""
+        return tuple(name for name in self.sources(path) if _held(name) != self._held[name])
 
     def read(self, path: Path) -> Design:
         """The design in a file. Raises FileError, DesignError."""
@@ -58,18 +66,21 @@ class DesignFiles:
     def write(self, design: Design, path: Path) -> None:
         """Write a design. Raises FileError, DesignError."""
         self._texts[path] = save(design, path, in_place=True)
-        self._note_sources(path, design)
+        self._sources[path] = files_of(design)
+        for name in self._sources[path]:  # the design in hand is still of what was read of the others
+            if name not in self._held:
+                self._held[name] = _held(name)
 
     def state(self, path: Path) -> OnDisk:
         """Whether a file holds what was read or written last; ``SAME`` for one that never was."""
         if path not in self._texts:
             return OnDisk.SAME
         try:
-            same = read_text(path) == self._texts[path]
-            same = same and all(_held(name) == held for name, held in self._sources.get(path, {}).items())
-            return OnDisk.SAME if same else OnDisk.CHANGED
+            if read_text(path) != self._texts[path]:
+                return OnDisk.CHANGED
         except FileError:
             return OnDisk.CHANGED if os.path.lexists(path) else OnDisk.GONE
+        return OnDisk.SOURCE if self.changed_sources(path) else OnDisk.SAME
 
 
 def _held(name: str) -> bytes | None:

@@ -638,6 +638,10 @@ class Session(QObject):
         """The files that the motions of the design's file follow from."""
         return () if self.path is None else self._files.sources(self.path)
 
+    def changed_sources(self) -> tuple[str, ...]:
+        """Those of them that hold something else than when the design was read."""
+        return () if self.path is None else self._files.changed_sources(self.path)
+
     def on_disk(self) -> OnDisk:
         """Whether the design's file is as it was read or written last."""
         return OnDisk.SAME if self.path is None else self._files.state(self.path)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QMenu, QToolButton
 
@@ -15,6 +17,7 @@ TEXTS = {
     OnDisk.SAME: ("", "", ""),
     OnDisk.CHANGED: ("changed on disk", "{} has been changed by another program", "&Overwrite it with this design"),
     OnDisk.GONE: ("file is gone", "{} has been moved or deleted by another program", "&Write it again"),
+    OnDisk.SOURCE: ("source changed", "{}, which a motion follows from, has been changed by another program", ""),
 }
 """Text of the button, what has happened, and what writing the file would do."""
 
@@ -47,10 +50,12 @@ class DiskButton(QToolButton):
         text, happened, write = TEXTS[state]
         self.setText(text)
         self._write.setText(write)
-        self._reload.setVisible(state is OnDisk.CHANGED)
+        self._write.setVisible(bool(write))
+        self._reload.setVisible(state in (OnDisk.CHANGED, OnDisk.SOURCE))
         self.setVisible(state is not OnDisk.SAME)
         if happened:
-            happened = happened.format(self._documents.name)
+            sources = ", ".join(Path(name).name for name in self._watch.sources)
+            happened = happened.format(sources if state is OnDisk.SOURCE else self._documents.name)
             self.setToolTip(f"{happened}. Click for what can be done.")
             self.status_message.emit(happened)
 

@@ -59,7 +59,7 @@ class Documents(QObject):
         self.settle()
         if self._session.modified:
             answer = dialogs.ask_to_save(self._window, self.name)
-        elif (state := self._session.on_disk()) is not OnDisk.SAME:  # then it is nowhere but here
+        elif (state := self._session.on_disk()) in NOT_ON_DISK:  # then it is nowhere but here
             answer = dialogs.ask_to_save(self._window, self.name, NOT_ON_DISK[state])
             if answer is SaveAnswer.SAVE and state is OnDisk.GONE:  # which has just been said
                 return self.overwrite()
@@ -134,7 +134,7 @@ class Documents(QObject):
         if path is None:
             return self._save_as()
         state = self._session.on_disk()
-        return self._save(path) if state is OnDisk.SAME else self._save_over_change(path, gone=state is OnDisk.GONE)
+        return self._save_over_change(path, gone=state is OnDisk.GONE) if state in NOT_ON_DISK else self._save(path)
 
     def overwrite(self) -> bool:
         """Save to the design's own file, whatever another program has written there."""

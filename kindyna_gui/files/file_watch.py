@@ -21,7 +21,8 @@ class FileWatch(QObject):
     each time the program comes to the front the file is compared once more, for disks that report no changes.
 
     state     the file's, as compared last
-    changed   it has become another
+    sources   the files that its motions follow from and that have changed
+    changed   one of them has become another
     """
 
     changed = Signal()
@@ -29,6 +30,7 @@ class FileWatch(QObject):
     def __init__(self, session: Session, parent: QObject) -> None:
         super().__init__(parent)
         self.state = OnDisk.SAME
+        self.sources: tuple[str, ...] = ()
         self._session = session
         self._system = QFileSystemWatcher(self)
         self._soon = QTimer(self, singleShot=True, interval=PAUSE_MS)
@@ -46,8 +48,9 @@ class FileWatch(QObject):
         self._soon.stop()
         self._watch()
         state = self._session.on_disk()
-        if state is not self.state:
-            self.state = state
+        now = state, self._session.changed_sources() if state is OnDisk.SOURCE else ()
+        if now != (self.state, self.sources):
+            self.state, self.sources = now
             self.changed.emit()
 
     def _begin_pause(self, *_: object) -> None:

@@ -44,8 +44,17 @@ def test_a_file_that_a_motion_follows_from_is_noticed_when_it_changes(user: User
     changed = FEED.replace("300.0", "200.0").replace("150.0", "100.0")
     (tmp_path / "b.toml").write_text(changed, encoding="utf-8")
     wait_for(user.window.disk.isVisible)
+    assert user.window.disk.text() == "source changed"
+    assert "b.toml, which a motion follows from, has been changed" in user.window.status.currentMessage()
+    assert [each.text() for each in user.window.disk.menu().actions() if each.isVisible()] == [
+        "&Reload it",
+        "&Save as...",
+    ]
+    user.choose("File", "Save")  # its own file is as it was: no question, and what it follows from is still another
+    assert user.window.disk.text() == "source changed"
     user.choose("File", "Reload")
     assert user.design.drive.motion.advance == 500.0
+    assert not user.window.disk.isVisible()
 
 
 SLIDER_CRANK = """format = 1
