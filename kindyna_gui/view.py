@@ -23,6 +23,7 @@ from kindyna_gui.labels import reason
 from kindyna_gui.player import Player
 from kindyna_gui.preferences.units import TOLD
 from kindyna_gui.requirements import NotHere, Way, ways_of
+from kindyna_gui.soon import soon
 
 
 def in_sight(widget: QWidget) -> bool:
@@ -432,7 +433,7 @@ class View(QWidget):
         if self._stale and self._waits_its_turn:
             self._turns.wait(self._take_turn)
         elif self.pause_ms and self._stale:
-            QTimer.singleShot(0, self, self._soon.start)
+            soon(self, self._soon.start)
         else:
             self._soon.start()
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from PySide6.QtCore import QAbstractItemModel, QEvent, QModelIndex, QObject, QPersistentModelIndex, Qt, QTimer, Signal
+from PySide6.QtCore import QAbstractItemModel, QEvent, QModelIndex, QObject, QPersistentModelIndex, Qt, Signal
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QAbstractItemView, QStyledItemDelegate, QTableView, QWidget
 
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.copying import copied
+from kindyna_gui.soon import soon
 
 ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 
@@ -66,7 +67,7 @@ class CellDelegate(QStyledItemDelegate):
         if not self._is_open(editor):
             return False
         if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.KeyPress and event.key() in ENTER:
-            QTimer.singleShot(0, editor, lambda: self._commit_and_close(editor))
+            soon(editor, lambda: self._commit_and_close(editor))
             return False  # the editor has the key first
         return super().eventFilter(editor, event)
 

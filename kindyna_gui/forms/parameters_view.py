@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from PySide6.QtCore import Qt, QTimer, Signal
+from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QIcon
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QTabWidget, QVBoxLayout, QWidget
 
@@ -23,6 +23,7 @@ from kindyna_gui.labels import SECTION_NAMES
 from kindyna_gui.look import ASSUMED, QUIET, coloured, sign
 from kindyna_gui.player import Player
 from kindyna_gui.requirements import lists_links
+from kindyna_gui.soon import soon
 from kindyna_gui.view import View, ViewHost
 
 LOADS = "loads"
@@ -135,7 +136,7 @@ class ParametersView(View):
         if place is not None:
             self.show_section(place[0])
             bar = self.forms[place[0]].verticalScrollBar()
-            QTimer.singleShot(0, bar, partial(bar.setValue, place[1]))  # once the fields have their places
+            soon(bar, partial(bar.setValue, place[1]))  # once the fields have their places
 
     def _change_subject(self) -> tuple[str, int] | None:
         """Section and scroll at which the drive now shown was left, where another was shown before it."""
@@ -172,7 +173,7 @@ class ParametersView(View):
         form = self.forms[section]
         if field.trouble and field.editor.hasFocus():
             # once it has its place: below the last field it would be out of sight
-            QTimer.singleShot(0, field.message, partial(form.ensureWidgetVisible, field.message, 0, 8))
+            soon(field.message, partial(form.ensureWidgetVisible, field.message, 0, 8))
 
     def _mark_tab(self, section: str) -> None:
         """A tab shows that something in it is wrong, for it may stand behind another."""
@@ -206,9 +207,7 @@ class ParametersView(View):
         if section == LOADS:
             self.loads.choose(row_of(path))
         form.ensureWidgetVisible(field.editor, 0, 40)
-        QTimer.singleShot(
-            0, field.editor, partial(form.ensureWidgetVisible, field.editor, 0, 40)
-        )  # once it has its place
+        soon(field.editor, partial(form.ensureWidgetVisible, field.editor, 0, 40))  # once it has its place
         field.focus()
         return True
 

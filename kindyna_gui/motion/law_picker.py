@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from PySide6.QtCore import QEvent, QObject, QPoint, QRect, QRectF, QSize, Qt, QTimer, Signal
+from PySide6.QtCore import QEvent, QObject, QPoint, QRect, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QHelpEvent, QKeyEvent, QMouseEvent, QPainter, QPaintEvent
 from PySide6.QtWidgets import QFrame, QLabel, QLineEdit, QScrollArea, QToolTip, QVBoxLayout, QWidget
 
@@ -18,6 +18,7 @@ from kindyna_gui.motion.law_list import law_tip, matching, peaks_text
 from kindyna_gui.pictures.items import wrapped
 from kindyna_gui.pictures.plots.law_icon import paint_law
 from kindyna_gui.pictures.style import SCREEN, SMALL, font
+from kindyna_gui.soon import soon
 
 COLUMNS = 4
 CELL = QSize(142, 106)
@@ -214,7 +215,7 @@ class LawPicker(QFrame):
         self.move(x, y)
         self.show()
         self.filter.setFocus(Qt.FocusReason.PopupFocusReason)
-        QTimer.singleShot(0, self.grid, self._reveal)
+        soon(self.grid, self._reveal)
 
     def _reveal(self) -> None:
         box = self.grid.box(self.grid.current)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from PySide6.QtCore import QModelIndex, QPersistentModelIndex, QRect, QSize, Qt, QTimer, Signal
+from PySide6.QtCore import QModelIndex, QPersistentModelIndex, QRect, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QFont, QFontMetrics, QKeyEvent, QPainter, QPalette, QPen, QResizeEvent
 from PySide6.QtWidgets import (
     QAbstractItemDelegate,
@@ -24,6 +24,7 @@ from kindyna_gui.motion.editor import DIRECTIONS
 from kindyna_gui.motion.law_picker import LawBox
 from kindyna_gui.motion.marks import FIRST, Parts
 from kindyna_gui.motion.segments_model import COLUMNS, FROM, JOIN, LAW, SegmentCell, SegmentsModel
+from kindyna_gui.soon import soon
 
 Index = QModelIndex | QPersistentModelIndex
 USUAL_ROWS, LEAST_ROWS = 7, 5
@@ -55,7 +56,7 @@ class SegmentDelegate(CellDelegate):
             laws.setParent(parent)
             laws.activated.connect(lambda _: self._choose(laws))
             laws.cancelled.connect(lambda: self.closeEditor.emit(laws, QAbstractItemDelegate.EndEditHint.NoHint))
-            QTimer.singleShot(0, laws, laws.showPopup)
+            soon(laws, laws.showPopup)
             self.opened(laws, index)
             return laws
         box = NumberBox(COLUMNS[index.column()].info, self._model.unit_of(index.column()), parent)

@@ -35,6 +35,7 @@ from kindyna_gui.motion.segments_table import SegmentsTable
 from kindyna_gui.pictures.plots.quantities import rows_of
 from kindyna_gui.player import Player
 from kindyna_gui.requirements import require_motion
+from kindyna_gui.soon import soon
 from kindyna_gui.view import ViewHost
 
 _KEYS = {"law": LAW, "span_deg": SPAN, "rise_mm": RISE, "rise_deg": RISE}
@@ -72,7 +73,7 @@ class SegmentForm(QScrollArea):
 
     def bring(self, part: QWidget) -> None:
         """Scroll a text that has come into sight, once it has its place; not while the keys are in what would move."""
-        QTimer.singleShot(0, part, partial(self._bring, part))
+        soon(part, partial(self._bring, part))
 
     def _bring(self, part: QWidget) -> None:
         focused = self.focusWidget()

@@ -8,7 +8,7 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from PySide6.QtCore import QSize, Qt, QTimer, Signal
+from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QAction, QCloseEvent, QCursor, QDragEnterEvent, QDropEvent, QPaintEvent, QShowEvent
 from PySide6.QtWidgets import QApplication, QMainWindow, QMenu, QTabWidget
 
@@ -33,6 +33,7 @@ from kindyna_gui.player import Player
 from kindyna_gui.preferences import kept as preferences
 from kindyna_gui.saving import copy_picture, save_picture
 from kindyna_gui.settings import Settings
+from kindyna_gui.soon import soon
 from kindyna_gui.view import NumberAtHand, View
 from kindyna_gui.window import menus
 from kindyna_gui.window.base import Window
@@ -574,7 +575,7 @@ class MainWindow(Window):
         super().paintEvent(event)
         if not self._painted:
             self._painted = True
-            QTimer.singleShot(0, self, self._furnish)
+            soon(self, self._furnish)
 
     def _furnish(self) -> None:
         for dock in self.docks.values():

@@ -23,6 +23,7 @@ from kindyna_gui.labels import named_value, reason
 from kindyna_gui.look import QUIET, coloured, sign, text_button
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import clear_menu
+from kindyna_gui.soon import soon
 
 PAUSE_MS = 150
 STAY_MS = 6000  # of a message
@@ -117,7 +118,7 @@ class StatusLine(QStatusBar):
 
     def _ask_again(self, text: str) -> None:
         if not text and self._question:
-            QTimer.singleShot(0, self, self._show_question)
+            soon(self, self._show_question)
 
     def _show_whole(self, text: str) -> None:
         """A message that is longer than its room grows upwards over what stands there; nothing is moved by it."""
@@ -196,7 +197,7 @@ class StatusLine(QStatusBar):
         self.findings.setText(text)
         self.findings.setIcon(sign(severity))
         self.findings.setToolTip(tip)
-        QTimer.singleShot(0, self, self._lay_message)  # what stands beside it may have become wider
+        soon(self, self._lay_message)  # what stands beside it may have become wider
 
     def _design_changed(self) -> None:
         number = len(self._session.whole.assumed)

@@ -59,10 +59,14 @@ def test_no_other_window_flashes_up(whole: User) -> None:
     assert seen == []
 
 
-def test_a_closed_window_leaves_nothing_behind(app: QApplication) -> None:
+@pytest.mark.parametrize("waited", [True, False], ids=["at rest", "at once"])
+def test_a_closed_window_leaves_nothing_behind(app: QApplication, waited: bool) -> None:
     window = open_window(app)
     window.show()
-    settle()
+    if waited:
+        settle()
+    window.status.ask("Click a second pin")
+    window.status.clearMessage()  # the question would be shown again at the next event
     remembered = [weakref.ref(each) for each in (window, window.session, window.player, window.docks["torque"])]
     window.close()
     window.deleteLater()
