@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 TABLES = (PROFILE, KINEMATICS, LINKAGE, DYNAMICS, SERVO, ORBIT)
 ANGLES_AT_ONCE = 32_768  # a larger study is computed and written in blocks: memory does not grow with its angles
+LINES_AT_ONCE = 1_024  # their text stays in the processor's cache
 TONGUES, SUMMARY, SHAFT = "tongues.csv", "summary.json", "shaft.csv"
 MOTOR_COLUMNS = {
     f"servo_{each}": f"motor_{each}" for each in ("torque_nm", "force_n", "speed_rpm", "velocity_mm_s", "power_w")
@@ -43,19 +44,23 @@ def csv_head(names: Sequence[str]) -> bytes:
 
 def csv_lines(names: Sequence[str], columns: Sequence[np.ndarray]) -> bytes:
     """The lines of columns (n,), without a header. Raises KindynaError where a number is not finite."""
-    import orjson
-
     rows = np.column_stack(columns)
     if not np.isfinite(rows).all():
         row, column = np.argwhere(~np.isfinite(rows))[0]
         raise KindynaError(f"{names[column]}: not finite at {names[0]} {columns[0][row]:.6g}; no table can hold that")
-    if not rows.size:
-        return b""
+    return b"".join(_lines(rows[first : first + LINES_AT_ONCE]) for first in range(0, len(rows), LINES_AT_ONCE))
+
+
+def _lines(rows: np.ndarray) -> bytearray:
+    import orjson
+
     text = bytearray(orjson.dumps(rows.ravel(), option=orjson.OPT_SERIALIZE_NUMPY))  # [1.0,2.0,3.0,4.0]
     marks = np.frombuffer(text, dtype=np.uint8)
     marks[np.flatnonzero(marks == ord(","))[rows.shape[1] - 1 :: rows.shape[1]]] = ord("\n")
     marks[-1] = ord("\n")
-    return bytes(memoryview(text)[1:])
+    del marks  # who looks at a bytearray keeps it from being shortened
+    del text[0]
+    return text
 
 
 def bounded(study: Study) -> Study:
@@ -64,7 +69,8 @@ def bounded(study: Study) -> Study:
 
 
 def blocks(study: Study) -> Iterator[tuple[np.ndarray, Study]]:
-    """Angles as in tables [deg] and the study at them, so many at once; a study of no more angles comes as it is."""
+    """Angles as in tables [deg] and the study at them, so many at once, which is emptied when the next is asked for; a study of no
+    more angles comes as it is."""
     degrees = study.angle_degrees
     if degrees.size <= ANGLES_AT_ONCE:
         yield degrees, study
@@ -72,7 +78,9 @@ def blocks(study: Study) -> Iterator[tuple[np.ndarray, Study]]:
     for begin in range(0, degrees.size, ANGLES_AT_ONCE):
         checkpoint()
         part = degrees[begin : begin + ANGLES_AT_ONCE]
-        yield part, study.at(study.program.angles(np.deg2rad(part)))
+        there = study.at(study.program.angles(np.deg2rad(part)))
+        yield part, there
+        vars(there).clear()  # its camshaft holds it in turn: what they hold would stay until garbage is searched for
 
 
 def table(
@@ -177,8 +185,9 @@ def camshaft_columns(camshaft: Camshaft[Study]) -> list[Column]:
     return rows
 
 
-def camshaft_table(camshaft: Camshaft[Study]) -> Iterator[bytes] | None:
+def camshaft_table(study: Study) -> Iterator[bytes] | None:
     """``shaft.csv``, block by block; None where no drive has an answer."""
+    camshaft = bounded(study).camshaft
     rows = camshaft_columns(camshaft)
     if not rows:
         return None
@@ -186,7 +195,7 @@ def camshaft_table(camshaft: Camshaft[Study]) -> Iterator[bytes] | None:
     def made() -> Iterator[bytes]:
         names = ["machine_angle_deg", *(name for name, _ in rows)]
         yield csv_head(names)
-        angles = camshaft.angle_degrees
+        angles = study.angle_degrees
         for begin in range(0, angles.size, ANGLES_AT_ONCE):
             checkpoint()
             part = angles[begin : begin + ANGLES_AT_ONCE]
@@ -198,14 +207,14 @@ def camshaft_table(camshaft: Camshaft[Study]) -> Iterator[bytes] | None:
 
 def _of_camshaft(study: Study, stages: Sequence[str]) -> dict[str, str | Iterator[bytes]]:
     """``shaft.csv``, and the tables of each drive in a folder of its slug."""
-    camshaft = study.camshaft
+    camshaft = bounded(study).camshaft
     made: dict[str, str | Iterator[bytes]] = {}
-    parts = camshaft_table(camshaft) if not stages or "dynamics" in stages else None
+    parts = camshaft_table(study) if not stages or "dynamics" in stages else None
     if parts is not None:
         made[SHAFT] = parts
-    folders = dict(study.answering)
+    folders = {slug: study.drives[name] for name, slug in camshaft.slugs.items() if name not in camshaft.failures}
     if study.design.balancer is not None and answers(camshaft) and camshaft.balancer is not None:
-        folders[BALANCER] = camshaft.balancer
+        folders[BALANCER] = study.of(camshaft.balancer.design)
     for folder, each in folders.items():
         own = tuple(stage for stage in each.stages if stage in stages)
         if own or not stages:

@@ -1,15 +1,18 @@
 """core.output.channels, core.output.export, core.output.summary: the tables, column by column, against values derived from the geometry."""
 
 import csv
+import gc
 import io
 import json
 import math
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from counting import peak
 from mechanisms import LAYOUT_DESIGNS, LIFT, PUSHER, levels, with_drive, with_follower, with_loads, with_shaft
 from references import MP, Solved, cam_shape, free_bodies, sense_of, solved, speed_of
 
@@ -35,7 +38,8 @@ TABLES = {
                    "dynamics.csv": [*DYNAMICS, *SLIDER_FORCES, *BEARING]},
     "translating": {"profile.csv": PROFILE, "kinematics.csv": KINEMATICS, "dynamics.csv": [*DYNAMICS, *BEARING]},
 }  # fmt: skip
-ROCKER = load(Path(__file__).parents[3] / "resources" / "examples" / "rocker_cam.toml")
+EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
+ROCKER = load(EXAMPLES / "rocker_cam.toml")
 OF_KIND = {"cam-slider": LIFT, "translating": PUSHER, "oscillating": ROCKER}
 DESIGNS = {"lift": LIFT, "pusher": PUSHER, "c": LAYOUT_DESIGNS["c"], "g": LAYOUT_DESIGNS["g"]}
 
@@ -137,6 +141,23 @@ def test_a_large_table_is_made_in_blocks_that_fit_together(tmp_path: Path) -> No
             wanted = channel(LIFT, slug).values(picked)
             assert there == pytest.approx(wanted, rel=1e-12, abs=1e-12 * np.abs(wanted).max()), slug
     assert json.loads((tmp_path / "summary.json").read_text())
+
+
+@pytest.mark.parametrize("name", ["transfer_lift", "transfer_unit"])
+def test_twice_as_many_angles_hold_no_more_memory(name: str, tmp_path: Path) -> None:
+    design = load(EXAMPLES / f"{name}.toml")
+
+    def run(samples: int) -> None:
+        export(Study(design, samples), tmp_path, ["dynamics"])
+
+    run(66_000)  # what is kept for the next question is kept from now on
+    gc.collect()
+    gc.disable()  # as beside the window, which searches for garbage now and then
+    try:
+        few, many = (peak(partial(run, samples)) for samples in (66_000, 132_000))
+    finally:
+        gc.enable()
+    assert many < 1.3 * few
 
 
 def test_what_is_not_finite_is_refused_with_its_column() -> None:
