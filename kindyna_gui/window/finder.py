@@ -17,6 +17,7 @@ from core.design import Design, Entry, only, path_of
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.study import findings_of, names_of, quantity
+from core.units import units_like
 from kindyna_gui.forms.form import rows_of
 from kindyna_gui.forms.tables import RowsModel, TableHeading, TableRow
 from kindyna_gui.forms.typed_number import parsed
@@ -33,6 +34,8 @@ HINT = "Command, field, channel, example, help, finding; base radius 420 sets it
 _MOVES = MappingProxyType(
     {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1, Qt.Key.Key_PageUp: -SHOWN, Qt.Key.Key_PageDown: SHOWN}
 )
+FIRST, BEHIND_NAMES = -100.0, 10.0  # of values that are set; of those refused: a name ``segment 2 span`` is no amount
+_AMOUNT = re.compile(r"[-+\u2212]?[\d.,]+\s*([^\W\d_]|[°%\"/]).*")
 _WORD = re.compile(r"[\w°%µ/|∠.+-]+")
 
 
@@ -204,6 +207,11 @@ def splits(text: str) -> Iterator[tuple[list[str], str]]:
         yield _WORD.findall(folded(" ".join(parts[:at]))), " ".join(parts[at:])
 
 
+def is_amount(text: str) -> bool:
+    """Whether a text is one number and one unit, of whatever kind."""
+    return _AMOUNT.fullmatch(text) is not None and len(text.split()) <= 2
+
+
 def value_in(entry: Entry, text: str) -> Any:
     """The value that a text behind a field's name means; None where it means none."""
     if entry.info.choices:
@@ -291,25 +299,34 @@ class Finder(QFrame):
             self.list.selectRow(0)
 
     def _settings(self, text: str, first: int) -> Iterator[tuple[float, int, Found]]:
-        """Fields that a typed value is for; they come before all else."""
+        """Fields that a typed value is for; they come before all else, those that refuse its unit behind what is called so."""
         for words, typed in splits(text):
             for i, found in enumerate(self.all):
                 if found.entry is not None and (cost := rank(found, words)) is not None and cost < 10.0:
                     made = self._setting(found, typed)
                     if made is not None:
-                        yield cost - 100.0, first + i, made
+                        yield cost + (FIRST if made.kind == "Set" else BEHIND_NAMES), first + i, made
 
     def _setting(self, found: Found, typed: str) -> Found | None:
         assert found.entry is not None
         info, unit = found.entry.info, found.entry.unit
         value = value_in(found.entry, typed)
         if value is None:
-            return None
+            return self._refusal(found, typed)
         shown = value_text(value, unit) if not info.choices else choice_text(str(value))
         if not info.admits(value):
             tip = f"outside its range; allowed: {allowed_text(info, unit)}"
             return _found("Set", f"{found.title}: {shown} is {tip}", "", tip, found.act)
         return _found("Set", f"{found.title} to {shown}", found.beside, found.tip, partial(self._set, found, value))
+
+    def _refusal(self, found: Found, typed: str) -> Found | None:
+        """Why a number with a unit behind it, ``420 kg``, sets nothing; None where it is no such thing."""
+        entry = found.entry
+        if entry is None or entry.info.choices or entry.info.flag or not is_amount(typed):
+            return None
+        units = ", ".join(units_like(entry.unit.symbol))
+        tip = f"its units are {units}" if units else "it has no unit"
+        return _found("Refused", f"{found.title}: {typed} is none of its values; {tip}", "", tip, found.act)
 
     def _set(self, found: Found, value: Any) -> None:
         session, entry = self._window.session, found.entry

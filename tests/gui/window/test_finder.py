@@ -89,6 +89,32 @@ def test_a_value_that_cannot_be_says_what_is_allowed_and_changes_nothing(user: U
     assert user.steps == []
 
 
+@pytest.mark.parametrize(
+    ("typed", "path", "said"),
+    [
+        ("base radius 420 kg", "cam.base_radius_mm", "420 kg is none of its values; its units are mm, µm, cm, m, in"),
+        ("speed 3 mm", "shaft.speed_rpm", "3 mm is none of its values; its units are °/s, rad/s, rpm, Hz"),
+        ("rod centre 3 furlongs", "loads.rod_centre", "3 furlongs is none of its values; it has no unit"),
+    ],
+)
+def test_a_unit_that_the_field_lacks_gives_one_line_and_sets_nothing(
+    user: User, typed: str, path: str, said: str
+) -> None:
+    finder = find(user, typed)
+    assert finder.shown[0].kind == "Refused"
+    assert said in finder.shown[0].title
+    user.press(Qt.Key.Key_Return)
+    assert not finder.isVisible()
+    assert user.steps == []
+    wait_for(lambda: user.parameters().field(path).editor.hasFocus())
+
+
+def test_a_name_with_a_number_in_it_is_no_refused_value(user: User) -> None:
+    finder = find(user, "segment 2 span")
+    assert (finder.shown[0].kind, finder.shown[0].title) == ("Field", "Segment 2, span")
+    user.press(Qt.Key.Key_Escape)
+
+
 def test_another_drive_is_set_under_its_name(same_window: Open) -> None:
     user = same_window(example("transfer_unit"))
     find(user, "lift base radius 410")
