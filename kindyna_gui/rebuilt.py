@@ -3,12 +3,16 @@
 What is made anew stands in one widget, its content, which is replaced whole; no layout is emptied by hand. PySide keeps a
 wrapper for each item of a layout that was filled and then added to another one. Where the widgets of such a layout go one by
 one, Qt deletes the items and the wrappers stay behind: whatever is created at the same address next is taken for a layout
-item, and the process dies. Where the widget goes that has the outer layout, they go with it.
+item, and the process dies. Where the widget goes that has the outer layout, they go with it. So does what a part still has to do
+once the events at hand are done (``soon``).
 """
 
 from __future__ import annotations
 
-from PySide6.QtCore import QObject
+from collections.abc import Callable
+from typing import Any
+
+from PySide6.QtCore import QObject, QTimer
 from PySide6.QtGui import QActionGroup
 from PySide6.QtWidgets import QMenu, QVBoxLayout, QWidget
 
@@ -63,4 +67,16 @@ class Rebuilt(QWidget):
         content.show()
 
 
-__all__ = ["Rebuilt", "clear_menu", "take_away"]
+def soon(owner: QObject, deed: Callable[[], Any]) -> None:
+    """Do it when the event loop comes round again, unless its owner has gone by then.
+
+    ``QTimer.singleShot`` keeps what it is to call for ever where the owner goes first, and with a method all that its object reaches:
+    a timer of the owner goes with it.
+    """
+    timer = QTimer(owner, singleShot=True)
+    timer.timeout.connect(deed)
+    timer.timeout.connect(timer.deleteLater)
+    timer.start()
+
+
+__all__ = ["Rebuilt", "clear_menu", "soon", "take_away"]

@@ -22,8 +22,8 @@ from kindyna_gui.fault_log import short
 from kindyna_gui.labels import reason
 from kindyna_gui.player import Player
 from kindyna_gui.preferences.units import TOLD
+from kindyna_gui.rebuilt import soon
 from kindyna_gui.requirements import NotHere, Way, ways_of
-from kindyna_gui.soon import soon
 
 
 def in_sight(widget: QWidget) -> bool:

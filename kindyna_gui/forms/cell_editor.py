@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QAbstractItemView, QStyledItemDelegate, QTableView
 
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.copying import copied
-from kindyna_gui.soon import soon
+from kindyna_gui.rebuilt import soon
 
 ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 

@@ -22,8 +22,8 @@ from kindyna_gui.forms.loads_page import LoadsPage
 from kindyna_gui.labels import SECTION_NAMES
 from kindyna_gui.look import ASSUMED, QUIET, coloured, sign
 from kindyna_gui.player import Player
+from kindyna_gui.rebuilt import soon
 from kindyna_gui.requirements import lists_links
-from kindyna_gui.soon import soon
 from kindyna_gui.view import View, ViewHost
 
 LOADS = "loads"

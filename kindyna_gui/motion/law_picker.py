@@ -18,7 +18,7 @@ from kindyna_gui.motion.law_list import law_tip, matching, peaks_text
 from kindyna_gui.pictures.items import wrapped
 from kindyna_gui.pictures.plots.law_icon import paint_law
 from kindyna_gui.pictures.style import SCREEN, SMALL, font
-from kindyna_gui.soon import soon
+from kindyna_gui.rebuilt import soon
 
 COLUMNS = 4
 CELL = QSize(142, 106)

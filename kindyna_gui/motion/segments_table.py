@@ -24,7 +24,7 @@ from kindyna_gui.motion.editor import DIRECTIONS
 from kindyna_gui.motion.law_picker import LawBox
 from kindyna_gui.motion.marks import FIRST, Parts
 from kindyna_gui.motion.segments_model import COLUMNS, FROM, JOIN, LAW, SegmentCell, SegmentsModel
-from kindyna_gui.soon import soon
+from kindyna_gui.rebuilt import soon
 
 Index = QModelIndex | QPersistentModelIndex
 USUAL_ROWS, LEAST_ROWS = 7, 5

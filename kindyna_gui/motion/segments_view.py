@@ -34,8 +34,8 @@ from kindyna_gui.motion.segments_model import LAW, RISE, SPAN, SegmentsModel
 from kindyna_gui.motion.segments_table import SegmentsTable
 from kindyna_gui.pictures.plots.quantities import rows_of
 from kindyna_gui.player import Player
+from kindyna_gui.rebuilt import soon
 from kindyna_gui.requirements import require_motion
-from kindyna_gui.soon import soon
 from kindyna_gui.view import ViewHost
 
 _KEYS = {"law": LAW, "span_deg": SPAN, "rise_mm": RISE, "rise_deg": RISE}

@@ -31,9 +31,9 @@ from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.places import default_design, example
 from kindyna_gui.player import Player
 from kindyna_gui.preferences import kept as preferences
+from kindyna_gui.rebuilt import soon
 from kindyna_gui.saving import copy_picture, save_picture
 from kindyna_gui.settings import Settings
-from kindyna_gui.soon import soon
 from kindyna_gui.view import NumberAtHand, View
 from kindyna_gui.window import menus
 from kindyna_gui.window.base import Window

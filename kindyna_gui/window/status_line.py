@@ -22,8 +22,7 @@ from kindyna_gui.documents.texts import misses, waiting_text
 from kindyna_gui.labels import named_value, reason
 from kindyna_gui.look import QUIET, coloured, sign, text_button
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import clear_menu
-from kindyna_gui.soon import soon
+from kindyna_gui.rebuilt import clear_menu, soon
 
 PAUSE_MS = 150
 STAY_MS = 6000  # of a message
