@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import field
 from types import MappingProxyType
 from typing import Any
@@ -64,23 +64,46 @@ TEXTS: Mapping[str, str] = MappingProxyType(
 """Field -> key of the settings, which the dialog of the report reads too."""
 
 
-def _word(kept: QSettings, key: str, words: Any, usual: Any) -> Any:
-    """One of some words as it is kept; the usual one where another stands there, of a newer version or broken."""
-    found = kept.value(key)
-    return next((word for word in words if str(word) == str(found)), usual)
+WORDS: Mapping[str, Sequence[str | int]] = MappingProxyType(
+    {
+        **{f"units/{kind}": choices for kind, choices in UNITS.items()},
+        "units/decimal": (".", ","),
+        "look/theme": tuple(THEMES),
+        "look/font": tuple(FONTS),
+        "look/still": (0, 1),
+        TEXTS["paper"]: PAPERS,
+    }
+)
+"""Key of the settings -> what it may hold, the usual first."""
+
+
+def _word(kept: QSettings, key: str) -> Any:
+    """One of its words as it is kept; the usual one where another stands there, of a newer version or broken."""
+    found = str(kept.value(key))
+    return next((word for word in WORDS[key] if str(word) == found), WORDS[key][0])
+
+
+def not_understood() -> list[str]:
+    """What is kept and is none of the words of its key, of a newer version or broken: each with the word that is taken for it."""
+    kept = QSettings("KINDYNA", "KINDYNA")
+    return [
+        f"{key} {kept.value(key)!s:.40} (taken as {words[0]})"
+        for key, words in WORDS.items()
+        if kept.contains(key) and str(kept.value(key)) not in map(str, words)
+    ]
 
 
 def read() -> Preferences:
     """What is kept."""
     kept = QSettings("KINDYNA", "KINDYNA")
-    units = {kind: _word(kept, f"units/{kind}", choices, choices[0]) for kind, choices in UNITS.items()}
+    units = {kind: _word(kept, f"units/{kind}") for kind in UNITS}
     return Preferences(
         MappingProxyType({kind: unit for kind, unit in units.items() if unit != UNITS[kind][0]}),
-        _word(kept, "units/decimal", (",",), "") == ",",
-        _word(kept, "look/theme", THEMES, "light"),
-        _word(kept, "look/font", FONTS, 100),
-        str(kept.value("look/still")) == "1",
-        _word(kept, TEXTS["paper"], PAPERS, PAPERS[0]),
+        _word(kept, "units/decimal") == ",",
+        _word(kept, "look/theme"),
+        _word(kept, "look/font"),
+        _word(kept, "look/still") == 1,
+        _word(kept, TEXTS["paper"]),
         *(str(kept.value(TEXTS[name]) or "") for name in ("author", "company", "logo")),
     )
 

@@ -581,6 +581,10 @@ class MainWindow(Window):
         for dock in self.docks.values():
             dock.hold(False)
         self.layouts.furnish()
+        if strange := preferences.not_understood():
+            self.status.show_message(
+                f"Preferences that are not understood: {', '.join(strange)}; Edit > Preferences sets them anew"
+            )
         self.furnished.emit()
 
     def closeEvent(self, event: QCloseEvent) -> None:

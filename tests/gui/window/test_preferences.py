@@ -32,6 +32,7 @@ from kindyna_gui.labels import value_text
 from kindyna_gui.pictures.units import measure, readable
 from kindyna_gui.places import example
 from kindyna_gui.preferences import kept, units
+from kindyna_gui.window.main_window import open_window
 from kindyna_gui.window.preferences_dialog import PreferencesDialog
 
 ROOT = Path(__file__).parents[3]
@@ -182,7 +183,9 @@ def test_preferences_are_kept_and_reset(user: User) -> None:
     assert QApplication.font().pixelSize() == letters
 
 
-def test_broken_settings_and_a_logo_that_is_no_picture_stop_nothing(user: User, tmp_path: Path) -> None:
+def test_broken_settings_and_a_logo_that_is_no_picture_stop_nothing(
+    app: QApplication, user: User, tmp_path: Path
+) -> None:
     settings = QSettings("KINDYNA", "KINDYNA")
     for key, value in {
         "units/length": "furlong",
@@ -193,6 +196,16 @@ def test_broken_settings_and_a_logo_that_is_no_picture_stop_nothing(user: User, 
         settings.setValue(key, value)
     settings.sync()
     assert kept.read() == kept.Preferences()
+    window = open_window(app)
+    window.show()
+    wait_for(lambda: "not understood" in window.status.currentMessage())
+    said = window.status.currentMessage()
+    assert all(
+        each in said
+        for each in ("units/length furlong (taken as mm)", "look/theme purple (taken as light)", "look/font huge")
+    )
+    window.close()
+    window.deleteLater()
     (tmp_path / "logo.png").write_text("no picture")
 
     def name_logo(dialog: PreferencesDialog) -> None:
