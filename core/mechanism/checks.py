@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from math import degrees
 
+import numpy as np
+
 from core.design.linkage import MOST_TURNS, Linkage
 from core.errors import angle_list
 from core.findings import ERROR, NOTE, WARNING, Finding
 from core.mechanism.driver_ranges import DriverRanges
+from core.mechanism.mechanism import body_name
 from core.motion.extremes import Extreme
 from core.motion.extremes import Range as Extremes
 
@@ -18,6 +21,7 @@ MOST_APART = 1e-6  # of both radii: as far as pitch circles may miss each other,
 SINGULAR = ("dead-centre", "rod-across-guide")
 """Codes of what must not vanish in a follower's linkage."""
 LEAST_SINGULAR = 0.05
+_AMID = 0.382  # of a range: no symmetric place
 
 
 def findings(
@@ -31,9 +35,7 @@ def findings(
     crank is to."""
     found = []
     if redundant := driver_ranges.plan.redundant:
-        from core.mechanism.unfinished import unfinished
-
-        held = unfinished(driver_ranges.plan.linkage).redundant or redundant
+        held = _held_without_need(driver_ranges) or redundant
         found.append(Finding("redundant-links", NOTE, "linkage.links", None, {"links": _and(held)}))
     if driver_ranges.swings:
         found.append(_swings(driver_ranges))
@@ -72,6 +74,19 @@ def findings(
         else:
             found.append(Finding("transmission-angle", WARNING, "linkage.links", at, values))
     return found
+
+
+def _held_without_need(driver_ranges: DriverRanges) -> tuple[int, ...]:
+    """The links that hold each other without need, where the driver stands amid its range: not at its start, where cranks often lie
+    in line and the rank is what rounding makes of it."""
+    from core.mechanism.assembly import unit_speed_kinematics
+    from core.mechanism.drawn import as_drawn
+    from core.mechanism.unfinished import unfinished
+
+    linkage, here = driver_ranges.plan.linkage, driver_ranges.ranges[0]
+    place = here.low + _AMID * (here.high - here.low)
+    bodies = unit_speed_kinematics(linkage, np.array([place]), driver_ranges).bodies
+    return unfinished(as_drawn(linkage, place, {n: bodies[body_name(n)] for n in linkage.by_number})).redundant
 
 
 def _and(numbers: Sequence[int]) -> str:
