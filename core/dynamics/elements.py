@@ -24,11 +24,11 @@ class Rate(NamedTuple):
     speed: float
     acceleration: float = 0.0
 
-    def second(self, x: Derivatives) -> np.ndarray:
-        """ẍ = ω² x'' + ω̇ x' (n,) [unit of x per s²]."""
+    def second(self, x: Derivatives, by: Number = 1.0) -> np.ndarray:
+        """ẍ = ω² x'' + ω̇ x' (n,) [unit of x per s²], by a factor."""
         if self.acceleration == 0.0:
-            return self.speed * self.speed * x[2]
-        return self.speed * self.speed * x[2] + self.acceleration * x[1]
+            return (by * self.speed * self.speed) * x[2]
+        return (by * self.speed * self.speed) * x[2] + (by * self.acceleration) * x[1]
 
 
 class Load(NamedTuple):
@@ -115,9 +115,9 @@ class Mass(Lossless):
         pull = (
             spread(np.atleast_1d(part.mass * self.gravity), kinematics.theta.shape[-1])
             if zero
-            else (part.mass * (self.gravity - rate.second(z)))
+            else part.mass * self.gravity - rate.second(z, part.mass)
         )
-        couple = -part.about_centre * rate.second(a) if part.about_centre and not zero else 0.0
+        couple = rate.second(a, -part.about_centre) if part.about_centre and not zero else 0.0
         yield Load(self.body, z[0], pull, couple)
 
     def potential(self, kinematics: Kinematics) -> np.ndarray:

@@ -105,11 +105,10 @@ class _Case:
         self.contact = np.zeros(1) if press is None else -walk.needed / press.needed
         self.driver = walk.needed if press is None else np.zeros(1)
 
-    def pair(self, name: str) -> np.ndarray:
-        """A pair's force (n,), with what the contact adds to it."""
-        return _with_contact(
-            self.walk.pair(name), self.contact, None if self.press is None else self.press.pair(name), _NO_FORCE
-        )
+    def carried(self, name: str) -> np.ndarray:
+        """What a pair carries (n,), a pin's force or the normal force of a slide, with what the contact adds to it."""
+        one = None if self.press is None else self.press.carried(name)
+        return _with_contact(self.walk.carried(name), self.contact, one, _NONE)
 
     def couple(self, name: str) -> np.ndarray:
         """The couple on a sliding pair (n,), likewise."""
@@ -338,13 +337,14 @@ def _reactions(
     pairs: dict[str, np.ndarray] = {}
     couples: dict[str, np.ndarray] = {}
     for name, pair in kinematics.pairs.items():
-        for total, part_of, none in ((pairs, Walk.pair, _NO_FORCE), (couples, Walk.couple, _NONE)):
-            if total is couples and pair.kind == REVOLUTE:
-                continue
+        turns = pair.kind == REVOLUTE
+        for total, part_of in ((pairs, Walk.carried), *(() if turns else ((couples, Walk.couple),))):
             parts = [part_of(case.walk, name)]
             parts += [None if (one := part_of(walk, name)) is None else size * one for size, walk in shares]
             given = [part for part in parts if part is not None]
-            total[name] = np.asarray(sum(given[1:], given[0])) if given else none
+            total[name] = np.asarray(sum(given[1:], given[0])) if given else _NO_FORCE if turns else _NONE
+        if not turns:
+            pairs[name] = 1j * kinematics.line(pair) * pairs[name]
     for name in (input_of(dyad.bodies[0]) for dyad in kinematics.dyads if dyad.on):
         parts = [case.walk.couple(name)]
         parts += [None if (one := walk.couple(name)) is None else size * one for size, walk in shares]
@@ -401,7 +401,7 @@ def _sizes(
 
 def _carried_by(kinematics: Kinematics, friction: Friction, case: _Case) -> list[np.ndarray]:
     """What carries the reaction of a pair that rubs, each (n,): the pair, or the two edges of a slide of some length."""
-    normal = _normal(kinematics, friction.pair, case.pair(friction.pair))
+    normal = case.carried(friction.pair)
     return _edges(normal, case.couple(friction.pair), friction.length) if friction.length else [normal]
 
 

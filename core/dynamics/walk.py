@@ -47,7 +47,7 @@ class Walk:
     """Loads on each body, reactions of what is solved included.
 
     needed   (n,) what the driver must be given: torque [N m] where it is pinned to the frame, force [N] along its line
-    names    of the pairs that something passes through; what it is, is made when it is read: see ``pair`` and ``couple``
+    names    of the pairs that something passes through; what it is, is made when it is read: see ``carried`` and ``couple``
     """
 
     def __init__(self, kinematics: Kinematics, loads: Iterable[Load], places: dict[Any, Any] | None = None) -> None:
@@ -76,8 +76,9 @@ class Walk:
     def names(self) -> Iterable[str]:
         return self._pairs.keys()
 
-    def pair(self, name: str) -> np.ndarray | None:
-        """The force (n,) [N] by ``on`` on ``body`` at the body's point of a pair, friction not in it; None where there is none."""
+    def carried(self, name: str) -> np.ndarray | None:
+        """What a pair carries (n,) [N] by ``on`` on ``body``, friction not in it: the force at the body's point of a pin, the normal
+        force along line + 90 deg of a sliding pair; None where there is none."""
         return _made(self._pairs, name)
 
     def couple(self, name: str) -> np.ndarray | None:
@@ -95,8 +96,8 @@ class Walk:
             self._record(name, driver, lambda: opposite(_total(loads)))
             return -_moment(loads, at)
         line, force = self.along(name), _total(loads)
-        self._record(name, driver, lambda: -1j * line * dot(1j * line, force), lambda: -_moment(loads, at))
-        return np.asarray(-dot(line, force))
+        self._record(name, driver, lambda: -dot(1j * line, force), lambda: -_moment(loads, at))
+        return -dot(line, force)
 
     def load(self, load: Load) -> None:
         """Put a load on its body; the frame bears anything."""
@@ -130,34 +131,36 @@ class Walk:
         return _moment(self._loads.get(body, []), at)
 
     def react(self, name: str, body: str, force: np.ndarray) -> None:
-        """The pair's force on ``body``, one of its two bodies, and the opposite on the other; the couple of a sliding pair
-        balances what is left of that body's moment."""
+        """The force of a pin on ``body``, one of its two bodies, and the opposite on the other."""
         at = self.at(name)
-        couple = 0.0 if self.kinematics.pairs[name].kind == REVOLUTE else -self.about(body, at)
-        self.load(Load(body, at, force, couple))
-        self.pass_on(name, body, at, force, couple)
+        self.load(Load(body, at, force))
+        self.pass_on(name, body, at, force)
 
     def hold(self, name: str, body: str) -> None:
         """The last pair of ``body`` takes all that is left of its loads and hands it on to the other body."""
         pair, loads = self.kinematics.pairs[name], self._loads.get(body, [])
+        other = pair.on if body == pair.body else pair.body
         if pair.kind == REVOLUTE:
-            if FRAME in (pair.on, pair.body):
+            if other == FRAME:
                 self._record(name, body, lambda: opposite(_total(loads)))
             else:
-                self.pass_on(name, body, self.at(name), opposite(_total(loads)), 0.0)
+                total = _total(loads)
+                self._record(name, body, lambda: opposite(total))
+                self.load(Load(other, self.at(name), total))
             return
         at, across = self.at(name), 1j * self.along(name)  # nothing is left along its line but rounding
-        if FRAME in (pair.on, pair.body):
-            self._record(name, body, lambda: -across * dot(across, _total(loads)), lambda: -_moment(loads, at))
+        if other == FRAME:
+            self._record(name, body, lambda: -dot(across, _total(loads)), lambda: -_moment(loads, at))
         else:
-            self.pass_on(name, body, at, -across * dot(across, _total(loads)), -_moment(loads, at))
+            self.pass_on(name, body, at, -dot(across, _total(loads)), -_moment(loads, at))
 
-    def pass_on(self, name: str, body: str, at: np.ndarray, force: np.ndarray, couple: Number) -> None:
-        """Record a pair's force and couple on ``body``, and load the pair's other body with their opposites."""
+    def pass_on(self, name: str, body: str, at: np.ndarray, carried: np.ndarray, couple: Number = 0.0) -> None:
+        """Record what a pair carries on ``body``, see ``carried``, and its couple; load the pair's other body with their opposites."""
         pair = self.kinematics.pairs[name]
-        self._record(name, body, lambda: force, lambda: np.asarray(couple))
+        self._record(name, body, lambda: carried, lambda: np.asarray(couple))
         other = pair.on if body == pair.body else pair.body
         if other != FRAME:
+            force = carried if pair.kind == REVOLUTE else 1j * self.along(name) * carried
             self.load(Load(other, at, opposite(force), -couple))
 
     def drive_inside(self, needed: np.ndarray) -> None:
@@ -169,12 +172,12 @@ class Walk:
         self._couples[input_of(body)] = torque
 
     def _record(
-        self, name: str, body: str, force: Callable[[], np.ndarray], couple: Callable[[], np.ndarray] | None = None
+        self, name: str, body: str, carried: Callable[[], np.ndarray], couple: Callable[[], np.ndarray] | None = None
     ) -> None:
         """Into the tables, as by ``on`` on ``body`` of the pair."""
         pair = self.kinematics.pairs[name]
         turned = body != pair.body
-        self._pairs[name] = (lambda: opposite(force())) if turned else force
+        self._pairs[name] = (lambda: opposite(carried())) if turned else carried
         if pair.kind != REVOLUTE and couple is not None:
             self._couples[name] = (lambda: -couple()) if turned else couple
 
@@ -309,9 +312,9 @@ def _group(walk: Walk, dyad: Dyad) -> None:
         walk.drive_inside(found[-1])
     for i, (name, first, second) in enumerate(columns):
         pair = kinematics.pairs[name]
-        force = found[2 * i] * first + found[2 * i + 1] * second
-        couple = 0.0 * found[0] if pair.kind == REVOLUTE else found[2 * i + 1]
-        walk.pass_on(name, pair.body, walk.at(name), force, couple)
+        turns = pair.kind == REVOLUTE
+        carried = found[2 * i] * first + found[2 * i + 1] * second if turns else found[2 * i]
+        walk.pass_on(name, pair.body, walk.at(name), carried, 0.0 if turns else found[2 * i + 1])
 
 
 def _balanced(matrix: np.ndarray, loads: np.ndarray) -> np.ndarray:

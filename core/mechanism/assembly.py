@@ -19,7 +19,7 @@ from core.mechanism.mechanism import ROLLER, Mechanism, mechanism_of
 from core.mechanism.plan import Joint, SolutionPlan
 from core.mechanism.solving import InputSolution, Solved, at_driver
 from core.motion import Angles, MotionState
-from core.numerics.derivatives import Derivatives, difference, product
+from core.numerics.derivatives import Derivatives, difference, product, scaled
 from core.numerics.vectors import cross, dot, heading, spread
 
 Points = Mapping[int, Mapping[str, complex]]
@@ -38,17 +38,17 @@ def solve_mechanism(mechanism: Mechanism, motion: MotionState, driver_ranges: Dr
         driver_ranges = driver_ranges_for(mechanism, lambda: (float(y[0].min()), float(y[0].max())))
     q = y if driver_ranges.swings or driver_ranges.turns > 1 else _driver(mechanism, motion)
     solved = driver_ranges.solve(q)
-    _require(mechanism, driver_ranges, solved, motion)
+    calm = _require(mechanism, driver_ranges, solved, motion)
     if mechanism.require is not None:
         mechanism.require(mechanism.start, motion)
     points, reference, ground = mechanism.places, mechanism.reference, mechanism.ground
-    bodies = {name: _body(solved.poses[link], points[link], mechanism, n) for link, name in mechanism.bodies.items()}
+    bodies = {name: _body(solved.poses[link], points[link], mechanism, n, calm) for link, name in mechanism.bodies.items()}
     output, on = mechanism.bodies[plan.driver.second.link], plan.driver.first.link
     follower = carrier = output
     if reference is not None:
         follower, carrier = reference.body, mechanism.bodies[reference.link]
         if follower not in bodies:
-            bodies[follower] = _at_reference(bodies[carrier], points[reference.link][reference.point])
+            bodies[follower] = _at_reference(bodies[carrier], points[reference.link][reference.point], calm)
     return Kinematics(
         motion=motion,
         bodies=bodies,
@@ -102,12 +102,16 @@ def _driver(mechanism: Mechanism, motion: MotionState) -> Derivatives:
     return Derivatives(lambda order: sense * y[order] if order else start + sense * y[0])
 
 
-def _require(mechanism: Mechanism, driver_ranges: DriverRanges, solved: Solved, motion: MotionState) -> None:
-    """Every link somewhere at every angle; a mechanism that refuses for itself stays off dead centres too."""
+def _require(mechanism: Mechanism, driver_ranges: DriverRanges, solved: Solved, motion: MotionState) -> bool:
+    """Every link somewhere at every angle; a mechanism that refuses for itself stays off dead centres too. Whether all rates are finite
+    for sure."""
+    calm = True
     for (step, _), result in zip(driver_ranges.plan.steps, solved.steps, strict=True):
-        if isinstance(result, InputSolution) or (
-            isinstance(result, DyadSolution) and result.sine.min() > 0.0
-        ):  # nan is not
+        if isinstance(result, InputSolution):
+            continue
+        least = result.sine.min() if isinstance(result, DyadSolution) else 0.0
+        calm = calm and bool(least > _CALM)
+        if least > 0.0:  # nan is not
             continue
         first, last = (solved.poses[step.links[i]] for i in (0, -1))
         lost = ~np.isfinite(first.unit + last.unit)
@@ -118,6 +122,10 @@ def _require(mechanism: Mechanism, driver_ranges: DriverRanges, solved: Solved, 
             NoAssembly.where(lost, lambda lost=lost: mechanism.refuse(motion, solved, lost))  # type: ignore[misc]
             continue
         NoPosition.where(lost, lambda step=step, lost=lost: _apart(driver_ranges, step, motion, lost))  # type: ignore[misc]
+    return calm
+
+
+_CALM = 1e-30  # sine of the transmission angle above which three derivatives stay below the largest number
 
 
 def _apart(driver_ranges: DriverRanges, step: SolutionStep, motion: MotionState, lost: np.ndarray) -> NoPosition:
@@ -131,41 +139,50 @@ def _apart(driver_ranges: DriverRanges, step: SolutionStep, motion: MotionState,
     return NoPosition(f"links {links} do not meet{joint}", "linkage.links", hint, angle_ranges(motion.theta, lost))
 
 
-def _body(pose: Pose, points: Mapping[str, complex], mechanism: Mechanism, n: int) -> Pose:
-    """A link of the own frame as a body in the global one, with a value at each of the n positions. Rates that are infinite
-    at a dead centre warn nobody."""
+def _body(pose: Pose, points: Mapping[str, complex], mechanism: Mechanism, n: int, calm: bool) -> Pose:
+    """A link of the own frame as a body in the global one, with a value at each of the n positions. Where not all rates are finite, as
+    at a dead centre, they warn nobody."""
     place, turn = mechanism.place, mechanism.turn
     along = heading(turn) if turn else 1.0
 
     def origin(order: int) -> np.ndarray:
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            row = pose.origin[order]
-            row = row * along if turn else row
-            return spread(row + place if place and not order else row, n)
+        row = pose.origin[order]
+        row = row * along if turn else row
+        return spread(row + place if place and not order else row, n)
 
     def angle(order: int) -> np.ndarray:
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            row = pose.turn[order]
-            return spread(row + turn if turn and not order else row, n)
+        row = pose.turn[order]
+        return spread(row + turn if turn and not order else row, n)
 
-    return Pose(
+    there = Pose(
         Derivatives(origin, pose.origin.constant),
         Derivatives(angle, pose.turn.constant),
         points,
         lambda: spread(pose.unit * along if turn else pose.unit, n),
+        lambda: scaled(pose.spin, along) if turn else pose.spin,
+    )
+    return there if calm else Pose(
+        there.origin.without_warnings(), there.turn.without_warnings(), points, lambda: there.unit, lambda: there.spin.without_warnings()
     )
 
 
-def _at_reference(pose: Pose, at: complex) -> Pose:
+def _at_reference(pose: Pose, at: complex, calm: bool) -> Pose:
     """The cam's follower as a body: its origin is the reference point, and it turns with its link."""
-    return Pose(pose.carried(at).without_warnings(), pose.turn, MappingProxyType({ROLLER: 0j}), lambda: pose.unit)
+    place = pose.carried(at)
+    return Pose(
+        place if calm else place.without_warnings(),
+        pose.turn,
+        MappingProxyType({ROLLER: 0j}),
+        lambda: pose.unit,
+        lambda: pose.spin,
+    )
 
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")
 def _by_driver(mechanism: Mechanism, driver_ranges: DriverRanges, q: np.ndarray, points: Points) -> Mapping[str, Pose]:
     """Every body at the driver's positions (n,), its derivatives by the driver's coordinate."""
     poses = driver_ranges.solve(at_driver(q)).poses
-    return {name: _body(poses[link], points[link], mechanism, q.shape[-1]) for link, name in mechanism.bodies.items()}
+    return {name: _body(poses[link], points[link], mechanism, q.shape[-1], False) for link, name in mechanism.bodies.items()}
 
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")

@@ -109,12 +109,13 @@ def _rrr(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> DyadSolution
 
         return heading, turns.part(row, angle_of(heading))
 
-    poses = (
-        placed(a, outer_a.second.point, *alone(0, to_a, rod_a)),
-        placed(b, outer_b.second.point, *alone(1, to_b, rod_b)),
-    )
+    first, heading = placed(a, outer_a.second.point, *alone(0, to_a, rod_a)), alone(1, to_b, rod_b)
+    if inner.second.point:
+        second = placed(b, outer_b.second.point, *heading)
+    else:  # its origin is the joint, which the first link carries
+        second = placed(first.carried(inner.first.point), inner.second.point, *heading)
     return DyadSolution(
-        poses,
+        (first, second),
         lambda: (1j * to_a, -1j * to_b),
         lambda: sides.gap(la, lb),
         lambda: np.abs(k) * (0.5 / (la * lb)),

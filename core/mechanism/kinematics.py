@@ -15,7 +15,7 @@ import numpy as np
 
 from core.frozen import frozen
 from core.motion import MotionState
-from core.numerics.derivatives import Derivatives, constant, sum_of, turning
+from core.numerics.derivatives import Derivatives, constant, scaled, sum_of, turning
 from core.numerics.lazy import Lazy
 from core.numerics.vectors import dot, unit
 
@@ -32,12 +32,14 @@ class Pose:
     turn    [rad], counter-clockwise from global +x
     points  the body's own points, fixed in its frame [m], for drawing and for pairs
     unit    (n,) complex, the body's x axis: e^{i angle}, where it is known without the angle
+    spin    the same with its derivatives, of which every point that the body carries is a multiple
     """
 
     origin: Derivatives
     turn: Derivatives
     points: Mapping[str, complex] = field(default_factory=lambda: _NOTHING)
     unit: Lazy[np.ndarray] = Lazy(lambda pose: unit(pose.turn[0]))
+    spin: Lazy[Derivatives] = Lazy(lambda pose: turning(pose.unit, pose.turn))
 
     @classmethod
     def of(cls, z: np.ndarray, angle: np.ndarray, points: Mapping[str, complex] = _NOTHING) -> Pose:
@@ -46,7 +48,7 @@ class Pose:
 
     def turning_as(self, turn: Derivatives) -> Pose:
         """The same body with its angle whole turns apart."""
-        return Pose(self.origin, turn, self.points, lambda: self.unit)
+        return Pose(self.origin, turn, self.points, lambda: self.unit, lambda: self.spin)
 
     @property
     def z(self) -> np.ndarray:
@@ -74,7 +76,7 @@ class Pose:
             return self.origin
         found = self._carried.get(local)
         if found is None:
-            found = sum_of(self.origin, turning(local * self.unit, self.turn))
+            found = sum_of(self.origin, scaled(self.spin, local))
             if not found.constant:  # the frame, which all designs share, would keep the points of all of them
                 self._carried[local] = found
         return found

@@ -22,7 +22,7 @@ def pin_of(bodies: Bodies, held: JointEnd) -> Derivatives:
 def line_of(bodies: Bodies, held: JointEnd) -> tuple[Derivatives, Derivatives]:
     """A point of a known line and its direction."""
     pose = bodies[held.link]
-    return pose.carried(held.point), turning(held.along * pose.unit, pose.turn)
+    return pose.carried(held.point), scaled(pose.spin, held.along)
 
 
 def beside(point: Derivatives, direction: Derivatives, offset: float) -> Derivatives:
@@ -45,7 +45,8 @@ def placed(at: Derivatives, local: complex, heading: Callable[[], np.ndarray], a
     if not local:
         return Pose(at, angle, unit=heading)
     along = heading()
-    return Pose(difference(at, turning(local * along, angle)), angle, unit=along)
+    spin = turning(along, angle)
+    return Pose(difference(at, scaled(spin, local)), angle, unit=along, spin=spin)
 
 
 def turned_like(pose: Pose, by: complex) -> tuple[Callable[[], np.ndarray], Derivatives]:

@@ -41,7 +41,7 @@ class Derivatives:
         row = self._rows[order]
         if row is None:
             row = self._rows[order] = self._make(order)
-            row.flags.writeable = False
+            row.setflags(write=False)
         return row
 
     @property
