@@ -18,7 +18,7 @@ from core.instant_centres import cam_follower_centre
 from core.mechanism.kinematics import REVOLUTE, Kinematics
 from core.motion.extremes import Range
 from core.numerics.lazy import once
-from core.numerics.vectors import cross, dot, heading, spread
+from core.numerics.vectors import between_lines, cross, dot, heading, spread
 
 LeastAt = Callable[[str, float], float]
 ROUNDS = 20  # of a search for a base radius
@@ -67,10 +67,6 @@ def envelope(kinematics: Kinematics, face: Flat, cam: object, sense: float) -> C
         second = b * g - a * a * h + 2.0 * a * cross(m, r[1]) + dot(m, r[2])  # h''
         return np.asarray(h + (second * rate - by_angle * b) / (rate * rate * rate))
 
-    def pressure_angle() -> np.ndarray:
-        way = _travel(kinematics, contact())
-        return np.arctan2(np.abs(cross(m, way)), np.abs(dot(m, way)))
-
     flank = Flank(
         straight=True,
         name=INNER,
@@ -81,7 +77,7 @@ def envelope(kinematics: Kinematics, face: Flat, cam: object, sense: float) -> C
         profile=lambda: contact() * back(),
         contact=contact,
         normal=into,
-        pressure_angle=pressure_angle,
+        pressure_angle=lambda: between_lines(m, _travel(kinematics, contact())),
         profile_curvature=lambda: _inverse(radius()),
         profile_velocity=lambda: 1j * m * (radius() * rate) * back(),
         sliding=lambda: sliding(kinematics, motion, contact(), into, sense),

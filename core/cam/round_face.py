@@ -29,7 +29,7 @@ from core.instant_centres import cam_follower_centre
 from core.mechanism.kinematics import Kinematics
 from core.motion.extremes import Range
 from core.numerics.lazy import once
-from core.numerics.vectors import cross, dot
+from core.numerics.vectors import between_lines
 
 POINTS = 181  # of an outline
 _WORDS: Mapping[type, Mapping[str, str]] = MappingProxyType({Shoe: {"face": Shoe.face}})
@@ -75,9 +75,7 @@ def round_envelope(
         profile=lambda: (reference + offset * normal) * back(),
         contact=lambda: reference + offset * normal,
         normal=side * normal,
-        pressure_angle=lambda: np.arctan2(
-            np.abs(cross(normal, kinematics.travel)), np.abs(dot(normal, kinematics.travel))
-        ),
+        pressure_angle=lambda: between_lines(normal, kinematics.travel),
         profile_curvature=lambda: _beyond(bend(), offset),
         profile_velocity=lambda: t * (1.0 - offset * bend()) * back(),
         sliding=lambda: sliding(kinematics, motion, reference + offset * normal, side * normal, sense),

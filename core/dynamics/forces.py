@@ -272,10 +272,12 @@ def _pressing(flank: Flank, sense: float, friction: float) -> np.ndarray:
     """n + μ v̂ (n,): the force on the cam for one newton of contact, v̂ = ± i d n the direction of the follower relative to it."""
     if not friction:
         return flank.normal
-    turned = 1.0 + 1j * sense * friction * np.sign(
-        flank.sliding
-    )  # by a name: numpy turns round products with large nameless ones,
-    return flank.normal * turned  # whose last bits would then depend on how many angles there are
+    rubs = sense * friction * np.sign(flank.sliding)
+    turned = np.empty(np.shape(rubs), dtype=complex)
+    turned.real, turned.imag = 1.0, rubs
+    return (
+        flank.normal * turned
+    )  # by a name: numpy turns round products with large nameless ones, which changes their last bits
 
 
 def unit_friction(kinematics: Kinematics, friction: Friction) -> list[Load]:

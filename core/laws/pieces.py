@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from copy import copy
 from functools import cached_property
 from itertools import pairwise
 from math import comb
@@ -110,13 +109,6 @@ class PieceTable:
         made.starts = np.concatenate([table.starts for table in tables])
         made.derivatives = [_beside([table.derivatives[k] for table in tables], 0) for k in range(ORDERS)]
         made.sines = _beside([table.sines for table in tables], 1)
-        return made
-
-    def repeated(self, count: int) -> PieceTable:
-        """The pieces so many times, one after the other."""
-        made = copy(self)
-        made.starts, made.sines = np.tile(self.starts, count), np.tile(self.sines, count)
-        made.derivatives = [np.tile(rows, count) for rows in self.derivatives]
         return made
 
     def sizes(self) -> np.ndarray:

@@ -42,7 +42,9 @@ def solve_mechanism(mechanism: Mechanism, motion: MotionState, driver_ranges: Dr
     if mechanism.require is not None:
         mechanism.require(mechanism.start, motion)
     points, reference, ground = mechanism.places, mechanism.reference, mechanism.ground
-    bodies = {name: _body(solved.poses[link], points[link], mechanism, n, calm) for link, name in mechanism.bodies.items()}
+    bodies = {
+        name: _body(solved.poses[link], points[link], mechanism, n, calm) for link, name in mechanism.bodies.items()
+    }
     output, on = mechanism.bodies[plan.driver.second.link], plan.driver.first.link
     follower = carrier = output
     if reference is not None:
@@ -161,8 +163,16 @@ def _body(pose: Pose, points: Mapping[str, complex], mechanism: Mechanism, n: in
         lambda: spread(pose.unit * along if turn else pose.unit, n),
         lambda: scaled(pose.spin, along) if turn else pose.spin,
     )
-    return there if calm else Pose(
-        there.origin.without_warnings(), there.turn.without_warnings(), points, lambda: there.unit, lambda: there.spin.without_warnings()
+    return (
+        there
+        if calm
+        else Pose(
+            there.origin.without_warnings(),
+            there.turn.without_warnings(),
+            points,
+            lambda: there.unit,
+            lambda: there.spin.without_warnings(),
+        )
     )
 
 
@@ -182,7 +192,9 @@ def _at_reference(pose: Pose, at: complex, calm: bool) -> Pose:
 def _by_driver(mechanism: Mechanism, driver_ranges: DriverRanges, q: np.ndarray, points: Points) -> Mapping[str, Pose]:
     """Every body at the driver's positions (n,), its derivatives by the driver's coordinate."""
     poses = driver_ranges.solve(at_driver(q)).poses
-    return {name: _body(poses[link], points[link], mechanism, q.shape[-1], False) for link, name in mechanism.bodies.items()}
+    return {
+        name: _body(poses[link], points[link], mechanism, q.shape[-1], False) for link, name in mechanism.bodies.items()
+    }
 
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")

@@ -85,6 +85,8 @@ class Program:
     segment   (m,) the segment it belongs to
     """
 
+    _copies = 1  # of the table's pieces, one after the other
+
     def __init__(self, motion: Motion) -> None:
         pieces, rows = _rows_of(motion)
         self._table = PieceTable(pieces)
@@ -107,7 +109,7 @@ class Program:
         """As ``stacked``, of so many motions: one in which spans and rises are columns (count,), of curves that these only stretch."""
         pieces, rows = _rows_of(motion)
         made = cls.__new__(cls)
-        made._table = PieceTable(pieces).repeated(count)
+        made._table, made._copies = PieceTable(pieces), count
         made._set(motion, np.array([[np.broadcast_to(x, count) for x in row] for row in rows]).transpose(1, 2, 0))
         made._gains = np.broadcast_to(motion.gain * motion.scale, count)
         return made
@@ -143,7 +145,8 @@ class Program:
     def curve(self, angles: Angles) -> Callable[[int], np.ndarray]:
         """order -> of the curves of the pieces, from 0 to 1, the value (n,) at these angles or its derivative by the part of the span."""
         at = angles.piece
-        return self._table.rows(at, (angles.theta - self.starts[at]) / self._span[at])
+        own = at if self._copies == 1 else at % self._table.starts.size
+        return self._table.rows(own, (angles.theta - self.starts[at]) / self._span[at])
 
     def stretched(
         self,
@@ -184,6 +187,17 @@ class Program:
         where = np.append(self.starts[first][1:], 0.0)
         return tuple(Join(float(where[i]), jump[:, i], jumps[:, i]) for i in range(first.size))
 
+    @cached_property
+    def rests(self) -> bool:
+        """Whether every segment begins and ends with velocity 0, where the one before it ends."""
+        begin, end = (
+            self.state(Angles(ends, np.arange(ends.size))).displacement[1] for ends in (self.starts, self.ends)
+        )
+        first, last = (np.diff(self.segment, **beyond) != 0 for beyond in ({"prepend": -1}, {"append": -1}))
+        bound = JUMP_BOUND * EPS * np.abs(self._gain[1]) * self._table.sizes()[1]
+        moves = (first & (np.abs(begin) > bound)) | (last & (np.abs(end) > bound))
+        return not moves.any() and not any(join.jumps[0] for join in self.joins)
+
     def jumps(self, turns: int = 1, orders: int = 4) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """At the end of every segment: the piece it begins with (k,), the jumps of s, v, a, j (4, k), or of so many of them, and which are
         more than rounding, at the end of the turn beyond the advance; of so many motions, where several are stacked, one after the
@@ -196,13 +210,15 @@ class Program:
             return np.roll(rows.reshape(*rows.shape[:-1], turns, -1), -1, axis=-1).reshape(rows.shape)
 
         def rows(ends: np.ndarray, piece: np.ndarray) -> np.ndarray:
-            there = self.state(Angles(ends[piece], piece)).displacement
-            return np.array([there[order] for order in range(orders)])
+            own = piece[: piece.size // self._copies]  # the curves of the others are these
+            curve = self.curve(Angles(ends[own], own))
+            there = self.stretched(lambda order: np.tile(curve(order), self._copies), Angles(ends[piece], piece))
+            return np.array([there.displacement[order] for order in range(orders)])
 
         jump = of_next(rows(self.starts, first)) - rows(self.ends, last)
         jump[0].reshape(turns, -1)[:, -1] += self._gains  # where the next turn begins
         # what a segment's own size of s, v, a, j leaves to rounding at its ends
-        size = (np.abs(self._gain[:orders]) * self._table.sizes()[:orders])[:, last]
+        size = (np.abs(self._gain[:orders]) * np.tile(self._table.sizes()[:orders], self._copies))[:, last]
         size[0] += np.abs(self._base[last])
         bound = JUMP_BOUND * EPS * np.maximum(size, of_next(size))
         bound *= 1.0 + TURN / np.minimum(self._span[last], of_next(self._span[last]))

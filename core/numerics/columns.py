@@ -42,6 +42,7 @@ def greatest(values: Sequence[Any]) -> Any:
     return column(reduce(np.maximum, values)) if many else max(values)
 
 
+_PLAIN = frozenset((float, int, str, bool, complex, type(None)))
 Take = Callable[[np.ndarray], Any]
 """A column (m,) of designs -> what stands in its place: at angles (n,) of theirs a column (n,), of one design a number."""
 Taker = Callable[[Take, dict[int, Any]], Any]
@@ -65,6 +66,8 @@ def repeated(designs: slice, each: int) -> Take:
 def taker(part: Any) -> Taker | None:
     """How a part is made whose columns stand for designs; None where it has none. What is made takes from ``made``, by the identity of
     a column, what that became, so that what was shared stays so."""
+    if type(part) in _PLAIN:
+        return None
     if isinstance(part, np.ndarray):
         return lambda take, made: made[id(part)] if id(part) in made else made.setdefault(id(part), take(part))
     if isinstance(part, Mapping):

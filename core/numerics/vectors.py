@@ -33,6 +33,13 @@ def dot(a: np.ndarray | complex, b: np.ndarray | complex) -> np.ndarray:
     return np.asarray(out)
 
 
+def between_lines(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """The acute angle (n,) [rad] between the lines along complex plane vectors a and b (n,): tan = |a × b| / |a · b|. Not by arctan2,
+    which takes twice as long. NaN where one of them is 0."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(np.arctan(np.abs(cross(a, b) / dot(a, b))))
+
+
 def opposite(u: np.ndarray) -> np.ndarray:
     """-u, in a third of the time that numpy takes to change the signs of complex numbers."""
     return 0.0 - u

@@ -193,7 +193,7 @@ class _Forecast(NamedTuple):
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")
 def _forecast(x: np.ndarray, y: np.ndarray, low: np.ndarray, high: np.ndarray) -> _Forecast:
     """Of the quartics through five nodes (b, 5), of which one is (0, 0), between low and high (b,)."""
-    x, y = x.T, y.T
+    x, y = np.ascontiguousarray(x.T), np.ascontiguousarray(y.T)
     differences = [y]  # Newton's
     for order in range(1, 5):
         differences.append(np.diff(differences[-1], axis=0) / (x[order:] - x[:-order]))
