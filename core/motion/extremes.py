@@ -125,6 +125,7 @@ def _refined(
         _Search(name, sign, value, bound, angles, widths, level)
         for (name, sign), value, bound in zip(sides, *tops, strict=True)
     ]
+    fitted = False
     for _ in range(PASSES):
         brackets = [(search, bracket) for search in searches for bracket in search.brackets]
         if not brackets:
@@ -134,8 +135,14 @@ def _refined(
         counts = [part.size for part in parts]
         values = quantities(Angles(np.concatenate(parts), np.repeat([b.piece for _, b in brackets], counts)))
         ends = np.cumsum(counts).tolist()
-        for (search, bracket), theta, end in zip(brackets, parts, ends, strict=True):
-            bracket.narrow(theta, search.sign * np.asarray(values[search.name])[end - theta.size : end])
+        rows = [
+            search.sign * np.asarray(values[search.name])[end - theta.size : end]
+            for (search, _), theta, end in zip(brackets, parts, ends, strict=True)
+        ]
+        tops = [None] * len(rows) if fitted else _smooth_tops(np.array(rows))
+        fitted = True
+        for (_, bracket), theta, value, top in zip(brackets, parts, rows, tops, strict=True):
+            bracket.narrow(theta, value, top)
         for search in searches:
             search.drop_hopeless()
     return {(s.name, s.sign): s.best() for s in searches}
@@ -165,10 +172,15 @@ class _Bracket:
         pairs = 1 + int(min(2.0 * (self.right - self.left) / self.finest, 0.5 * most - 1.5))
         return np.linspace(self.left, self.right, 1 + max(LEAST_PARTS, 2 * pairs))
 
-    def narrow(self, theta: np.ndarray, value: np.ndarray) -> None:
+    def narrow(self, theta: np.ndarray, value: np.ndarray, top: Top | None) -> None:
+        """top: of the polynomial through the values, where they stand at Chebyshev's points and it leaves nothing out."""
         if not self._fitted:
             self._fitted = True
-            if np.isfinite(value).all() and self._smooth_top(value):
+            top = _top_at_zero(value) if top is None and np.isfinite(value).all() else top
+            if top is not None:
+                self.theta = 0.5 * (self.left + self.right) + 0.5 * (self.right - self.left) * top[0]
+                self.value = max(self.value, *top[1:])
+                self.left = self.right = self.theta
                 return
         value = np.where(np.isnan(value), -np.inf, value)
         top = int(np.argmax(value))
@@ -180,27 +192,6 @@ class _Bracket:
         self.room = float(value[top] - near.min()) if np.isfinite(value[top]) else np.inf
         if not self.wide() and self.finest == self._smooth and 2 <= top <= theta.size - 3:
             self._polish(theta[top - 2 : top + 3], value[top - 2 : top + 3])
-
-    def _smooth_top(self, value: np.ndarray) -> bool:
-        """The top of the polynomial through the values (DEGREE + 1,) at Chebyshev's points, where it leaves nothing out; where the
-        quantity is the size of another one, which goes through zero, that zero. False where it is neither."""
-        top = int(np.argmax(value))
-        phi = np.pi * (1.0 - top / DEGREE)
-        c = _smooth(value)
-        if c is not None:
-            phi = _turn_of(c, phi) if 0 < top < DEGREE else phi
-            height = float(c @ np.cos(_ORDER * phi))
-        else:
-            halves = (_smooth(np.where(beyond, -value, value)) for beyond in (top < _ORDER, top <= _ORDER))
-            c = next((each for each in halves if each is not None), None)
-            if c is None:
-                return False
-            phi = _zero_of(c, phi)
-            height = -abs(float(c @ np.cos(_ORDER * phi)))
-        self.theta = 0.5 * (self.left + self.right) + 0.5 * (self.right - self.left) * float(np.cos(phi))
-        self.value = max(self.value, height, float(value[top]))
-        self.left = self.right = self.theta
-        return True
 
     def _polish(self, theta: np.ndarray, value: np.ndarray) -> None:
         """The vertex of the quartic through five equally spaced points, by one Newton step from the middle one."""
@@ -215,28 +206,48 @@ class _Bracket:
             self.value = max(self.value, float(value[2] - 0.5 * slope * slope / bend))
 
 
-def _smooth(value: np.ndarray) -> np.ndarray | None:
-    """Coefficients (DEGREE + 1,) of T_k of the polynomial through values at Chebyshev's points; None where it leaves anything out."""
-    c = _TO_CHEBYSHEV @ value
-    return c if np.abs(c[-2:]).max() <= TAIL * np.abs(value).max() else None
+Top = tuple[float, float, float]
+"""Of a bracket: where its highest value stands, -1 ... 1, how high the polynomial is there, and the highest of its samples."""
 
 
-def _turn_of(c: np.ndarray, phi: float) -> float:
-    """Where Σ c_k cos kφ turns, by Newton's method from a point φ next to it."""
-    return _newton(lambda at: (_ORDER * c) @ np.sin(_ORDER * at), lambda at: (_ORDER**2 * c) @ np.cos(_ORDER * at), phi)
+def _smooth_tops(values: np.ndarray) -> list[Top | None]:
+    """Of brackets (b, DEGREE + 1) at Chebyshev's points the tops of the polynomials through them; None where one leaves anything out."""
+    values = np.where(np.isfinite(values).all(axis=1)[:, None], values, np.nan)
+    c = values @ _TO_CHEBYSHEV.T
+    smooth = np.abs(c[:, -2:]).max(axis=1) <= TAIL * np.abs(values).max(axis=1)
+    tops = values.argmax(axis=1)
+    start = np.pi * (1.0 - tops / DEGREE)
+    phi = _newton(_ORDER * c, _ORDER**2 * c, np.sin, np.cos, start)
+    inside, highest = (tops > 0) & (tops < DEGREE), values.max(axis=1)
+    phi = np.where(inside, phi, start)
+    heights = np.where(inside, (c * np.cos(_ORDER * phi[:, None])).sum(axis=1), highest)
+    rows = zip(np.cos(phi).tolist(), heights.tolist(), highest.tolist(), strict=True)
+    return [row if good else None for row, good in zip(rows, smooth.tolist(), strict=True)]
 
 
-def _zero_of(c: np.ndarray, phi: float) -> float:
-    """Where it is zero, likewise."""
-    return _newton(lambda at: c @ np.cos(_ORDER * at), lambda at: -(_ORDER * c) @ np.sin(_ORDER * at), phi)
+def _top_at_zero(value: np.ndarray) -> Top | None:
+    """Where the quantity is minus the size of another one, which goes through zero, that zero; None where it is not."""
+    top = int(np.argmax(value))
+    halves = np.array([np.where(beyond, -value, value) for beyond in (top < _ORDER, top <= _ORDER)])
+    c = halves @ _TO_CHEBYSHEV.T
+    smooth = np.abs(c[:, -2:]).max(axis=1) <= TAIL * np.abs(value).max()
+    if not smooth.any():
+        return None
+    c = c[smooth.argmax()][None]
+    phi = _newton(c, -_ORDER * c, np.cos, np.sin, np.array([np.pi * (1.0 - top / DEGREE)]))
+    height = -abs(float((c * np.cos(_ORDER * phi[:, None])).sum()))
+    return float(np.cos(phi[0])), height, float(value[top])
 
 
-def _newton(f: Callable[[float], float], slope: Callable[[float], float], start: float) -> float:
+def _newton(f: np.ndarray, slope: np.ndarray, of: np.ufunc, of_slope: np.ufunc, start: np.ndarray) -> np.ndarray:
+    """Where Σ f_k of(kφ) is zero (b,), near a start; its derivative is Σ slope_k of_slope(kφ); both (b, DEGREE + 1)."""
     phi, near = start, np.pi / DEGREE
     for _ in range(NEWTON):
-        rise = float(slope(phi))
-        if rise != 0.0:
-            phi = min(max(phi - float(f(phi)) / rise, start - near), start + near)
+        at = _ORDER * phi[:, None]
+        rise = (slope * of_slope(at)).sum(axis=1)
+        moves = rise != 0.0
+        step = np.where(moves, (f * of(at)).sum(axis=1) / np.where(moves, rise, 1.0), 0.0)
+        phi = np.clip(phi - step, start - near, start + near)
     return phi
 
 
@@ -325,9 +336,10 @@ class _Search:
     def _plateaus(self, ties: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Runs of equal samples within a piece: the first of each, and the one that names it. That is the first, but for
         a curve that runs into the end of its piece, where it arrives: its last."""
+        if ties.size < 2:
+            return ties[:0], ties[:0]
         cuts = np.flatnonzero((np.diff(ties) > 1) | (np.diff(self._piece[ties]) != 0)) + 1
-        first = ties[np.append(0, cuts)] if ties.size else ties
-        last = ties[np.append(cuts - 1, ties.size - 1)] if ties.size else ties
+        first, last = ties[np.append(0, cuts)], ties[np.append(cuts - 1, ties.size - 1)]
         long = last > first
         first, last = first[long], last[long]
         piece = self._piece[first]  # in rising order, as all samples are

@@ -209,13 +209,16 @@ class Program:
         def of_next(rows: np.ndarray) -> np.ndarray:
             return np.roll(rows.reshape(*rows.shape[:-1], turns, -1), -1, axis=-1).reshape(rows.shape)
 
-        def rows(ends: np.ndarray, piece: np.ndarray) -> np.ndarray:
-            own = piece[: piece.size // self._copies]  # the curves of the others are these
-            curve = self.curve(Angles(ends[own], own))
-            there = self.stretched(lambda order: np.tile(curve(order), self._copies), Angles(ends[piece], piece))
-            return np.array([there.displacement[order] for order in range(orders)])
+        pieces, ends = np.array([first, last]), np.array([self.starts[first], self.ends[last]])
+        own = slice(first.size // self._copies)  # the curves of the others are these
+        curve = self.curve(Angles(ends[:, own].ravel(), pieces[:, own].ravel()))
 
-        jump = of_next(rows(self.starts, first)) - rows(self.ends, last)
+        def tiled(order: int) -> np.ndarray:
+            return np.tile(curve(order).reshape(2, -1), self._copies).ravel()
+
+        there = self.stretched(tiled, Angles(ends.ravel(), pieces.ravel())).displacement
+        begin, end = np.array([there[order] for order in range(orders)]).reshape(orders, 2, -1).swapaxes(0, 1)
+        jump = of_next(begin) - end
         jump[0].reshape(turns, -1)[:, -1] += self._gains  # where the next turn begins
         # what a segment's own size of s, v, a, j leaves to rounding at its ends
         size = (np.abs(self._gain[:orders]) * np.tile(self._table.sizes()[:orders], self._copies))[:, last]

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 
 import numpy as np
 
 from core import cam
+from core.errors import NoAnswer
 from core.motion import TURN, Angles
 from core.motion.extremes import Extreme, Range, find_extremes
 from core.study.quantities import OF_CONTACT, OF_MOTOR, OF_SPEED, Quantity, quantities_of, quantity
@@ -31,19 +32,41 @@ def extremes_of(study: Study, stage: str, only: tuple[str, ...] = ()) -> Mapping
     study.require_stage(stage)
     if stage == "stability":
         return _of_the_steady_turn(study)
+    kind, key = _kept_as(study, stage, only)
+    found: Mapping[str, Range] = memory.get(kind, key, lambda: _of_the_turn(study, stage, only))
+    return found
+
+
+def search_together(study: Study, asked: Mapping[str, tuple[str, ...]]) -> None:
+    """The extremes of several stages, by stage the names of the quantities, in one search; ``extremes_of`` finds them there. What has no
+    answer is left to that."""
+    kept = {stage: _kept_as(study, stage, only) for stage, only in asked.items()}
+    asked = {stage: only for stage, only in asked.items() if not memory.has(*kept[stage])}
+    if len(asked) < 2:
+        return
+    rows = {stage: _rows(study, stage, only) for stage, only in asked.items()}
+    try:
+        found = _searched(study, {name: row for of_stage in rows.values() for name, row in of_stage.items()})
+    except NoAnswer:
+        return
+    for stage, of_stage in rows.items():
+        own = {name: found[name] for name in of_stage}
+        memory.get(*kept[stage], lambda stage=stage, own=own: _finished(study, stage, own))
+
+
+def _kept_as(study: Study, stage: str, only: tuple[str, ...]) -> tuple[Hashable, Hashable]:
+    """As what they are remembered, and by which key."""
     with_motor = stage == "dynamics" and (not only or not OF_MOTOR.isdisjoint(only))
     with_speed = stage == "cam" and (not only or not OF_SPEED.isdisjoint(only))
     with_contact = stage == "dynamics" and (not only or not OF_CONTACT.isdisjoint(only))
     touching = (tuple(pairings(study).items()), *ratings(study)) if with_contact else ()
     design = study.design
-    key = (
+    return ("extremes", stage, only), (
         study.depends_on(stage),
         design.shaft if with_motor else None,
         design.speed_rpm if with_speed else None,
         touching,
     )
-    found: Mapping[str, Range] = memory.get(("extremes", stage, only), key, lambda: _of_the_turn(study, stage, only))
-    return found
 
 
 def cam_extremes(study: Study) -> Mapping[str, Range]:
@@ -60,7 +83,7 @@ def undercut_on(study: Study, flank: str) -> bool:
 
 def fits(study: Study) -> bool:
     """Whether what touches fits the profile everywhere: no flank is undercut."""
-    return not any(undercut_on(study, flank.name) for flank in study.cam.flanks)
+    return not any(undercut_on(study, flank) for flank in cam.form_row(study.design.drive.cam.form).flanks)
 
 
 def exists(study: Study, row: Quantity) -> bool:
@@ -79,22 +102,36 @@ def _of_the_steady_turn(study: Study) -> Mapping[str, Range]:
     return {"wind_up": wind_up, **errors, "shaft_torque": Range(*sides)}
 
 
-@np.errstate(invalid="ignore", over="ignore")  # infinite rates at dead centres
 def _of_the_turn(study: Study, stage: str, only: tuple[str, ...]) -> Mapping[str, Range]:
-    rows = {
+    rows = _rows(study, stage, only)
+    with study.located(stage):
+        found = _searched(study, rows)
+    return _finished(study, stage, found)
+
+
+def _rows(study: Study, stage: str, only: tuple[str, ...]) -> dict[str, Quantity]:
+    return {
         name: row
         for name, row in quantities_of(study, stage).items()
         if not row.turns and (name in only if only else exists(study, row))
     }
 
+
+@np.errstate(invalid="ignore", over="ignore")  # infinite rates at dead centres
+def _searched(study: Study, rows: Mapping[str, Quantity]) -> dict[str, Range]:
     def values(angles: Angles) -> Mapping[str, np.ndarray]:
         there = study.at(angles)
         return {name: row.value(there) for name, row in rows.items()}
 
-    with study.located(stage):
-        found = find_extremes(values, study.program)
-        if study.design.drive.motion is not None and study.design.drive.motion.gain:
-            found = _at_the_end(found, values(study.program.angles(np.zeros(1))))
+    found = find_extremes(values, study.program)
+    if study.design.drive.motion is not None and study.design.drive.motion.gain:
+        found = _at_the_end(found, values(study.program.angles(np.zeros(1))))
+    return found
+
+
+@np.errstate(invalid="ignore", over="ignore")
+def _finished(study: Study, stage: str, found: dict[str, Range]) -> Mapping[str, Range]:
+    """Extremes of a stage with those that are infinite."""
     if stage == "cam":
         found |= _infinite_at_cusps(study, found)
     if not study.by_crank:

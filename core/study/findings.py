@@ -13,10 +13,10 @@ from core.design import BALANCER, Design, contradiction, distances, excess, path
 from core.errors import KindynaError, NoAnswer, NoStability
 from core.findings import ERROR, NOTE, WARNING, Finding
 from core.motion import program
-from core.motion.extremes import find_extremes
+from core.motion.extremes import find_extremes, piecewise_angles
 from core.study import cam_checks, contact_stress
 from core.study.camshaft import Camshaft
-from core.study.extremes import cam_extremes, extremes_of
+from core.study.extremes import cam_extremes, extremes_of, search_together
 from core.study.own_limits import own_findings
 from core.study.quantities import TRANSMISSION, member_of, quantities_of, quantity, shape_of
 from core.study.servo_findings import servo_findings
@@ -41,6 +41,7 @@ def findings_of(study: Study, stages: Sequence[str] = ()) -> tuple[Finding, ...]
 
 
 def _of_stages(study: Study, stages: Sequence[str]) -> Iterator[Finding]:
+    _search_together(study, stages or study.stages)
     for name in stages or study.stages:
         yield from _OF_STAGE[name](study)
         yield from own_findings(study, name)
@@ -55,9 +56,27 @@ def _of_motion(study: Study) -> list[Finding]:
     return motion.findings(program(study.design.drive.motion))
 
 
+def _search_together(study: Study, stages: Sequence[str]) -> None:
+    """The extremes that the findings of these stages ask for, so that the turn is gone through once for all of them."""
+    drive, asked = study.design.drive, {}
+    if "linkage" in stages:
+        asked["linkage"] = _singular(study)
+    if "cam" in stages:
+        asked["cam"] = cam.limits_of(drive.face, drive.cam)
+    if {"cam", "dynamics"} <= set(stages) and not study.holds:
+        asked["dynamics"] = _CONTACT
+    search_together(study, {stage: names for stage, names in asked.items() if names})
+
+
+def _singular(study: Study) -> tuple[str, ...]:
+    """Quantities of the linkage that must not vanish."""
+    names = quantities_of(study, "linkage")
+    return tuple(n for n in names if n in mechanism.SINGULAR or shape_of(n) == TRANSMISSION)
+
+
 def _of_linkage(study: Study) -> list[Finding]:
-    names = [n for n in quantities_of(study, "linkage") if n in mechanism.SINGULAR or shape_of(n) == TRANSMISSION]
-    found = extremes_of(study, "linkage", tuple(names)) if names else {}
+    names = _singular(study)
+    found = extremes_of(study, "linkage", names) if names else {}
     singular = {name: each for name, each in found.items() if name in mechanism.SINGULAR}
     transmission = {member_of(name): each for name, each in found.items() if name not in singular}
     return mechanism.findings(study.driver_ranges, singular, transmission, study.by_crank)
@@ -65,7 +84,8 @@ def _of_linkage(study: Study) -> list[Finding]:
 
 def _of_cam(study: Study) -> list[Finding]:
     drive, extremes = study.design.drive, cam_extremes(study)
-    grounds = {flank.name: study.held_by(flank.body) for flank in study.cam.flanks}
+    there = study.at(piecewise_angles(study.program))  # where the search over the turn has solved it
+    grounds = {flank.name: there.held_by(flank.body) for flank in there.cam.flanks}
 
     def least_at(name: str, base_radius_mm: float) -> float:
         """The refined least value of a quantity of the cam with another base radius; NaN where there is none."""
@@ -81,7 +101,7 @@ def _of_cam(study: Study) -> list[Finding]:
     found += cam.further_findings(
         extremes, grounds, drive.face, drive.cam, cam.second_entry(drive.mechanism, drive.cam)
     )
-    found += cam.wall_findings(_wall(study), drive.cam) if any(f.name == cam.OUTER for f in study.cam.flanks) else []
+    found += cam.wall_findings(_wall(study), drive.cam) if cam.OUTER in grounds else []
     return found + cam_checks.findings(study)
 
 

@@ -591,8 +591,7 @@ def label_of(column: str) -> str:
 
 def quantities_of(study: Study, stage: str | None = None) -> Mapping[str, Quantity]:
     """The scalars that can be read, of one stage or of all."""
-    rows = {name: quantity(name) for name in names_of(study.design)}
-    found = {name: row for name, row in rows.items() if stage in (None, row.stage)}
+    found = dict(_rows_of(names_of(study.design), stage))
     if stage in (None, "linkage") and study.mechanism.ranged:
         for link, turning in study.driver_ranges.turning.items():
             name = f"link.{link}"
@@ -602,12 +601,30 @@ def quantities_of(study: Study, stage: str | None = None) -> Mapping[str, Quanti
 
 
 @lru_cache(maxsize=64)
+def _rows_of(names: tuple[str, ...], stage: str | None) -> Mapping[str, Quantity]:
+    rows = {name: quantity(name) for name in names}
+    return {name: row for name, row in rows.items() if stage in (None, row.stage)}
+
+
+@lru_cache(maxsize=64)
 def names_of(design: Design) -> tuple[str, ...]:
     """Every quantity that a design can have, in the order of the stages and of the tables."""
-    kind = design.drive.kind
-    rows = [(row.stage, row.name) for row in _ROWS if kind in row.kinds and NEEDS[row.needs](design)]
+    kind, holds = design.drive.kind, _Holds(design)
+    rows = [(row.stage, row.name) for row in _ROWS if kind in row.kinds and holds[row.needs]]
     rows += [(row.stage, row.name.format(member)) for sort, member in _members(design) for row in OF_MEMBERS[sort]]
     return tuple(name for stage in TABLES for at, name in rows if at == stage)
+
+
+class _Holds(dict[str, bool]):
+    """What a design holds of ``NEEDS``, each asked for once."""
+
+    def __init__(self, design: Design) -> None:
+        super().__init__()
+        self._design = design
+
+    def __missing__(self, need: str) -> bool:
+        self[need] = found = NEEDS[need](self._design)
+        return found
 
 
 def _members(design: Design) -> Iterator[tuple[str, str]]:

@@ -42,6 +42,10 @@ class Memory:
             kept.popitem(last=False)
         return value
 
+    def has(self, kind: Hashable, key: Hashable) -> bool:
+        """Whether the result of this kind and key is kept."""
+        return key in self._kept[kind]
+
     def clear(self) -> None:
         """Forget all results."""
         self._kept.clear()
