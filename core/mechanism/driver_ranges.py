@@ -317,7 +317,8 @@ def _changes(
     scale = 1.0 if plan.driver.revolute else plan.size
     for r in ranges:
         at, left = sampled.gaps(index, r, beyond=True)
-        places, values = minima(lambda q: np.abs(gap(q)), at, np.abs(left))
+        closed = left < -_TOUCH * plan.size  # beside it the gap is crossed, not touched
+        places, values = minima(lambda q: np.abs(gap(q)), at, np.where(closed, np.inf, np.abs(left)))
         low = places[values <= _TOUCH * plan.size]
         if not low.size:
             continue

@@ -10,7 +10,9 @@ Function = Callable[[np.ndarray], np.ndarray]
 
 _CUTS = 257  # samples of a bracket of a minimum: so many cost hardly more than a few
 _ROUNDS = 3  # each makes it 128 times narrower; what is lowest is flat there
-_PARTS = np.linspace(0.0, 1.0, 33)[1:-1, None]  # of a bracket of a change of sign
+_PARTS = np.linspace(0.0, 1.0, 9)[1:-1, None]  # of a bracket of a change of sign
+_DECADES = 10.0 ** -np.arange(1.0, 17.0)[:, None]
+_ABOUT = np.concatenate((-_DECADES, _DECADES))  # of it, from where a straight line through its ends changes its sign
 
 
 def ranges_where(function: Function, at: np.ndarray, value: np.ndarray) -> list[tuple[float, float]]:
@@ -23,7 +25,7 @@ def ranges_where(function: Function, at: np.ndarray, value: np.ndarray) -> list[
         at, value = _with_minima(function, at, value, sign)
     good = value >= 0.0
     edge = np.flatnonzero(good[1:] != good[:-1])
-    inside = _bisected(function, at[edge], at[edge + 1], good[edge])
+    inside = _edges(function, at[[edge, edge + 1]], value[[edge, edge + 1]], good[edge])
     ends = {int(i): float(x) for i, x in zip(edge, inside, strict=True)}
     found, begin = [], float(at[0]) if good[0] else None
     for i in edge.tolist():
@@ -88,16 +90,24 @@ def _corner(low: np.ndarray, left: np.ndarray, high: np.ndarray, right: np.ndarr
     return np.where(np.isfinite(corner) & (low <= corner) & (corner <= high), corner, low)
 
 
-def _bisected(function: Function, a: np.ndarray, b: np.ndarray, a_good: np.ndarray) -> np.ndarray:
-    """At each change of sign the last number where the function is >= 0: the bracket is cut into many parts at a time, for a
-    call costs more than its values."""
-    good, bad = np.where(a_good, a, b), np.where(a_good, b, a)
+def _edges(function: Function, at: np.ndarray, value: np.ndarray, good: np.ndarray) -> np.ndarray:
+    """At each change of sign, between places (2, m) with these values, the last number where the function is >= 0, which it is at the
+    first place where ``good`` (m,). A call costs more than its values, so each bracket is cut at many places at a time: evenly, and
+    closer and closer to where a straight line is zero."""
+    at, value = (np.where(good, each, each[::-1]) for each in (at, value))
     rows = np.arange(good.size)
     while True:
-        x = good + (bad - good) * _PARTS
-        if not ((x != good) & (x != bad)).any():
-            return good
-        keeps = _nan_is_negative(function(x.ravel())).reshape(x.shape) >= 0.0
-        x, keeps = np.vstack((good, x, bad)), np.vstack((np.ones_like(a_good), keeps, np.zeros_like(a_good)))
+        (begin, end), (above, below) = at, value
+        width = end - begin
+        with np.errstate(invalid="ignore", divide="ignore"):
+            part = above / (above - below)
+        part = np.where(np.isfinite(part), part, 0.5)
+        x = begin + width * np.sort(np.clip(np.concatenate((_PARTS + 0.0 * part, part + _ABOUT)), 0.0, 1.0), axis=0)
+        if not ((x != begin) & (x != end)).any():
+            return begin
+        y = _nan_is_negative(function(x.ravel())).reshape(x.shape)
+        x, y = np.vstack((begin, x, end)), np.vstack((above, y, below))
+        keeps = y >= 0.0
+        keeps[0], keeps[-1] = True, False  # whatever rounding makes of places that are the ends
         first = keeps.argmin(axis=0)  # the first that is negative
-        good, bad = x[first - 1, rows], x[first, rows]
+        at, value = (np.array([each[first - 1, rows], each[first, rows]]) for each in (x, y))
