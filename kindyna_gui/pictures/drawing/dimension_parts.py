@@ -126,7 +126,7 @@ def laid(geometry: Geometry) -> Iterator[PlacedDimension]:
     middle, levels = (low + high) / 2.0, Counter[tuple[str, int]]()
     for row in dimensions_of(geometry.study.design, geometry.kinematics):
         body = geometry.bodies.get(row.body) if row.body != FRAME else None
-        turn = np.ones(geometry.samples, dtype=complex) if body is None else np.exp(1j * np.deg2rad(body.angle))
+        turn = np.ones(geometry.samples, dtype=complex) if body is None else body.turn
         origin = np.zeros(geometry.samples, dtype=complex) if body is None else body.z
         outwards = complex(((origin + sum(row.places) * MM / len(row.places) * turn - middle) / turn).mean())
         across = _across(row, outwards)

@@ -32,21 +32,18 @@ FAR = 0.15  # an instant centre further outside than this part of the mechanism'
 
 @frozen(eq=False)
 class Body:
-    """One body: origin (n,) [mm], angle (n,) [deg, counter-clockwise], own points [mm] in its frame, of which those
-    that coincide count once."""
+    """One body: origin (n,) [mm], angle (n,) [deg, counter-clockwise] and its x axis, a unit vector (n,), own points [mm] in its
+    frame, of which those that coincide count once."""
 
     name: str
     z: np.ndarray
     angle: np.ndarray
+    turn: np.ndarray
     points: Mapping[str, complex]
 
     def track(self, local: complex) -> np.ndarray:
         """Where a point of the body is (n,) [mm]."""
-        return self.z if local == 0 else self.z + local * self._turn
-
-    @cached_property
-    def _turn(self) -> np.ndarray:
-        return np.exp(1j * np.deg2rad(self.angle))
+        return self.z if local == 0 else self.z + local * self.turn
 
     @cached_property
     def nodes(self) -> dict[str, complex]:
@@ -92,21 +89,21 @@ class Joint:
 
 
 def _at_rest(n: int) -> Body:
-    return Body(FRAME, np.zeros(n, dtype=complex), np.zeros(n), {})
+    return Body(FRAME, np.zeros(n, dtype=complex), np.zeros(n), np.ones(n, dtype=complex), {})
 
 
 def _joint(name: str, pair: Pair, bodies: Mapping[str, Body]) -> Joint:
     body, n = bodies[pair.body], bodies[pair.body].z.size
     on = bodies.get(pair.on) or _at_rest(n)
     if pair.kind == SLIDING and pair.on == f"link{pair.point}":  # the link that slides is the block, whichever is first
-        turn = np.exp(1j * np.deg2rad(on.angle[0] - body.angle[0]))
+        turn = on.turn[0] / body.turn[0]
         return _joint(name, Pair(SLIDING, pair.body, pair.on, pair.point, complex(pair.axis * turn)), bodies)
     track = body.track(body.points[pair.point])
     if pair.kind != SLIDING:
         return Joint(name, pair, track)
-    path = (track - on.z) * np.exp(-1j * np.deg2rad(on.angle))
+    path = (track - on.z) * on.turn.conj()
     along = ((path - path[0]) * pair.axis.conjugate()).real
-    own = pair.axis * np.exp(1j * np.deg2rad(on.angle[0] - body.angle[0]))
+    own = pair.axis * on.turn[0] / body.turn[0]
     return Joint(name, pair, track, pair.axis, complex(path[0]), float(along.min()), float(along.max()), complex(own))
 
 
@@ -125,7 +122,13 @@ class Geometry:
         self.cam_angle = np.rad2deg(study.theta)
         self.turned = self.sense * self.cam_angle
         self.bodies = {
-            name: Body(name, pose.origin[0] * MM, np.rad2deg(pose.turn[0]), {k: p * MM for k, p in pose.points.items()})
+            name: Body(
+                name,
+                pose.origin[0] * MM,
+                np.rad2deg(pose.turn[0]),
+                pose.unit,
+                {k: p * MM for k, p in pose.points.items()},
+            )
             for name, pose in self.kinematics.bodies.items()
         }
         self.joints = tuple(_joint(name, pair, self.bodies) for name, pair in self.kinematics.pairs.items())

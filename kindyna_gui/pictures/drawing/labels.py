@@ -37,7 +37,7 @@ SAMPLED = 8  # samples of the turn at which free room is searched
 DIRECTIONS = np.exp(2j * np.pi * np.arange(16) / 16)
 GAPS = (4.0, 17.0, 34.0)  # from the part to its text, pixels
 SIDES, SIDE_GAPS = np.tile(DIRECTIONS, len(GAPS)), np.repeat(GAPS, DIRECTIONS.size)  # where a text may stand
-FAR_TURN = np.pi / 2  # of a link over the turn, from which its own sides are tried too
+FAR_TURN = 90.0  # [deg] of a link over the turn, from which its own sides are tried too
 PAD = 3.0  # a text wants so much free paper around, pixels
 COVERS, LEAVES, FURTHER = 6.0, 6.0, 0.5  # costs: covering a label, leaving the picture, each longer gap
 APART = 9.0  # between two labels, pixels
@@ -83,9 +83,9 @@ def _clear(outwards: np.ndarray, half: complex) -> np.ndarray:
 def _turn(geometry: Geometry, *bodies: str) -> np.ndarray | None:
     """The unit vector that goes round with the first of these links of a linkage that turns far (n,)."""
     for name in bodies if geometry.numbered else ():
-        angle = np.deg2rad(geometry.bodies[name].angle)
-        if np.ptp(angle) > FAR_TURN:
-            return np.exp(1j * angle)
+        body = geometry.bodies[name]
+        if np.ptp(body.angle) > FAR_TURN:
+            return body.turn
     return None
 
 

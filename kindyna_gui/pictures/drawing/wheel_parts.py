@@ -64,9 +64,9 @@ def _belt(pair: WheelPair, geometry: Geometry) -> QPainterPath:
 def _rack(pair: WheelPair, geometry: Geometry) -> QPainterPath:
     """The pitch line of a rack in its own frame, as far as its pinion rolls on it and half a radius more, and a mark where it begins."""
     carrier, rack = (geometry.bodies[body_name(n)] for n in (pair.carrier, pair.second.link))
-    along = pair.along * np.exp(1j * np.deg2rad(carrier.angle))
+    along = pair.along * carrier.turn
     touching = geometry.centre_of(pair.first) - 1j * along * pair.first.radius
-    turned = np.exp(-1j * np.deg2rad(rack.angle))
+    turned = rack.turn.conj()
     local, way = (touching - rack.z) * turned, complex((along * turned).flat[0])
     places = (local * way.conjugate()).real
     base = 1j * way * float((local * way.conjugate()).imag.flat[0])
