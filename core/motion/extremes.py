@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from math import pi
 from typing import Protocol
@@ -139,10 +139,10 @@ def _refined(
             search.sign * np.asarray(values[search.name])[end - theta.size : end]
             for (search, _), theta, end in zip(brackets, parts, ends, strict=True)
         ]
-        tops = [None] * len(rows) if fitted else _smooth_tops(np.array(rows))
+        vertices: Sequence[Top | None] = [None] * len(rows) if fitted else _smooth_tops(np.array(rows))
         fitted = True
-        for (_, bracket), theta, value, top in zip(brackets, parts, rows, tops, strict=True):
-            bracket.narrow(theta, value, top)
+        for (_, bracket), theta, value, vertex in zip(brackets, parts, rows, vertices, strict=True):
+            bracket.narrow(theta, value, vertex)
         for search in searches:
             search.drop_hopeless()
     return {(s.name, s.sign): s.best() for s in searches}
@@ -172,14 +172,14 @@ class _Bracket:
         pairs = 1 + int(min(2.0 * (self.right - self.left) / self.finest, 0.5 * most - 1.5))
         return np.linspace(self.left, self.right, 1 + max(LEAST_PARTS, 2 * pairs))
 
-    def narrow(self, theta: np.ndarray, value: np.ndarray, top: Top | None) -> None:
-        """top: of the polynomial through the values, where they stand at Chebyshev's points and it leaves nothing out."""
+    def narrow(self, theta: np.ndarray, value: np.ndarray, vertex: Top | None) -> None:
+        """vertex: of the polynomial through the values, where they stand at Chebyshev's points and it leaves nothing out."""
         if not self._fitted:
             self._fitted = True
-            top = _top_at_zero(value) if top is None and np.isfinite(value).all() else top
-            if top is not None:
-                self.theta = 0.5 * (self.left + self.right) + 0.5 * (self.right - self.left) * top[0]
-                self.value = max(self.value, *top[1:])
+            vertex = _top_at_zero(value) if vertex is None and np.isfinite(value).all() else vertex
+            if vertex is not None:
+                self.theta = 0.5 * (self.left + self.right) + 0.5 * (self.right - self.left) * vertex[0]
+                self.value = max(self.value, *vertex[1:])
                 self.left = self.right = self.theta
                 return
         value = np.where(np.isnan(value), -np.inf, value)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping
+from functools import partial
 
 import numpy as np
 
@@ -51,7 +52,7 @@ def search_together(study: Study, asked: Mapping[str, tuple[str, ...]]) -> None:
         return
     for stage, of_stage in rows.items():
         own = {name: found[name] for name in of_stage}
-        memory.get(*kept[stage], lambda stage=stage, own=own: _finished(study, stage, own))
+        memory.get(*kept[stage], partial(_finished, study, stage, own))
 
 
 def _kept_as(study: Study, stage: str, only: tuple[str, ...]) -> tuple[Hashable, Hashable]:
