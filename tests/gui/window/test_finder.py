@@ -66,6 +66,7 @@ def find(user: User, text: str) -> Finder:
         ("speed 0.5 Hz", "shaft.speed_rpm", 30.0),
         ("rotation clockwise", "shaft.rotation", "cw"),
         ("segment 2 span 40", "motion.segments[1].span_deg", 40.0),
+        ("stroke 160", "motion.segments[1].rise_mm", -160.0),
     ],
 )
 def test_a_value_behind_a_name_sets_the_field_as_one_step(user: User, typed: str, path: str, value: object) -> None:
@@ -134,6 +135,7 @@ def test_another_drive_is_set_under_its_name(same_window: Open) -> None:
         ("α0", "Help", "The four papers: Shin, Kim and Ha 1995"),
         ("split", "Command", "Split segment"),
         ("thickness", "Field", "Thickness"),
+        ("radius", "Field", "Base radius Br"),
     ],
 )
 def test_words_and_symbols_find_what_they_name(user: User, typed: str, kind: str, title: str) -> None:
