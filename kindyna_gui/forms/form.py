@@ -196,6 +196,15 @@ class Form(QScrollArea):
         if path in self._folded and not self._unfolded:
             self._fold(True)
 
+    @property
+    def editors(self) -> list[QWidget]:
+        """In the order of Tab."""
+        return [field.editor for field in self.fields.values()]
+
+    def field_at(self, path: str) -> Field | None:
+        """The field of a path, else the first; None where there is none."""
+        return self.fields.get(path) or next(iter(self.fields.values()), None)
+
     def look_for(self, words: str) -> int:
         """Show only the fields whose name has all of these words; how many there are."""
         self._wanted = words.casefold()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import partial
-from math import degrees
+from math import radians
 
 import numpy as np
 from PySide6.QtCore import QPoint, Qt, QTimer, Signal
@@ -21,14 +21,14 @@ from kindyna_gui.forms.draft_bar import DraftBar
 from kindyna_gui.forms.field_parts import in_tab_order
 from kindyna_gui.forms.fields import Field, add_vary
 from kindyna_gui.graph.marked_view import MarkedView
-from kindyna_gui.labels import reason, segment_of
+from kindyna_gui.labels import segment_of
 from kindyna_gui.look import WRONG, coloured
-from kindyna_gui.motion.actions import ACTIONS
+from kindyna_gui.motion.actions import PATH, perform
 from kindyna_gui.motion.bar import SegmentBar
 from kindyna_gui.motion.curve_fields import SegmentCurveForm
 from kindyna_gui.motion.derivatives import DerivativePlots
 from kindyna_gui.motion.editor import MotionEditor
-from kindyna_gui.motion.grips import ANGLE_STEP, snapped, snapped_angle
+from kindyna_gui.motion.grips import ANGLE_STEP, snapped
 from kindyna_gui.motion.head import NO_STROKE, MotionHead
 from kindyna_gui.motion.segments_model import LAW, RISE, SPAN, SegmentsModel
 from kindyna_gui.motion.segments_table import SegmentsTable
@@ -39,8 +39,6 @@ from kindyna_gui.requirements import require_motion
 from kindyna_gui.view import ViewHost
 
 _KEYS = {"law": LAW, "span_deg": SPAN, "rise_mm": RISE, "rise_deg": RISE}
-_ACTS = "motion.segments"
-"""The path at which edits of whole segments are made, and refused."""
 TABLE_PART = 0.42  # of the width, where the table stands beside the diagram
 BESIDE = 760  # from this width on the diagram stands beside the table, where it is wider than high
 BELOW, BELOW_BESIDE = 0.2, 0.22  # of the height, for what stands below the table: one above the other, and side by side
@@ -174,6 +172,8 @@ class SegmentsView(MarkedView):
     def belong_to(self, window: ViewHost) -> None:
         super().belong_to(window)
         self.abilities_changed.connect(window.enable_segment_edits)
+        for clicked in (self.table.clicked, self.diagram.segment_chosen):
+            clicked.connect(lambda _: window.show_fields("motion"))
 
     def refresh(self, study: Study) -> None:
         require_motion(study.design)
@@ -207,7 +207,7 @@ class SegmentsView(MarkedView):
             self.choose(*place)
         self._show_chosen()
         if self._act_refused:  # something else has been done since
-            self.session.withdraw(_ACTS)
+            self.session.withdraw(PATH)
 
     def _show_draft(self) -> None:
         """Show what is missing of a motion that does not fit; meanwhile the diagram shows the last that did, and cannot be drawn at."""
@@ -290,12 +290,12 @@ class SegmentsView(MarkedView):
             self.below.bring(self.message)
 
     def _refused(self, refusal: Refusal) -> None:
-        if refusal.path == _ACTS:
+        if refusal.path == PATH:
             self._act_refused = True
-            self._show_text(refusal.at(_ACTS))
+            self._show_text(refusal.at(PATH))
 
     def _accepted(self, path: str) -> None:
-        if path == _ACTS and self._act_refused:
+        if path == PATH and self._act_refused:
             self._act_refused = False
             self._show_text("")
 
@@ -361,21 +361,10 @@ class SegmentsView(MarkedView):
     def act(self, name: str, angle: float | None = None) -> None:
         """One of ``ACTIONS`` on the chosen segment; angle: a cam angle [deg], where the cam stands if None."""
         self.pull()
-        action, row, design = ACTIONS[name], self.chosen, self.session.typed
-        if not action.makes_sense(design, row):
-            return
-        at = snapped_angle(degrees(self.player.theta)) if angle is None else angle
-        self.session.end_gesture()
-        try:
-            changed = action.change(design, row, at)
-        except KindynaError as error:
-            self.session.refuse(_ACTS, reason(design, error))
-            return
-        done = self.session.lay_out(changed, action.step.format(n=row + 1), _ACTS)
-        self.session.end_gesture()
-        if done:
+        chosen = perform(self.session, name, self.chosen, self.player.theta if angle is None else radians(angle))
+        if chosen is not None:
             self.pull()
-            self.choose(row + action.after, self.table.currentIndex().column())
+            self.choose(chosen, self.table.currentIndex().column())
 
     def focus_field(self, path: str) -> bool:
         """Bring the field or cell of a path before the reader; ``motion.start`` will do for ``motion.start_mm``.

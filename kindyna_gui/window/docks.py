@@ -87,7 +87,7 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
             "&Chart", "Tongues of instability of the flexible camshaft, and the wind-up there", keys="Ctrl+T", picture=True,
             help="stability"),
         "log": ViewRow("Log", lazily("window.log_view", "LogView"), CENTRE, "Lo&g", "What has failed in this program, and when"),
-        "parameters": ViewRow("Parameters", lazily("forms.parameters_view", "ParametersView"), RIGHT, help="fields"),
+        "parameters": ViewRow("Parameters", lazily("motion.inspector", "inspector"), RIGHT, help="fields"),
         "motion": ViewRow("Motion", lazily("motion.segments_view", "SegmentsView"), LEFT,
             "&Motion table", "Segments of the motion: law, span, rise", keys="Ctrl+M", help="making"),
         "drives": ViewRow("Drives", lazily("drives.drives_view", "DrivesView"), LEFT,

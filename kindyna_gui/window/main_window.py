@@ -353,9 +353,18 @@ class MainWindow(Window):
                 return
             path = own[1]
         head = path.partition(".")[0].partition("[")[0]
-        name = head if head in ("motion", "timing", "drives") else "parameters"
-        view: Any = self.show_view(name)
-        view.focus_field(path)
+        editor = self.view("motion")
+        elsewhere = head in ("timing", "drives") or (head == "motion" and editor is not None and editor.on_screen())
+        view: Any = self.show_view(head if elsewhere else "parameters")
+        if not view.focus_field(path) and head == "motion" and view is not editor:
+            view = self.show_view("motion")  # rows of a table, which the inspector has not
+            view.focus_field(path)
+
+    def show_fields(self, section: str) -> None:
+        """Bring the page of a section of the parameters to the front, where they are in sight; the keys stay where they are."""
+        parameters: Any = self.view("parameters")
+        if parameters is not None and parameters.on_screen():
+            parameters.show_section(section)
 
     def fit(self) -> None:
         """Bring the whole of the picture in the middle into sight."""

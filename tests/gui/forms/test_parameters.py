@@ -213,13 +213,14 @@ def test_a_wrong_value_is_told_and_the_last_good_design_stays(user: User) -> Non
     assert field.message.isVisible()
     assert field.message.text().startswith("Outside its range; allowed: ")
     assert user.number(ROD).text() == "-5"
-    tabs = user.parameters().tabs
-    assert not tabs.tabIcon(0).isNull()
-    assert tabs.tabIcon(1).isNull()
+    view = user.parameters()
+    tab = view.tabs.indexOf(view.pages["follower"])
+    assert not view.tabs.tabIcon(tab).isNull()
+    assert view.tabs.tabIcon(tab + 1).isNull()
     user.enter(ROD, "850")
     assert (field.editor.refused, field.message.isVisible()) == (False, False)
     assert follower(user).rod_mm == 850.0
-    assert tabs.tabIcon(0).isNull()
+    assert view.tabs.tabIcon(tab).isNull()
 
 
 def test_what_is_no_number_is_told(user: User) -> None:
