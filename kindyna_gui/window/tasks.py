@@ -193,9 +193,7 @@ TASKS: Mapping[str, Task] = MappingProxyType(
                 DockGroup(RIGHT, ("parameters", "flywheel", "findings"), ("drives",), 1.7),
                 DockGroup(RIGHT, ("torque",), ("camshaft_speed", "shaft_torque", "against_speed"), 1.05),
                 DockGroup(BOTTOM, more=("timing",)),
-                DockGroup(
-                    RIGHT, ("contact_force",), ("contact_pressure", "contact", "vibration", "shaft_figures"), 1.4
-                ),
+                DockGroup(RIGHT, ("contact_force", "contact_pressure"), ("contact", "vibration", "shaft_figures"), 1.4),
             ),
             MappingProxyType({**USUAL, BOTTOM: DockExtent(0.31, 226)}),
             of_several=("drives", "timing", "shaft_torque", "against_speed", "shaft_figures"),
@@ -205,9 +203,7 @@ TASKS: Mapping[str, Task] = MappingProxyType(
                 DockGroup(
                     LEFT, ("torque",), ("camshaft_speed", "shaft_torque", "against_speed", "motion", "find"), 1.15
                 ),
-                DockGroup(
-                    LEFT, ("contact_force",), ("contact_pressure", "contact", "vibration", "shaft_figures"), 1.15
-                ),
+                DockGroup(LEFT, ("contact_force", "contact_pressure"), ("contact", "vibration", "shaft_figures"), 1.15),
                 DockGroup(BOTTOM, more=("timing",)),
                 DockGroup(RIGHT, ("parameters", "flywheel", "findings"), ("drives",), 1.9),
             ),

@@ -3,7 +3,6 @@ blend wizard, every face and form of a cam up to its torque. Every event is a cl
 saved is compared with the examples."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,12 +15,13 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu, QStyle, QStyleOptionSpinBox, QToolBar, QWidget
 from window_user import Open, User, plain, settle, wait_for
 
-from core.design import join_angles, join_levels
+from core.design import join_angles, join_levels, with_drive
 from core.project import dumps, load, loads
 from core.study import Study, extremes_of
 from kindyna_gui import dialogs
 from kindyna_gui.blend.wizard import BlendDialog
 from kindyna_gui.export.profile_dialog import ProfileDialog
+from kindyna_gui.files.beginnings import beginning
 from kindyna_gui.find.find_view import FindView
 from kindyna_gui.forms.number_box import NumberBox, WordBox
 from kindyna_gui.motion.law_picker import LawBox
@@ -162,7 +162,8 @@ def test_the_lift_is_laid_out_by_mouse(open_user: Open, tmp_path: Path, monkeypa
     assert join_levels(editor.motion)[:5] == pytest.approx([150.0, 150.0, 0.0, 0.0, 150.0], abs=1e-9)
 
     lift = load(example("transfer_lift"))
-    wanted = replace(lift, name="New cam-driven slider")
+    wanted = with_drive(beginning("cam-slider"), motion=lift.drive.motion)
+    assert (wanted.drive.mechanism, wanted.drive.loads) == (lift.drive.mechanism, lift.drive.loads)
     assert saved(user, tmp_path / "lift.toml", monkeypatch, mouse) == dumps(wanted)
 
 
@@ -209,7 +210,9 @@ def test_the_card_picker_is_blended_by_mouse(open_user: Open, tmp_path: Path, mo
     assert [segment.span_deg for segment in solved.segments] == pytest.approx(spans, abs=1e-11)
     for got, wanted_span in zip(solved.segments, spans, strict=True):
         text = text.replace(f"span_deg = {got.span_deg!r}\n", f"span_deg = {wanted_span!r}\n")
-    assert text == dumps(replace(picker, name="New translating follower"))
+    wanted = with_drive(beginning("translating"), motion=wanted_motion)
+    assert (wanted.drive.mechanism, wanted.drive.loads) == (picker.drive.mechanism, picker.drive.loads)
+    assert text == dumps(wanted)
     user.session.stack.undo()
     assert user.design == still, "one step"
 
