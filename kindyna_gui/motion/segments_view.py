@@ -9,7 +9,7 @@ from math import radians
 import numpy as np
 from PySide6.QtCore import QPoint, Qt, QTimer, Signal
 from PySide6.QtGui import QResizeEvent
-from PySide6.QtWidgets import QFrame, QLabel, QScrollArea, QSplitter, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QBoxLayout, QFrame, QLabel, QScrollArea, QSplitter, QVBoxLayout, QWidget
 
 from core.design import Design, is_assumed, motion_of
 from core.errors import KindynaError
@@ -39,16 +39,17 @@ from kindyna_gui.requirements import require_motion
 from kindyna_gui.view import ViewHost
 
 _KEYS = {"law": LAW, "span_deg": SPAN, "rise_mm": RISE, "rise_deg": RISE}
-TABLE_PART = 0.42  # of the width, where the table stands beside the diagram
-BESIDE = 760  # from this width on the diagram stands beside the table, where it is wider than high
-BELOW, BELOW_BESIDE = 0.2, 0.22  # of the height, for what stands below the table: one above the other, and side by side
+TABLE_WIDTH = 420  # pixels, of the table where the form of the chosen segment stands beside it
+BESIDE = 700  # from this width on it does
+BELOW = 0.2  # of the height, for the form where it stands below the table
 LEAST_BELOW, MOST_BELOW = 66, 200  # pixels
+FREE = 16777215  # pixels, Qt's own word for no limit
 
 
 class SegmentForm(QScrollArea):
-    """What stands below the table of segments: the form of the chosen one, and what is missing or wrong.
+    """What stands below the table of segments, or beside it: the form of the chosen one, and what is missing or wrong.
 
-    Its height is that of the view's alone, so that no text moves the rows above it, nor the buttons below.
+    Its height is that of the view's alone, or of the table's, so that no text moves the rows above it, nor the buttons below.
     """
 
     def __init__(self, *parts: QWidget) -> None:
@@ -65,9 +66,11 @@ class SegmentForm(QScrollArea):
         column.addStretch(1)
         self.setWidget(paper)
 
-    def take_height(self, whole: int, part: float) -> None:
-        """So much of a view's height [pixels]."""
-        self.setFixedHeight(round(min(max(part * whole, LEAST_BELOW), MOST_BELOW)))
+    def take_height(self, whole: int) -> None:
+        """Its part of a view's height [pixels]; of none what there is."""
+        height = round(min(max(BELOW * whole, LEAST_BELOW), MOST_BELOW))
+        self.setMinimumHeight(height if whole else LEAST_BELOW)
+        self.setMaximumHeight(height if whole else FREE)
 
     def bring(self, part: QWidget) -> None:
         """Scroll a text that has come into sight, once it has its place; not while the keys are in what would move."""
@@ -116,12 +119,17 @@ class SegmentsView(MarkedView):
 
     def _lay_out(self) -> None:
         lower = QWidget()
-        column = QVBoxLayout(lower)
+        self._parts = QBoxLayout(QBoxLayout.Direction.TopToBottom, lower)
+        self._parts.setContentsMargins(0, 0, 0, 0)
+        self._parts.setSpacing(1)
+        form = QWidget()
+        column = QVBoxLayout(form)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(1)
-        column.addWidget(self.table, 1)
         column.addWidget(self.below)
         column.addWidget(self.bar)
+        self._parts.addWidget(self.table, 1)
+        self._parts.addWidget(form)
         self.splitter = QSplitter(Qt.Orientation.Vertical)
         self.splitter.setChildrenCollapsible(False)
         self.splitter.addWidget(self.derivatives)
@@ -205,6 +213,9 @@ class SegmentsView(MarkedView):
         self.model.show(typed, joins, waiting_paths(self.session))
         if self.model.rowCount() != count or not self.table.currentIndex().isValid():
             self.choose(*place)
+            self.table.updateGeometry()
+            if not self._parted:
+                self._sharing.start()
         self._show_chosen()
         if self._act_refused:  # something else has been done since
             self.session.withdraw(PATH)
@@ -301,11 +312,13 @@ class SegmentsView(MarkedView):
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
-        wide = self.width() >= BESIDE and self.width() > self.height()
-        turned = Qt.Orientation.Horizontal if wide else Qt.Orientation.Vertical
-        self.below.take_height(self.height(), BELOW_BESIDE if wide else BELOW)
-        if turned != self.splitter.orientation():
-            self.splitter.setOrientation(turned)
+        wide = self.width() >= BESIDE
+        direction = QBoxLayout.Direction.LeftToRight if wide else QBoxLayout.Direction.TopToBottom
+        self.below.take_height(0 if wide else self.height())
+        if direction != self._parts.direction():
+            self._parts.setDirection(direction)
+            self._parts.setStretch(1, int(wide))
+            self.table.setMaximumWidth(TABLE_WIDTH if wide else FREE)
             self._parted = False
         if not self._parted:
             self._sharing.start()
@@ -315,12 +328,9 @@ class SegmentsView(MarkedView):
         self._parted = True
 
     def _share(self) -> None:
-        """The table gets what its rows need, or its texts where it stands beside; the diagram the rest."""
-        beside = self.splitter.orientation() == Qt.Orientation.Horizontal
-        hint = self._lower.sizeHint()
-        room = self.splitter.width() if beside else self.splitter.height()
-        wanted = max(hint.width(), round(TABLE_PART * room)) if beside else hint.height()
-        self.splitter.setSizes([max(room - wanted, 1), wanted])
+        """The table gets what its rows need, the diagram the rest."""
+        wanted = self._lower.sizeHint().height()
+        self.splitter.setSizes([max(self.splitter.height() - wanted, 1), wanted])
 
     # -- choosing -----------------------------------------------------------------------------------------
 
