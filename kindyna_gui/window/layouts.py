@@ -286,9 +286,9 @@ class Layouts(QObject):
 
     def _bring(self, number: int, there: bool, own: tuple[str, ...]) -> None:
         """Show or hide the docks of one kind of design."""
-        names = next(names for _, names in self._row.places if own[0] in names)
+        group, names = next(place for place in self._row.places if own[0] in place[1])
         others = [name for name in names if name not in own and not self._docks[name].isHidden()]
-        if there and not others:
+        if there and group.names and not others:
             return  # the user does without what stands at this place
         before = self._kinds[self.current]
         self._kinds[self.current] = (there, before[1]) if number == 0 else (before[0], there)

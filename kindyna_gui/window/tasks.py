@@ -179,7 +179,8 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             of_several=("drives",),
             wide=(
                 DockGroup(LEFT, ("stack",), ("motion", "find", *MOTION_CURVES)),
-                _PARAMETERS,
+                DockGroup(RIGHT, ("parameters",), ("certificate",), 1.6),
+                DockGroup(RIGHT, more=("drives",), part=1.2),
                 DockGroup(RIGHT, CAM_CURVES[1:], CAM_CURVES[:1]),
                 DockGroup(RIGHT, ("findings",), part=0.2),
             ),
@@ -191,9 +192,11 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             (
                 DockGroup(LEFT, more=("motion", "find")),
                 DockGroup(RIGHT, ("parameters", "flywheel", "findings"), ("drives",), 1.7),
-                DockGroup(RIGHT, ("torque",), ("camshaft_speed", "shaft_torque", "against_speed"), 1.05),
+                DockGroup(RIGHT, ("torque",), ("camshaft_speed", "shaft_torque", "against_speed"), 1.7),
                 DockGroup(BOTTOM, more=("timing",)),
-                DockGroup(RIGHT, ("contact_force", "contact_pressure"), ("contact", "vibration", "shaft_figures"), 1.4),
+                DockGroup(
+                    RIGHT, ("contact_force", "contact_pressure"), ("contact", "vibration", "shaft_figures"), 1.25
+                ),
             ),
             MappingProxyType({**USUAL, BOTTOM: DockExtent(0.31, 226)}),
             of_several=("drives", "timing", "shaft_torque", "against_speed", "shaft_figures"),
@@ -205,7 +208,8 @@ TASKS: Mapping[str, Task] = MappingProxyType(
                 ),
                 DockGroup(LEFT, ("contact_force", "contact_pressure"), ("contact", "vibration", "shaft_figures"), 1.15),
                 DockGroup(BOTTOM, more=("timing",)),
-                DockGroup(RIGHT, ("parameters", "flywheel", "findings"), ("drives",), 1.9),
+                DockGroup(RIGHT, ("parameters", "flywheel", "findings"), part=1.2),
+                DockGroup(RIGHT, more=("drives",), part=0.7),
             ),
             wide_sides=MappingProxyType({**USUAL, BOTTOM: DockExtent(0.31, 226)}),
         ),

@@ -257,7 +257,7 @@ class CurvePlot(FixedPlot):
     def name_angle(self, study: Study) -> None:
         """The angle below is the one that this study turns by, be there curves of it or only a message."""
         if self._with_angles:
-            self._axes["bottom"].show_title(angle_title(study.angle_name), self._theme.ink)
+            self.name_below(angle_title(study.angle_name))
 
     def show_message(self, text: str) -> None:
         """Nothing but a text in the middle: what is missing, or what would fill this plot."""
