@@ -16,7 +16,7 @@ from kindyna_gui.settings import TaskLayout
 from kindyna_gui.view import in_sight
 from kindyna_gui.window.base import Window
 from kindyna_gui.window.docks import BOTTOM, LEFT, RIGHT, TOP, VIEWS, Dock
-from kindyna_gui.window.tasks import SEPARATOR, TASKS, WIDE, Area, DockExtent, DockGroup, Task
+from kindyna_gui.window.tasks import SEPARATOR, TASKS, Area, DockExtent, DockGroup, Task
 
 ACROSS, UPWARDS = Qt.Orientation.Horizontal, Qt.Orientation.Vertical
 _LYING = (TOP, BOTTOM)
@@ -71,7 +71,7 @@ class Layouts(QObject):
 
     @property
     def _is_wide(self) -> bool:
-        return self._window.width() >= WIDE
+        return TASKS[self.current].is_wide(self._window.width())
 
     @property
     def _row(self) -> Task:
