@@ -203,11 +203,15 @@ class BesideMouse(QLabel):
 # -- what answers while it is drawn elsewhere -------------------------------------------------------------------
 
 
+ANSWERS = ("pressure_angle", "pitch_curvature", "drive_torque", "contact_force", "contact_pressure")
+"""Quantities that are told, those that a design has."""
+
+
 def answers(study: Study, path: str, stages: tuple[str, ...]) -> list[Answer]:
     """The value that the mouse changes, and below it what answers: pressure angle and undercut, and of forces what is on the screen
     anyway (``stages``); each with the limit that it is held against."""
     lines: list[Answer] = [(f"{name_of(study.design, path)} {value_text(study.design, path)}", False)]
-    for row in rows_of(study, ("pressure_angle", "pitch_curvature", "drive_torque", "contact_force")):
+    for row in rows_of(study, ANSWERS):
         if row.stage not in ("cam", *stages):
             continue
         try:

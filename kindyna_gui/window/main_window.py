@@ -339,11 +339,16 @@ class MainWindow(Window):
         yield from self.centre.views()
 
     def stages_on_screen(self) -> tuple[str, ...]:
-        """The stages that views on screen read, in the order they need each other; with the motion, from which all are computed."""
+        """The stages that views on screen read, in the order they need each other; with the motion, from which all are computed.
+        While something is held with the mouse they are those of when it was taken: each of its moves asks for them."""
+        session = self.session
+        if session.held is not None and session.stages_held is not None:
+            return session.stages_held
         wanted = {stage for view in self._views() if view.on_screen() for stage in view.stages}
         if wanted:
             wanted.add("motion")
-        return tuple(stage for stage in self.session.study.stages if stage in wanted)
+        session.stages_held = tuple(stage for stage in session.study.stages if stage in wanted)
+        return session.stages_held
 
     def focus_field(self, path: str) -> None:
         """Bring the field of a path, or of a section, before the reader; of a drive that is not shown, the drive too."""

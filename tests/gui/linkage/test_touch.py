@@ -93,9 +93,15 @@ def test_the_base_circle_is_dragged_with_answers_beside_the_mouse(rocker: User) 
 
 
 def test_escape_takes_a_drag_back(rocker: User) -> None:
+    """Of a cam whose materials are known, so that the pressure of the contact answers, too."""
+    for path, value in (("cam.thickness_mm", 12.0), ("cam.material", "16mncr5"), ("cam.roller_material", "100cr6")):
+        assert rocker.session.edit(path, value, "Surfaces")
+    settle()
     before = rocker.design
     hold(rocker, place(rocker, "base circle"), 60.0 * cmath.exp(2.5j))
     assert rocker.design != before
+    top = max(float(stress.pressure.max()) for stress in rocker.session.study.stress.values()) / 1e6
+    assert (f"Contact pressure {top:.1f} MPa, limit 1500 MPa", False) in beside(rocker)
     QTest.keyClick(rocker.drawing().canvas, Qt.Key.Key_Escape)
     settle()
     assert rocker.design == before
