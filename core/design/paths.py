@@ -77,9 +77,11 @@ def entries_of(part: Any, path: str) -> Iterator[Entry]:
 
 def by_weight(rows: Iterable[Entry]) -> list[Entry]:
     """Entries with what matters most first: by their weight and order, else as they are; those of each row of a list stay together."""
-    found, lists = list(rows), dict[tuple[str, int], int]()
-    own = [lists.setdefault(row_at(row.path)[:2], len(lists)) for row in found]
-    ranks = [(at, -row.info.weight, row.info.order, i) for i, (at, row) in enumerate(zip(own, found, strict=True))]
+    found, lists, ranks = list(rows), dict[str, int](), []
+    for i, row in enumerate(found):
+        of_list, inside, _ = row.path.partition("]")
+        at = lists.setdefault(of_list if inside else "", len(lists))
+        ranks.append((at, -row.info.weight, row.info.order, i))
     return [found[rank[-1]] for rank in sorted(ranks)]
 
 

@@ -8,7 +8,7 @@ from PySide6.QtCore import QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import QComboBox, QFrame, QGridLayout, QLabel, QScrollArea, QVBoxLayout, QWidget
 
-from core.design import NO_UNIT, UNITS, Design, Entry, Segment, entries, get, motion_of, require_motion
+from core.design import NO_UNIT, UNITS, Design, Entry, Motion, Segment, entries, get, motion_of
 from core.design.edits import is_dwell
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import Field, FieldSpec
@@ -85,7 +85,8 @@ class MotionPage(QScrollArea):
         super().__init__()
         self._session = session
         self._player = player
-        self._stale, self._built = True, (-1, "")
+        self._shown: tuple[Motion, object, int, tuple[str, ...]] | None = None
+        self._built = (-1, "")
         self.fields: dict[str, Field] = {}
         self.head = MotionHead(session)
         self.which = QComboBox()
@@ -123,7 +124,7 @@ class MotionPage(QScrollArea):
         self.which.activated.connect(session.choose_segment)
         self.bar.wanted.connect(self._act)
         session.segment_chosen.connect(self._show_soon)
-        TOLD.changed.connect(self._show_soon)
+        TOLD.changed.connect(self._show_anew)
 
     @property
     def in_trouble(self) -> bool:
@@ -135,20 +136,25 @@ class MotionPage(QScrollArea):
         self._show_soon()
 
     def _show_soon(self) -> None:
-        self._stale = True
         if self.isVisible():
             self._show()
+
+    def _show_anew(self) -> None:
+        self._shown = None
+        self._show_soon()
 
     def showEvent(self, event: QShowEvent) -> None:
         super().showEvent(event)
         self._show()
 
     def _show(self) -> None:
-        design = self._session.typed
-        if not self._stale or motion_of(design) is None:
+        design, index, before = self._session.typed, self._session.segment, self._shown
+        motion = motion_of(design)
+        if motion is None:
             return
-        self._stale = False
-        motion, index = require_motion(design), self._session.segment
+        shown = self._shown = (motion, self._session.draft, index, design.assumed)
+        if before is not None and before[0] is motion and before[1] is shown[1] and before[2:] == shown[2:]:
+            return
         self.head.show_motion(design)
         names = [_name(number, segment) for number, segment in enumerate(motion.segments, 1)]
         with QSignalBlocker(self.which):
