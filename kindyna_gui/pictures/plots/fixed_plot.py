@@ -78,6 +78,7 @@ class FixedPlot(pg.GraphicsView):
         self._view.setDefaultPadding(0.0)
         self._view.setRange(xRange=(0.0, 360.0), yRange=(0.0, 1.0), padding=0.0)
         self._numbered_below, self._title_below, self._low = True, "", False
+        self._below: tuple[bool, str, bool] | None = None
         axes["left"].setWidth(LEFT_WIDTH)
         axes["bottom"].setHeight(BOTTOM_HEIGHT)
         if top:
@@ -111,8 +112,11 @@ class FixedPlot(pg.GraphicsView):
         self._show_below()
 
     def _show_below(self) -> None:
-        """Of an angle a low plot has the unit alone, behind its last number."""
+        """Of an angle a low plot has the unit alone, behind its last number; where all is as it was nothing is painted anew."""
         on, axis, self._low = self._numbered_below, self._axes["bottom"], self._is_low
+        if self._below == (on, self._title_below, self._low):
+            return
+        self._below = on, self._title_below, self._low
         axis.setHeight(NUMBERS if self._low else BOTTOM_HEIGHT if on else BARE)
         axis.setStyle(showValues=on)
         axis.show_title(self._title_below if on and not self._low else "", self._theme.ink)

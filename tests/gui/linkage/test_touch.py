@@ -4,6 +4,7 @@ import cmath
 
 import numpy as np
 import pytest
+from plot_reading import box_of, limits
 from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QContextMenuEvent
 from PySide6.QtTest import QTest
@@ -279,6 +280,27 @@ def test_a_peak_of_the_pressure_angle_is_drawn_and_the_base_radius_follows(rocke
         "what is typed, from the safe side"
     )
     assert rocker.steps == ["Limit", "Change base radius Br"]
+
+
+def test_a_click_on_a_limit_in_a_plot_opens_its_field(rocker: User) -> None:
+    assert rocker.session.edit("limits.pressure_angle_return_deg", 38.0, "Limit")
+    view = rocker.see("pressure_angle")
+    assert isinstance(view, PlotView)
+    for text, path in (
+        ("usual limit", "limits.pressure_angle_rise_deg"),
+        ("limit of", "limits.pressure_angle_return_deg"),
+    ):
+        tag = next(each for each in limits(view.plot) if each.text.startswith(text))
+        at = view.plot.mapFromScene(box_of(tag).center())
+        QTest.mouseMove(view.plot.viewport(), at)
+        assert view.plot.viewport().cursor().shape() == Qt.CursorShape.PointingHandCursor
+        before = rocker.window.player.theta
+        QTest.mouseClick(view.plot.viewport(), LEFT, pos=at)
+        settle()
+        assert rocker.window.player.theta == before, "the cam stays where it is"
+        field = rocker.parameters().field(path)
+        assert field is not None
+        assert field.editor.hasFocus() or field.editor.isAncestorOf(QApplication.focusWidget())
 
 
 def test_bars_and_points_of_the_timing_have_a_menu(open_user: Open) -> None:

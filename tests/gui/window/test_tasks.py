@@ -252,8 +252,8 @@ def shows_half(user: User, name: str, size: tuple[int, int]) -> None:
         assert places(user) == first, name
 
 
-def test_an_empty_list_of_findings_takes_a_line(same_window: Open) -> None:
-    user = same_window(size=USUAL, whole=True)
+def test_an_empty_list_of_findings_takes_a_line(open_user: Open) -> None:
+    user = open_user(size=USUAL, whole=True)
     press(user, "kine")
     findings = user.see("findings")
     rest(user)
@@ -265,8 +265,8 @@ def test_an_empty_list_of_findings_takes_a_line(same_window: Open) -> None:
     assert findings.table.rowHeight(0) <= findings.table.viewport().height(), "a finding is read whole"  # type: ignore[attr-defined]
 
 
-def test_a_wide_window_stacks_motion_and_pressure_angle_on_one_axis(same_window: Open) -> None:
-    user = same_window(size=(1920, 1080), whole=True)
+def test_a_wide_window_stacks_motion_and_pressure_angle_on_one_axis(open_user: Open) -> None:
+    user = open_user(size=(1920, 1080), whole=True)
     press(user, "kine")
     plots = list(user.see("stack").plots.values())  # type: ignore[attr-defined]
     assert len(plots) == 5
@@ -279,8 +279,8 @@ def test_a_wide_window_stacks_motion_and_pressure_angle_on_one_axis(same_window:
     assert len({plot.angle for plot in plots}) == 1
 
 
-def test_sections_and_scroll_are_remembered_for_each_drive(same_window: Open) -> None:
-    user = same_window(example("transfer_unit"), size=SMALL, whole=True)
+def test_sections_and_scroll_are_remembered_for_each_drive(open_user: Open) -> None:
+    user = open_user(example("transfer_unit"), size=SMALL, whole=True)
     view = user.parameters()
     view.show_section("cam")
     form = view.forms["cam"]
@@ -507,8 +507,8 @@ def test_velocity_acceleration_and_jerk_stand_below_the_displacement_on_one_axis
     assert view.diagram.angle == user.window.player.theta
 
 
-def test_the_certificate_shows_more_than_three_rows(same_window: Open) -> None:
-    user = same_window(size=SMALL, whole=True)
+def test_the_certificate_shows_more_than_three_rows(open_user: Open) -> None:
+    user = open_user(size=SMALL, whole=True)
     table = user.see("certificate").table  # type: ignore[attr-defined]
     rest(user)
     heights = [table.rowHeight(row) for row in range(table.model().rowCount())]
@@ -516,8 +516,8 @@ def test_the_certificate_shows_more_than_three_rows(same_window: Open) -> None:
     assert sum(heights[:4]) <= table.viewport().height()
 
 
-def test_a_long_name_is_not_cut(same_window: Open) -> None:
-    user = same_window(size=SMALL, whole=True)
+def test_a_long_name_is_not_cut(open_user: Open) -> None:
+    user = open_user(size=SMALL, whole=True)
     press(user, "compo")
     box = user.parameters().name
     for name in ("kim_1990", "rear_suspension", "four_bar_coupler_cam"):
