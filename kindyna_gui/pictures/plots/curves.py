@@ -133,8 +133,8 @@ def channel_extremes(study: Study, channels: Sequence[Quantity]) -> dict[str, Ra
     return found
 
 
-def limits_of(study: Study, channels: Sequence[Quantity]) -> list[tuple[float, str, str, str]]:
-    """Value, in the channels' unit, text, short text and field of each limit, once where several channels have it; with the channel's
+def limits_of(study: Study, channels: Sequence[Quantity]) -> list[tuple[float, tuple[str, str, str]]]:
+    """Value, in the channels' unit, and text, short text and field of each limit, once where several channels have it; with the channel's
     name where only one of several has."""
     having: dict[tuple[float, str, str], list[str]] = {}
     for row in channels:
@@ -144,7 +144,7 @@ def limits_of(study: Study, channels: Sequence[Quantity]) -> list[tuple[float, s
     for (value, text, field), labels in having.items():
         name = f"{labels[0]}: " if len(labels) == 1 and len(channels) > 1 else ""
         short = text.partition("{")[0].removesuffix("from ").removesuffix("below ").strip()
-        made.append((value, name + text, name + short, field))
+        made.append((value, (name + text, name + short, field)))
     return made
 
 

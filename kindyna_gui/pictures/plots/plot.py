@@ -147,7 +147,7 @@ class CurvePlot(FixedPlot):
         self._core = room_for(
             [(low / size, high / size) for low, high in sides],
             {row.family for row in channels},
-            [value / size for value, *_ in limits],
+            [value / size for value, _ in limits],
             free=0.0,
         )
         low, high = self._reach(self._core)
@@ -161,7 +161,7 @@ class CurvePlot(FixedPlot):
         self._readings = self._grown(self._readings, len(curves), lambda: Readout(self._view, self._theme))
         for reading, curve in zip(self._readings, curves, strict=True):
             reading.set_colour(curve.colour)
-        shown = [(value / size, *words) for value, *words in limits if low <= value / size <= high]
+        shown = [(value / size, *words) for value, words in limits if low <= value / size <= high]
         self._limits = self._grown(self._limits, len(shown), lambda: LimitLine(self._view, self._theme))
         for limit, (value, text, brief, field) in zip(self._limits, shown, strict=True):
             limit.set_value(value, text.format(with_unit(short(value, 4), self.rung.symbol)), brief, field)
