@@ -128,7 +128,8 @@ class Form(QScrollArea):
         where they show what they did."""
         shown = (part_of(design, self._section), design.assumed, self._session.draft)
         before, self._shown = self._shown, shown
-        if before is not None and shown[0] is before[0] and shown[1] == before[1] and shown[2] is before[2]:
+        same = before is not None and shown[0] is before[0] and shown[1] == before[1] and shown[2] is before[2]
+        if same and not self._begun:
             return
         anew = before is None or shown[2] is not before[2]  # what waits may be other values
         rows = rows_of(design, self._section)

@@ -493,3 +493,6 @@ def test_the_important_fields_come_first_and_what_is_seldom_needed_once_it_is_gi
     settle()
     assert not gravity.isVisible()
     assert form.more.text() == f"{before} more"
+    user.enter("limits.pressure_angle_rise_deg", "30")
+    rows = user.parameters().forms["limits"].fields.values()
+    assert all(field.editor.isVisible() for field in rows), "what is given folds nothing away"
