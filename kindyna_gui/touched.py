@@ -37,12 +37,14 @@ class Thing:
     path     of the field that a click opens; empty: none
     explain  the channel whose value here is explained; empty: none
     value    what is copied; empty: the value of the field
+    profile  it has a profile, which can be written
     """
 
     noun: str
     path: str
     explain: str = ""
     value: str = ""
+    profile: bool = False
 
 
 Deed = tuple[str, Callable[[], Any]]
@@ -106,6 +108,10 @@ def _copy(thing: Thing, view: View, host: ViewHost) -> Deed | None:
     return (f"Copy {value}", lambda: QApplication.clipboard().setText(value)) if value else None
 
 
+def _export(thing: Thing, view: View, host: ViewHost) -> Deed | None:
+    return ("Export profile...", lambda: host.do("exports.profile")) if thing.profile else None
+
+
 def _copy_picture(thing: Thing, view: View, host: ViewHost) -> Deed | None:
     return "Copy picture", lambda: copy_picture(view)
 
@@ -114,7 +120,7 @@ def _fit(thing: Thing, view: View, host: ViewHost) -> Deed | None:
     return None if type(view).fit is View.fit else ("Fit", view.fit)
 
 
-DEEDS = (_edit, _find, _vary, _explain, _copy, _copy_picture, _fit)
+DEEDS = (_edit, _find, _vary, _explain, _copy, _export, _copy_picture, _fit)
 """What can be done with a thing: each row its entry of the menu, None where it cannot be done."""
 
 
@@ -197,11 +203,15 @@ class BesideMouse(QLabel):
 # -- what answers while it is drawn elsewhere -------------------------------------------------------------------
 
 
+ANSWERS = ("pressure_angle", "pitch_curvature", "drive_torque", "contact_force", "contact_pressure")
+"""Quantities that are told, those that a design has."""
+
+
 def answers(study: Study, path: str, stages: tuple[str, ...]) -> list[Answer]:
     """The value that the mouse changes, and below it what answers: pressure angle and undercut, and of forces what is on the screen
     anyway (``stages``); each with the limit that it is held against."""
     lines: list[Answer] = [(f"{name_of(study.design, path)} {value_text(study.design, path)}", False)]
-    for row in rows_of(study, ("pressure_angle", "pitch_curvature", "drive_torque", "contact_force")):
+    for row in rows_of(study, ANSWERS):
         if row.stage not in ("cam", *stages):
             continue
         try:

@@ -137,6 +137,9 @@ class ViewHost(Protocol):
     def focus_field(self, path: str) -> None:
         """Bring the field of a path, or of a section, before the reader."""
 
+    def show_fields(self, section: str) -> None:
+        """Bring the page of a section of the parameters to the front, where they are in sight; the keys stay where they are."""
+
     def open_design(self, path: Path) -> bool:
         """Open the file of a design in place of the one at hand; False where the user would not, or it cannot be read."""
 

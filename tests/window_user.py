@@ -207,7 +207,9 @@ class User:
         return view
 
     def field(self, path: str) -> Field:
-        """The row of a path, brought before the reader."""
+        """The row of a path, brought before the reader; of the motion in its editor."""
+        if path.startswith("motion"):
+            self.motion()
         self.window.focus_field(path)
         settle()
         found = self.motion().fields.get(path) if path.startswith("motion") else self.parameters().field(path)

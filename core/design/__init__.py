@@ -149,6 +149,7 @@ from core.design.parts import (
 from core.design.paths import (
     Entry,
     all_paths,
+    by_weight,
     entries,
     get,
     is_assumed,

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import Any, ClassVar
 
-from core.design.fields import coordinate, length, number
+from core.design.fields import coordinate, leading, length, number, seldom
 from core.frozen import frozen
 
 FACE = "face"
@@ -26,7 +26,7 @@ class Roller:
     straight: ClassVar[bool] = False
     reach: ClassVar[str] = "base radius + roller radius"
     slides: ClassVar[bool] = False
-    roller_radius_mm: float = length("Roller radius Rr")
+    roller_radius_mm: float = leading(length("Roller radius Rr"))
 
     @property
     def radius_mm(self) -> float:
@@ -104,8 +104,8 @@ class Flat(_Sliding):
     face_half_width_mm: float | None = number(
         "Face half width", 0.0, 1e9, open_low=True, default=None, help="empty = as wide as it needs to be"
     )
-    face_centre_mm: float = coordinate(
-        "Face centre", default=0.0, help="middle of the face, along it from its reference point"
+    face_centre_mm: float = seldom(
+        coordinate("Face centre", default=0.0, help="middle of the face, along it from its reference point")
     )
 
     @property
@@ -123,8 +123,8 @@ class Flat(_Sliding):
 class TiltedFlat(Flat):
     """Of a translating follower: the reference point is where the line at the offset meets the face."""
 
-    face_tilt_deg: float = number(
-        "Face tilt", -89.0, 89.0, default=0.0, help="from square to the guide, counter-clockwise"
+    face_tilt_deg: float = seldom(
+        number("Face tilt", -89.0, 89.0, default=0.0, help="from square to the guide, counter-clockwise")
     )
 
     @property

@@ -18,6 +18,10 @@ LONGEST_MM = 1e9
 NOTHING = dataclasses.MISSING
 """The default of a field that has none."""
 
+SELDOM, USUAL, MAIN = range(3)
+"""Weights of fields: what is folded away until it has another value than usual; what stands there in the order of the file; what
+comes first, and is never folded."""
+
 
 @frozen
 class Bounds:
@@ -51,6 +55,9 @@ class Info:
     missing    what a file must say, where Python has a default; that as text
     guessed    of a number of the machine with a default: assumed where nobody gives it
     bounds     of a limit: what it is a limit of
+    weight     how often a designer needs it, ``SELDOM`` to ``MAIN``; order: among those of one weight, as in the file where both are
+               the same
+    usual      of what is needed seldom: the value that a machine has which does without
     """
 
     label: str
@@ -69,6 +76,15 @@ class Info:
     missing: str = ""
     guessed: bool = False
     bounds: Bounds | None = None
+    weight: int = USUAL
+    order: int = 0
+    usual: Any = None
+
+    def folds(self, value: Any) -> bool:
+        """Whether a form folds the field away while this stands there: nobody has needed it yet."""
+        if self.weight == SELDOM and value == self.usual:
+            return True
+        return self.optional and value is None and self.weight < MAIN
 
     @property
     def in_sentence(self) -> str:
@@ -182,6 +198,21 @@ def choice(label: str, choices: tuple[str, ...], *, default: Any = NOTHING, help
     return field(default=default, metadata={_KEY: info})
 
 
+def _weighed(made: Any, **changes: Any) -> Any:
+    info = replace(made.metadata[_KEY], **changes)
+    return field(default=made.default, metadata={**made.metadata, _KEY: info})
+
+
+def leading(made: Any, order: int = 0) -> Any:
+    """A field that comes first in its form, the lower the order the sooner, and is never folded away."""
+    return _weighed(made, weight=MAIN, order=order)
+
+
+def seldom(made: Any) -> Any:
+    """A field that is folded away until it has another value than its default."""
+    return _weighed(made, weight=SELDOM, usual=made.default)
+
+
 def info_of(field: dataclasses.Field[Any]) -> Info | None:
     """The metadata of a dataclass field, None where it holds no entry of its own (a part, a list)."""
     return field.metadata.get(_KEY)
@@ -207,7 +238,7 @@ class FileLayout:
     spread   rows named by a key stand in the table of the whole, under all keys that are none of its other entries
     whole    may be assumed as a whole
     brief    the part's entries that are as they would be anyway are left out
-    word     key of the word in the same table that chooses the part; words: that word -> class; label, help: of the choice
+    word     key of the word in the same table that chooses the part; words: that word -> class; label, help, weight: of the choice
     missing  what a file must say, as text
     each     a list of plain numbers or words: of which class
     in_file  False: it follows from something else
@@ -228,10 +259,18 @@ class FileLayout:
     words: Mapping[str, Any] = field(default_factory=dict)
     label: str = ""
     help: str = ""
+    weight: int = USUAL
 
 
 def chosen_by_word(
-    word: str, words: Mapping[str, Any], label: str, *, otherwise: str, brief: bool = False, help: str = ""
+    word: str,
+    words: Mapping[str, Any],
+    label: str,
+    *,
+    otherwise: str,
+    brief: bool = False,
+    help: str = "",
+    weight: int = USUAL,
 ) -> FileLayout:
     """A part whose class is chosen by a word of the same table, which stands there before its own keys; ``otherwise``: the
     word where the table has none. Each class says its word in an attribute of that name."""
@@ -240,7 +279,9 @@ def chosen_by_word(
         value = table.get(word, otherwise)
         return words.get(value if isinstance(value, str) else otherwise, words[otherwise])
 
-    return FileLayout(words[otherwise], choose, word=word, words=words, label=label, help=help, brief=brief)
+    return FileLayout(
+        words[otherwise], choose, word=word, words=words, label=label, help=help, brief=brief, weight=weight
+    )
 
 
 _PLACING = "kindyna-placing"
@@ -317,7 +358,7 @@ def slots(kind: Any, unit: str = "", inside: tuple[tuple[str, Any], ...] = ()) -
         info, placing = info_of(each), each.metadata.get(_PLACING, FileLayout())
         if placing.choose is not None:
             if placing.word:
-                choices = Info(placing.label, placing.help, choices=tuple(placing.words))
+                choices = Info(placing.label, placing.help, choices=tuple(placing.words), weight=placing.weight)
                 here = FileLayout(word=placing.word, words=placing.words)
                 default = getattr(placing.kind, placing.word)
                 found.append(

@@ -9,7 +9,19 @@ from __future__ import annotations
 from dataclasses import fields
 from typing import Any, ClassVar
 
-from core.design.fields import LARGEST, LONGEST_MM, FileLayout, choice, chosen_by_word, length, number, placed, whole
+from core.design.fields import (
+    LARGEST,
+    LONGEST_MM,
+    MAIN,
+    FileLayout,
+    choice,
+    chosen_by_word,
+    leading,
+    length,
+    number,
+    placed,
+    whole,
+)
 from core.frozen import frozen
 from core.materials import MATERIALS
 
@@ -58,8 +70,8 @@ class Surfaces:
     """What touches there, as far as it is known: materials of cam and of the roller, shoe or face on it, and the roller's bearing.
     A typed modulus stands before that of the material."""
 
-    material: str | None = _material("Material", "of the cam")
-    roller_material: str | None = _material("Roller material", "of what touches the cam, roller or not")
+    material: str | None = leading(_material("Material", "of the cam"))
+    roller_material: str | None = leading(_material("Roller material", "of what touches the cam, roller or not"))
     youngs_modulus_gpa: float | None = _known("Young's modulus", "of the cam", LARGEST, "the material's")
     poisson_ratio: float | None = _ratio("Poisson's ratio")
     roller_youngs_modulus_gpa: float | None = _known(
@@ -87,7 +99,7 @@ OF_SECOND = tuple(field.name for field in fields(SecondSurfaces))
 class SecondRoller(SecondSurfaces):
     """The roller on the second cam of a conjugate pair; where it stands is the follower's entry."""
 
-    roller_radius_mm: float = length("Second roller radius")
+    roller_radius_mm: float = leading(length("Second roller radius"))
 
 
 @frozen(kw_only=True)
@@ -96,7 +108,7 @@ class SecondLinkRoller(SecondSurfaces):
 
     link: int = whole("Second roller on link", 2, 999)
     point: str = placed(FileLayout(missing="the name of a point"))
-    roller_radius_mm: float = length("Second roller radius")
+    roller_radius_mm: float = leading(length("Second roller radius"))
 
 
 @frozen(kw_only=True)
@@ -128,14 +140,14 @@ FORMS = (Open.form, Groove.form, Conjugate.form)
 def form_of(*classes: type[Form]) -> Any:
     """A dataclass field for the form of a cam, whose keys stand in the cam's table."""
     words = {each.form: each for each in classes}
-    return placed(chosen_by_word(FORM, words, "Form", otherwise=Open.form), Open())
+    return placed(chosen_by_word(FORM, words, "Form", otherwise=Open.form, weight=MAIN), Open())
 
 
 @frozen(kw_only=True)
 class CamDetails(Surfaces):
     """What the drawing of a cam may state besides its form, as far as it is known."""
 
-    thickness_mm: float | None = _known("Thickness", "width of the profile along the shaft")
+    thickness_mm: float | None = leading(_known("Thickness", "width of the profile along the shaft"))
     bore_mm: float | None = _known("Bore", "diameter")
     hub_mm: float | None = _known("Hub", "diameter")
     keyway_width_mm: float | None = _known("Keyway width", "of the groove in the bore")

@@ -6,12 +6,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from core.design.fields import LONGEST_MM, Bounds, FileLayout, choice, number, placed, whole
+from core.design.fields import LONGEST_MM, Bounds, FileLayout, choice, leading, number, placed, whole
 from core.frozen import frozen
 
 
 def _angle(label: str, stretch: str) -> Any:
-    return number(
+    made = number(
         label,
         0.0,
         90.0,
@@ -21,6 +21,7 @@ def _angle(label: str, stretch: str) -> Any:
         help=f"greatest {stretch}; empty = the usual one",
         bounds=Bounds(("pressure_angle",), line=f"limit of the {label.rpartition(' ')[2]} {{}}"),
     )
+    return leading(made)
 
 
 # Which quantities a limit holds for is in its ``Bounds``, by their names in ``core.study.quantities``. With a ``remedy`` there the whole
@@ -29,11 +30,11 @@ def _angle(label: str, stretch: str) -> Any:
 
 
 def _least(label: str, help: str, usual: str = "none") -> Any:
-    return number(label, 0.0, LONGEST_MM, open_low=True, default=None, help=f"{help}; empty = {usual}")
+    return leading(number(label, 0.0, LONGEST_MM, open_low=True, default=None, help=f"{help}; empty = {usual}"))
 
 
 def _most(label: str, help: str, bounds: Bounds) -> Any:
-    return number(label, 0.0, open_low=True, default=None, help=f"{help}; empty = none", bounds=bounds)
+    return leading(number(label, 0.0, open_low=True, default=None, help=f"{help}; empty = none", bounds=bounds))
 
 
 @frozen(kw_only=True)

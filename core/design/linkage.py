@@ -12,7 +12,18 @@ from typing import ClassVar
 
 from core.design.elements import ForceElements
 from core.design.faces import FACE, ContactFriction, Knife, Roller, Shoe, rubs
-from core.design.fields import LARGEST, FileLayout, brief, choice, chosen_by_word, coordinate, number, placed, whole
+from core.design.fields import (
+    LARGEST,
+    FileLayout,
+    brief,
+    choice,
+    chosen_by_word,
+    coordinate,
+    number,
+    placed,
+    seldom,
+    whole,
+)
 from core.design.forms import CamDetails, Form, Groove, LinkageConjugate, Open, form_of
 from core.design.parts import Motion
 from core.frozen import frozen
@@ -284,7 +295,7 @@ class LinkageLoads(ForceElements):
     """Masses of the links and what pushes them; ``contact``: of a face that slides on the cam."""
 
     contact: ContactFriction | None = placed(FileLayout(ContactFriction, choose=rubs), None)
-    gravity_m_s2: float = number("Gravity", 0.0, default=9.80665)
-    gravity_angle_deg: float = number("Gravity direction", -360.0, 360.0, default=-90.0, help="-90 = downwards")
+    gravity_m_s2: float = seldom(number("Gravity", 0.0, default=9.80665))
+    gravity_angle_deg: float = seldom(number("Gravity direction", -360.0, 360.0, default=-90.0, help="-90 = downwards"))
     masses: tuple[LinkMass, ...] = placed(FileLayout(LinkMass), ())
     forces: tuple[LinkForce, ...] = placed(FileLayout(LinkForce), ())

@@ -30,9 +30,11 @@ from core.design.fields import (
     chosen_by_word,
     coordinate,
     flag,
+    leading,
     length,
     number,
     placed,
+    seldom,
     words_of,
 )
 from core.design.forms import FORM, CamDetails, Conjugate, Form, Groove, Open, form_of
@@ -296,7 +298,9 @@ class CamSlider:
     guide_height_mm: float = coordinate(
         "Guide height H", help="distance of the guide from the pivot, along guide + 90 deg"
     )
-    guide_angle_deg: float = number("Guide angle", -360.0, 360.0, default=0.0, help="0 = horizontal, 90 = vertical")
+    guide_angle_deg: float = seldom(
+        number("Guide angle", -360.0, 360.0, default=0.0, help="0 = horizontal, 90 = vertical")
+    )
     roller_arm_mm: float = length("Roller arm Zl", help="pivot to roller centre")
     fixed_angle_deg: float = number(
         "Fixed angle", -360.0, 360.0, help="from slider arm to roller arm, counter-clockwise"
@@ -312,7 +316,7 @@ class Translating:
 
     face: Rolling | TiltedFlat | Knife | Shoe = faces_of(TiltedFlat)
     offset_mm: float = coordinate("Offset", default=0.0, help="of the guide from the cam centre, positive to its left")
-    direction_deg: float = number("Direction", -360.0, 360.0, default=90.0, help="of the rise, 90 = upwards")
+    direction_deg: float = seldom(number("Direction", -360.0, 360.0, default=90.0, help="of the rise, 90 = upwards"))
     second: SecondPlace | None = _second(SecondPlace)
 
 
@@ -362,7 +366,7 @@ class Output:
 class DiskCam(CamDetails):
     """Disk cam under a face that is not a roller."""
 
-    base_radius_mm: float = length("Base radius Br", help="smallest radius of the cam where the motion is 0")
+    base_radius_mm: float = leading(length("Base radius Br", help="smallest radius of the cam where the motion is 0"))
     form: Open = form_of(Open)
 
 
@@ -370,8 +374,8 @@ class DiskCam(CamDetails):
 class RollerCam(CamDetails):
     """Disk cam followed by a roller."""
 
-    base_radius_mm: float = length("Base radius Br", help="smallest radius of the cam where the motion is 0")
-    roller_radius_mm: float = length("Roller radius Rr")
+    base_radius_mm: float = leading(length("Base radius Br", help="smallest radius of the cam where the motion is 0"))
+    roller_radius_mm: float = leading(length("Roller radius Rr"))
     form: Form = form_of(Open, Groove, Conjugate)
 
 
@@ -397,14 +401,19 @@ class ElasticShaft:
     ``spring``: the loads are the design's own, or Kim1990's valve spring, made anew for each speed.
     """
 
-    camshaft_inertia_kg_m2: float = number(
-        "Camshaft inertia", 0.0, open_low=True, help="of cam and shaft on the cam's side of its flexible part"
+    camshaft_inertia_kg_m2: float = leading(
+        number("Camshaft inertia", 0.0, open_low=True, help="of cam and shaft on the cam's side of its flexible part"),
+        2,
     )
-    stiffness_nm_per_rad: float = number("Shaft stiffness", 0.0, open_low=True, help="torque per angle of twist")
+    stiffness_nm_per_rad: float = leading(
+        number("Shaft stiffness", 0.0, open_low=True, help="torque per angle of twist"), 1
+    )
     damping_ratio: float = number("Shaft damping ratio", 0.0, 0.99, default=0.0, step=0.005, help="of critical damping")
-    spring: str = choice("Spring", SPRINGS, default="fixed", help="retuned: Kim1990's, as stiff as each speed asks")
-    spring_factor: float = number(
-        "Spring factor", 0.0, 1e3, default=1.5, step=0.1, help="Kim1990's a of a retuned spring"
+    spring: str = seldom(
+        choice("Spring", SPRINGS, default="fixed", help="retuned: Kim1990's, as stiff as each speed asks")
+    )
+    spring_factor: float = seldom(
+        number("Spring factor", 0.0, 1e3, default=1.5, step=0.1, help="Kim1990's a of a retuned spring")
     )
 
 
@@ -417,7 +426,7 @@ class Shaft:
     """The camshaft: sense and speed of rotation, flywheel, motor; ``elastic`` where it twists."""
 
     rotation: str = choice("Rotation", tuple(SENSES))
-    speed_rpm: float = number("Speed", 0.0, 1e5, open_low=True, step=1.0)
+    speed_rpm: float = leading(number("Speed", 0.0, 1e5, open_low=True, step=1.0))
     flywheel_inertia_kg_m2: float = number("Flywheel inertia", 0.0, default=0.0, help="at the camshaft")
     speed_fluctuation: float = number(
         "Speed fluctuation C_s", 0.0, 2.0, open_low=True, default=0.02, help="target for sizing: (max - min) / mean"
@@ -505,8 +514,8 @@ class Loads(ForceElements):
     """What every follower's loads share; in a file what a follower adds stands first. ``contact``: of a face that slides."""
 
     contact: ContactFriction | None = placed(FileLayout(ContactFriction, choose=rubs), None)
-    gravity_m_s2: float = number("Gravity", 0.0, default=9.80665)
-    gravity_angle_deg: float = number("Gravity direction", -360.0, 360.0, default=-90.0, help="-90 = downwards")
+    gravity_m_s2: float = seldom(number("Gravity", 0.0, default=9.80665))
+    gravity_angle_deg: float = seldom(number("Gravity direction", -360.0, 360.0, default=-90.0, help="-90 = downwards"))
     least_contact_force_n: float | None = number(
         "Least contact force", 0.0, default=None, help="that must press the follower on an open cam"
     )
@@ -527,18 +536,22 @@ class CamSliderLoads(Loads):
     slider_mass_kg: float = _mass("Slider mass")
     rod_mass_kg: float = _mass("Rod mass")
     rod_inertia_kg_m2: float = _mass("Rod inertia", "about its centre of mass")
-    rod_centre: float = number(
-        "Rod centre", 0.0, 1.0, default=0.5, step=0.05, help="fraction of the rod from the arm's pin"
+    rod_centre: float = seldom(
+        number("Rod centre", 0.0, 1.0, default=0.5, step=0.05, help="fraction of the rod from the arm's pin")
     )
     arm_mass_kg: float = _mass("Arm mass")
     arm_inertia_kg_m2: float = _mass("Arm inertia", "about its centre of mass")
     arm_centre_mm: float = coordinate("Arm centre", default=0.0, help="centre of mass: distance from the pivot")
-    arm_centre_angle_deg: float = number("Arm centre angle", -360.0, 360.0, default=0.0, help="from the slider arm")
+    arm_centre_angle_deg: float = seldom(
+        number("Arm centre angle", -360.0, 360.0, default=0.0, help="from the slider arm")
+    )
     roller_mass_kg: float = _mass("Roller mass")
     roller_inertia_kg_m2: float = _mass("Roller inertia", "about its own centre; turns with the arm")
     friction: float = _friction()
-    external_force_n: float = number("External force", default=0.0, help="on the slider, along +guide")
-    spring_rate_n_per_mm: float = number("Spring rate", 0.0, default=0.0, help="pulls the slider back by rate times y")
+    external_force_n: float = leading(number("External force", default=0.0, help="on the slider, along +guide"))
+    spring_rate_n_per_mm: float = leading(
+        number("Spring rate", 0.0, default=0.0, help="pulls the slider back by rate times y")
+    )
 
 
 @frozen(kw_only=True)
@@ -547,8 +560,8 @@ class TranslatingLoads(Loads):
 
     follower_mass_kg: float = _mass("Follower mass", "with its roller")
     friction: float = _friction()
-    spring_rate_n_per_mm: float = number("Spring rate", 0.0, default=0.0)
-    preload_n: float = number("Spring preload", default=0.0, help="towards the cam, where the motion is 0")
+    spring_rate_n_per_mm: float = leading(number("Spring rate", 0.0, default=0.0))
+    preload_n: float = leading(number("Spring preload", default=0.0, help="towards the cam, where the motion is 0"))
 
 
 @frozen(kw_only=True)
@@ -558,11 +571,11 @@ class OscillatingLoads(Loads):
     arm_mass_kg: float = _mass("Arm mass")
     arm_inertia_kg_m2: float = _mass("Arm inertia", "about its centre of mass")
     arm_centre_mm: float = coordinate("Arm centre", default=0.0, help="centre of mass: distance from the pivot")
-    arm_centre_angle_deg: float = number("Arm centre angle", -360.0, 360.0, default=0.0, help="from the arm")
+    arm_centre_angle_deg: float = seldom(number("Arm centre angle", -360.0, 360.0, default=0.0, help="from the arm"))
     roller_mass_kg: float = _mass("Roller mass")
     roller_inertia_kg_m2: float = _mass("Roller inertia", "about its own centre; turns with the arm")
-    spring_rate_nm_per_rad: float = number("Spring rate", 0.0, default=0.0)
-    preload_nm: float = number("Spring preload", default=0.0, help="against the motion, where it is 0")
+    spring_rate_nm_per_rad: float = leading(number("Spring rate", 0.0, default=0.0))
+    preload_nm: float = leading(number("Spring preload", default=0.0, help="against the motion, where it is 0"))
 
 
 @frozen(kw_only=True)
@@ -572,11 +585,13 @@ class OscillatingFlatLoads(Loads):
     arm_mass_kg: float = _mass("Arm mass")
     arm_inertia_kg_m2: float = _mass("Arm inertia", "about its centre of mass")
     arm_centre_mm: float = coordinate("Arm centre", default=0.0, help="centre of mass: distance from the pivot")
-    arm_centre_angle_deg: float = number(
-        "Arm centre angle", -360.0, 360.0, default=0.0, help="from the direction along the face towards the contact"
+    arm_centre_angle_deg: float = seldom(
+        number(
+            "Arm centre angle", -360.0, 360.0, default=0.0, help="from the direction along the face towards the contact"
+        )
     )
-    spring_rate_nm_per_rad: float = number("Spring rate", 0.0, default=0.0)
-    preload_nm: float = number("Spring preload", default=0.0, help="against the motion, where it is 0")
+    spring_rate_nm_per_rad: float = leading(number("Spring rate", 0.0, default=0.0))
+    preload_nm: float = leading(number("Spring preload", default=0.0, help="against the motion, where it is 0"))
 
 
 def _not_here(default: Any = None) -> Any:

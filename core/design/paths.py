@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Container, Iterator, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Sequence
 from dataclasses import MISSING, fields, is_dataclass, replace
 from math import nan
 from typing import Any, TypeVar
@@ -73,6 +73,16 @@ def entries(design: Design, name: str) -> Iterator[Entry]:
 def entries_of(part: Any, path: str) -> Iterator[Entry]:
     """The entries of a part and of the parts in it, in the order of the file."""
     return (entry for _, entry in _walk(part, path, getattr(part, "unit", "")) if entry is not None)
+
+
+def by_weight(rows: Iterable[Entry]) -> list[Entry]:
+    """Entries with what matters most first: by their weight and order, else as they are; those of each row of a list stay together."""
+    found, lists, ranks = list(rows), dict[str, int](), []
+    for i, row in enumerate(found):
+        of_list, inside, _ = row.path.partition("]")
+        at = lists.setdefault(of_list if inside else "", len(lists))
+        ranks.append((at, -row.info.weight, row.info.order, i))
+    return [found[rank[-1]] for rank in sorted(ranks)]
 
 
 def names_a_link(path: str, info: Info) -> bool:

@@ -311,17 +311,24 @@ def _needed_stiffness(study: Study, shaft: Stability) -> dict[str, Any] | None:
     }
 
 
-def stability(study: Study) -> dict[str, Any]:
-    """The shaft's place in the chart, the forbidden bands of speed, what each model says, the stiffness the speed needs;
-    empty where the shaft is rigid or nothing excites it, and where one of several drives is missing."""
+def shaft_in_chart(study: Study) -> Stability | None:
+    """The shaft that has a place in the chart of stability; None where it is rigid or nothing excites it, and where one of several
+    drives is missing."""
     there = "stability" in study.stages and (not study.design.listed or answers(study.camshaft))
     shaft = study.stability if there else None
+    try:
+        return shaft if shaft is not None and shaft.exact and shaft.machine else None
+    except NoStability:
+        return None
+
+
+def stability(study: Study) -> dict[str, Any]:
+    """The shaft's place in the chart, the forbidden bands of speed, what each model says, the stiffness the speed needs;
+    empty where there is no ``shaft_in_chart``."""
+    shaft = shaft_in_chart(study)
     if shaft is None:
         return {}
-    try:
-        row, machine = shaft.exact, shaft.machine
-    except NoStability:
-        return {}
+    row, machine = shaft.exact, shaft.machine
     return {
         "eta": machine.eta,
         "q": machine.q,

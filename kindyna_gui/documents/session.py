@@ -106,6 +106,9 @@ class Session(QObject):
         self._gesture = 0
         self._any_refused = False  # since something was taken back last
         self.held: object = None  # where something is drawn with the mouse: each of its moves is a design
+        self.stages_held: tuple[str, ...] | None = (
+            None  # what was on the screen when it was taken hold of, once it is known
+        )
         self._segment = 0
         self._load = ""
         self._running = ("", -1)  # path and gesture of the last step
@@ -498,7 +501,7 @@ class Session(QObject):
     def take_hold(self, where: object) -> None:
         """The mouse has taken hold of something in this widget: what it does next is one step, until ``release``."""
         self.end_gesture()
-        self.held = where
+        self.held, self.stages_held = where, None
 
     def release(self) -> None:
         """It has let go."""

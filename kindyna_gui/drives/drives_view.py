@@ -28,6 +28,7 @@ from kindyna_gui.files.beginnings import beginning
 from kindyna_gui.forms.copying import copied
 from kindyna_gui.forms.form import Form
 from kindyna_gui.forms.list_parts import list_button, row_of_buttons, taken_by_list
+from kindyna_gui.forms.tables import LEADING
 from kindyna_gui.labels import reason
 from kindyna_gui.look import WRONG
 from kindyna_gui.pictures.units import digits, readable, short
@@ -62,7 +63,7 @@ class DrivesTable(QTableWidget):
         self.setAlternatingRowColors(True)
         self.setTabKeyNavigation(False)
         self.verticalHeader().hide()
-        self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 7)
+        self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + LEADING)
         head = self.horizontalHeader()
         head.setHighlightSections(False)
         head.setMinimumSectionSize(30)

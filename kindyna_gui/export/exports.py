@@ -284,6 +284,9 @@ class Exports(QObject):
         from core.output.profile import write
         from kindyna_gui.export import profile_dialog
 
+        if self._session.design.drive.cam is None:
+            self.status_message.emit(NO_CAM)
+            return
         wanted = profile_dialog.profile_wanted(self._window, self._drive)
         if wanted is None:
             return

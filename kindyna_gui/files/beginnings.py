@@ -18,13 +18,16 @@ from core.design import (
     edited,
     faults,
     stroke,
+    with_assumed,
     with_drive,
     with_stroke,
 )
+from core.design.faces import Roller
 from core.errors import KindynaError
 from core.findings import ERROR
 from core.mechanism.drawing.edits import empty_linkage
 from core.project import load
+from core.stress import has_width
 from core.study import Study, findings_of
 from kindyna_gui.places import example
 
@@ -56,6 +59,23 @@ def beginning(kind: str, changes: Mapping[str, str] = MappingProxyType({}), name
         design = edited(design, path, word)
     for path, length in OWN_LENGTHS.items():
         design = edited(design, path, length) if path in all_paths(design) else design
+    return _with_surfaces(design)
+
+
+def _with_surfaces(design: Design) -> Design:
+    """Width and materials that are usual, all assumed, so that the pressure of the contact can be read; of an edge there is none."""
+    drive = design.drive
+    if not has_width(drive.face):
+        return design
+    rolls = isinstance(drive.face, Roller)
+    width = drive.face.radius_mm if rolls else drive.cam.base_radius_mm / 4.0
+    offered = {
+        "cam.thickness_mm": float(round(width)),
+        "cam.material": "16mncr5",
+        "cam.roller_material": "100cr6" if rolls else "16mncr5",
+    }
+    for path, value in offered.items():
+        design = with_assumed(edited(design, path, value), path, True)
     return design
 
 
@@ -77,6 +97,14 @@ def new_motion(motion: Motion) -> Motion:
         )
     )
     return replace(motion, start=0.0, segments=segments)
+
+
+def dwell_first(design: Design) -> Design:
+    """A design to begin with whose motion begins with its dwell at the base position, instead of with the rise."""
+    motion = design.drive.motion
+    assert motion is not None
+    *others, last = motion.segments
+    return with_drive(design, motion=replace(motion, segments=(last, *others)))
 
 
 def with_motion_kept(design: Design, motion: Motion | None) -> Design:

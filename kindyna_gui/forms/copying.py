@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from PySide6.QtCore import QAbstractItemModel, QModelIndex, Qt
+from PySide6.QtCore import QAbstractItemModel, QEvent, QModelIndex, QObject, Qt
 from PySide6.QtGui import QKeyEvent, QKeySequence
 from PySide6.QtWidgets import QAbstractItemView, QApplication
 
@@ -25,6 +25,18 @@ def _cell(text: object) -> str:
     return "" if text is None else " ".join(str(text).split())
 
 
+class CopyKey(QObject):
+    """Lets Copy in a table of Qt's own take all of it."""
+
+    def __init__(self, view: QAbstractItemView) -> None:
+        super().__init__(view)
+        self._view = view
+        view.installEventFilter(self)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        return isinstance(event, QKeyEvent) and event.type() == QEvent.Type.KeyPress and copied(self._view, event)
+
+
 def copied(view: QAbstractItemView, event: QKeyEvent) -> bool:
     """Whether a key was Copy, and has been done."""
     if not event.matches(QKeySequence.StandardKey.Copy):
@@ -33,4 +45,4 @@ def copied(view: QAbstractItemView, event: QKeyEvent) -> bool:
     return True
 
 
-__all__ = ["copied", "table_text"]
+__all__ = ["CopyKey", "copied", "table_text"]

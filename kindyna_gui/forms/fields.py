@@ -120,7 +120,8 @@ class Field(QObject):
         vary.setEnabled(self.spec.read(self.session.holder(self.spec.path)) is not None)
         menu.popup(at)
 
-    def _word_box(self) -> WordBox:
+    def _words(self) -> WordBox:
+        """A list with all choices."""
         box = WordBox()
         if self.spec.info.optional:
             box.addItem(NOT_KNOWN, None)
@@ -128,6 +129,10 @@ class Field(QObject):
             box.addItem(choice_text(word), word)
             if choice_tip(word):
                 box.setItemData(box.count() - 1, choice_tip(word), Qt.ItemDataRole.ToolTipRole)
+        return box
+
+    def _word_box(self) -> WordBox:
+        box = self._words()
         box.activated.connect(self._choose)
         box.withdrawn.connect(lambda: self.session.take_back(self.spec.path))
         for part in (self.label, box):
@@ -236,12 +241,18 @@ class Field(QObject):
         if not self.obsolete:
             self.session.edit(self.spec.path, value, text)
 
+    def _step(self, value: Any) -> str:
+        """The name of the step that enters a value."""
+        return step_text(self.spec.info.label, value, self.spec.unit)
+
     def _enter(self, value: Any) -> None:
         spec = self.spec
+        if self.obsolete:
+            return
         if not spec.info.admits(value):
             self.session.refuse(spec.path, f"outside its range; allowed: {allowed_text(spec.info, spec.unit)}")
         else:
-            self.edit(value, step_text(spec.info.label, value, spec.unit))
+            self.edit(value, self._step(value))
 
     def _choose(self, index: int) -> None:
         assert isinstance(self.editor, WordBox)

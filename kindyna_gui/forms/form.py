@@ -10,7 +10,7 @@ from typing import Any
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFrame, QGridLayout, QLabel, QScrollArea, QToolButton, QVBoxLayout, QWidget
 
-from core.design import ELEMENT_LISTS, Design, Entry, entries, get, is_assumed
+from core.design import ELEMENT_LISTS, Design, Entry, by_weight, entries, get, is_assumed
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import COLUMNS, Field, FieldSpec
 from kindyna_gui.labels import entry_label, heading_of
@@ -27,12 +27,12 @@ _OF_ELEMENT = re.compile(rf"loads\.({'|'.join(ELEMENT_LISTS)})\[")
 
 
 def rows_of(design: Design, section: str) -> list[Entry]:
-    """The rows of a section, in the order of the file."""
-    return [
+    """The rows of a section, what matters most first."""
+    return by_weight(
         row
         for row in entries(design, section)
         if row.path.rpartition(".")[2] not in _STRUCTURE and _stands(design, row)
-    ]
+    )
 
 
 def _stands(design: Design, row: Entry) -> bool:
@@ -59,9 +59,9 @@ def _spec_of(design: Design, row: Entry) -> FieldSpec:
     return FieldSpec.of(replace(row, info=info))
 
 
-def _open_of(rows: list[Entry]) -> frozenset[str]:
-    """The paths of what is left open, beside fields that are not; of a list of parts nothing."""
-    left = frozenset(row.path for row in rows if row.info.optional and row.value is None and "[" not in row.path)
+def _folding(rows: list[Entry]) -> frozenset[str]:
+    """The paths of what nobody has needed yet, beside fields that stand there; of a list of parts nothing."""
+    left = frozenset(row.path for row in rows if row.info.folds(row.value) and "[" not in row.path)
     return left if 1 < len(left) < len(rows) else frozenset()
 
 
@@ -84,7 +84,8 @@ class Heading(QLabel):
 class Form(QScrollArea):
     """The fields of one section, one below the other.
 
-    What may be left open, and is, is folded away behind a button with its count, as long as other fields stand there.
+    What nobody has needed yet is folded away behind a button with its count, as long as other fields stand there; it stays in sight
+    once it has another value, until another design begins.
 
     group_of: path -> the group it belongs to, of which only one is shown at a time; what stands in the fields of the others stays
     head_of: group -> what stands above its fields
@@ -109,6 +110,8 @@ class Form(QScrollArea):
         self._heads: list[str] = []
         self._folded: frozenset[str] = frozenset()
         self._unfolded, self._wanted = False, ""
+        self._begun = False  # another design
+        session.started.connect(self._begin)
         self.more: QToolButton
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setWidgetResizable(True)
@@ -125,20 +128,30 @@ class Form(QScrollArea):
         where they show what they did."""
         shown = (part_of(design, self._section), design.assumed, self._session.draft)
         before, self._shown = self._shown, shown
-        if before is not None and shown[0] is before[0] and shown[1] == before[1] and shown[2] is before[2]:
+        same = before is not None and shown[0] is before[0] and shown[1] == before[1] and shown[2] is before[2]
+        if same and not self._begun:
             return
         anew = before is None or shown[2] is not before[2]  # what waits may be other values
         rows = rows_of(design, self._section)
         heads = [heading_of(design, row.path) for row in rows]
+        folded = _folding(rows)
         if [row.path for row in rows] != list(self.fields) or heads != self._heads:
             self._heads, self._values = heads, {}
-            self._folded = _open_of(rows)
+            self._folded = folded
             self._build([_spec_of(design, row) for row in rows])
+        elif not self._folded <= folded or self._begun:
+            self._folded = folded if self._begun else self._folded & folded
+            self._unfolded = self._unfolded and not self._begun
+            self._show_rows()
+        self._begun = False
         for row in rows:
             state = row.value, is_assumed(design, row.path)
             if anew or self._values.get(row.path) != state:
                 self._values[row.path] = state
                 self.fields[row.path].refresh(design)
+
+    def _begin(self) -> None:
+        self._begun = True
 
     def _build(self, specs: list[FieldSpec]) -> None:
         paper = QWidget()
@@ -184,6 +197,15 @@ class Form(QScrollArea):
         if path in self._folded and not self._unfolded:
             self._fold(True)
 
+    @property
+    def editors(self) -> list[QWidget]:
+        """In the order of Tab."""
+        return [field.editor for field in self.fields.values()]
+
+    def field_at(self, path: str) -> Field | None:
+        """The field of a path, else the first; None where there is none."""
+        return self.fields.get(path) or next(iter(self.fields.values()), None)
+
     def look_for(self, words: str) -> int:
         """Show only the fields whose name has all of these words; how many there are."""
         self._wanted = words.casefold()
@@ -203,8 +225,8 @@ class Form(QScrollArea):
             for widget in field.widgets():
                 widget.setVisible(shown and (widget is not field.message or bool(field.trouble)))
         self.more.setText("Fewer" if self._unfolded else f"{len(self._folded)} more")
-        self.more.setToolTip("Fields that are left open")
-        self.more.setVisible(bool(self._folded) and not self._wanted)
+        self.more.setToolTip("Fields that are seldom needed, or left open")
+        self.more.setVisible(not self._wanted and any(self._group_of(path) == self._group for path in self._folded))
 
     def show_group(self, group: str) -> None:
         """Show the fields of this group, and of no other."""
@@ -212,6 +234,7 @@ class Form(QScrollArea):
             self._group = group
             for name, part in self._groups.items():
                 part.setVisible(name == group)
+            self._show_rows()
             self.verticalScrollBar().setValue(0)
 
     @property

@@ -140,6 +140,7 @@ class LoadsPage(QWidget):
         if lines != self._lines:
             self._lines = lines
             self._show_lines()
+            self.table.setVisible(len(lines) > 1)  # with nothing but the first the form says all of it
         self._later.start()
         self._show_chosen()
 

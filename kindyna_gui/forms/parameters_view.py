@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import partial
+from types import MappingProxyType
+from typing import Any, Protocol
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QIcon
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QTabWidget, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QScrollBar, QTabWidget, QVBoxLayout, QWidget
 
 from core.design import Design
 from core.findings import ERROR
@@ -27,7 +30,7 @@ from kindyna_gui.requirements import lists_links
 from kindyna_gui.view import View, ViewHost
 
 LOADS = "loads"
-LEAST = 285, 140  # pixels; the pages scroll, and a window that is full need not grow for them
+LEAST = 285, 116  # pixels; the pages scroll, and a window that is full need not grow for them
 SECTIONS = ("follower", "cam", "shaft", "loads", "limits", "servo")
 EVERY_SECTION = (
     "follower",
@@ -40,6 +43,34 @@ EVERY_SECTION = (
 )  # of all kinds of design, in the order of tabs
 
 
+class Page(Protocol):
+    """The fields of a section, by their paths, as a page that is rolled."""
+
+    fields: dict[str, Field]
+
+    @property
+    def in_trouble(self) -> bool:
+        """Whether a field shows what cannot be."""
+
+    def refresh(self, design: Design) -> None:
+        """Show this design."""
+
+    def look_for(self, words: str) -> int:
+        """Show only the fields whose name has all of these words; how many there are."""
+
+    def unfold(self, path: str) -> None:
+        """Let the field of a path be seen."""
+
+    def field_at(self, path: str) -> Field | None:
+        """The field that a path leads to."""
+
+    def verticalScrollBar(self) -> QScrollBar:
+        """How far it is rolled."""
+
+    def ensureWidgetVisible(self, child: QWidget, xmargin: int = ..., ymargin: int = ...) -> None:
+        """Roll to a field."""
+
+
 def kind_label(design: Design) -> str:
     """What kind of mechanism a design is, in a few words."""
     return design.drive.label + " and a cam" * (lists_links(design) and design.drive.cam is not None)
@@ -50,13 +81,14 @@ class ParametersView(View):
 
     load_added    (list): a row more is wanted in one of the lists of the loads
     load_picked   (path, key): where a row of them holds on is to be chosen in the drawing
+    first         pages of sections that stand before those that are forms
     """
 
     load_added = Signal(str)
     load_picked = Signal(str, str)
     of_whole = True
 
-    def __init__(self, session: Session, player: Player) -> None:
+    def __init__(self, session: Session, player: Player, first: Mapping[str, Any] = MappingProxyType({})) -> None:
         super().__init__(session, player)
         self.name = NameField(session)
         self.draft = DraftBar()
@@ -71,12 +103,18 @@ class ParametersView(View):
         self.tabs.setMinimumSize(*LEAST)
         self.tabs.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # Ctrl+Tab changes the page, Tab goes from field to field
         self.loads = LoadsPage(session)
-        self.forms = {
-            section: self.loads.form if section == LOADS else Form(session, section) for section in EVERY_SECTION
+        self.forms: dict[str, Page] = {
+            **first,
+            **{section: self.loads.form if section == LOADS else Form(session, section) for section in EVERY_SECTION},
         }
-        self.pages = {section: self.loads if section == LOADS else form for section, form in self.forms.items()}
+        self.pages: dict[str, Any] = {
+            section: self.loads if section == LOADS else form for section, form in self.forms.items()
+        }
         for section, page in self.pages.items():
             self.tabs.addTab(page, SECTION_NAMES[section])
+        for section, page in first.items():
+            page.fields_changed.connect(partial(self._fields_changed, section))
+        self.tabs.setCurrentIndex(len(first))
         self.loads.added.connect(self.load_added)
         self.loads.picked.connect(self.load_picked)
         self._subject = ""  # the drive that is shown
@@ -128,11 +166,8 @@ class ParametersView(View):
                 self.loads.refresh(study, typed)
             else:
                 form.refresh(design)
-            if form.fields is not before:
-                self._order_fields()
-                for field in form.fields.values():
-                    field.trouble_changed.connect(partial(self._show_trouble, section, field))
-                self._mark_tab(section)
+            if form.fields is not before and section in EVERY_SECTION:  # others say so themselves
+                self._fields_changed(section)
         if place is not None:
             self.show_section(place[0])
             bar = self.forms[place[0]].verticalScrollBar()
@@ -158,11 +193,12 @@ class ParametersView(View):
                     self.tabs.setCurrentWidget(self.pages[section])
                     break
 
-    def _order_fields(self) -> None:
-        editors: list[QWidget] = []
-        for section, form in self.forms.items():
-            editors += self.loads.editors if section == LOADS else [field.editor for field in form.fields.values()]
-        in_tab_order(self.name, self.filter, *editors)
+    def _fields_changed(self, section: str) -> None:
+        """Other fields stand on a page than before."""
+        in_tab_order(self.name, self.filter, *(editor for page in self.pages.values() for editor in page.editors))
+        for field in self.forms[section].fields.values():
+            field.trouble_changed.connect(partial(self._show_trouble, section, field))
+        self._mark_tab(section)
 
     def settle(self) -> None:
         super().settle()
@@ -195,14 +231,16 @@ class ParametersView(View):
         self.pull()
         section = path.partition(".")[0]
         if part_of(self.session.holder(section), section) is None:
-            section = next(name for name in EVERY_SECTION if part_of(self.session.holder(name), name) is not None)
+            section = next(name for name in self.forms if part_of(self.session.holder(name), name) is not None)
         form = self.forms.get(section)
-        if form is None or not form.fields:
+        if form is None:
             return False
         if section == LOADS and row_of(path) == path:
             path = first_field(self.session.typed, path)
-        field = form.fields.get(path) or next(iter(form.fields.values()))
         self.tabs.setCurrentWidget(self.pages[section])
+        field = form.field_at(path)
+        if field is None:
+            return False
         form.unfold(field.spec.path)
         if section == LOADS:
             self.loads.choose(row_of(path))

@@ -16,6 +16,7 @@ from kindyna_gui.view import NumberAtHand
 
 Index = QModelIndex | QPersistentModelIndex
 EDGE = 4  # pixels around a text that goes across columns
+LEADING = 5  # between the lines of a table, pixels
 
 
 @frozen
@@ -206,6 +207,12 @@ class RowsTable(QTableView):
         room = sum(self.columnWidth(column) for column in range(row.across, len(row.cells))) - 2 * EDGE
         text = self.fontMetrics().boundingRect(QRect(0, 0, room, 0), Qt.TextFlag.TextWordWrap, row.cells[row.across])
         return max(height, text.height() + 2 * EDGE)
+
+    def resizeRowsToContents(self) -> None:
+        """As high as their texts; Qt would give each the height of a heading, though none stands beside it."""
+        least = self.fontMetrics().height() + LEADING
+        for number in range(len(self.rows.rows)):
+            self.setRowHeight(number, max(self.sizeHintForRow(number), least))
 
     def scrollContentsBy(self, dx: int, dy: int) -> None:
         """What comes into sight may be wider than what was."""

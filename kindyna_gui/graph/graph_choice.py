@@ -13,6 +13,7 @@ from PySide6.QtWidgets import QAbstractItemView, QHeaderView, QTreeWidget, QTree
 
 from core.study import Quantity
 from core.study.quantities import DYNAMICS, KINEMATICS, LINKAGE, ORBIT, PROFILE, SERVO
+from kindyna_gui.forms.copying import CopyKey
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import legible
 
@@ -119,6 +120,7 @@ class ChannelTree(QTreeWidget):
         head.setStretchLastSection(False)
         head.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
         head.setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
+        CopyKey(self)
         self._items: dict[str, QTreeWidgetItem] = {}
         self._rows: tuple[Quantity, ...] = ()
         self.itemChanged.connect(self._changed)

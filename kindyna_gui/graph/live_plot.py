@@ -59,11 +59,13 @@ class LivePlot(_Turned, CurvePlot):
     """Curves over one turn under the mouse.
 
     angle_moved   the user has clicked at, or drawn the cursor to, this cam angle [rad]
+    limit_chosen  (path): the text of a limit was clicked, which is stated, or can be, in this field
 
     peaks         what is done with a peak that is drawn up and down; None: nothing
     """
 
     angle_moved = Signal(float)
+    limit_chosen = Signal(str)
     unseen = UNSEEN
     text_room = TEXT_ROOM
     whole_action: QAction | None = None
@@ -113,6 +115,9 @@ class LivePlot(_Turned, CurvePlot):
         ):
             self.whole_action.trigger()
             event.accept()
+        elif event.button() == Qt.MouseButton.LeftButton and (field := self.limit_at(event.position())):
+            self.limit_chosen.emit(field)
+            event.accept()
         elif event.button() != Qt.MouseButton.LeftButton or not self._take_peak(event.position()):
             super().mousePressEvent(event)
 
@@ -153,12 +158,17 @@ class LivePlot(_Turned, CurvePlot):
         pull, peaks = self._pull, self.peaks
         if pull is None or peaks is None:
             if not event.buttons():
-                over = self.peak_at(event.position()) is not None
-                self.viewport().setCursor(Qt.CursorShape.SizeVerCursor if over else Qt.CursorShape.ArrowCursor)
+                self.viewport().setCursor(self._cursor_at(event.position()))
             super().mouseMoveEvent(event)
         elif peaks.active:
             peaks.drag(pull.size * (pull.value + (pull.start.y() - event.position().y()) * pull.per_pixel))
             peaks.tell(event.globalPosition().toPoint())
+
+    def _cursor_at(self, place: QPointF) -> Qt.CursorShape:
+        """What the mouse shows that it can do there."""
+        if self.limit_at(place):
+            return Qt.CursorShape.PointingHandCursor
+        return Qt.CursorShape.SizeVerCursor if self.peak_at(place) is not None else Qt.CursorShape.ArrowCursor
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         if self._pull is not None and self.peaks is not None:

@@ -32,7 +32,8 @@ class MarkedView(View):
         self.bands.changed.connect(self.invalidate)
 
     def offer_deeds(self, plot: LivePlot | LivePolar, rows: Callable[[], Sequence[Quantity]]) -> None:
-        """The context menu of a plot: what can be done with the first of its quantities, and its own entries. Its peaks are drawn."""
+        """The context menu of a plot: what can be done with the first of its quantities, and its own entries. Its peaks are drawn, and a
+        click on a limit opens its field."""
 
         def ask(at: QPoint) -> None:
             from core.find import traded
@@ -49,8 +50,13 @@ class MarkedView(View):
 
         if isinstance(plot, LivePlot):
             plot.peaks = PeakDrag(self, self.player)
+            plot.limit_chosen.connect(self._open_field)
         plot.setContextMenuPolicy(Qt.ContextMenuPolicy.CustomContextMenu)
         plot.customContextMenuRequested.connect(ask)
+
+    def _open_field(self, path: str) -> None:
+        if self._host is not None:
+            self._host.focus_field(path)
 
     def lacking(self, study: Study) -> Sequence[Quantity]:
         """The channels whose extremes are to be found."""

@@ -80,7 +80,7 @@ def _cam(canvas: Canvas, scene: MechanismScene, picker: Picker, at: complex, geo
     if not on_cam(geometry, scene.index, at):
         return None
     sized = hasattr(geometry.study.design.drive.cam, "base_radius_mm")
-    return Thing("Cam", "cam.base_radius_mm" if sized else "cam", "pitch_curvature")
+    return Thing("Cam", "cam.base_radius_mm" if sized else "cam", "pitch_curvature", profile=True)
 
 
 LOOKS = (_pin, _load, _face, _link, _cam)

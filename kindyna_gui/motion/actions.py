@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from math import degrees
 from types import MappingProxyType
 
 from core.design import (
@@ -13,8 +14,12 @@ from core.design import (
     remove_laid_out,
     require_motion,
 )
+from core.errors import KindynaError
 from core.frozen import frozen
 from core.motion.split import LEAST_CUT, copy_segment, split_segment
+from kindyna_gui.documents.session import Session
+from kindyna_gui.labels import reason
+from kindyna_gui.motion.grips import snapped_angle
 
 Change = Callable[[Design, int, float | None], Design]
 """The design with a segment changed; a cam angle [deg] where that matters."""
@@ -126,4 +131,25 @@ ACTIONS: Mapping[str, SegmentAction] = MappingProxyType(
 )
 
 
-__all__ = ["ACTIONS", "SegmentAction"]
+PATH = "motion.segments"
+"""At which edits of whole segments are made, and refused."""
+
+
+def perform(session: Session, name: str, index: int, theta: float) -> int | None:
+    """Do one of ``ACTIONS`` with a segment as one step, at a cam angle [rad]; the number of the segment that is to be chosen then, None
+    where it makes no sense or is refused."""
+    action, design = ACTIONS[name], session.typed
+    if not action.makes_sense(design, index):
+        return None
+    session.end_gesture()
+    try:
+        changed = action.change(design, index, snapped_angle(degrees(theta)))
+    except KindynaError as error:
+        session.refuse(PATH, reason(design, error))
+        return None
+    done = session.lay_out(changed, action.step.format(n=index + 1), PATH)
+    session.end_gesture()
+    return index + action.after if done else None
+
+
+__all__ = ["ACTIONS", "PATH", "SegmentAction", "perform"]

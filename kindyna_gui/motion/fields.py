@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QWidget
 from core.design import NO_UNIT, UNITS, Design, Info, Motion, PolynomialEnd, SplinePoint, Unit, get, info_of
 from kindyna_gui.forms.fields import Field, FieldSpec
 from kindyna_gui.forms.number_box import NumberBox
-from kindyna_gui.labels import allowed_text, name_of, value_text
+from kindyna_gui.labels import name_of, value_text
 
 _PER = {"value": "", "velocity": "/°", "acceleration": "/°²", "jerk": "/°³"}
 _STEP = {"at_deg": 1.0, "value": 1.0, "velocity": 0.1, "acceleration": 0.01, "jerk": 0.001}
@@ -98,15 +98,9 @@ class OptionalBox(NumberBox):
 class CurveField(Field):
     """A row of a curve's form: its steps name the segment."""
 
-    def _enter(self, value: Any) -> None:
-        spec = self.spec
-        if self.obsolete:
-            return
-        if not spec.info.admits(value):
-            self.session.refuse(spec.path, f"outside its range; allowed: {allowed_text(spec.info, spec.unit)}")
-        else:
-            name = described(self.session.typed, spec.path)
-            self.session.edit(spec.path, value, f"Change {name} to {value_text(value, spec.unit)}")
+    def _step(self, value: Any) -> str:
+        name = described(self.session.typed, self.spec.path)
+        return f"Change {name} to {value_text(value, self.spec.unit)}"
 
 
 class EndField(CurveField):

@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QVB
 from core.design import (
     UNITS,
     Design,
+    Entry,
     Follows,
     Info,
     entries,
@@ -19,7 +20,7 @@ from core.design import (
     with_motion,
     with_stroke,
 )
-from core.design.fields import LONGEST_MM
+from core.design.fields import LONGEST_MM, MAIN
 from core.errors import KindynaError
 from core.motion.extremes import true_stroke
 from core.output.cycle import cycle_line, has_cycle
@@ -30,7 +31,13 @@ from kindyna_gui.labels import segment_of
 from kindyna_gui.rebuilt import Rebuilt
 
 STROKE = Info(
-    "Stroke", "highest minus lowest position; start and rises grow along", 0.0, LONGEST_MM, open_low=True, step=1.0
+    "Stroke",
+    "highest minus lowest position; start and rises grow along",
+    0.0,
+    LONGEST_MM,
+    open_low=True,
+    step=1.0,
+    weight=MAIN,
 )
 NO_STROKE = "Nothing moves yet: give a segment a law and a rise first, then the stroke can be changed."
 LEAST, MOST = 74, 150  # width of a number, pixels
@@ -48,6 +55,13 @@ def stroke_of(design: Design) -> float:
 def _shown_stroke(design: Design) -> float:
     """To the digits that extremes are sure of: a stroke that was typed is read as it was."""
     return float(f"{stroke_of(design):.11g}")
+
+
+def stroke_entry(design: Design) -> Entry:
+    """The stroke as an entry of the motion's table; where nothing moves it is 0."""
+    unit = require_motion(design).unit
+    path = f"motion.stroke_{unit}"
+    return Entry(path, STROKE, UNITS[unit], _shown_stroke(design), path)
 
 
 def origin_texts(follows: Follows) -> tuple[str, str]:

@@ -27,7 +27,7 @@ from kindyna_gui.motion.segments_model import COLUMNS, FROM, JOIN, LAW, SegmentC
 from kindyna_gui.rebuilt import soon
 
 Index = QModelIndex | QPersistentModelIndex
-USUAL_ROWS, LEAST_ROWS = 7, 5
+LEAST_ROWS, MOST_ROWS = 5, 12
 GAP = 6  # between the marks of a join, pixels
 INSET = 4  # of a text from the sides of its cell, pixels
 
@@ -252,11 +252,11 @@ class SegmentsTable(CellTable):
         return self.horizontalHeader().sizeHint().height() + rows * self.verticalHeader().defaultSectionSize() + 4
 
     def sizeHint(self) -> QSize:
-        """All rows, where there is room for them; never so few that the next segment would have none."""
-        return QSize(360, self.height_of(max(self._model.rowCount(), USUAL_ROWS)))
+        """All rows, where they are not too many: what is left is the diagram's."""
+        return QSize(360, self.height_of(min(self._model.rowCount(), MOST_ROWS)))
 
     def minimumSizeHint(self) -> QSize:
-        return QSize(200, self.height_of(LEAST_ROWS))
+        return QSize(200, self.height_of(min(self._model.rowCount(), LEAST_ROWS)))
 
     # -- keys ---------------------------------------------------------------------------------------------
 

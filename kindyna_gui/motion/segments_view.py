@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import partial
-from math import degrees
+from math import radians
 
 import numpy as np
 from PySide6.QtCore import QPoint, Qt, QTimer, Signal
 from PySide6.QtGui import QResizeEvent
-from PySide6.QtWidgets import QFrame, QLabel, QScrollArea, QSplitter, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QBoxLayout, QFrame, QLabel, QScrollArea, QSplitter, QVBoxLayout, QWidget
 
 from core.design import Design, is_assumed, motion_of
 from core.errors import KindynaError
@@ -21,14 +21,14 @@ from kindyna_gui.forms.draft_bar import DraftBar
 from kindyna_gui.forms.field_parts import in_tab_order
 from kindyna_gui.forms.fields import Field, add_vary
 from kindyna_gui.graph.marked_view import MarkedView
-from kindyna_gui.labels import reason, segment_of
+from kindyna_gui.labels import segment_of
 from kindyna_gui.look import WRONG, coloured
-from kindyna_gui.motion.actions import ACTIONS
+from kindyna_gui.motion.actions import PATH, perform
 from kindyna_gui.motion.bar import SegmentBar
 from kindyna_gui.motion.curve_fields import SegmentCurveForm
 from kindyna_gui.motion.derivatives import DerivativePlots
 from kindyna_gui.motion.editor import MotionEditor
-from kindyna_gui.motion.grips import ANGLE_STEP, snapped, snapped_angle
+from kindyna_gui.motion.grips import ANGLE_STEP, snapped
 from kindyna_gui.motion.head import NO_STROKE, MotionHead
 from kindyna_gui.motion.segments_model import LAW, RISE, SPAN, SegmentsModel
 from kindyna_gui.motion.segments_table import SegmentsTable
@@ -39,18 +39,17 @@ from kindyna_gui.requirements import require_motion
 from kindyna_gui.view import ViewHost
 
 _KEYS = {"law": LAW, "span_deg": SPAN, "rise_mm": RISE, "rise_deg": RISE}
-_ACTS = "motion.segments"
-"""The path at which edits of whole segments are made, and refused."""
-TABLE_PART = 0.42  # of the width, where the table stands beside the diagram
-BESIDE = 760  # from this width on the diagram stands beside the table, where it is wider than high
-BELOW, BELOW_BESIDE = 0.2, 0.22  # of the height, for what stands below the table: one above the other, and side by side
+TABLE_WIDTH = 420  # pixels, of the table where the form of the chosen segment stands beside it
+BESIDE = 700  # from this width on it does
+BELOW = 0.2  # of the height, for the form where it stands below the table
 LEAST_BELOW, MOST_BELOW = 66, 200  # pixels
+FREE = 16777215  # pixels, Qt's own word for no limit
 
 
 class SegmentForm(QScrollArea):
-    """What stands below the table of segments: the form of the chosen one, and what is missing or wrong.
+    """What stands below the table of segments, or beside it: the form of the chosen one, and what is missing or wrong.
 
-    Its height is that of the view's alone, so that no text moves the rows above it, nor the buttons below.
+    Its height is that of the view's alone, or of the table's, so that no text moves the rows above it, nor the buttons below.
     """
 
     def __init__(self, *parts: QWidget) -> None:
@@ -67,9 +66,11 @@ class SegmentForm(QScrollArea):
         column.addStretch(1)
         self.setWidget(paper)
 
-    def take_height(self, whole: int, part: float) -> None:
-        """So much of a view's height [pixels]."""
-        self.setFixedHeight(round(min(max(part * whole, LEAST_BELOW), MOST_BELOW)))
+    def take_height(self, whole: int) -> None:
+        """Its part of a view's height [pixels]; of none what there is."""
+        height = round(min(max(BELOW * whole, LEAST_BELOW), MOST_BELOW))
+        self.setMinimumHeight(height if whole else LEAST_BELOW)
+        self.setMaximumHeight(height if whole else FREE)
 
     def bring(self, part: QWidget) -> None:
         """Scroll a text that has come into sight, once it has its place; not while the keys are in what would move."""
@@ -118,12 +119,17 @@ class SegmentsView(MarkedView):
 
     def _lay_out(self) -> None:
         lower = QWidget()
-        column = QVBoxLayout(lower)
+        self._parts = QBoxLayout(QBoxLayout.Direction.TopToBottom, lower)
+        self._parts.setContentsMargins(0, 0, 0, 0)
+        self._parts.setSpacing(1)
+        form = QWidget()
+        column = QVBoxLayout(form)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(1)
-        column.addWidget(self.table, 1)
         column.addWidget(self.below)
         column.addWidget(self.bar)
+        self._parts.addWidget(self.table, 1)
+        self._parts.addWidget(form)
         self.splitter = QSplitter(Qt.Orientation.Vertical)
         self.splitter.setChildrenCollapsible(False)
         self.splitter.addWidget(self.derivatives)
@@ -174,6 +180,8 @@ class SegmentsView(MarkedView):
     def belong_to(self, window: ViewHost) -> None:
         super().belong_to(window)
         self.abilities_changed.connect(window.enable_segment_edits)
+        for clicked in (self.table.clicked, self.diagram.segment_chosen):
+            clicked.connect(lambda _: window.show_fields("motion"))
 
     def refresh(self, study: Study) -> None:
         require_motion(study.design)
@@ -205,9 +213,12 @@ class SegmentsView(MarkedView):
         self.model.show(typed, joins, waiting_paths(self.session))
         if self.model.rowCount() != count or not self.table.currentIndex().isValid():
             self.choose(*place)
+            self.table.updateGeometry()
+            if not self._parted:
+                self._sharing.start()
         self._show_chosen()
         if self._act_refused:  # something else has been done since
-            self.session.withdraw(_ACTS)
+            self.session.withdraw(PATH)
 
     def _show_draft(self) -> None:
         """Show what is missing of a motion that does not fit; meanwhile the diagram shows the last that did, and cannot be drawn at."""
@@ -290,22 +301,24 @@ class SegmentsView(MarkedView):
             self.below.bring(self.message)
 
     def _refused(self, refusal: Refusal) -> None:
-        if refusal.path == _ACTS:
+        if refusal.path == PATH:
             self._act_refused = True
-            self._show_text(refusal.at(_ACTS))
+            self._show_text(refusal.at(PATH))
 
     def _accepted(self, path: str) -> None:
-        if path == _ACTS and self._act_refused:
+        if path == PATH and self._act_refused:
             self._act_refused = False
             self._show_text("")
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
-        wide = self.width() >= BESIDE and self.width() > self.height()
-        turned = Qt.Orientation.Horizontal if wide else Qt.Orientation.Vertical
-        self.below.take_height(self.height(), BELOW_BESIDE if wide else BELOW)
-        if turned != self.splitter.orientation():
-            self.splitter.setOrientation(turned)
+        wide = self.width() >= BESIDE
+        direction = QBoxLayout.Direction.LeftToRight if wide else QBoxLayout.Direction.TopToBottom
+        self.below.take_height(0 if wide else self.height())
+        if direction != self._parts.direction():
+            self._parts.setDirection(direction)
+            self._parts.setStretch(1, int(wide))
+            self.table.setMaximumWidth(TABLE_WIDTH if wide else FREE)
             self._parted = False
         if not self._parted:
             self._sharing.start()
@@ -315,12 +328,9 @@ class SegmentsView(MarkedView):
         self._parted = True
 
     def _share(self) -> None:
-        """The table gets what its rows need, or its texts where it stands beside; the diagram the rest."""
-        beside = self.splitter.orientation() == Qt.Orientation.Horizontal
-        hint = self._lower.sizeHint()
-        room = self.splitter.width() if beside else self.splitter.height()
-        wanted = max(hint.width(), round(TABLE_PART * room)) if beside else hint.height()
-        self.splitter.setSizes([max(room - wanted, 1), wanted])
+        """The table gets what its rows need, the diagram the rest."""
+        wanted = self._lower.sizeHint().height()
+        self.splitter.setSizes([max(self.splitter.height() - wanted, 1), wanted])
 
     # -- choosing -----------------------------------------------------------------------------------------
 
@@ -361,21 +371,10 @@ class SegmentsView(MarkedView):
     def act(self, name: str, angle: float | None = None) -> None:
         """One of ``ACTIONS`` on the chosen segment; angle: a cam angle [deg], where the cam stands if None."""
         self.pull()
-        action, row, design = ACTIONS[name], self.chosen, self.session.typed
-        if not action.makes_sense(design, row):
-            return
-        at = snapped_angle(degrees(self.player.theta)) if angle is None else angle
-        self.session.end_gesture()
-        try:
-            changed = action.change(design, row, at)
-        except KindynaError as error:
-            self.session.refuse(_ACTS, reason(design, error))
-            return
-        done = self.session.lay_out(changed, action.step.format(n=row + 1), _ACTS)
-        self.session.end_gesture()
-        if done:
+        chosen = perform(self.session, name, self.chosen, self.player.theta if angle is None else radians(angle))
+        if chosen is not None:
             self.pull()
-            self.choose(row + action.after, self.table.currentIndex().column())
+            self.choose(chosen, self.table.currentIndex().column())
 
     def focus_field(self, path: str) -> bool:
         """Bring the field or cell of a path before the reader; ``motion.start`` will do for ``motion.start_mm``.

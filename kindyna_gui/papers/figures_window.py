@@ -39,6 +39,7 @@ from core.papers.claim import (
 )
 from kindyna_gui import dialogs
 from kindyna_gui.background import Background, Job
+from kindyna_gui.forms.copying import CopyKey
 from kindyna_gui.look import ASSUMED, GOOD, INK, QUIET, WRONG, coloured
 from kindyna_gui.pictures.paper import RATIO
 from kindyna_gui.pictures.paper_figures import paper_file
@@ -119,6 +120,7 @@ class FiguresWindow(QWidget):
         self.computed = 0
         self.list = QTreeWidget()
         self.list.setHeaderLabels(["What the paper says", "Verdict"])
+        CopyKey(self.list)
         self.list.setStyleSheet("QTreeWidget::item { padding: 2px 0 }")
         self.list.currentItemChanged.connect(lambda item, _: self._choose(None if item is None else item.data(0, ROW)))
         self.picture, self.heading, self.verdict = _Picture(), _text(), _text()

@@ -28,15 +28,15 @@ from kindyna_gui.pictures.units import digits
 
 STEADY, FROM_REST = "steady", "from_rest"
 SHORT = {
-    APPROXIMATE: "(22), Kim's approximation",
-    EXACT: "(21), exact linearisation",
+    APPROXIMATE: "Kim's approximation (22)",
+    EXACT: "Linearised, exact (21)",
     STEADY: "About the true steady response",
-    FROM_REST: "Nonlinear (13), from rest",
+    FROM_REST: "Nonlinear, from rest (13)",
 }
 
 WORDS = {"model", "verdict"}  # columns that hold no numbers
 ROUNDING = 1e-9  # of a torque's amplitude: a mean below it is rounding
-BRIEF = {APPROXIMATE: "(22)", EXACT: "(21)"}
+BRIEF = {APPROXIMATE: "approximate (22)", EXACT: "exact (21)"}
 
 
 def percent(growth: float) -> str:

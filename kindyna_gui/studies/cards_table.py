@@ -8,6 +8,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QFont
 from PySide6.QtWidgets import QAbstractItemView, QTableWidget, QTableWidgetItem
 
+from kindyna_gui.forms.copying import CopyKey
 from kindyna_gui.pictures.units import short
 
 AT_HAND = "At hand"
@@ -24,6 +25,7 @@ class CardsTable(QTableWidget):
         self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
         self.setAccessibleName("Cards compared")
         self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 6)
+        CopyKey(self)
         self.setToolTip("In parentheses how far a value lies from that of the design at hand")
 
     def show_cards(self, own: Values, cards: Sequence[Values]) -> None:

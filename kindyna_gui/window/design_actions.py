@@ -229,13 +229,16 @@ class DesignActions(QObject):
 
         replaces = keeps_motion and self._session.several  # one drive, which Undo brings back
         if replaces or self._window.documents.may_leave():
-            choice = gallery.mechanism_wanted(self._window)
+            ask = gallery.mechanism_wanted if keeps_motion else gallery.new_mechanism_wanted
+            choice = ask(self._window)
             if choice is not None:
                 motion = motion_of(self._session.design) if keeps_motion else None
                 if replaces:
                     replace_chosen(self._session, choice.begun(motion), f"Choose {choice.called}")
                 else:
                     self._window.documents.begin(choice.begun(motion), choice.called)
+                    if not keeps_motion and motion_of(self._session.design) is not None:
+                        self._window.focus_field("motion.stroke")  # what a designer says first
 
     def save_as_signs(self) -> None:
         """The linkage is assembled by signs, as it is drawn."""

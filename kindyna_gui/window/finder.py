@@ -14,6 +14,7 @@ from PySide6.QtGui import QFocusEvent, QKeyEvent, QKeySequence
 from PySide6.QtWidgets import QAbstractItemView, QFrame, QHeaderView, QLineEdit, QMenu, QTableView, QVBoxLayout, QWidget
 
 from core.design import Design, Entry, only, path_of
+from core.design.fields import USUAL
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.study import findings_of, names_of, quantity
@@ -23,6 +24,7 @@ from kindyna_gui.forms.tables import RowsModel, TableHeading, TableRow
 from kindyna_gui.forms.typed_number import parsed
 from kindyna_gui.help.window import sections
 from kindyna_gui.labels import allowed_text, choice_text, entry_name, sentence, step_text, value_text
+from kindyna_gui.motion.head import stroke_entry
 from kindyna_gui.pictures.units import legible
 from kindyna_gui.preferences.units import symbol_of
 from kindyna_gui.window.base import Window
@@ -34,6 +36,7 @@ HINT = "Command, field, channel, example, help, finding; base radius 420 sets it
 _MOVES = MappingProxyType(
     {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1, Qt.Key.Key_PageUp: -SHOWN, Qt.Key.Key_PageDown: SHOWN}
 )
+BY_WEIGHT = 0.2  # of a field's rank
 FIRST, BEHIND_NAMES = -100.0, 10.0  # of values that are set; of those refused: a name ``segment 2 span`` is no amount
 _AMOUNT = re.compile(r"[-+\u2212]?[\d.,]+\s*([^\W\d_]|[°%\"/]).*")
 _WORD = re.compile(r"[\w°%µ/|∠.+-]+")
@@ -117,6 +120,9 @@ def _fields(window: Window) -> Iterator[Found]:
     design, whole = session.typed, session.typed_whole
     for table in design.tables:
         holder = session.holder(table)
+        if table == "motion":
+            stroke = stroke_entry(design)
+            yield _field(window, design, stroke, stroke.path, "")
         yield from (_field(window, holder, row, row.path, "") for row in rows_of(holder, table))
     for i in range(len(whole.drives) if whole.listed else 0):
         if i != session.chosen:
@@ -189,8 +195,9 @@ SOURCES = (_commands, _fields, _channels, _findings, _help)
 
 
 def rank(found: Found, words: list[str]) -> float | None:
-    """How well something matches: less is better; None where a word is not in it."""
-    cost = 0.0
+    """How well something matches: less is better; None where a word is not in it. Of fields that match alike the weightier comes
+    first."""
+    cost = 0.0 if found.entry is None else BY_WEIGHT * (USUAL - found.entry.info.weight)
     for word in words:
         at = found.words.find(word)
         if at < 0:

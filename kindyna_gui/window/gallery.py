@@ -3,11 +3,12 @@ and the linkages that come with the program."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields, replace
 from functools import cache, partial
 from math import ceil
 from pathlib import Path
+from types import MappingProxyType
 
 from PySide6.QtCore import QSize, Qt, QTimer
 from PySide6.QtGui import QIcon, QPixmap
@@ -19,6 +20,7 @@ from PySide6.QtWidgets import (
     QLabel,
     QListWidget,
     QListWidgetItem,
+    QRadioButton,
     QStackedWidget,
     QVBoxLayout,
     QWidget,
@@ -29,7 +31,7 @@ from core.followers.layouts import LAYOUT_LENGTHS, in_layout
 from core.frozen import frozen
 from core.project import load
 from kindyna_gui.dialogs import give_help
-from kindyna_gui.files.beginnings import beginning, with_motion_kept
+from kindyna_gui.files.beginnings import beginning, dwell_first, with_motion_kept
 from kindyna_gui.labels import choice_text, choice_tip
 from kindyna_gui.look import QUIET, coloured
 from kindyna_gui.pictures.thumbnails import thumbnail
@@ -45,23 +47,27 @@ THUMBS = (
 MOST_COLUMNS = 6
 BESIDE, BELOW = (
     QSize(14, 30),
-    QSize(230, 120),
+    QSize(230, 146),
 )  # room for gaps and captions; of the dialog for list, margins and buttons
 LIST_WIDTH, LINE_HEIGHT = 170, 28
 
 ROLLER, OPEN, LINKAGES = "roller", "open", "Linkages"
+RISE, DWELL = "the rise", "the dwell below"
+ORDERS: Mapping[str, Callable[[Design], Design]] = MappingProxyType({RISE: lambda design: design, DWELL: dwell_first})
+"""What the motion of a new design can begin with."""
 
 
 @frozen
 class GalleryChoice:
     """One picture: its caption, what it is, and the design that it begins; title: what it is called outside its group;
-    keeps_motion: it can go with the motion that was there before."""
+    keeps_motion: it can go with the motion that was there before; ordered: its own motion can begin with one of ``ORDERS``."""
 
     name: str
     tip: str
     design: Callable[[], Design]
     title: str = ""
     keeps_motion: bool = False
+    ordered: bool = False
 
     @property
     def called(self) -> str:
@@ -71,6 +77,10 @@ class GalleryChoice:
     def begun(self, motion: Motion | None) -> Design:
         """The design, with the motion that is there where it suits."""
         return with_motion_kept(self.design(), motion) if self.keeps_motion else self.design()
+
+    def beginning_with(self, order: str) -> GalleryChoice:
+        """The same with its own motion in this order, where it has any."""
+        return replace(self, design=lambda: ORDERS[order](self.design())) if self.ordered else self
 
 
 def kinds() -> Iterator[tuple[str, list[GalleryChoice]]]:
@@ -87,7 +97,12 @@ def _variant(kind: str, path: str, word: str) -> GalleryChoice:
     text = choice_text(word)
     title = f"{FOLLOWER_KINDS[kind].label}, {text}"
     return GalleryChoice(
-        text[:1].upper() + text[1:], title, partial(beginning, kind, {path: word}, title), title, keeps_motion=True
+        text[:1].upper() + text[1:],
+        title,
+        partial(beginning, kind, {path: word}, title),
+        title,
+        keeps_motion=True,
+        ordered=True,
     )
 
 
@@ -206,9 +221,10 @@ def plan(room: QSize, most: int) -> GalleryLayout:
 
 class Gallery(QDialog):
     """Groups on the left, the pictures of the chosen one beside them; a double click or Enter on a picture begins with it.
-    room: of the screen, where None [pixels]; first: the group that is shown at first."""
+    room: of the screen, where None [pixels]; first: the group that is shown at first; offers: the design begins with a motion of its
+    own, whose order can be chosen."""
 
-    def __init__(self, parent: QWidget, room: QSize | None = None, first: str = "") -> None:
+    def __init__(self, parent: QWidget, room: QSize | None = None, first: str = "", offers: bool = False) -> None:
         super().__init__(parent)
         give_help(self, "followers")
         self.setWindowTitle("Choose a mechanism")
@@ -243,6 +259,17 @@ class Gallery(QDialog):
         beside.addWidget(self._stack, 1)
         column = QVBoxLayout(self)
         column.addLayout(beside, 1)
+        self.orders = {order: QRadioButton(order) for order in ORDERS}
+        self._order = QWidget()
+        self._order.setVisible(offers)
+        row = QHBoxLayout(self._order)
+        row.setContentsMargins(0, 0, 0, 0)
+        row.addWidget(QLabel("The motion begins with"))
+        for button in self.orders.values():
+            row.addWidget(button)
+        row.addStretch(1)
+        self.orders[RISE].setChecked(True)
+        column.addWidget(self._order)
         column.addWidget(hint)
         column.addWidget(self.buttons)
         self._soon = QTimer(self, interval=0)
@@ -271,13 +298,26 @@ class Gallery(QDialog):
         """The picture that is chosen among those that are seen."""
         self.chosen = pictures.choices[row] if row >= 0 else None
         self.ok.setEnabled(self.chosen is not None)
+        self._order.setEnabled(self.chosen is None or self.chosen.ordered)
+
+    @property
+    def wanted(self) -> GalleryChoice | None:
+        """What is chosen, with its motion in the order that is."""
+        order = next(order for order, button in self.orders.items() if button.isChecked())
+        return None if self.chosen is None else self.chosen.beginning_with(order)
 
 
-def mechanism_wanted(window: Window) -> GalleryChoice | None:
-    """Ask for a mechanism, beginning with the group of the one that is there; None where the user thinks better of it."""
+def mechanism_wanted(window: Window, offers: bool = False) -> GalleryChoice | None:
+    """Ask for a mechanism, beginning with the group of the one that is there; None where the user thinks better of it.
+    offers: with what its motion begins is asked, too."""
     row = FOLLOWER_KINDS.get(window.session.design.drive.kind)
-    dialog = Gallery(window, first=row.label if row else LINKAGES)
+    dialog = Gallery(window, first=row.label if row else LINKAGES, offers=offers)
     accepted = dialog.exec() == QDialog.DialogCode.Accepted
-    chosen = dialog.chosen if accepted else None
+    wanted = dialog.wanted if accepted else None
     dialog.deleteLater()
-    return chosen
+    return wanted
+
+
+def new_mechanism_wanted(window: Window) -> GalleryChoice | None:
+    """The same for a design that begins, whose motion can begin with its rise or its dwell."""
+    return mechanism_wanted(window, offers=True)

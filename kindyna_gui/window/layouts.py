@@ -16,7 +16,7 @@ from kindyna_gui.settings import TaskLayout
 from kindyna_gui.view import in_sight
 from kindyna_gui.window.base import Window
 from kindyna_gui.window.docks import BOTTOM, LEFT, RIGHT, TOP, VIEWS, Dock
-from kindyna_gui.window.tasks import SEPARATOR, TASKS, WIDE, Area, DockExtent, DockGroup, Task
+from kindyna_gui.window.tasks import SEPARATOR, TASKS, Area, DockExtent, DockGroup, Task
 
 ACROSS, UPWARDS = Qt.Orientation.Horizontal, Qt.Orientation.Vertical
 _LYING = (TOP, BOTTOM)
@@ -71,7 +71,7 @@ class Layouts(QObject):
 
     @property
     def _is_wide(self) -> bool:
-        return self._window.width() >= WIDE
+        return TASKS[self.current].is_wide(self._window.width())
 
     @property
     def _row(self) -> Task:
@@ -286,9 +286,9 @@ class Layouts(QObject):
 
     def _bring(self, number: int, there: bool, own: tuple[str, ...]) -> None:
         """Show or hide the docks of one kind of design."""
-        names = next(names for _, names in self._row.places if own[0] in names)
+        group, names = next(place for place in self._row.places if own[0] in place[1])
         others = [name for name in names if name not in own and not self._docks[name].isHidden()]
-        if there and not others:
+        if there and group.names and not others:
             return  # the user does without what stands at this place
         before = self._kinds[self.current]
         self._kinds[self.current] = (there, before[1]) if number == 0 else (before[0], there)

@@ -339,11 +339,16 @@ class MainWindow(Window):
         yield from self.centre.views()
 
     def stages_on_screen(self) -> tuple[str, ...]:
-        """The stages that views on screen read, in the order they need each other; with the motion, from which all are computed."""
+        """The stages that views on screen read, in the order they need each other; with the motion, from which all are computed.
+        While something is held with the mouse they are those of when it was taken: each of its moves asks for them."""
+        session = self.session
+        if session.held is not None and session.stages_held is not None:
+            return session.stages_held
         wanted = {stage for view in self._views() if view.on_screen() for stage in view.stages}
         if wanted:
             wanted.add("motion")
-        return tuple(stage for stage in self.session.study.stages if stage in wanted)
+        session.stages_held = tuple(stage for stage in session.study.stages if stage in wanted)
+        return session.stages_held
 
     def focus_field(self, path: str) -> None:
         """Bring the field of a path, or of a section, before the reader; of a drive that is not shown, the drive too."""
@@ -353,9 +358,18 @@ class MainWindow(Window):
                 return
             path = own[1]
         head = path.partition(".")[0].partition("[")[0]
-        name = head if head in ("motion", "timing", "drives") else "parameters"
-        view: Any = self.show_view(name)
-        view.focus_field(path)
+        editor = self.view("motion")
+        elsewhere = head in ("timing", "drives") or (head == "motion" and editor is not None and editor.on_screen())
+        view: Any = self.show_view(head if elsewhere else "parameters")
+        if not view.focus_field(path) and head == "motion" and view is not editor:
+            view = self.show_view("motion")  # rows of a table, which the inspector has not
+            view.focus_field(path)
+
+    def show_fields(self, section: str) -> None:
+        """Bring the page of a section of the parameters to the front, where they are in sight; the keys stay where they are."""
+        parameters: Any = self.view("parameters")
+        if parameters is not None and parameters.on_screen():
+            parameters.show_section(section)
 
     def fit(self) -> None:
         """Bring the whole of the picture in the middle into sight."""

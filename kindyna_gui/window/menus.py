@@ -280,6 +280,8 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             Submenu("Export &picture", submenus.fill_pictures),
             Item("Export &numbers...", "exports.tables", None, "Ctrl+E",
                  "Write profile, kinematics and dynamics as CSV tables", "export"),
+            Item("Export pr&ofile...", "exports.profile", None, "Ctrl+Shift+E",
+                 "The cam's profile, or the path of a cutter, as DXF, SVG, CSV or G-code"),
         ),
     ),
     (

@@ -14,11 +14,11 @@ NEW_NAME = "New shaft of cams"
 
 def new_shaft(window: Window) -> None:
     """Begin a shaft with one drive, chosen by its picture; others are added in the list of drives."""
-    from kindyna_gui.window.gallery import mechanism_wanted
+    from kindyna_gui.window.gallery import new_mechanism_wanted
 
     if not window.documents.may_leave():
         return
-    choice = mechanism_wanted(window)
+    choice = new_mechanism_wanted(window)
     if choice is not None:
         window.session.start(editing.listed(choice.begun(None), NEW_NAME))
         window.show_view("drives")
@@ -26,9 +26,9 @@ def new_shaft(window: Window) -> None:
 
 def add_by_picture(window: Window) -> None:
     """Ask for a mechanism, which becomes one drive more."""
-    from kindyna_gui.window.gallery import mechanism_wanted
+    from kindyna_gui.window.gallery import new_mechanism_wanted
 
-    choice = mechanism_wanted(window)
+    choice = new_mechanism_wanted(window)
     if choice is not None:
         editing.add(window.session, choice.begun(None))
 

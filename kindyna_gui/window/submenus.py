@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from PySide6.QtGui import QActionGroup
+from PySide6.QtGui import QActionGroup, QKeySequence
 from PySide6.QtWidgets import QMenu
 
 from core.design import FOLLOWER_KINDS, LAYOUTS
@@ -132,7 +132,9 @@ def choose_layout(window: Window, letter: str) -> None:
 def fill_exports(window: Window, menu: QMenu) -> None:
     """Everything that can be written besides the design."""
     for row in window.exports.rows():
-        action = menu.addAction(row.text)
+        same = window.actions_by_key.get(f"exports.{row.act.__name__}")
+        keys = same.shortcut().toString(QKeySequence.SequenceFormat.NativeText) if same is not None else ""
+        action = menu.addAction(f"{row.text}\t{keys}" if keys else row.text)
         action.setEnabled(not row.why_not)
         action.setStatusTip(row.why_not or row.tip)
         action.triggered.connect(partial(_without_state, lambda call: call(), row.act))

@@ -77,7 +77,7 @@ class Task:
     of_links   docks that are there with linkages only, the first of them in front
     of_several docks that are there with several drives only, likewise
     section    of the parameters, in front when the task is first chosen; empty: the one that was
-    wide       groups and sides in a window of ``WIDE`` pixels and more; empty: the same
+    wide       groups and sides in a window of ``wide_from`` pixels and more; empty: the same
     beside     pages in the middle behind the large view
     layers     of the drawing, shown at first while the task is in place
     """
@@ -94,10 +94,15 @@ class Task:
     layers: tuple[str, ...] = ()
     wide: tuple[DockGroup, ...] = ()
     wide_sides: Mapping[Area, DockExtent] = field(default_factory=lambda: USUAL)
+    wide_from: int = WIDE
 
     def at(self, width: int) -> Task:
         """The row as it is in a window of this width."""
-        return replace(self, groups=self.wide, sides=self.wide_sides) if self.wide and width >= WIDE else self
+        return replace(self, groups=self.wide, sides=self.wide_sides) if self.is_wide(width) else self
+
+    def is_wide(self, width: int) -> bool:
+        """Whether a window of this width has what stands in wide ones."""
+        return bool(self.wide) and width >= self.wide_from
 
     @property
     def of_kinds(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -179,7 +184,8 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             of_several=("drives",),
             wide=(
                 DockGroup(LEFT, ("stack",), ("motion", "find", *MOTION_CURVES)),
-                _PARAMETERS,
+                DockGroup(RIGHT, ("parameters",), ("certificate",), 1.6),
+                DockGroup(RIGHT, more=("drives",), part=1.2),
                 DockGroup(RIGHT, CAM_CURVES[1:], CAM_CURVES[:1]),
                 DockGroup(RIGHT, ("findings",), part=0.2),
             ),
@@ -191,10 +197,10 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             (
                 DockGroup(LEFT, more=("motion", "find")),
                 DockGroup(RIGHT, ("parameters", "flywheel", "findings"), ("drives",), 1.7),
-                DockGroup(RIGHT, ("torque",), ("camshaft_speed", "shaft_torque", "against_speed"), 1.05),
+                DockGroup(RIGHT, ("torque",), ("camshaft_speed", "shaft_torque", "against_speed"), 1.7),
                 DockGroup(BOTTOM, more=("timing",)),
                 DockGroup(
-                    RIGHT, ("contact_force",), ("contact_pressure", "contact", "vibration", "shaft_figures"), 1.4
+                    RIGHT, ("contact_force", "contact_pressure"), ("contact", "vibration", "shaft_figures"), 1.25
                 ),
             ),
             MappingProxyType({**USUAL, BOTTOM: DockExtent(0.31, 226)}),
@@ -205,11 +211,10 @@ TASKS: Mapping[str, Task] = MappingProxyType(
                 DockGroup(
                     LEFT, ("torque",), ("camshaft_speed", "shaft_torque", "against_speed", "motion", "find"), 1.15
                 ),
-                DockGroup(
-                    LEFT, ("contact_force",), ("contact_pressure", "contact", "vibration", "shaft_figures"), 1.15
-                ),
+                DockGroup(LEFT, ("contact_force", "contact_pressure"), ("contact", "vibration", "shaft_figures"), 1.15),
                 DockGroup(BOTTOM, more=("timing",)),
-                DockGroup(RIGHT, ("parameters", "flywheel", "findings"), ("drives",), 1.9),
+                DockGroup(RIGHT, ("parameters", "flywheel", "findings"), part=1.2),
+                DockGroup(RIGHT, more=("drives",), part=0.7),
             ),
             wide_sides=MappingProxyType({**USUAL, BOTTOM: DockExtent(0.31, 226)}),
         ),
@@ -219,6 +224,7 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             "stability",
             tuple(replace(group, names=(), more=(*group.names, *group.more)) for group in _CLEAR),
             wide=_CLEAR,
+            wide_from=1400,
         ),
         "graph": Task(
             "&Graph",
@@ -262,4 +268,4 @@ def task_with(name: str) -> str:
     return next(behind, next(iter(TASKS)))
 
 
-__all__ = ["INSPECTOR", "SEPARATOR", "TASKS", "WIDE", "DockExtent", "DockGroup", "Task", "task_with"]
+__all__ = ["INSPECTOR", "SEPARATOR", "TASKS", "DockExtent", "DockGroup", "Task", "task_with"]

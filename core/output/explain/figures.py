@@ -11,7 +11,7 @@ from core.errors import NoAnswer
 from core.frozen import frozen
 from core.motion import TURN
 from core.output.explain.letters import DYNAMICS, Letter, letter, speed_field
-from core.output.summary import answers, flywheel, stability
+from core.output.summary import answers, flywheel, shaft_in_chart
 from core.shaft.energy import energy_range
 from core.shaft.linear import motor_inertia
 from core.stress import RollerLife
@@ -129,7 +129,7 @@ def _power_letters(study: Study) -> tuple[Letter, ...]:
 
 def _elastic(study: Study) -> bool:
     elastic = study.design.shaft.elastic if study.design.shaft is not None else None
-    return elastic is not None and bool(stability(study))
+    return elastic is not None and shaft_in_chart(study) is not None
 
 
 def _machine(study: Study) -> Machine:

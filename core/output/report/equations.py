@@ -12,7 +12,7 @@ from core.design import NamedCurve
 from core.frozen import frozen
 from core.laws import FLAT_FORMULA, FLAT_WHERE, named_law
 from core.output.report.formula import mathml
-from core.output.summary import flywheel, stability
+from core.output.summary import flywheel, shaft_in_chart
 from core.study import Study, names_of, roller_lives
 
 LOWERED = str.maketrans("0123456789aehijklmnoprstuvx", "₀₁₂₃₄₅₆₇₈₉ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ")
@@ -436,7 +436,7 @@ def _facts(study: Study) -> frozenset[str]:
 def _whole_facts(study: Study) -> frozenset[str]:
     """What the shaft has; of several drives, one of which has no answer, nothing of what they do together."""
     wheel, design = bool(flywheel(study)), study.design
-    own = {"drives": design.listed, "flywheel": wheel, "stability": bool(stability(study))}
+    own = {"drives": design.listed, "flywheel": wheel, "stability": shaft_in_chart(study) is not None}
     own["balancer"] = wheel and design.balancer is not None
     elastic = study.design.shaft.elastic if study.design.shaft is not None else None
     if elastic is not None:

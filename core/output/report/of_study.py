@@ -15,7 +15,7 @@ from core.output.cycle import cycle_of, has_cycle
 from core.output.lines import finding_line
 from core.output.load_text import ROW, row_title
 from core.output.report.parts import Cell, Number, ReportTable, Section, Sentences, section, table
-from core.output.summary import extremes, joins, mechanism, stability
+from core.output.summary import extremes, joins, mechanism, shaft_in_chart
 from core.output.summary import flywheel as flywheel_of
 from core.output.vibration_files import elastic_lines
 from core.project.reasons import reason, reasons_of
@@ -214,7 +214,7 @@ def elsewhere(study: Study) -> frozenset[str]:
         )
     if flywheel_of(study):
         found |= {"camshaft_speed"} if study.levelled else {"camshaft_speed", "motor_torque"}
-    if stability(study):
+    if shaft_in_chart(study) is not None:
         found |= {"wind_up", "shaft_torque", "follower_error"}
     return frozenset(found)
 

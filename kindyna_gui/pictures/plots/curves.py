@@ -25,10 +25,11 @@ from kindyna_gui.pictures.style import Theme, shade
 
 @frozen
 class Limit:
-    """A value not to be passed [SI], and the text of its line."""
+    """A value not to be passed [SI], the text of its line, and the path where it is stated, or can be."""
 
     value: float
     text: str
+    field: str
 
 
 def _pressure_angle(study: Study) -> float:
@@ -48,7 +49,7 @@ def _own(study: Study, quantity: str) -> Iterator[Limit]:
     for key, (_, bounds) in OWN_BOUNDS.items():
         stated = getattr(study.design.drive.limits, key)
         if stated is not None and quantity in bounded(study.design, key):
-            yield Limit(stated * split_unit(key)[1].factor, bounds.line)
+            yield Limit(stated * split_unit(key)[1].factor, bounds.line, f"limits.{key}")
 
 
 def _borne(study: Study) -> float:
@@ -57,21 +58,25 @@ def _borne(study: Study) -> float:
     return np.inf if least is None else least
 
 
-_USUAL: Mapping[str, tuple[tuple[str, Callable[[Study], float]], ...]] = MappingProxyType(
+_USUAL: Mapping[str, tuple[tuple[str, str, Callable[[Study], float]], ...]] = MappingProxyType(
     {
-        "pressure_angle": (("usual limit {}", _pressure_angle),),
-        "pitch_curvature": (("undercut from {}", _undercut),),
-        "contact_force": (("lifts off below {}", lambda study: np.inf if study.holds else 0.0),),
-        **dict.fromkeys(("contact_pressure", "second_contact_pressure"), (("material bears {}", _borne),)),
-        "jam_factor": (("jams from {}", lambda study: 1.0),),
+        "pressure_angle": (("usual limit {}", "limits.pressure_angle_rise_deg", _pressure_angle),),
+        "pitch_curvature": (("undercut from {}", "cam.base_radius_mm", _undercut),),
+        "contact_force": (
+            ("lifts off below {}", "loads.least_contact_force_n", lambda study: np.inf if study.holds else 0.0),
+        ),
+        **dict.fromkeys(
+            ("contact_pressure", "second_contact_pressure"), (("material bears {}", "cam.material", _borne),)
+        ),
+        "jam_factor": (("jams from {}", "loads.friction", lambda study: 1.0),),
     }
 )
 
 
 def limits_on(study: Study, quantity: str) -> list[Limit]:
     """The limits of a quantity of ``core.study``, the user's own after the usual ones."""
-    values = ((value(study), text) for text, value in _USUAL.get(quantity, ()))
-    return [*(Limit(value, text) for value, text in values if np.isfinite(value)), *_own(study, quantity)]
+    usual = (Limit(value(study), text, field) for text, field, value in _USUAL.get(quantity, ()))
+    return [*(limit for limit in usual if np.isfinite(limit.value)), *_own(study, quantity)]
 
 
 @frozen(eq=False)
@@ -128,18 +133,18 @@ def channel_extremes(study: Study, channels: Sequence[Quantity]) -> dict[str, Ra
     return found
 
 
-def limits_of(study: Study, channels: Sequence[Quantity]) -> list[tuple[float, str, str]]:
-    """Value, in the channels' unit, text and short text of each limit, once where several channels have it; with the channel's name
-    where only one of several has."""
-    having: dict[tuple[float, str], list[str]] = {}
+def limits_of(study: Study, channels: Sequence[Quantity]) -> list[tuple[float, tuple[str, str, str]]]:
+    """Value, in the channels' unit, and text, short text and field of each limit, once where several channels have it; with the channel's
+    name where only one of several has."""
+    having: dict[tuple[float, str, str], list[str]] = {}
     for row in channels:
         for limit in limits_on(study, row.name):
-            having.setdefault((limit.value / row.unit.factor, limit.text), []).append(row.label)
+            having.setdefault((limit.value / row.unit.factor, limit.text, limit.field), []).append(row.label)
     made = []
-    for (value, text), labels in having.items():
+    for (value, text, field), labels in having.items():
         name = f"{labels[0]}: " if len(labels) == 1 and len(channels) > 1 else ""
         short = text.partition("{")[0].removesuffix("from ").removesuffix("below ").strip()
-        made.append((value, name + text, name + short))
+        made.append((value, (name + text, name + short, field)))
     return made
 
 

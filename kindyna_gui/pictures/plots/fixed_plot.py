@@ -17,7 +17,9 @@ from kindyna_gui.pictures.style import SCREEN, TEXT, THIN, Theme
 
 EDGE, RIGHT_MARGIN = 2, 16  # around the axes, pixels
 TOP_MARGIN = 6  # where nothing stands above the plot
-BARE = 6  # height of an axis without numbers
+BARE, NUMBERS = 6, 20  # heights of an axis without numbers, and with numbers alone
+LOW = 150  # pixels of height, below which a plot has no room for the name of its angle
+DEGREES = ", °"  # behind such a name
 LEGEND_SHARE = 0.25  # of the height, for more than two lines of names
 MESSAGE_EDGE = 16.0  # left free beside a message
 PLACES = {
@@ -75,6 +77,8 @@ class FixedPlot(pg.GraphicsView):
         self._view.disableAutoRange()
         self._view.setDefaultPadding(0.0)
         self._view.setRange(xRange=(0.0, 360.0), yRange=(0.0, 1.0), padding=0.0)
+        self._numbered_below, self._title_below, self._low = True, "", False
+        self._below: tuple[bool, str, bool] | None = None
         axes["left"].setWidth(LEFT_WIDTH)
         axes["bottom"].setHeight(BOTTOM_HEIGHT)
         if top:
@@ -99,10 +103,27 @@ class FixedPlot(pg.GraphicsView):
 
     def show_numbers(self, on: bool, title: str = "") -> None:
         """Numbers and a title along the bottom, or neither: of plots one below the other only the last has them."""
-        axis = self._axes["bottom"]
-        axis.setHeight(BOTTOM_HEIGHT if on else BARE)
+        self._numbered_below, self._title_below = on, title
+        self._show_below()
+
+    def name_below(self, title: str) -> None:
+        """Another title along the bottom."""
+        self._title_below = title
+        self._show_below()
+
+    def _show_below(self) -> None:
+        """Of an angle a low plot has the unit alone, behind its last number; where all is as it was nothing is painted anew."""
+        on, axis, self._low = self._numbered_below, self._axes["bottom"], self._is_low
+        if self._below == (on, self._title_below, self._low):
+            return
+        self._below = on, self._title_below, self._low
+        axis.setHeight(NUMBERS if self._low else BOTTOM_HEIGHT if on else BARE)
         axis.setStyle(showValues=on)
-        axis.show_title(title if on else "", self._theme.ink)
+        axis.show_title(self._title_below if on and not self._low else "", self._theme.ink)
+
+    @property
+    def _is_low(self) -> bool:
+        return self._numbered_below and self._title_below.endswith(DEGREES) and self.height() < LOW
 
     def getViewBox(self) -> pg.ViewBox:
         """What stands between the axes, in their numbers."""
@@ -143,6 +164,8 @@ class FixedPlot(pg.GraphicsView):
     def resizeEvent(self, event: QResizeEvent | None) -> None:
         if event is not None:  # pyqtgraph's own call while it is being made
             self._fit_legend()  # first, for the plot gets what is left of the height
+            if self._low != self._is_low:
+                self._show_below()
         super().resizeEvent(event)
 
     # -- layout ---------------------------------------------------------------------------------------------
@@ -161,7 +184,10 @@ class FixedPlot(pg.GraphicsView):
     def rule(self, frame: Frame, across: Ticks, upwards: Ticks, bands: Sequence[Span] = ()) -> None:
         """Grid, zero line, bands and ticks; the message in the middle."""
         self._paper.draw(bands, [at for at, _ in across], [at for at, _ in upwards], frame)
-        self._axes["bottom"].show_ticks(across)
+        last = len(across) - 1
+        self._axes["bottom"].show_ticks(
+            [(at, f"{text}°" if self._low and i == last else text) for i, (at, text) in enumerate(across)]
+        )
         self._axes["left"].show_ticks(upwards)
         self._message.set_text(wrapped(self._message_text, frame.width - MESSAGE_EDGE, TEXT))
         self._message.setPos(0.5 * (frame.first + frame.last), 0.5 * (frame.low + frame.high))

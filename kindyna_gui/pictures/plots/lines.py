@@ -85,9 +85,9 @@ class LimitLine:
             view.addItem(item, ignoreBounds=True)
         self.set_value(value, text)
 
-    def set_value(self, value: float, text: str, short: str = "") -> None:
-        """Stand at this value with this text, or with the short one where it would cover a curve."""
-        self.value, self.text, self._short = value, text, short
+    def set_value(self, value: float, text: str, short: str = "", field: str = "") -> None:
+        """Stand at this value with this text, or with the short one where it would cover a curve; field: where it is stated."""
+        self.value, self.text, self._short, self.field = value, text, short, field
         self._tag.set_text(text)
         self._line.setPos(0.0, value)
         self._tag.setPos(360.0, value)

@@ -147,7 +147,7 @@ class CurvePlot(FixedPlot):
         self._core = room_for(
             [(low / size, high / size) for low, high in sides],
             {row.family for row in channels},
-            [value / size for value, _, _ in limits],
+            [value / size for value, _ in limits],
             free=0.0,
         )
         low, high = self._reach(self._core)
@@ -161,10 +161,10 @@ class CurvePlot(FixedPlot):
         self._readings = self._grown(self._readings, len(curves), lambda: Readout(self._view, self._theme))
         for reading, curve in zip(self._readings, curves, strict=True):
             reading.set_colour(curve.colour)
-        shown = [(value / size, text, brief) for value, text, brief in limits if low <= value / size <= high]
+        shown = [(value / size, *words) for value, words in limits if low <= value / size <= high]
         self._limits = self._grown(self._limits, len(shown), lambda: LimitLine(self._view, self._theme))
-        for limit, (value, text, brief) in zip(self._limits, shown, strict=True):
-            limit.set_value(value, text.format(with_unit(short(value, 4), self.rung.symbol)), brief)
+        for limit, (value, text, brief, field) in zip(self._limits, shown, strict=True):
+            limit.set_value(value, text.format(with_unit(short(value, 4), self.rung.symbol)), brief, field)
         self._name_curves(reference is not None, bool(shaded))
         self._find_extremes()
         self._lay_out()
@@ -257,7 +257,7 @@ class CurvePlot(FixedPlot):
     def name_angle(self, study: Study) -> None:
         """The angle below is the one that this study turns by, be there curves of it or only a message."""
         if self._with_angles:
-            self._axes["bottom"].show_title(angle_title(study.angle_name), self._theme.ink)
+            self.name_below(angle_title(study.angle_name))
 
     def show_message(self, text: str) -> None:
         """Nothing but a text in the middle: what is missing, or what would fill this plot."""
@@ -405,6 +405,12 @@ class CurvePlot(FixedPlot):
         return any(
             mark.outside and (mark.sign_box(frame) | mark.box(frame)).contains(at) for mark in self._extreme_marks
         )
+
+    def limit_at(self, pixel: QPointF) -> str:
+        """The path of the field of the limit whose text stands at a place of the widget [pixels]; empty where none does."""
+        frame, corner = self.frame(), self.mapFromScene(self._view.sceneBoundingRect().bottomLeft())
+        at = QPointF(pixel.x() - corner.x(), corner.y() - pixel.y())
+        return next((limit.field for limit in self._limits if limit.box(frame).contains(at)), "")
 
     def _lay_paper(self, frame: Frame) -> None:
         values = value_ticks(frame.low, frame.high, frame.height) if self._curves else []

@@ -24,8 +24,8 @@ TIMES_OWN = (1.25, 8.0)  # ... but within these multiples of the machine's own s
 Z_TONGUE, Z_PATH, Z_POINT = 0.0, 10.0, 20.0
 PATH_OPACITY, FADED = 0.55, 0.35
 NAMES = (
-    Entry(VERMILION, "unstable by (21), exact"),
-    Entry(BLUE, "edges of (22), Kim1990's approximation", "– –"),
+    Entry(VERMILION, "unstable, linearised exactly (21)"),
+    Entry(BLUE, "edges by Kim1990's approximation (22)", "– –"),
 )
 
 

@@ -360,7 +360,7 @@ class XYPlot(FixedPlot):
         across = angle_ticks(frame.width) if whole else value_ticks(low, high, frame.width, LEAST_ACROSS)
         upwards = value_ticks(frame.low, frame.high, frame.height)
         self.rule(frame, *((self._ticks or (across, upwards)) if self._filled else ((), ())))
-        self._axes["bottom"].show_title(self._titles[0] if self._filled and self._numbered else "", self._theme.ink)
+        self.name_below(self._titles[0] if self._filled and self._numbered else "")
         title = _fitting(self._titles[1], frame.height) if self._filled else ""
         self._axes["left"].show_title(title, self._title_colour)
         self._span_cursor(frame)

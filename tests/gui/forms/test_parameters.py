@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QApplication
 from window_user import Open, User, settle, wait_for
 
 from core.design import CamSlider, entries, get
-from core.project import dumps, load, save
+from core.project import load, save
 from kindyna_gui.export.exports import Exports
 from kindyna_gui.files.beginnings import beginning
 from kindyna_gui.forms.number_box import NumberBox, WordBox
@@ -39,20 +39,17 @@ def follower(user: User) -> CamSlider:
 
 
 @pytest.mark.parametrize("name", ["transfer_lift", "card_picker"])
-def test_every_entry_has_its_row_in_the_order_of_the_file(open_user: Open, name: str) -> None:
+def test_every_entry_has_its_row_what_matters_most_first_else_in_the_order_of_the_file(
+    open_user: Open, name: str
+) -> None:
     user = open_user()
     user.window.documents.open_example(example(name))
-    shown, text = user.parameters(), dumps(user.design)
-    for form in shown.forms.values():
-        stated = [
-            path
-            for path in form.fields
-            if get(user.design, path) is not None and (path != "follower.face" or "face = " in text)
-        ]
-        places = [text.index(f"\n{path.partition('.')[2]} = ") for path in stated]
-        assert places == sorted(places)
+    shown = user.parameters()
     for section in SECTIONS:
         rows = {entry.path: entry for entry in entries(user.design, section)}
+        order = [*rows]
+        ranks = [(-rows[p].info.weight, rows[p].info.order, order.index(p)) for p in shown.forms[section].fields]
+        assert ranks == sorted(ranks)
         assert set(shown.forms[section].fields) == set(rows)
         for path, field in shown.forms[section].fields.items():
             entry = rows[path]
@@ -216,13 +213,14 @@ def test_a_wrong_value_is_told_and_the_last_good_design_stays(user: User) -> Non
     assert field.message.isVisible()
     assert field.message.text().startswith("Outside its range; allowed: ")
     assert user.number(ROD).text() == "-5"
-    tabs = user.parameters().tabs
-    assert not tabs.tabIcon(0).isNull()
-    assert tabs.tabIcon(1).isNull()
+    view = user.parameters()
+    tab = view.tabs.indexOf(view.pages["follower"])
+    assert not view.tabs.tabIcon(tab).isNull()
+    assert view.tabs.tabIcon(tab + 1).isNull()
     user.enter(ROD, "850")
     assert (field.editor.refused, field.message.isVisible()) == (False, False)
     assert follower(user).rod_mm == 850.0
-    assert tabs.tabIcon(0).isNull()
+    assert view.tabs.tabIcon(tab).isNull()
 
 
 def test_what_is_no_number_is_told(user: User) -> None:
@@ -472,3 +470,29 @@ def test_fields_that_are_left_open_are_folded_with_their_count_and_found_by_the_
     view.filter.clear()
     user.enter("cam.thickness_mm", "20")
     assert form.fields["cam.thickness_mm"].editor.isVisible()
+
+
+def test_the_important_fields_come_first_and_what_is_seldom_needed_once_it_is_given(user: User) -> None:
+    cam = list(user.parameters().forms["cam"].fields)
+    assert cam[:3] == ["cam.base_radius_mm", "cam.roller_radius_mm", "cam.form"]
+    assert cam.index("cam.material") < cam.index("cam.bore_mm") < cam.index("cam.keyway_angle_deg")
+    user.field("loads.slider_mass_kg")
+    form = user.parameters().forms["loads"]
+    assert list(form.fields)[:2] == ["loads.external_force_n", "loads.spring_rate_n_per_mm"]
+    gravity = form.fields["loads.gravity_m_s2"].editor
+    assert not gravity.isVisible()
+    before = int(form.more.text().partition(" ")[0])
+    assert user.session.edit("loads.gravity_m_s2", 0.0, "No gravity")
+    settle()
+    assert gravity.isVisible()
+    assert form.more.text() == f"{before - 1} more"
+    user.session.stack.undo()
+    settle()
+    assert gravity.isVisible(), "nothing moves under the mouse"
+    user.session.start(load(example("transfer_lift")))
+    settle()
+    assert not gravity.isVisible()
+    assert form.more.text() == f"{before} more"
+    user.enter("limits.pressure_angle_rise_deg", "30")
+    rows = user.parameters().forms["limits"].fields.values()
+    assert all(field.editor.isVisible() for field in rows), "what is given folds nothing away"

@@ -108,6 +108,7 @@ def line(user: User, dashed: bool = False) -> pg.PlotCurveItem:
 
 
 def test_diagram_and_table_stand_together(user: User) -> None:
+    """The diagram above the table; where that is wide the form of the segment stands beside it, and the table takes its rows alone."""
     view = user.motion()
     assert view.diagram.isVisible()
     assert view.table.isVisible()
@@ -117,7 +118,10 @@ def test_diagram_and_table_stand_together(user: User) -> None:
     settle()
     assert view.table.horizontalScrollBar().maximum() == view.table.verticalScrollBar().maximum() == 0
     user.window.docks["motion"].resize(1000, 420)
-    wait_for(lambda: view.diagram.mapToGlobal(QPoint(0, 0)).x() < view.table.mapToGlobal(QPoint(0, 0)).x() - 300)
+    wait_for(lambda: view.bar.mapToGlobal(QPoint(0, 0)).x() > view.table.mapToGlobal(QPoint(0, 0)).x() + 300)
+    wait_for(lambda: view.diagram.width() > 950)
+    rows = view.model.rowCount() * view.table.verticalHeader().defaultSectionSize()
+    wait_for(lambda: rows <= view.table.viewport().height() < rows + view.table.rowHeight(0))
 
 
 def test_segments_are_numbered_and_named_where_there_is_room() -> None:

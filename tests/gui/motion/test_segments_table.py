@@ -276,8 +276,9 @@ def test_undo_takes_a_refused_cell_back(user: User) -> None:
 
 
 def test_the_stroke_is_changed_by_the_menu(user: User) -> None:
+    view = user.motion()
     user.choose("Make", "Stroke")
-    assert QApplication.focusWidget() is user.motion().fields["motion.stroke_mm"].editor
+    assert QApplication.focusWidget() is view.fields["motion.stroke_mm"].editor
     user.type("160")
     user.press(Qt.Key.Key_Return)
     assert column(user, RISE) == ["0", "-160", "0", "160", "0"]

@@ -543,3 +543,17 @@ def test_the_flywheel_gives_the_torque_picture_a_second_curve() -> None:
     rows = [channel(LIFT, slug) for slug in ("drive_torque_nm", "motor_torque_nm")]
     assert different(Study(LIFT, SAMPLES), rows) == rows[:1]
     assert different(Study(with_shaft(LIFT, flywheel_inertia_kg_m2=5000.0), SAMPLES), rows) == rows
+
+
+def test_a_low_plot_keeps_its_height_for_the_curve_and_says_the_unit_of_the_angle_behind_its_last_number() -> None:
+    plot = plot_of(LIFT, "pressure_angle_deg")
+    axis = plot.getAxis("bottom")
+    assert (axis.labelText, axis.shown[-1][1]) == ("Cam angle, °", "360")
+    whole = plot.height() - plot.getViewBox().height()
+    plot.resize(380, 130)
+    plot.grab()
+    assert (axis.labelText, axis.shown[-1][1]) == ("", "360°")
+    assert plot.height() - plot.getViewBox().height() < whole - 15
+    plot.resize(700, 240)
+    plot.grab()
+    assert (axis.labelText, axis.shown[-1][1]) == ("Cam angle, °", "360")

@@ -37,7 +37,7 @@ def test_the_mouse_reads_tongue_and_growth_at_once(kim: User) -> None:
     assert "computing" in slow
     QTest.mouseMove(view.chart.viewport(), pixel(view, 0.75, q))
     settle()
-    assert "between tongues; (22) stable; (21) stable" in view.reading.text()
+    assert "between tongues; approximate (22) stable; exact (21) stable" in view.reading.text()
 
 
 def test_where_the_mouse_rests_every_model_tells_its_verdict(kim: User, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -337,12 +337,12 @@ def test_a_tab_is_marked_for_its_own_drive(same_window: Open) -> None:
     user.session.choose_drive(lift)
     settle()
     user.enter("follower.roller_arm_mm", "65.1")
-    tabs = user.parameters().tabs
-    assert not tabs.tabIcon(0).isNull()
+    tabs, page = user.parameters().tabs, user.parameters().pages["follower"]
+    assert not tabs.tabIcon(tabs.indexOf(page)).isNull()
     user.session.choose_drive(0)
     settle()
     user.parameters()
-    assert tabs.tabIcon(0).isNull()
+    assert tabs.tabIcon(tabs.indexOf(page)).isNull()
     name = user.session.names[lift]
     assert user.window.status.unfit.text() == f"Does not fit yet: {name}: Roller arm Zl"
     assert user.drawing().note.isHidden(), "this drive is as it is typed"

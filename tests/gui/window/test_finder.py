@@ -66,6 +66,7 @@ def find(user: User, text: str) -> Finder:
         ("speed 0.5 Hz", "shaft.speed_rpm", 30.0),
         ("rotation clockwise", "shaft.rotation", "cw"),
         ("segment 2 span 40", "motion.segments[1].span_deg", 40.0),
+        ("stroke 160", "motion.segments[1].rise_mm", -160.0),
     ],
 )
 def test_a_value_behind_a_name_sets_the_field_as_one_step(user: User, typed: str, path: str, value: object) -> None:
@@ -134,6 +135,7 @@ def test_another_drive_is_set_under_its_name(same_window: Open) -> None:
         ("α0", "Help", "The four papers: Shin, Kim and Ha 1995"),
         ("split", "Command", "Split segment"),
         ("thickness", "Field", "Thickness"),
+        ("radius", "Field", "Base radius Br"),
     ],
 )
 def test_words_and_symbols_find_what_they_name(user: User, typed: str, kind: str, title: str) -> None:
@@ -275,14 +277,17 @@ def test_copy_takes_the_whole_table(user: User) -> None:
 
 def test_every_table_is_copied_as_a_whole(same_window: Open) -> None:
     user = same_window(example("transfer_unit"))
-    for name in ("drives", "shaft_figures", "certificate", "findings"):
+    for name in ("drives", "shaft_figures", "certificate", "findings", "graph"):
         view = user.see(name)
         for table in view.findChildren(QAbstractItemView):
             if not table.isVisible() or isinstance(table.parent(), QMenu) or table.model().columnCount() < 2:
                 continue
             QApplication.clipboard().setText("before")
             QTest.keySequence(table, QKeySequence(QKeySequence.StandardKey.Copy))
-            assert len(QApplication.clipboard().text().split("\n")) == table.model().rowCount() + 1, name
+            rows, model = len(QApplication.clipboard().text().split("\n")) - 1, table.model()
+            assert rows == model.rowCount() + sum(model.rowCount(model.index(i, 0)) for i in range(model.rowCount())), (
+                name
+            )
 
 
 def buttons(user: User, name: str) -> dict[str, QPushButton]:

@@ -132,6 +132,26 @@ def test_all_pictures_of_a_group_are_seen_at_once(room: QSize, user: User) -> No
     dialog.deleteLater()
 
 
+def test_a_new_motion_begins_with_its_rise_or_with_its_dwell_where_it_is_not_that_of_the_picture(user: User) -> None:
+    dialog = gallery.Gallery(user.window, offers=True)
+    dialog.show()
+    dialog.orders[gallery.DWELL].click()
+    for title, caption, spans in (
+        ("Oscillating follower", "Roller", [60.0, 120.0, 60.0, 120.0]),
+        ("Cam-driven slider", "Layout b", [35.0, 41.5, 207.0, 41.5, 35.0]),
+    ):
+        dialog.show_group(title)
+        pictures = dialog.groups[title]
+        pictures.setCurrentRow(next(i for i in range(pictures.count()) if pictures.item(i).text() == caption))
+        assert dialog.wanted is not None
+        design = dialog.wanted.begun(None)
+        assert [segment.span_deg for segment in design.drive.motion.segments] == spans
+        assert dialog.orders[gallery.DWELL].isEnabled() == (caption == "Roller")
+        assert faults(design) == []
+    dialog.close()
+    dialog.deleteLater()
+
+
 # -- from a picture to a cam that can be cut --------------------------------------------------------------
 
 

@@ -87,8 +87,8 @@ def test_forms_come_to_the_front_by_their_menus(user: User) -> None:
     for way, path in (
         (("Compo", "Follower"), "follower.layout"),
         (("Compo", "Cam"), "cam.base_radius_mm"),
-        (("Dyna", "Loads"), "loads.slider_mass_kg"),
-        (("Stability", "Camshaft data"), "shaft.rotation"),
+        (("Dyna", "Loads"), "loads.external_force_n"),
+        (("Stability", "Camshaft data"), "shaft.speed_rpm"),
     ):
         user.window.docks["parameters"].hide()
         user.choose(*way)

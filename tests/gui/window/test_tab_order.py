@@ -41,6 +41,7 @@ def test_ctrl_tab_turns_the_page_of_the_form(user: User) -> None:
 
 
 def test_tab_leads_from_the_stroke_over_diagram_and_table_to_the_buttons(user: User) -> None:
+    user.motion()
     user.choose("Make", "Stroke")
     diagram, table, button = walk(user, 3)
     assert isinstance(diagram, MotionEditor)
