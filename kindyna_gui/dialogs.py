@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QKeySequence, QShortcut
-from PySide6.QtWidgets import QDialog, QFileDialog, QInputDialog, QMessageBox, QPushButton, QWidget
+from PySide6.QtWidgets import QFileDialog, QInputDialog, QMessageBox, QPushButton, QWidget
 
 from core.errors import KindynaError
 from core.project.files import MOST_BYTES, read_bytes
@@ -75,14 +75,16 @@ def help_on(widget: QWidget) -> tuple[str, str]:
     while at is not None:
         if path := at.property(FIELD):
             return "fields", str(path)
-        if page := at.property(HELP):
-            return str(page), ""
+        if found := at.property(HELP):
+            page, _, words = str(found).partition("#")
+            return page, words
         at = None if at.isWindow() else at.parentWidget()
     return "tour", ""
 
 
-def give_help(dialog: QDialog, page: str) -> None:
-    """Let F1 in a dialog open its page of the help, over the dialog: it keeps all other windows from the user."""
+def give_help(dialog: QWidget, page: str) -> None:
+    """Let F1 in a dialog, or another window, open its page of the help, at the words behind #, over it: a dialog keeps all other windows
+    from the user."""
 
     def open() -> None:
         from kindyna_gui.help.window import HelpWindow
@@ -344,6 +346,7 @@ def ask_to_recover(parent: QWidget, entries: Sequence[Recoverable]) -> tuple[OnR
     from kindyna_gui.documents.recovery_dialog import RecoveryDialog
 
     dialog = RecoveryDialog(parent, entries)
+    give_help(dialog, "tour#Unsaved work is kept")
     dialog.exec()
     answer = dialog.choice, dialog.chosen
     dialog.deleteLater()

@@ -20,8 +20,10 @@ from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.fault_log import short
 from kindyna_gui.labels import reason
+from kindyna_gui.look import on_paper
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
-from kindyna_gui.preferences.units import TOLD
+from kindyna_gui.preferences.units import TOLD, is_usual
 from kindyna_gui.rebuilt import soon
 from kindyna_gui.requirements import NotHere, Way, ways_of
 
@@ -297,16 +299,25 @@ class View(QWidget):
             return ""
         shown = self._stack.currentWidget()
         return (
-            shown.label.text()
-            if shown is self._trouble
-            else "This view has failed; Try again in it, or see Help > Log."
+            shown.label.text() if shown is self._trouble else "This view has failed; Try again in it, or read the log."
         )
 
     def picture(self, ending: str) -> bytes:
         """What is shown as a file: ``.png`` or ``.svg``."""
         from kindyna_gui.pictures.paper import png, svg
 
-        return svg(self._content) if ending == ".svg" else png(self._content)
+        return self.on_paper(self._content, svg if ending == ".svg" else png)
+
+    def on_paper(self, part: QWidget, paint: Callable[[QWidget], bytes]) -> bytes:
+        """A part of the view as a file has it; the view itself is as before."""
+        if is_usual() and not SCREEN.is_dark:
+            return paint(part)
+        with on_paper(part):
+            self.invalidate()
+            self.pull()
+            made = paint(part)
+        self.invalidate()
+        return made
 
     def show_reason(self, error: KindynaError) -> None:
         """Show in place of the content why there is none."""

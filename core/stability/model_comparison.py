@@ -21,7 +21,7 @@ PERIODS = 30.0
 STABLE, UNSTABLE, LOST, UNKNOWN = "stable", "unstable", "contact lost", "cannot say"
 """What a model says in a word. LOST: of a response that would be stable, had the follower stayed on the cam."""
 
-LABELS = {**EQUATIONS, STEADY: "About the true steady response", FROM_REST: "Nonlinear (13) from rest"}
+LABELS = {**EQUATIONS, STEADY: "About the true steady response", FROM_REST: "Nonlinear, from rest (13)"}
 
 
 @frozen

@@ -46,7 +46,7 @@ class Computed:
 class ControllerDialog(ComputedDialog):
     """``made`` is the table that the file will hold, with what is shown of it."""
 
-    command, ending, help_page = "ecam", ".csv", "controllers"
+    command, ending, help_page = "ecam", ".csv", "controllers#Rows"
 
     def asked(self) -> tuple[str, list[str]]:
         words = options(Request, {**self.form.values, "of": self.of.currentData()})

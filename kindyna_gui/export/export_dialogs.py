@@ -36,7 +36,7 @@ OF_SHAFT = "shaft.csv and summary.json of the whole shaft, and the tables of eac
 class TablesDialog(RequestDialog):
     """Folder and cam angles per turn."""
 
-    command = "export"
+    command, help_page = "export", "tour#Export > Tables"
 
     def __init__(self, parent: QWidget, folder: Path, study: Study) -> None:
         *first, last = names(study.design)
@@ -51,6 +51,7 @@ class TablesDialog(RequestDialog):
         form = RequestForm(Arguments)
         form.name_row("samples", f"{angle.capitalize()}s per turn")
         self.folder = QLineEdit(str(folder))
+        self.folder.setAccessibleName("Folder")
         self.folder.setMinimumWidth(360)
         browse = QPushButton("Browse...")
         browse.clicked.connect(self._browse)
@@ -73,7 +74,7 @@ class TablesDialog(RequestDialog):
 class FilmDialog(RequestDialog):
     """How an animation of one turn shall be; its size is one of some."""
 
-    command = "animation"
+    command, help_page = "animation", "tour#Export > Animation"
 
     def asked(self) -> tuple[str, list[str]]:
         width, height = self.pixels.currentData()

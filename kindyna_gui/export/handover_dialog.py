@@ -20,7 +20,7 @@ TOLD = "Profile, drawing and inspection table of every cam, report, web page, an
 class HandoverDialog(RequestDialog):
     """A controller besides what the form asks."""
 
-    command = "handover"
+    command, help_page = "handover", "tour#Export > Hand-over"
 
     def asked(self) -> tuple[str, list[str]]:
         request = self.request

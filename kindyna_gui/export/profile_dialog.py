@@ -25,7 +25,7 @@ FIRST = {"samples": 360, "spacing_mm": 1.0, "tolerance_mm": 1e-3}
 class ProfileDialog(ComputedDialog):
     """What the file shall hold; ``job`` is what was computed for it, None while there is none."""
 
-    command = "profile"
+    command, help_page = "profile", "tour#Export > Profile"
 
     def __init__(self, parent: QWidget, design: Design) -> None:
         self._design, self.format, self.picture = design, QComboBox(), PreviewPicture()

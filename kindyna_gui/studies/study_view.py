@@ -142,7 +142,7 @@ class StudyView(BackgroundView):
             self.pages.curves,
         )
         self.told = QLabel(wordWrap=True, alignment=Qt.AlignmentFlag.AlignTop)
-        self.told.setFixedHeight(TOLD_LINES * self.fontMetrics().lineSpacing() + 2)  # nothing moves under the mouse
+        self.redress()
         self.tip = self.pages.tip
         self.share = QLabel(wordWrap=True)
         self.share.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
@@ -158,6 +158,10 @@ class StudyView(BackgroundView):
         self._connect()
 
     # -- building -------------------------------------------------------------------------------------------
+
+    def redress(self) -> None:
+        """What is told has its room, so that nothing moves under the mouse."""
+        self.told.setFixedHeight(TOLD_LINES * self.fontMetrics().lineSpacing() + 2)
 
     def _lay_out(self) -> None:
         vary = QWidget()
@@ -910,7 +914,7 @@ class StudyView(BackgroundView):
         from kindyna_gui.pictures.paper import png, svg
 
         page: Any = self.pages.currentWidget()
-        return svg(page) if ending == ".svg" else png(page)
+        return self.on_paper(page, svg if ending == ".svg" else png)
 
 
 def _alike(one: Design, other: Design, paths: Sequence[str]) -> bool:

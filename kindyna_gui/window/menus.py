@@ -85,7 +85,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
         (
             Item("&New...", "designing.new_by_picture", None, Keys.New,
                  "Begin with a follower, its face and the form of its cam, or with a linkage, chosen by its picture"),
-            Submenu("New of a &kind", submenus.fill_new),
+            Submenu("New of a &kind", submenus.fill_new, "new"),
             Item("&Open...", "documents.open_file", None, Keys.Open, "Open a design file", "open"),
             Submenu("Open &recent", submenus.fill_recent),
             Submenu("&Examples", submenus.fill_examples),

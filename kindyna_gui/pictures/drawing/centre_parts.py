@@ -172,7 +172,7 @@ def coupler_curves(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
                 continue
             seen.add(name)
             free = name not in pinned
-            pen = theme.pen(BLUE, OUTLINE) if free else theme.pen(theme.quiet, THIN, DOTTED)
+            pen = theme.pen(theme.seen(BLUE), OUTLINE) if free else theme.pen(theme.quiet, THIN, DOTTED)
             track = body.track(place)
             item = Loop(track, pen) if geometry.whole_turn else Outline(polyline(track), pen)
             yield DrawnPart(f"coupler.{name}", item, ("coupler",), Z_COUPLER if free else Z_WAYS)

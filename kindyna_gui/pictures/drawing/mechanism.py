@@ -36,7 +36,7 @@ from kindyna_gui.pictures.drawing.profile_colours import COLOURINGS, ColouredLoo
 from kindyna_gui.pictures.drawing.profile_reading import reading_at
 from kindyna_gui.pictures.drawing.shaft_parts import shaft
 from kindyna_gui.pictures.drawing.vectors import FIELDS
-from kindyna_gui.pictures.items import DrawnPart, Loop, Outline
+from kindyna_gui.pictures.items import DrawnPart, Loop, Outline, Tag
 from kindyna_gui.pictures.shapes import circle
 from kindyna_gui.pictures.style import OUTLINE, SCREEN, Theme, brush
 from kindyna_gui.pictures.viewport import Viewport
@@ -286,18 +286,17 @@ class MechanismScene(QGraphicsScene):
             self._need_more(name)
         if name in LAZY:
             self._need_parts(name)
-            if self._region is not None and self.overlay is not None:
-                self.overlay.show_layers(self._shown)
-                self.overlay.lay(*self._region)
+        if name in FIELDS:
+            self._need(name)
+        self._show()  # before anything is laid: what is not seen takes no place
+        if name in LAZY and self._region is not None and self.overlay is not None:
+            self.overlay.lay(*self._region)
         if name == DIMENSIONS and self.geometry is not None:
             self._frame()
         if name in (*FIELDS, *OF_LOADS, DIMENSIONS):
-            if name in FIELDS:
-                self._need(name)
             self._make_room()
             if self._region is not None:
                 self.show_region(*self._region)
-        self._show()
         self._move(self.index, self._angle)
 
     def _show(self) -> None:
@@ -400,6 +399,13 @@ class MechanismScene(QGraphicsScene):
         """Find the best side for each label."""
         if self._region is not None:
             self.show_region(*self._region)
+
+    def redress(self) -> None:
+        """Be written in the letters of now."""
+        for item in self.items():
+            if isinstance(item, Tag):
+                item.letter()
+        self.lay_labels()
 
     def _show_region(self, visible: QRectF, scale: float, sides: Mapping[str, int]) -> None:
         self._region = (visible, scale)

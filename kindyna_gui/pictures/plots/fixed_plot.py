@@ -14,6 +14,7 @@ from kindyna_gui.pictures.plots.background import BOTTOM_HEIGHT, LEFT_WIDTH, TOP
 from kindyna_gui.pictures.plots.frame import Frame
 from kindyna_gui.pictures.plots.legend import Entry, Legend
 from kindyna_gui.pictures.style import SCREEN, TEXT, THIN, Theme
+from kindyna_gui.preferences.units import sized
 
 EDGE, RIGHT_MARGIN = 2, 16  # around the axes, pixels
 TOP_MARGIN = 6  # where nothing stands above the plot
@@ -75,10 +76,8 @@ class FixedPlot(pg.GraphicsView):
         self._view.disableAutoRange()
         self._view.setDefaultPadding(0.0)
         self._view.setRange(xRange=(0.0, 360.0), yRange=(0.0, 1.0), padding=0.0)
-        axes["left"].setWidth(LEFT_WIDTH)
-        axes["bottom"].setHeight(BOTTOM_HEIGHT)
-        if top:
-            axes["top"].setHeight(TOP_HEIGHT)
+        self._with_numbers = True
+        self._size_axes()
         self._paper = Paper(self._view, theme)
         self._legend = Legend(sheet, theme.ink, centred)
         self._message = Tag("", theme.quiet, theme, TEXT)
@@ -99,10 +98,26 @@ class FixedPlot(pg.GraphicsView):
 
     def show_numbers(self, on: bool, title: str = "") -> None:
         """Numbers and a title along the bottom, or neither: of plots one below the other only the last has them."""
-        axis = self._axes["bottom"]
-        axis.setHeight(BOTTOM_HEIGHT if on else BARE)
+        axis, self._with_numbers = self._axes["bottom"], on
+        self._size_axes()
         axis.setStyle(showValues=on)
         axis.show_title(title if on else "", self._theme.ink)
+
+    def _size_axes(self) -> None:
+        """Room for their numbers and titles."""
+        self._axes["left"].setWidth(sized(LEFT_WIDTH))
+        self._axes["bottom"].setHeight(sized(BOTTOM_HEIGHT) if self._with_numbers else BARE)
+        if "top" in self._axes:
+            self._axes["top"].setHeight(sized(TOP_HEIGHT))
+
+    def redress(self) -> None:
+        """Theme or letters have changed: lay out anew what is there."""
+        for item in self.scene().items():
+            if callable(letter := getattr(item, "letter", None)):
+                letter()
+        self._size_axes()
+        self._fit_legend()
+        self._lay()
 
     def getViewBox(self) -> pg.ViewBox:
         """What stands between the axes, in their numbers."""
@@ -133,7 +148,7 @@ class FixedPlot(pg.GraphicsView):
 
     def _fit_legend(self) -> None:
         """Between the left axis and what is kept free on the right."""
-        left = float(EDGE + LEFT_WIDTH)
+        left = EDGE + sized(LEFT_WIDTH)
         width = self.width() - left - max(RIGHT_MARGIN, self.corner)
         self._legend.fit(QRectF(left, self._above, width, LEGEND_SHARE * self.height()))
         layout = self._sheet.layout

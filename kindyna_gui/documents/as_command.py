@@ -38,6 +38,16 @@ def add_copy(
     add_copy_of(buttons, line)
 
 
+def spelled(name: str, words: Sequence[str]) -> str:
+    """A command with these words."""
+    return shlex.join(["kindyna", "--headless", name, *words])
+
+
+def of_session(session: Any) -> dict[str, Any]:
+    """The file of the design at hand, and which drive of a shaft it is, as commands name them."""
+    return {"into": session.path or UNSAVED, "drive": session.design.name if session.several else ""}
+
+
 def add_copy_of(buttons: QDialogButtonBox, line: Callable[[], str]) -> None:
     """The same button, of a command that is spelled otherwise."""
 
@@ -51,4 +61,4 @@ def add_copy_of(buttons: QDialogButtonBox, line: Callable[[], str]) -> None:
     button.clicked.connect(lambda: copy())
 
 
-__all__ = ["UNSAVED", "add_copy", "add_copy_of", "command_line"]
+__all__ = ["UNSAVED", "add_copy", "add_copy_of", "command_line", "of_session", "spelled"]
