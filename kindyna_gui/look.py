@@ -7,9 +7,35 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
-from PySide6.QtCore import QBuffer, QByteArray, QPointF, QRectF, QSize, Qt
-from PySide6.QtGui import QColor, QFont, QIcon, QImageReader, QPainter, QPainterPath, QPalette, QPen, QPixmap
-from PySide6.QtWidgets import QApplication, QToolButton, QWidget
+from PySide6.QtCore import QBuffer, QByteArray, QEvent, QObject, QPoint, QPointF, QRect, QRectF, QSize, Qt
+from PySide6.QtGui import (
+    QColor,
+    QFont,
+    QIcon,
+    QImageReader,
+    QPainter,
+    QPainterPath,
+    QPaintEvent,
+    QPalette,
+    QPen,
+    QPixmap,
+)
+from PySide6.QtWidgets import (
+    QAbstractButton,
+    QAbstractSlider,
+    QAbstractSpinBox,
+    QApplication,
+    QComboBox,
+    QLineEdit,
+    QMenu,
+    QMenuBar,
+    QPushButton,
+    QTabBar,
+    QToolBar,
+    QToolButton,
+    QWidget,
+)
+from shiboken6 import isValid
 
 from core.findings import ERROR, NOTE, WARNING
 from kindyna_gui.pictures.style import DARK, LIGHT, SCREEN, Theme, draw_in, of_theme
@@ -85,12 +111,16 @@ def dress(app: QApplication) -> None:
     if app.styleSheet() == sheet and app.palette().color(ground) == wanted.color(ground):
         return
     app.setStyle("Fusion")
+    if app.property(RINGS) is None:
+        app.setProperty(RINGS, True)
+        app.focusChanged.connect(FocusRing.move_on)
     app.setPalette(wanted)
     app.setStyleSheet(sheet)
     app.setWindowIcon(icon("kindyna"))
 
 
 USUAL = "usual font"  # property of the application: that before any preference
+RINGS = "focus rings"  # likewise: whether they are shown
 _SCHEMES = {"light": Qt.ColorScheme.Light, "dark": Qt.ColorScheme.Dark, "system": Qt.ColorScheme.Unknown}
 
 
@@ -167,6 +197,72 @@ def _letter(app: QApplication, percent: int) -> bool:
     return True
 
 
+class FocusRing(QWidget):
+    """A frame around what has the keys, where Qt shows none: drawings, plots, charts, pages that are rolled. One in each window; it is
+    seen once the keys have been used to go from one to the other."""
+
+    WIDTH = 2
+
+    @classmethod
+    def move_on(cls, _: QWidget | None, now: QWidget | None) -> None:
+        """The keys have gone somewhere else."""
+        if now is None:
+            return
+        window = now.window()
+        ring = window.findChild(FocusRing, options=Qt.FindChildOption.FindDirectChildrenOnly)
+        shown = isinstance(now, _SHOWN_BY_QT) and not (isinstance(now, QPushButton) and now.isFlat())
+        if not shown:
+            (ring or cls(window)).follow(now)
+        elif ring is not None:
+            ring.follow(None)
+
+    def __init__(self, window: QWidget) -> None:
+        super().__init__(window)
+        self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self._around: QWidget | None = None
+        self._watched: list[QWidget] = []
+
+    def follow(self, widget: QWidget | None) -> None:
+        """Stand around this, wherever what it lies in moves it; None: around nothing."""
+        for each in self._watched:
+            if isValid(each):
+                each.removeEventFilter(self)
+        self._around, self._watched = widget, []
+        while widget is not None:
+            widget.installEventFilter(self)
+            self._watched.append(widget)
+            widget = None if widget.isWindow() else widget.parentWidget()
+        self._place()
+
+    def _place(self) -> None:
+        window, at = self.window(), self._around
+        seen = QRect()
+        if at is not None and isValid(at) and at.hasFocus() and at.isVisible() and window.testAttribute(_BY_KEYS):
+            seen = window.rect()
+            for each in self._watched:
+                seen &= QRect(each.mapTo(window, QPoint()), each.size())
+        self.setGeometry(seen)
+        self.setVisible(not seen.isEmpty())
+        self.raise_()
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        if event.type() in _MOVES:
+            self._place()
+        return False
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        painter = QPainter(self)
+        painter.setPen(QPen(QColor(SCREEN.chosen), self.WIDTH))
+        painter.drawRect(self.rect().adjusted(1, 1, -1, -1))
+        painter.end()
+
+
+_SHOWN_BY_QT = (QAbstractButton, QAbstractSlider, QAbstractSpinBox, QComboBox, QLineEdit, QMenu, QMenuBar, QTabBar)
+_BY_KEYS = Qt.WidgetAttribute.WA_KeyboardFocusChange
+_MOVES = (QEvent.Type.Resize, QEvent.Type.Move, QEvent.Type.Hide, QEvent.Type.Show, QEvent.Type.LayoutRequest)
+
+
 _ICON_COLOURS = (
     ("#3b4249", "ink"),
     ("#1c2126", "ink"),
@@ -202,6 +298,16 @@ def text_button(text: str, *, checks: bool = False, flat: bool = False) -> QTool
     button.setText(text)
     button.setCheckable(checks)
     return button
+
+
+def tool_bar(title: str, parent: QWidget | None = None) -> QToolBar:
+    """A row of buttons that stays where it is; the one that holds what finds no room has a name, too."""
+    bar = QToolBar(title, parent, movable=False)
+    bar.setAccessibleName(title)
+    more = bar.findChild(QToolButton, "qt_toolbar_ext_button")
+    if isinstance(more, QToolButton):
+        more.setAccessibleName(f"{title}: more")
+    return bar
 
 
 def coloured(widget: QWidget, colour: str) -> None:

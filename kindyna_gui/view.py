@@ -9,7 +9,17 @@ from typing import Any, Protocol
 
 from PySide6.QtCore import QEvent, QObject, Qt, QTimer, Signal
 from PySide6.QtGui import QAction, QShowEvent
-from PySide6.QtWidgets import QFrame, QLabel, QLayout, QPushButton, QScrollArea, QStackedLayout, QVBoxLayout, QWidget
+from PySide6.QtWidgets import (
+    QAbstractItemView,
+    QFrame,
+    QLabel,
+    QLayout,
+    QPushButton,
+    QScrollArea,
+    QStackedLayout,
+    QVBoxLayout,
+    QWidget,
+)
 
 from core.design import Design
 from core.errors import KindynaError
@@ -42,6 +52,17 @@ def in_sight(widget: QWidget) -> bool:
         assert within is not None
         rect, at = rect.translated(at.pos()) & within.rect(), within
     return not rect.isEmpty()
+
+
+def scroll_to(widget: QWidget | None) -> None:
+    """Bring what has got the keys into sight in all that scrolls around it, which Qt does only where they come from beside it."""
+    around = None if widget is None or widget.isWindow() else widget.parentWidget()
+    while widget is not None and around is not None and not around.isWindow():
+        if isinstance(around, QScrollArea):
+            around.ensureWidgetVisible(widget)
+        elif isinstance(around, QAbstractItemView):
+            around.scrollTo(around.indexAt(widget.mapTo(around.viewport(), widget.rect().center())))
+        around = around.parentWidget()
 
 
 class Turns(QObject):

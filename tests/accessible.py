@@ -29,7 +29,7 @@ CONTROLS = (
 )  # fmt: skip
 DEEPEST = 40
 SPOKEN_BY_QT = (QAbstractButton, QAbstractSlider, QAbstractSpinBox, QComboBox, QDockWidget, QLineEdit, QMainWindow)
-BACKDROPS = ("FadedCover", "Mark", "Panel")  # veil, frame and paper around what is named itself
+BACKDROPS = ("FadedCover", "FocusRing", "Mark", "Panel")  # veil, frame and paper around what is named itself
 
 
 def interfaces(at: QAccessibleInterface | None, depth: int = 0) -> Iterator[QAccessibleInterface]:

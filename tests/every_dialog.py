@@ -19,7 +19,7 @@ from kindyna_gui.places import example
 
 NO_DIALOG = {"Find anything...", "New graph...", "Keep this layout..."}
 OTHERS = ("Welcome", "Figures of the papers...")
-EVERY_MS, PATIENCE = 10, 400
+PATIENCE = 30
 
 
 def entries(user: User) -> Iterator[QAction]:

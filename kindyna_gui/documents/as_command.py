@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from PySide6.QtWidgets import QApplication, QDialogButtonBox, QWidget
+from PySide6.QtWidgets import QApplication, QDialogButtonBox, QPushButton, QWidget
 
 UNSAVED = Path("DESIGN.toml")
 
@@ -50,15 +50,21 @@ def of_session(session: Any) -> dict[str, Any]:
 
 def add_copy_of(buttons: QDialogButtonBox, line: Callable[[], str]) -> None:
     """The same button, of a command that is spelled otherwise."""
+    buttons.addButton(copy_button(line), QDialogButtonBox.ButtonRole.ActionRole)
+
+
+def copy_button(line: Callable[[], str]) -> QPushButton:
+    """It by itself, for a window."""
 
     def copy() -> None:
         QApplication.clipboard().setText(line())
         button.setText("Copied")
 
-    button = buttons.addButton("Copy as command", QDialogButtonBox.ButtonRole.ActionRole)
+    button = QPushButton("Copy as command")
     button.setToolTip("The same for the command line, into the clipboard")
     button.setAutoDefault(False)
     button.clicked.connect(lambda: copy())
+    return button
 
 
-__all__ = ["UNSAVED", "add_copy", "add_copy_of", "command_line", "of_session", "spelled"]
+__all__ = ["UNSAVED", "add_copy", "add_copy_of", "command_line", "copy_button", "of_session", "spelled"]

@@ -39,17 +39,16 @@ class TablesDialog(RequestDialog):
     command, help_page = "export", "tour#Export > Tables"
 
     def __init__(self, parent: QWidget, folder: Path, study: Study) -> None:
-        *first, last = names(study.design)
-        files, angle = f"{', '.join(first)} and {last}", study.angle_name
         if study.design.listed:
             files, angle = OF_SHAFT, "machine angle"
+        else:
+            *first, last = names(study.design)
+            files, angle = f"{', '.join(first)} and {last}", study.angle_name
 
         def told(values: Mapping[str, Any]) -> str:
             step = f"One row every {360.0 / values['samples']:.6g}°."
             return f"{step} Writes {files}; files of these names are replaced."
 
-        form = RequestForm(Arguments)
-        form.name_row("samples", f"{angle.capitalize()}s per turn")
         self.folder = QLineEdit(str(folder))
         self.folder.setAccessibleName("Folder")
         self.folder.setMinimumWidth(360)
@@ -58,7 +57,8 @@ class TablesDialog(RequestDialog):
         where = QHBoxLayout()
         where.addWidget(self.folder, 1)
         where.addWidget(browse)
-        form.insert_row(0, "Folder", where)
+        form = RequestForm(Arguments, above=[("Folder", where)])
+        form.name_row("samples", f"{angle.capitalize()}s per turn")
         super().__init__(parent, "Export tables", form, "Export", told)
         self.folder.textChanged.connect(lambda text: self.accept_button.setEnabled(bool(text.strip())))
 
@@ -82,12 +82,11 @@ class FilmDialog(RequestDialog):
         return Film(**values).ending, [*options(Film, values), "--size", f"{width}x{height}"]
 
     def __init__(self, parent: QWidget, seconds: float) -> None:
-        form = RequestForm(Film, first={"seconds": seconds})
         self.pixels = QComboBox()
         for width, height in SIZES:
             self.pixels.addItem(f"{width} \u00d7 {height} pixels", (width, height))
         self.pixels.setCurrentIndex(SIZES.index((Film().width, Film().height)))
-        form.insert_row(1, "Size", self.pixels)
+        form = RequestForm(Film, first={"seconds": seconds}, above=[("Size", self.pixels)])
         super().__init__(parent, "Export animation", form, "Save animation...", _frames_told)
 
 

@@ -28,10 +28,10 @@ class HandoverDialog(RequestDialog):
         return ".zip", options(Request, values)
 
     def __init__(self, parent: QWidget) -> None:
-        form = RequestForm(Request, first={"paper": kept_cover()["paper"]})
         self.controller, self.gcode = QComboBox(), QCheckBox("G-code of every cam too")
         fill_choices(self.controller, {"": "None", **{slug: row.label for slug, row in controllers().items()}})
-        form.rows.insertRow(0, "Controller", self.controller)
+        first, above = {"paper": kept_cover()["paper"]}, [("Controller", self.controller)]
+        form = RequestForm(Request, first=first, above=above)
         form.rows.addRow("", self.gcode)
         super().__init__(parent, "Hand-over", form, "Save hand-over...", lambda values: TOLD)
 

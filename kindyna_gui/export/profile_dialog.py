@@ -30,8 +30,7 @@ class ProfileDialog(ComputedDialog):
     def __init__(self, parent: QWidget, design: Design) -> None:
         self._design, self.format, self.picture = design, QComboBox(), PreviewPicture()
         cutter = getattr(design.drive.cam, "cutter_radius_mm", None) or 0.0
-        form = RequestForm(Request, flanks(design), {**FIRST, "cutter_mm": cutter})
-        form.insert_row(0, "Format", self.format)
+        form = RequestForm(Request, flanks(design), {**FIRST, "cutter_mm": cutter}, [("Format", self.format)])
         super().__init__(parent, "profile", form, self.picture)
         fill_choices(self.format, {ending: f"{row.label} ({ending})" for ending, row in FORMATS.items()})
         self.format.setCurrentIndex(self.format.findData(".dxf"))

@@ -47,6 +47,7 @@ class LinkageDialog(QDialog):
         self._name, self._file = "", ("", "")  # what was opened: its path, and its text
         self.made: Made | None = None
         self.text, self.units, self.mirror, self.inputs = QPlainTextEdit(), QComboBox(), QCheckBox(), QListWidget()
+        self.text.setTabChangesFocus(True)
         self.text.setPlaceholderText("Paste a Pyslvs expression, M[J[R, ...], or the address of PMKS+, or open a file")
         self.open_button = QPushButton("&Open a file...")
         self.units.addItem("as the text says, else mm", "")

@@ -22,6 +22,7 @@ from kindyna_gui.view import NumberAtHand, View, ViewHost
 HEADINGS = (TableHeading("Finding", wide=True), TableHeading("Remedy"), TableHeading("Angle °", number=True))
 REMEDY = 1  # column
 GAP = 4  # pixels above and below the sentence
+SHOWN, MOST = 2, 110  # findings that are seen at least, in so many pixels at most
 
 
 class FindingsView(View):
@@ -29,7 +30,7 @@ class FindingsView(View):
 
     field_requested   (path): a finding was clicked whose field this is
     mending_wanted    (remedy): the button of one was
-    height_wanted     (pixels): what it has to show needs no more; 0: as much as there is
+    height_wanted     (pixels, whole): what it has to show needs at least so much, and no more where that is the whole of it
     """
 
     of_whole = True
@@ -37,7 +38,7 @@ class FindingsView(View):
     pause_ms = 150
     field_requested = Signal(str)
     mending_wanted = Signal(object)
-    height_wanted = Signal(int)
+    height_wanted = Signal(int, bool)
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
@@ -82,7 +83,14 @@ class FindingsView(View):
         self.table.show_rows(rows)
         self.table.show_buttons(REMEDY, map(self._button, rows, remedies))
         self._pages.setCurrentWidget(self.table if rows else self.empty)
-        self.height_wanted.emit(0 if rows else self.empty.sizeHint().height() + 2 * GAP)
+        self.height_wanted.emit(
+            *((self._height(), False) if rows else (self.empty.sizeHint().height() + 2 * GAP, True))
+        )
+
+    def _height(self) -> int:
+        """Pixels of the head and the first findings."""
+        rows = sum(self.table.rowHeight(row) for row in range(min(self.table.model().rowCount(), SHOWN)))
+        return min(self.table.horizontalHeader().sizeHint().height() + rows + GAP, MOST)
 
     def _button(self, row: TableRow, remedy: Remedy) -> QPushButton:
         button = QPushButton(row.cells[REMEDY], autoDefault=False)

@@ -118,9 +118,15 @@ class Field(QObject):
         return box
 
     def _open_menu(self, at: QPoint, menu: QMenu) -> None:
-        """A value can be varied; of a number that is typed into there is what its line offers, too."""
+        """A value can be varied, and marked as assumed; of a number that is typed into there is what its line offers, too."""
         vary = add_vary(menu, self.session, self.spec.path)
         vary.setEnabled(self.spec.read(self.session.holder(self.spec.path)) is not None)
+        if self.mark is not None:
+            assumed = QAction("&Assumed", menu, checkable=True, checked=self.mark.isChecked())
+            assumed.setToolTip(self.mark.toolTip())
+            assumed.triggered.connect(self._assume)
+            others = menu.actions()[1:]
+            menu.insertAction(others[0], assumed) if others else menu.addAction(assumed)
         menu.popup(at)
 
     def _word_box(self) -> WordBox:

@@ -327,7 +327,7 @@ class UnderlayPanel(QDialog):
     def __init__(self, desk: UnderlayDesk, parent: QWidget) -> None:
         super().__init__(parent, Qt.WindowType.Tool)
         self.setWindowTitle("Underlay")
-        dialogs.give_help(self, "linkages#A picture under it")
+        self.setProperty(dialogs.HELP, "linkages#A picture under it")  # a tool's keys are those of the window
         self._desk = desk
         self.name = QLabel()
         choose = QPushButton("&Choose...")

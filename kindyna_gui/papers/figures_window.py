@@ -36,6 +36,7 @@ from core.papers.claim import (
 )
 from kindyna_gui import dialogs
 from kindyna_gui.background import Background, Job
+from kindyna_gui.documents.as_command import copy_button, spelled
 from kindyna_gui.look import coloured
 from kindyna_gui.pictures.paper import RATIO
 from kindyna_gui.pictures.paper_figures import paper_file
@@ -152,6 +153,7 @@ class FiguresWindow(QWidget):
         buttons.addStretch(1)
         buttons.addWidget(self.open_button)
         buttons.addWidget(self.save_button)
+        buttons.addWidget(copy_button(self._as_command))
         words = QVBoxLayout()
         for label in (self.heading, self.says, self.here, self.verdict):
             words.addWidget(label)
@@ -161,6 +163,7 @@ class FiguresWindow(QWidget):
         scrolled = QScrollArea()
         scrolled.setWidgetResizable(True)
         scrolled.setFrameShape(QScrollArea.Shape.NoFrame)
+        scrolled.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         scrolled.setWidget(below)
         right = QSplitter(Qt.Orientation.Vertical)
         right.addWidget(self.picture)
@@ -251,6 +254,13 @@ class FiguresWindow(QWidget):
             self.open_button.setEnabled(True)
 
     # -- what can be done with it ---------------------------------------------------------------------------
+
+    def _as_command(self) -> str:
+        """All of the paper at hand."""
+        at = self.list.currentItem()
+        top = at if at is None or at.parent() is None else at.parent()
+        paper = next((slug for slug, each in self._tops.items() if each is top), "all")
+        return spelled("figures", [paper, "--out", "figures"])
 
     def _open(self) -> None:
         if self._claim is not None:

@@ -177,6 +177,7 @@ class StudyView(BackgroundView):
             scroll = QScrollArea(widgetResizable=True)
             scroll.setFrameShape(QFrame.Shape.NoFrame)
             scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+            scroll.setFocusPolicy(Qt.FocusPolicy.NoFocus)
             scroll.setWidget(page)
             self.tabs.addTab(scroll, title)
         files = QHBoxLayout()
@@ -205,7 +206,7 @@ class StudyView(BackgroundView):
         sides.addWidget(self._form)
         sides.addLayout(result, 1)
         self.set_content_layout(sides)
-        self.setFocusProxy(self.rows.add)
+        self.setFocusProxy(self.open)
 
     def _connect(self) -> None:
         self._surveys = Background(self)

@@ -182,6 +182,7 @@ PLAYER_BAR = lazily("window.player_bar", "PlayerBar")
 
 
 _ANY_HEIGHT = (1 << 24) - 1  # Qt's own
+_ANY = 0, _ANY_HEIGHT
 
 
 class Dock(QDockWidget):
@@ -198,7 +199,7 @@ class Dock(QDockWidget):
         self._make = make
         self._view: View | None = None
         self._held = False
-        self._most = 0
+        self._heights = _ANY
         self._blank = QWidget()
         self._no_title = QWidget()
         self._no_title.setParent(self)
@@ -223,22 +224,23 @@ class Dock(QDockWidget):
             self._blank.deleteLater()
         return self._view
 
-    def _limit(self, most: int) -> None:
-        """The view needs no more height; 0: it takes what there is."""
-        self._most = most
+    def _limit(self, least: int, whole: bool) -> None:
+        """The view needs at least this height, and no more where that is the whole of it."""
+        self._heights = (least, least if whole else _ANY_HEIGHT)
         self._take_limit()
 
     def _take_limit(self) -> None:
         """A limit counts for a dock that stands alone at its place: what stands behind the same tabs may need more."""
         window = self.parent()
         alone = isinstance(window, QMainWindow) and not self.isFloating() and not window.tabifiedDockWidgets(self)
-        self.lift_limit(self._most if alone else 0)
+        self.lift_limit(self._heights if alone else _ANY)
 
-    def lift_limit(self, most: int = 0) -> None:
+    def lift_limit(self, heights: tuple[int, int] = _ANY) -> None:
         """No limit until it is known with what else the dock stands at its place."""
-        if self._view is not None and self._view.maximumHeight() != (most or _ANY_HEIGHT):
-            self._view.setMinimumHeight(most)
-            self._view.setMaximumHeight(most or _ANY_HEIGHT)
+        view = self._view
+        if view is not None and (view.minimumHeight(), view.maximumHeight()) != heights:
+            view.setMinimumHeight(heights[0])
+            view.setMaximumHeight(heights[1])
 
     def wake(self) -> None:
         """Make the view, or let it catch up, if something of the dock can be seen."""

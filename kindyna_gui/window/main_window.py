@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QAction, QCloseEvent, QCursor, QDragEnterEvent, QDropEvent, QPaintEvent, QShowEvent
-from PySide6.QtWidgets import QApplication, QMainWindow, QMenu, QTabWidget
+from PySide6.QtWidgets import QApplication, QMainWindow, QMenu, QTabWidget, QWidget
 
 from core.design import Design, drive_at, with_only
 from core.errors import KindynaError
@@ -35,7 +35,7 @@ from kindyna_gui.rebuilt import soon
 from kindyna_gui.requirements import STRANGE
 from kindyna_gui.saving import copy_picture, save_picture
 from kindyna_gui.settings import Settings
-from kindyna_gui.view import NumberAtHand, View
+from kindyna_gui.view import NumberAtHand, View, in_sight, scroll_to
 from kindyna_gui.window import menus
 from kindyna_gui.window.base import Window
 from kindyna_gui.window.centre import CentralPages
@@ -577,6 +577,22 @@ class MainWindow(Window):
             self.layouts.shown()
         if self.centre.current is not None and not event.spontaneous():
             self.centre.current.pull()
+
+    def focusNextPrevChild(self, onwards: bool) -> bool:
+        """Past what Qt keeps beyond the edge of the window: docks behind others, and bars of tabs that no dock needs at present."""
+        held, passed = self.focusWidget(), set[QWidget]()
+        by_key = held is not None and held.isVisibleTo(self) and held.isEnabled()  # else it has just been hidden
+        while super().focusNextPrevChild(onwards):
+            at = self.focusWidget()
+            part: QWidget | None = at
+            while part is not None and part.parentWidget() is not self:
+                part = part.parentWidget()
+            if at is None or part is None or at in passed or in_sight(part):
+                if by_key:
+                    scroll_to(at)
+                return True
+            passed.add(at)
+        return False
 
     def paintEvent(self, event: QPaintEvent) -> None:
         """The first thing that is seen is the mechanism; the docks around it come next."""

@@ -12,7 +12,7 @@ from PySide6.QtGui import QAction, QActionGroup, QKeySequence
 from PySide6.QtWidgets import QMenu, QToolBar, QWidget
 
 from core.frozen import frozen
-from kindyna_gui.look import icon
+from kindyna_gui.look import icon, tool_bar
 from kindyna_gui.rebuilt import clear_menu
 from kindyna_gui.window import submenus
 from kindyna_gui.window.base import Window
@@ -391,9 +391,8 @@ def _add_submenu(window: Window, menu: QMenu, row: Submenu, actions: dict[str, Q
 
 def build_toolbar(window: Window, actions: dict[str, QAction]) -> QToolBar:
     """The toolbar: some of the menus' actions."""
-    bar = QToolBar("Toolbar")
+    bar = tool_bar("Toolbar")
     bar.setObjectName("toolbar")
-    bar.setMovable(False)
     for key in TOOLBAR:
         if key is None:
             bar.addSeparator()
@@ -404,9 +403,8 @@ def build_toolbar(window: Window, actions: dict[str, QAction]) -> QToolBar:
 
 def build_tasks(window: Window, actions: dict[str, QAction]) -> QToolBar:
     """The row of tasks: the menu's entries as buttons, of which one is down."""
-    bar = QToolBar("Tasks")
+    bar = tool_bar("Tasks")
     bar.setObjectName("tasks")
-    bar.setMovable(False)
     bar.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextOnly)
     bar.toggleViewAction().setVisible(False)  # else a task in which they are hidden would have no way out to be seen
     group = QActionGroup(window)

@@ -18,7 +18,7 @@ from PySide6.QtWidgets import (
     QPushButton,
     QTableView,
 )
-from window_user import Open, User, answering, plain, settle, wait_for
+from window_user import Open, User, plain, settle, wait_for
 
 from core.__main__ import parser
 from core.commands import COMMANDS
@@ -238,21 +238,6 @@ def test_a_dialog_copies_the_command_that_asks_for_the_same(user: User, tmp_path
         made.reject()
         made.deleteLater()
     assert Cover().customer == ""
-
-
-def test_f1_in_a_dialog_opens_help_over_it(user: User) -> None:
-    def press(dialog: ReportDialog) -> None:
-        dialog.activateWindow()
-        settle()
-        QTest.keyClick(dialog.kind, Qt.Key.Key_F1)
-        pages = dialog.findChild(HelpWindow)
-        assert pages is not None
-        assert pages.isVisible()
-        pages.close()
-        dialog.reject()
-
-    with answering(ReportDialog, press):
-        user.choose("File", "Report...")
 
 
 # -- tables, empty views ----------------------------------------------------------------------------------
