@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QGraphicsItem
 
 from core.frozen import frozen
 from kindyna_gui.pictures.drawing.profile_colours import ColourScale, bar_width, colour_bar
-from kindyna_gui.pictures.items import Outline, Tag, wrapped
+from kindyna_gui.pictures.items import Outline, Tag, text_size, wrapped
 from kindyna_gui.pictures.style import OUTLINE, SMALL, TEXT, THIN, Theme, brush
 from kindyna_gui.pictures.units import nice_below, readable, short, with_unit
 from kindyna_gui.preferences.units import size_of, sized
@@ -231,7 +231,8 @@ class Overlay:
         """Where the corners are taken, in pixels of the whole scene, y downwards."""
         left, right = visible.left() * scale, visible.right() * scale
         top, low = -visible.bottom() * scale, -visible.top() * scale
-        boxes = [QRectF(left, top, self._text.size[0] + 2.0 * MARGIN, sized(TOP_STRIP))]
+        widest = text_size(f"{self.angle_name.capitalize()} 360.0°", TEXT)[0]
+        boxes = [QRectF(left, top, max(widest, self._text.size[0]) + 2.0 * MARGIN, sized(TOP_STRIP))]
         if self.bar.isVisible():
             boxes.append(
                 QRectF(left, low - sized(BOTTOM_STRIP), self.bar.length_mm * scale + 4.0 * MARGIN, sized(BOTTOM_STRIP))
