@@ -158,6 +158,8 @@ def options(kind: Any, values: Mapping[str, Any]) -> list[str]:
         texts = [str(one) for one in (value if isinstance(value, tuple | list) else (value,))]
         if how.option and not how.option.startswith("-"):
             places += texts
+        elif how.how.get("action") == "append":
+            words += [word for text in texts for word in (_spelled(each, how), text)]
         elif value != each.default:
             words += [_spelled(each, how), *(() if info.flag or "action" in how.how else texts)]
     return places + words

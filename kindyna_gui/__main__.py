@@ -114,9 +114,6 @@ def window_module() -> ModuleType:
     """``kindyna_gui.window.main_window``, imported in the quickest order. Raises ImportError where the system lacks a library."""
     # before Qt, which looks into the source of all that is imported after it
     from core import project, study  # noqa: F401
-    from kindyna_gui.pictures.app import ensure_app
-
-    ensure_app()  # the colours of the window ask it for the desktop's theme
     from kindyna_gui.window import main_window
 
     return main_window

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QKeySequence, QShortcut
-from PySide6.QtWidgets import QDialog, QFileDialog, QInputDialog, QMessageBox, QPushButton, QWidget
+from PySide6.QtWidgets import QDialogButtonBox, QFileDialog, QInputDialog, QMessageBox, QPushButton, QWidget
 
 from core.errors import KindynaError
 from core.project.files import MOST_BYTES, read_bytes
@@ -75,14 +75,16 @@ def help_on(widget: QWidget) -> tuple[str, str]:
     while at is not None:
         if path := at.property(FIELD):
             return "fields", str(path)
-        if page := at.property(HELP):
-            return str(page), ""
+        if found := at.property(HELP):
+            page, _, words = str(found).partition("#")
+            return page, words
         at = None if at.isWindow() else at.parentWidget()
     return "tour", ""
 
 
-def give_help(dialog: QDialog, page: str) -> None:
-    """Let F1 in a dialog open its page of the help, over the dialog: it keeps all other windows from the user."""
+def give_help(dialog: QWidget, page: str) -> None:
+    """Let F1 in a dialog, or another window, open its page of the help, at the words behind #, over it: a dialog keeps all other windows
+    from the user."""
 
     def open() -> None:
         from kindyna_gui.help.window import HelpWindow
@@ -156,11 +158,42 @@ def graph_to_save(parent: QWidget, suggestion: Path) -> Path | None:
     return with_suffix(parent, name, ".graph.json", (".json",))
 
 
-def shift_wanted(parent: QWidget) -> float | None:
+Spell = Callable[[A], str]
+"""The command that does the same with what stands in a question."""
+
+
+def _asked(box: QInputDialog, title: str, page: str, given: Callable[[], A], spell: Spell[A] | None = None) -> A | None:
+    """What is given in a question, with its page of the help and its command; None where the user cancels."""
+    box.setWindowTitle(title)
+    give_help(box, page)
+    box.sizeHint()  # now it has its buttons
+    buttons = box.findChild(QDialogButtonBox)
+    if spell is not None and isinstance(buttons, QDialogButtonBox):
+        from kindyna_gui.documents.as_command import add_copy_of
+
+        add_copy_of(buttons, lambda: spell(given()))
+    value = given() if box.exec() else None
+    box.deleteLater()
+    return value
+
+
+def _choice(parent: QWidget, text: str, rows: Sequence[str]) -> QInputDialog:
+    """A question for one of some rows."""
+    box = QInputDialog(parent)
+    box.setComboBoxItems(list(rows))
+    box.setLabelText(text)
+    return box
+
+
+def shift_wanted(parent: QWidget, spell: Spell[float]) -> float | None:
     """By how much a motion is shifted [deg], None where the user cancels."""
-    text = "The same later by so many degrees of the cam, earlier where negative:"
-    by, accepted = QInputDialog.getDouble(parent, "Shift the motion", text, 10.0, -360.0, 360.0, 6)
-    return by if accepted else None
+    box = QInputDialog(parent)
+    box.setInputMode(QInputDialog.InputMode.DoubleInput)
+    box.setLabelText("The same later by so many degrees of the cam, earlier where negative:")
+    box.setDoubleDecimals(6)
+    box.setDoubleRange(-360.0, 360.0)
+    box.setDoubleValue(10.0)
+    return _asked(box, "Shift the motion", "making#Shift the motion by", box.doubleValue, spell)
 
 
 SEGMENT_FROM = (
@@ -171,25 +204,30 @@ SEGMENT_FROM = (
 )
 
 
-def segment_wanted(parent: QWidget) -> tuple[bool, bool] | None:
+def segment_wanted(parent: QWidget, spell: Spell[tuple[bool, bool]] | None) -> tuple[bool, bool] | None:
     """How a table becomes a segment: as it is, joined; None where the user cancels."""
-    text, accepted = QInputDialog.getItem(
-        parent, "Segment from table", "The table is taken:", list(SEGMENT_FROM), 0, False
-    )
-    number = SEGMENT_FROM.index(text) if accepted else -1
-    return (number >= 2, number % 2 == 1) if accepted else None
+    box = _choice(parent, "The table is taken:", SEGMENT_FROM)
+
+    def given() -> tuple[bool, bool]:
+        number = SEGMENT_FROM.index(box.textValue())
+        return number >= 2, number % 2 == 1
+
+    return _asked(box, "Segment from table", "making#Segment from table", given, spell)
 
 
 def layout_name_wanted(parent: QWidget, names: Sequence[str]) -> str:
     """The name to keep a layout under, a new one or one of these; empty where the user cancels."""
-    name, accepted = QInputDialog.getItem(parent, "Keep this layout", "Under the name:", list(names), -1, True)
-    return name.strip() if accepted else ""
+    box = _choice(parent, "Under the name:", names)
+    box.setComboBoxEditable(True)
+    box.setTextValue("")
+    return (_asked(box, "Keep this layout", "tour#Named layouts", box.textValue) or "").strip()
 
 
-def drive_wanted(parent: QWidget, names: Sequence[str]) -> int | None:
+def drive_wanted(parent: QWidget, names: Sequence[str], spell: Spell[str]) -> int | None:
     """Number of the drive whose motion is taken, None where the user cancels."""
-    name, accepted = QInputDialog.getItem(parent, "Motion from a design", "Of the drive:", list(names), 0, False)
-    return list(names).index(name) if accepted else None
+    box = _choice(parent, "Of the drive:", names)
+    name = _asked(box, "Motion from a design", "making#Motion from a design or file", box.textValue, spell)
+    return None if name is None else list(names).index(name)
 
 
 def design_to_open(parent: QWidget, folder: Path) -> Path | None:
@@ -210,10 +248,12 @@ def output_wanted(parent: QWidget, outputs: Mapping[str, str]) -> str | None:
     rows = {"": "its own motion"} | {
         n: f"its driver's, so that link {n} does this motion ({unit})" for n, unit in outputs.items()
     }
-    text, accepted = QInputDialog.getItem(
-        parent, "Motion that follows from a linkage", "Take:", list(rows.values()), 0, False
-    )
-    return next(n for n, row in rows.items() if row == text) if accepted else None
+    box = _choice(parent, "Take:", list(rows.values()))
+
+    def given() -> str:
+        return next(n for n, row in rows.items() if row == box.textValue())
+
+    return _asked(box, "Motion that follows from a linkage", "making#Motion that follows from files", given)
 
 
 def graph_to_open(parent: QWidget, folder: Path) -> Path | None:
@@ -245,15 +285,18 @@ def ask_to_replace(parent: QWidget, name: str) -> bool:
     return QMessageBox.warning(parent, "KINDYNA", text, answers.Yes | answers.No, answers.No) == answers.Yes
 
 
+def _box(parent: QWidget, icon: QMessageBox.Icon, text: str, page: str) -> QMessageBox:
+    box = QMessageBox(icon, "KINDYNA", text, parent=parent)
+    give_help(box, page)
+    return box
+
+
 UNSAVED = "has unsaved changes"
 
 
 def ask_to_save(parent: QWidget, name: str, state: str = UNSAVED) -> SaveAnswer:
     """Whether a design shall be saved before it is left; ``state`` says what its file lacks."""
-    box = QMessageBox(parent)
-    box.setIcon(QMessageBox.Icon.Question)
-    box.setWindowTitle("KINDYNA")
-    box.setText(f"{name} {state}.")
+    box = _box(parent, QMessageBox.Icon.Question, f"{name} {state}.", "tour#Unsaved work is kept")
     box.setInformativeText("Save them?" if state == UNSAVED else "Save it?")
     buttons = {
         QMessageBox.StandardButton.Save: SaveAnswer.SAVE,
@@ -271,10 +314,8 @@ def ask_to_save(parent: QWidget, name: str, state: str = UNSAVED) -> SaveAnswer:
 
 def ask_on_conflict(parent: QWidget, name: str, lines: Sequence[str], gone: bool = False) -> OnConflict:
     """What to do with a file that another program has changed, or taken away; lines: what differs between it and the design."""
-    box = QMessageBox(parent)
-    box.setIcon(QMessageBox.Icon.Warning)
-    box.setWindowTitle("KINDYNA")
-    box.setText(f"{name} has been {'moved or deleted' if gone else 'changed'} by another program since it was read.")
+    text = f"{name} has been {'moved or deleted' if gone else 'changed'} by another program since it was read."
+    box = _box(parent, QMessageBox.Icon.Warning, text, "tour#Where another program has changed that file")
     _list(box, lines)
     role = QMessageBox.ButtonRole
     buttons = {
@@ -298,10 +339,8 @@ def _answer(box: QMessageBox, buttons: Mapping[QPushButton, A], cancelled: A) ->
 
 def ask_on_shaft(parent: QWidget, name: str) -> OnShaft:
     """On which shaft a design of one drive shall be put."""
-    box = QMessageBox(parent)
-    box.setIcon(QMessageBox.Icon.Question)
-    box.setWindowTitle("KINDYNA")
-    box.setText(f"Put {name} on a shaft that turns several drives.")
+    text = f"Put {name} on a shaft that turns several drives."
+    box = _box(parent, QMessageBox.Icon.Question, text, "camshaft#Add this design to a shaft")
     role = QMessageBox.ButtonRole
     buttons = {
         box.addButton("New shaft", role.AcceptRole): OnShaft.NEW,
@@ -316,10 +355,8 @@ def ask_on_shaft(parent: QWidget, name: str) -> OnShaft:
 def ask_unfinished(parent: QWidget, lines: Sequence[str], closing: str, as_typed: bool) -> Unfinished:
     """What to save where the values do not fit together; lines: what is amiss; closing: what would close the motion, '' where
     nothing simple does, or it is whole; as_typed: a file can hold what is typed."""
-    box = QMessageBox(parent)
-    box.setIcon(QMessageBox.Icon.Question)
-    box.setWindowTitle("KINDYNA")
-    box.setText("What is typed does not fit together yet.")
+    text = "What is typed does not fit together yet."
+    box = _box(parent, QMessageBox.Icon.Question, text, "tour#asks whether to write what is typed")
     close = [f"Close the motion: {closing}."] if closing else []
     typed = [
         "Save as typed: the file can be opened and gone on with, but there is no drawing and no cam until the values fit."
@@ -344,6 +381,7 @@ def ask_to_recover(parent: QWidget, entries: Sequence[Recoverable]) -> tuple[OnR
     from kindyna_gui.documents.recovery_dialog import RecoveryDialog
 
     dialog = RecoveryDialog(parent, entries)
+    give_help(dialog, "tour#Unsaved work is kept")
     dialog.exec()
     answer = dialog.choice, dialog.chosen
     dialog.deleteLater()
@@ -362,10 +400,7 @@ def _list(box: QMessageBox, lines: Sequence[str]) -> None:
 
 def show_faults(parent: QWidget, what: str, lines: Sequence[str]) -> None:
     """What went wrong, every fault on a line of its own; all of them can be selected and copied."""
-    box = QMessageBox(parent)
-    box.setIcon(QMessageBox.Icon.Warning)
-    box.setWindowTitle("KINDYNA")
-    box.setText(what)
+    box = _box(parent, QMessageBox.Icon.Warning, what, "tour")
     _list(box, lines)
     box.exec()
     box.deleteLater()

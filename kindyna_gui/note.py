@@ -6,7 +6,8 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QPalette, QResizeEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
 
-from kindyna_gui.look import WRONG, coloured
+from kindyna_gui.look import coloured
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.requirements import ways_of
 
 
@@ -51,8 +52,8 @@ def bold_label(text: str) -> QLabel:
 class Note(MessageLabel):
     """The line below a picture that names what it does not show, and why; it never widens its parent."""
 
-    def __init__(self, colour: str = WRONG, margin: int = 6) -> None:
-        super().__init__(colour)
+    def __init__(self, colour: str = "", margin: int = 6) -> None:
+        super().__init__(colour or SCREEN.limit)
         self.setMargin(margin)
         self.setMinimumSize(1, 1)
 
@@ -80,7 +81,8 @@ class SteadyText(QWidget):
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
         self._label.setGeometry(self.rect())
-        self._grow()
+        if event.size().width() != event.oldSize().width():  # what it needed when it was narrow says nothing now
+            self.setMinimumHeight(max(self._label.heightForWidth(self.width()), self._label.fontMetrics().height()))
 
     def _grow(self) -> None:
         needed = self._label.heightForWidth(self.width())

@@ -33,6 +33,9 @@ NO_SERVO = "No servo makes this motion. One can be put beside the cam."
 ALONE = "This design has one drive: its torque stands in the plot Torque. A shaft of several shows here what they ask together."
 ONE_DRIVE = "This design has one drive. It can be the first of several on one shaft."
 
+ONLY_LINKAGES = "Only the links of a linkage are drawn; those of this follower follow from its lengths."
+STRANGE = "Preferences that are not understood: "
+
 
 @frozen
 class Way:
@@ -63,6 +66,7 @@ WAYS: Mapping[str, tuple[Way, ...]] = MappingProxyType(
         NO_SERVO: (Way("Give it a servo", "designing.give_servo"),),
         ALONE: (TO_SHAFT,),
         ONE_DRIVE: (TO_SHAFT,),
+        ONLY_LINKAGES: (Way("New design...", "new"),),
     }
 )
 """Why a view is empty -> what can be done about it; entries that the design at hand has not are left out."""
@@ -72,6 +76,7 @@ WAYS_OF_BEGINNINGS: Mapping[str, tuple[Way, ...]] = MappingProxyType(
         LED_BY_NO_CAM: (ROLLER, DRIVER),
         LACKS_SIZES: (Way("Type what the cam lacks", "focus_field:cam"),),
         NOTHING_PRESSES: (OPEN_LOADS,),
+        STRANGE: (Way("Preferences...", "prefer"),),
     }
 )
 """Likewise, of sentences that go on with what is missing."""

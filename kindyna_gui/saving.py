@@ -79,7 +79,8 @@ def copy_picture(view: View) -> None:
     if view.no_picture:
         view.status_message.emit(f"Nothing is copied. {view.no_picture}")
         return
-    image = QImage.fromData(view.picture(".png"))
+    with as_kept():
+        image = QImage.fromData(view.picture(".png"))
     QApplication.clipboard().setImage(image)
     view.status_message.emit(f"The picture is in the clipboard, {image.width()} × {image.height()} pixels")
 

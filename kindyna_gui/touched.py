@@ -17,7 +17,6 @@ from core.errors import NoAnswer
 from core.frozen import frozen
 from core.study import Study
 from kindyna_gui.labels import name_of
-from kindyna_gui.look import INK, LINE, WRONG
 from kindyna_gui.pictures.plots.curves import limits_on
 from kindyna_gui.pictures.plots.quantities import rows_of
 from kindyna_gui.pictures.style import SCREEN
@@ -167,11 +166,11 @@ def paint_beside(painter: QPainter, lines: Sequence[Answer], here: QPointF, room
         box.moveRight(here.toPoint().x() - 16)
     if box.bottom() > room.bottom():
         box.moveBottom(here.toPoint().y() - 16)
-    painter.setPen(QColor(LINE))
+    painter.setPen(QColor(SCREEN.line))
     painter.setBrush(QColor(SCREEN.paper))
     painter.drawRect(box)
     for number, (text, passed) in enumerate(lines):
-        painter.setPen(QColor(WRONG if passed else INK))
+        painter.setPen(QColor(SCREEN.limit if passed else SCREEN.ink))
         painter.drawText(box.left() + 6, box.top() + 4 + number * metrics.height() + metrics.ascent(), text)
 
 
@@ -182,13 +181,16 @@ class BesideMouse(QLabel):
         self._room = view.window()
         super().__init__(self._room)
         self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
-        self.setStyleSheet(f"color: {INK}; background: {SCREEN.paper}; border: 1px solid {LINE}; padding: 3px 5px")
+        self.setStyleSheet(
+            f"color: {SCREEN.ink}; background: {SCREEN.paper}; border: 1px solid {SCREEN.line}; padding: 3px 5px"
+        )
 
     def tell(self, lines: Sequence[Answer], on_screen: QPoint) -> None:
         """Show these where the mouse is; none: nothing."""
         self.setText(
             "<br>".join(
-                f"<span style='color:{WRONG if passed else INK}'>{escape(text)}</span>" for text, passed in lines
+                f"<span style='color:{SCREEN.limit if passed else SCREEN.ink}'>{escape(text)}</span>"
+                for text, passed in lines
             )
         )
         self.adjustSize()

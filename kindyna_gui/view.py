@@ -9,7 +9,17 @@ from typing import Any, Protocol
 
 from PySide6.QtCore import QEvent, QObject, Qt, QTimer, Signal
 from PySide6.QtGui import QAction, QShowEvent
-from PySide6.QtWidgets import QFrame, QLabel, QLayout, QPushButton, QScrollArea, QStackedLayout, QVBoxLayout, QWidget
+from PySide6.QtWidgets import (
+    QAbstractItemView,
+    QFrame,
+    QLabel,
+    QLayout,
+    QPushButton,
+    QScrollArea,
+    QStackedLayout,
+    QVBoxLayout,
+    QWidget,
+)
 
 from core.design import Design
 from core.errors import KindynaError
@@ -20,8 +30,10 @@ from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.fault_log import short
 from kindyna_gui.labels import reason
+from kindyna_gui.look import on_paper
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
-from kindyna_gui.preferences.units import TOLD
+from kindyna_gui.preferences.units import TOLD, is_usual
 from kindyna_gui.rebuilt import soon
 from kindyna_gui.requirements import NotHere, Way, ways_of
 
@@ -40,6 +52,17 @@ def in_sight(widget: QWidget) -> bool:
         assert within is not None
         rect, at = rect.translated(at.pos()) & within.rect(), within
     return not rect.isEmpty()
+
+
+def scroll_to(widget: QWidget | None) -> None:
+    """Bring what has got the keys into sight in all that scrolls around it, which Qt does only where they come from beside it."""
+    around = None if widget is None or widget.isWindow() else widget.parentWidget()
+    while widget is not None and around is not None and not around.isWindow():
+        if isinstance(around, QScrollArea):
+            around.ensureWidgetVisible(widget)
+        elif isinstance(around, QAbstractItemView):
+            around.scrollTo(around.indexAt(widget.mapTo(around.viewport(), widget.rect().center())))
+        around = around.parentWidget()
 
 
 class Turns(QObject):
@@ -300,16 +323,25 @@ class View(QWidget):
             return ""
         shown = self._stack.currentWidget()
         return (
-            shown.label.text()
-            if shown is self._trouble
-            else "This view has failed; Try again in it, or see Help > Log."
+            shown.label.text() if shown is self._trouble else "This view has failed; Try again in it, or read the log."
         )
 
     def picture(self, ending: str) -> bytes:
         """What is shown as a file: ``.png`` or ``.svg``."""
         from kindyna_gui.pictures.paper import png, svg
 
-        return svg(self._content) if ending == ".svg" else png(self._content)
+        return self.on_paper(self._content, svg if ending == ".svg" else png)
+
+    def on_paper(self, part: QWidget, paint: Callable[[QWidget], bytes]) -> bytes:
+        """A part of the view as a file has it; the view itself is as before."""
+        if is_usual() and not SCREEN.is_dark:
+            return paint(part)
+        with on_paper(part):
+            self.invalidate()
+            self.pull()
+            made = paint(part)
+        self.invalidate()
+        return made
 
     def show_reason(self, error: KindynaError) -> None:
         """Show in place of the content why there is none."""

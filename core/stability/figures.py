@@ -74,8 +74,8 @@ def history_plot(run: History) -> Plot:
 INPUT_ANGLE = "Input angle, °"
 MODELS = (
     ("steady", "true steady response", 0, False),
-    (EXACT, "linear, (21)", 1, True),
-    (APPROXIMATE, "Kim1990 (27), of (22)", 2, True),
+    (EXACT, "linear, exact (21)", 1, True),
+    (APPROXIMATE, "linear, approximate (22), (27)", 2, True),
 )
 
 

@@ -13,10 +13,9 @@ from core.study import Study
 from kindyna_gui.blend.fields import quiet
 from kindyna_gui.blend.texts import HEADINGS, figures, table
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
-from kindyna_gui.look import PAPER, QUIET
 from kindyna_gui.pictures.items import text_size
 from kindyna_gui.pictures.plots.plot import CurvePlot
-from kindyna_gui.pictures.style import TEXT, font
+from kindyna_gui.pictures.style import SCREEN, TEXT, font
 from kindyna_gui.preferences.units import symbol_of
 
 QUANTITIES = ("displacement", "velocity", "acceleration")
@@ -54,15 +53,15 @@ class FadedCover(QWidget):
 
     def paintEvent(self, event: QPaintEvent) -> None:
         painter = QPainter(self)
-        paper = QColor(PAPER)
+        paper = QColor(SCREEN.paper)
         paper.setAlphaF(VEIL)
         painter.fillRect(self.rect(), paper)
         painter.setFont(font(TEXT))
         width, height = text_size(self._text, TEXT)
         box = QRect(0, 0, round(width) + 24, round(height) + 12)
         box.moveCenter(self.rect().center())
-        painter.fillRect(box, QColor(PAPER))
-        painter.setPen(QColor(QUIET))
+        painter.fillRect(box, QColor(SCREEN.paper))
+        painter.setPen(QColor(SCREEN.quiet))
         painter.drawRect(box)
         painter.drawText(box, Qt.AlignmentFlag.AlignCenter, self._text)
         painter.end()

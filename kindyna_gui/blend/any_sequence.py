@@ -27,6 +27,7 @@ from core.design import UNITS, Design, Unit, faults, require_motion
 from core.design.fields import Info
 from core.errors import DesignError, KindynaError
 from core.find import blend_candidates
+from core.requests import options
 from kindyna_gui.background import Background, Job
 from kindyna_gui.blend.answer import AnswerPanel
 from kindyna_gui.blend.fields import LiveBox, SettingRow, quiet
@@ -34,12 +35,14 @@ from kindyna_gui.blend.icons import curve_icon
 from kindyna_gui.blend.questions import GOAL_TEXTS
 from kindyna_gui.blend.request import Setting
 from kindyna_gui.blend.texts import effect, reason
+from kindyna_gui.documents.as_command import add_copy_of, of_session, spelled
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.number_box import NameBox, WordBox
 from kindyna_gui.forms.put_dialog import PutDialog
 from kindyna_gui.labels import reason as why
-from kindyna_gui.look import QUIET, WRONG, coloured, text_button
+from kindyna_gui.look import coloured, text_button
 from kindyna_gui.motion.ranking import RankingPanel
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.rebuilt import Rebuilt
 
 PAUSE_MS, LATER_MS = 150, 400  # of typing, before it is solved, and before ranges are looked for
@@ -57,7 +60,7 @@ class SequenceDialog(PutDialog):
     rows      setting -> its row
     """
 
-    help_page = "blending"
+    help_page = "blending#Any number of curves"
 
     def __init__(self, session: Session, parent: QWidget | None = None) -> None:
         super().__init__(session, "Blend a sequence of curves", parent)
@@ -73,6 +76,7 @@ class SequenceDialog(PutDialog):
         self._later = QTimer(self, singleShot=True, interval=LATER_MS)
         self.panel, self.ranking = AnswerPanel(self._unit), RankingPanel()
         self._lay_out()
+        add_copy_of(self.buttons, self._as_command)
         for signal in (self.curves.textEdited, self.start.changed, self.end.changed, self.goal.activated):
             signal.connect(self._typed)
         self.add.activated.connect(self._append)
@@ -264,7 +268,7 @@ class SequenceDialog(PutDialog):
         self.show_message("")
         if text:
             self.panel.veil.draw(text)
-        coloured(self.count, WRONG if wrong else QUIET)
+        coloured(self.count, SCREEN.limit if wrong else SCREEN.quiet)
 
     def _refuse(self, error: KindynaError) -> None:
         """In one line, the field that it is about marked; the last motion stays, veiled."""
@@ -299,6 +303,20 @@ class SequenceDialog(PutDialog):
             self.rows[name].show_ranges(result if isinstance(result, list) else ())
 
     # -- the end --------------------------------------------------------------------------------------------
+
+    def _as_command(self) -> str:
+        from core.commands.blend import Arguments
+
+        given = {name: row.value for name, row in self.rows.items() if row.used and row.value is not None}
+        asked = {
+            "sequence": "-".join(self._curves),
+            "start": self.start.number,
+            "end": self.end.number,
+            "set": [f"{name}={value!r}" for name, value in given.items()],
+            "best": self.goal.currentData() or None,
+            "unit": self._unit,
+        }
+        return spelled("blend", options(Arguments, {**asked, **of_session(self._session)}))
 
     def accept(self) -> None:
         """Put the motion into the design, where there is one."""

@@ -14,8 +14,9 @@ from kindyna_gui.blend.request import POINT, Setting
 from kindyna_gui.blend.texts import UNASKED, begin_of, range_text
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.forms.typed_number import parsed
-from kindyna_gui.look import QUIET, WRONG, coloured, icon
+from kindyna_gui.look import coloured, icon
 from kindyna_gui.note import MessageLabel
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.preferences.units import size_of, symbol_of
 
 NO_NUMBER = "A number is wanted, such as 12.5"
@@ -78,7 +79,7 @@ class LiveBox(NumberBox):
 def quiet(text: str = "") -> QLabel:
     """A text in the quiet colour, on whatever paper it stands."""
     label = QLabel(text)
-    coloured(label, QUIET)
+    coloured(label, SCREEN.quiet)
     label.setForegroundRole(QPalette.ColorRole.WindowText)
     return label
 
@@ -99,7 +100,7 @@ class RangedRow(QObject):
         self.range.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.range.setWordWrap(True)
         self.range.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
-        self.message = MessageLabel(WRONG)
+        self.message = MessageLabel(SCREEN.limit)
 
     def boxes(self) -> tuple[LiveBox, ...]:
         """The editors of the row."""

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from functools import cache
-
 import numpy as np
 from PySide6.QtCore import QPointF, QSize, Qt
 from PySide6.QtGui import QColor, QIcon, QPainter, QPen, QPixmap, QPolygonF
 
 from core.output.blend_figure import curve_shape, type_shape
-from kindyna_gui.pictures.style import FAMILIES, SCREEN
+from kindyna_gui.pictures.style import SCREEN, of_theme
 
 TYPE_SIZE, CURVE_SIZE = QSize(96, 46), QSize(72, 26)
 QUANTITIES = ("displacement", "velocity", "acceleration")
@@ -17,13 +15,13 @@ EDGE, GAP, WIDTH = 2.0, 4.0, 1.5  # around the curves, between them, of a line [
 _NONE = 1e-9
 
 
-@cache
+@of_theme
 def type_icon(motion_type: str) -> QIcon:
     """The picture of a type of motion, its three curves below each other."""
     return _icon(type_shape(motion_type), TYPE_SIZE, below=True)
 
 
-@cache
+@of_theme
 def curve_icon(curve: str) -> QIcon:
     """The picture of an elementary curve: displacement, velocity and acceleration side by side, as a row of a table has room."""
     return _icon(curve_shape(curve), CURVE_SIZE, below=False)
@@ -45,7 +43,7 @@ def _icon(shape: np.ndarray, size: QSize, below: bool) -> QIcon:
             else:
                 part = (width - 2.0 * GAP) / 3.0
                 box = (EDGE + k * (part + GAP), EDGE, part, height)
-            _draw(painter, shape[0], shape[k + 1], box, FAMILIES[quantity])
+            _draw(painter, shape[0], shape[k + 1], box, SCREEN.family(quantity))
         painter.end()
         made.addPixmap(picture)
     return made

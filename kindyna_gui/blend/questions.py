@@ -33,8 +33,9 @@ from kindyna_gui.blend.request import (
 from kindyna_gui.blend.settings import SettingsArea
 from kindyna_gui.blend.texts import reason
 from kindyna_gui.forms.number_box import WordBox
-from kindyna_gui.look import QUIET, WRONG, coloured
+from kindyna_gui.look import coloured
 from kindyna_gui.note import MessageLabel, bold_label
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import nice_below
 from kindyna_gui.preferences.units import symbol_of
 
@@ -76,7 +77,7 @@ class Questions(QWidget):
         self.settings.changed.connect(self._emit_changed)
         column.addWidget(self.settings, 1)
         column.addLayout(self._choices())
-        self.general = MessageLabel(WRONG)
+        self.general = MessageLabel(SCREEN.limit)
         column.addWidget(self.general)
 
     # -- building -------------------------------------------------------------------------------------------
@@ -100,7 +101,7 @@ class Questions(QWidget):
             ("Stroke", (self.stroke, quiet(symbol_of(unit.symbol)), self.unequal, self.back, self._back_unit)),
             ("Cam angle", (self.start, quiet("°  to"), self.end, quiet("°"))),
         )
-        self.size_faults = (MessageLabel(WRONG), MessageLabel(WRONG))
+        self.size_faults = (MessageLabel(SCREEN.limit), MessageLabel(SCREEN.limit))
         for i, (name, widgets) in enumerate(rows):
             row = QHBoxLayout()
             row.setSpacing(6)
@@ -197,7 +198,7 @@ class Questions(QWidget):
         self.settings.show_request(self.request())
         request = self.request()
         self.count.setText(count_text(request))
-        coloured(self.count, WRONG if plan(request).missing < 0 else QUIET)
+        coloured(self.count, SCREEN.limit if plan(request).missing < 0 else SCREEN.quiet)
         if request.stroke > 0.0:
             self.stroke.set_step(min(nice_below(request.stroke / 20.0), 1.0))
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import fsum
 from types import MappingProxyType
+from typing import Any
 
 from core.blend import CONSTANT_VELOCITY, FLATS, MOTION_TYPES, BlendCandidate, Request, candidates, flat_heights
 from core.design import Motion, NamedCurve, Segment, join_angles
@@ -245,6 +246,24 @@ def _number(count: int) -> str:
     return {1: "one", 2: "two", 3: "three", 4: "four"}.get(count, str(count))
 
 
+def words_of(request: WizardRequest) -> dict[str, Any]:
+    """The request as the command ``blend`` has it, by the names of its fields."""
+    asked = request.solver_request
+    return {
+        "type": asked.type,
+        "stroke": asked.stroke,
+        "return_stroke": asked.return_stroke,
+        "start": asked.start,
+        "end": asked.end,
+        "constant_velocity": asked.constant,
+        "set": [f"{name}={value!r}" for name, value in asked.settings.items()],
+        "point": [f"{angle!r}={level!r}" for angle, level in asked.points],
+        "sequence": asked.sequence,
+        "best": request.goal or None,
+        "unit": asked.unit,
+    }
+
+
 CONSTANT = ("cv1", "cv2")
 
 
@@ -368,4 +387,5 @@ __all__ = [
     "plan",
     "ranged",
     "shown_names",
+    "words_of",
 ]

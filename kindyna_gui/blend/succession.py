@@ -14,7 +14,8 @@ from core.output.blend_text import verdict_after
 from kindyna_gui.blend.fields import quiet
 from kindyna_gui.blend.icons import CURVE_SIZE, curve_icon
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
-from kindyna_gui.look import GOOD, INK, QUIET, text_button
+from kindyna_gui.look import text_button
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import MINUS
 from kindyna_gui.rebuilt import Rebuilt
 
@@ -151,7 +152,7 @@ class SuccessionPage(QFrame):
             verdict = verdict_after(self.chosen, row.curve, kind)
             able += [row.curve] if verdict.may_follow else []
             cells = (row.curve, _ends(row.displacement), _ends(row.velocity), _ends(row.acceleration))
-            colour = GOOD if verdict.here else INK if verdict.may_follow else QUIET
+            colour = SCREEN.good if verdict.here else SCREEN.ink if verdict.may_follow else SCREEN.quiet
             words = verdict.words[0].upper() + verdict.words[1:]
             rows.append(TableRow((*cells, words), icon=curve_icon(row.curve), tip=words, colour=colour))
         end = ELEMENTS[self.curve].end

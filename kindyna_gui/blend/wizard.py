@@ -22,13 +22,15 @@ from core.design import Design, faults, require_motion
 from core.errors import DesignError, KindynaError
 from core.find import blend_candidates
 from core.laws import LAWS
+from core.requests import options
 from kindyna_gui.background import Background, Job
 from kindyna_gui.blend.answer import AnswerPanel
 from kindyna_gui.blend.fields import PrecisionPointRow, RangedRow
 from kindyna_gui.blend.questions import Questions
-from kindyna_gui.blend.request import WizardRequest, first_request, has_both, plan, ranged
+from kindyna_gui.blend.request import WizardRequest, first_request, has_both, plan, ranged, words_of
 from kindyna_gui.blend.succession import SuccessionPage
 from kindyna_gui.blend.texts import effect
+from kindyna_gui.documents.as_command import add_copy_of, of_session, spelled
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.put_dialog import PutDialog
 from kindyna_gui.labels import law_label, reason, shortest
@@ -51,7 +53,7 @@ class BlendDialog(PutDialog):
     design    the design with it; None where it cannot be put in place
     """
 
-    help_page = "blending"
+    help_page = "blending#What you may set"
 
     def __init__(self, session: Session, parent: QWidget | None = None) -> None:
         super().__init__(session, "Blend a motion", parent)
@@ -69,6 +71,7 @@ class BlendDialog(PutDialog):
         self._waiting: list[RangedRow] = []  # for their ranges
         self._requested_rows: tuple[RangedRow, ...] = ()
         self._lay_out()
+        add_copy_of(self.buttons, self._as_command)
         self._connect()
         request = first_request(motion, min(session.segment, len(motion.segments) - 1))
         self.questions.answer(request)
@@ -119,7 +122,7 @@ class BlendDialog(PutDialog):
     def _choose_ranked(self, name: str) -> None:
         """A row of the ranking: another sequence is blended at once."""
         if name in LAWS:
-            self.show_message(f"{law_label(name)} is a law, no blend: Make > Law table puts it into the motion")
+            self.show_message(f"{law_label(name)} is a law, no blend: the table of laws puts it into the motion")
         elif name != "-".join(self.blended.curves if self.blended is not None else ()):
             self.questions.take_sequence(name)
 
@@ -254,6 +257,11 @@ class BlendDialog(PutDialog):
             self.places["here"].setChecked(True)
 
     # -- the end --------------------------------------------------------------------------------------------
+
+    def _as_command(self) -> str:
+        from core.commands.blend import Arguments
+
+        return spelled("blend", options(Arguments, {**words_of(self.questions.request()), **of_session(self._session)}))
 
     def accept(self) -> None:
         """Put the motion into the design, where there is one."""

@@ -18,8 +18,8 @@ from core.study import STAGES, Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import sentence
-from kindyna_gui.look import QUIET, coloured
-from kindyna_gui.pictures.style import SERIF
+from kindyna_gui.look import coloured
+from kindyna_gui.pictures.style import SCREEN, SERIF
 from kindyna_gui.player import Player
 from kindyna_gui.view import NumberAtHand, View, ViewHost
 
@@ -49,6 +49,8 @@ class ExplainView(View):
         self.choice = QComboBox(editable=True)
         self.choice.setInsertPolicy(QComboBox.InsertPolicy.NoInsert)
         self.choice.setAccessibleName("Number to explain")
+        if (line := self.choice.lineEdit()) is not None:
+            line.setAccessibleName("Number to explain")
         self.choice.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         self.choice.setMinimumContentsLength(16)
         if (completer := self.choice.completer()) is not None:
@@ -63,7 +65,7 @@ class ExplainView(View):
         self.head.setFont(written)
         self.proof = QLabel(wordWrap=True, textFormat=Qt.TextFormat.PlainText)
         self.proof.setMargin(6)
-        coloured(self.proof, QUIET)
+        coloured(self.proof, SCREEN.quiet)
         self.table = RowsTable(HEADINGS)
         self.table.setFont(written)
         row = QHBoxLayout()

@@ -14,10 +14,11 @@ from core.errors import KindynaError
 from core.findings import ERROR, WARNING
 from core.output.contour_text import figures
 from core.output.lines import digits
-from core.requests import known
+from core.requests import known, options
 from core.units import UNITS as SYMBOLS
 from kindyna_gui import dialogs
 from kindyna_gui.contour.picture import CurvePicture, show_motion
+from kindyna_gui.documents.as_command import add_copy_of, of_session, spelled
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.forms.put_dialog import PutDialog
@@ -35,6 +36,8 @@ JUMPS = {1: ("Velocity", "/°", ERROR), 2: ("Acceleration", "/°²", WARNING)}
 
 class CurveDialog(PutDialog):
     """Shows a curve and the motion that the design's follower has on it, and puts that into the design as one step."""
+
+    help_page = "making#A cam that is drawn"
 
     def __init__(self, session: Session, path: Path, data: bytes, parent: QWidget | None = None) -> None:
         super().__init__(session, "Motion from a DXF curve", parent)
@@ -59,6 +62,7 @@ class CurveDialog(PutDialog):
         )
         self.jumps.setMinimumWidth(TABLE_WIDTH)
         self._lay_out()
+        add_copy_of(self.buttons, self._as_command)
         self.unit.currentIndexChanged.connect(self.read_and_roll)
         for box in (*self.centre, self.gap):
             box.entered.connect(lambda value, box=box: self._take(box, value))
@@ -156,6 +160,20 @@ class CurveDialog(PutDialog):
             self.plot.point_out(self.traced.jumps[index.row()].angle)
 
     # -- the end --------------------------------------------------------------------------------------------
+
+    def _as_command(self) -> str:
+        place = of_session(self._session)
+        x, y = (box.value or 0.0 for box in self.centre)
+        asked = {
+            "design": place["into"],
+            "drive": place["drive"],
+            "curve": self._path,
+            "out": f"{self._path.stem}.toml",
+            "units": self.unit.currentData(),
+            "centre": f"{x!r},{y!r}" if x or y else None,
+            "gap_mm": GAP_MM if self.gap.value is None else self.gap.value,
+        }
+        return spelled("motion-from", options(Arguments, asked))
 
     def accept(self) -> None:
         """Put motion and base radius into the design, where the curve gives them."""

@@ -39,6 +39,7 @@ class CurvePicture(QWidget):
         self._traced: TracedMotion | None = None
         self._chosen: int | None = None
         self._curve = self._path = np.zeros(0, dtype=complex)
+        self.setAccessibleName("The drawn curve, and the follower on it")
         self.setMinimumSize(240, 240)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
 

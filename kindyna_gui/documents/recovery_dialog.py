@@ -29,8 +29,8 @@ from core.project import differences, load, loads
 from core.project.recovery import Recoverable, Unsaved
 from kindyna_gui.documents.draft import Draft
 from kindyna_gui.documents.texts import difference_text
-from kindyna_gui.look import QUIET
 from kindyna_gui.note import MessageLabel
+from kindyna_gui.pictures.style import SCREEN
 
 SIZE = (680, 460)
 LINES = 4  # of the list of work
@@ -110,7 +110,7 @@ class RecoveryDialog(QDialog):
         self.list.setFixedHeight(
             self.list.sizeHintForRow(0) * min(len(entries), LINES) + 2 * self.list.frameWidth() + 4
         )
-        self.note = MessageLabel(QUIET)
+        self.note = MessageLabel(SCREEN.quiet)
         self.table = QTableWidget(0, 3)
         self.table.setHorizontalHeaderLabels(["What differs", "In the file", "Recovered"])
         self.table.verticalHeader().hide()
@@ -125,7 +125,7 @@ class RecoveryDialog(QDialog):
         self.open_file.setToolTip("The unsaved work is kept, and offered again at the next start")
         self.discard.setToolTip("The unsaved work is removed for good")
         self.later.setToolTip(
-            "The unsaved work is kept, and offered again: File > Recover unsaved work, or the next start"
+            "The unsaved work is kept, and offered again by Recover unsaved work, or at the next start"
         )
         foot = QHBoxLayout()
         for button in (self.discard, self.later, self.open_file, self.recover):

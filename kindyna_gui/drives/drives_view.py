@@ -30,7 +30,7 @@ from kindyna_gui.forms.form import Form
 from kindyna_gui.forms.list_parts import list_button, row_of_buttons, taken_by_list
 from kindyna_gui.forms.tables import LEADING
 from kindyna_gui.labels import reason
-from kindyna_gui.look import WRONG
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import digits, readable, short
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import Rebuilt, clear_menu
@@ -63,13 +63,17 @@ class DrivesTable(QTableWidget):
         self.setAlternatingRowColors(True)
         self.setTabKeyNavigation(False)
         self.verticalHeader().hide()
-        self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + LEADING)
+        self.redress()
         head = self.horizontalHeader()
         head.setHighlightSections(False)
         head.setMinimumSectionSize(30)
         head.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
         head.setSectionResizeMode(NAME, QHeaderView.ResizeMode.Stretch)
         self.setAccessibleName("Drives on the shaft")
+
+    def redress(self) -> None:
+        """As high and wide as its letters want it."""
+        self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + LEADING)
 
     def sizeHint(self) -> QSize:
         return QSize(280, 150)
@@ -188,7 +192,7 @@ class DrivesView(View):
             return
         item.setText(text)
         item.setToolTip(problem)
-        item.setForeground(QColor(WRONG) if problem else self.table.palette().text())
+        item.setForeground(QColor(SCREEN.limit) if problem else self.table.palette().text())
 
     def _show_torques(self) -> None:
         """The last column, once editing pauses; of a design that came since then when it is shown."""

@@ -13,7 +13,7 @@ from core.frozen import frozen
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import reason
 from kindyna_gui.look import sign
-from kindyna_gui.pictures.style import BALANCE, drive_colour
+from kindyna_gui.pictures.style import BALANCE, SCREEN
 
 
 @frozen
@@ -39,8 +39,8 @@ def drive_rows(session: Session) -> tuple[DriveRow, ...]:
             _ = study.linkage
         except NoAnswer as error:
             problem = reason(study.design, error)
-        rows.append(DriveRow(session.names[number], drive_colour(number), problem))
-    return (*rows, *(DriveRow(name, BALANCE) for name in session.names[len(rows) :]))
+        rows.append(DriveRow(session.names[number], SCREEN.drive(number), problem))
+    return (*rows, *(DriveRow(name, SCREEN.seen(BALANCE)) for name in session.names[len(rows) :]))
 
 
 @lru_cache(maxsize=64)

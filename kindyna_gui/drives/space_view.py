@@ -10,8 +10,7 @@ from PySide6.QtWidgets import QWidget
 from core.numerics.projection import ISOMETRIC, seen_from
 from core.study import Study
 from kindyna_gui.documents.session import Session
-from kindyna_gui.look import INK, PAPER, QUIET
-from kindyna_gui.pictures.style import BLUE
+from kindyna_gui.pictures.style import BLUE, SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.requirements import NotHere
 from kindyna_gui.view import View
@@ -29,6 +28,7 @@ class SpaceSheet(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
+        self.setAccessibleName("Path in space")
         self.path = np.zeros((1, 3))
         self.part = np.zeros(3)
         self.text = ""
@@ -55,9 +55,9 @@ class SpaceSheet(QWidget):
     def paintEvent(self, event: QPaintEvent) -> None:
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        painter.fillRect(self.rect(), QColor(PAPER))
+        painter.fillRect(self.rect(), QColor(SCREEN.paper))
         low, high = self.path.min(axis=0), self.path.max(axis=0)
-        painter.setPen(QPen(QColor(QUIET), 1.0))
+        painter.setPen(QPen(QColor(SCREEN.quiet), 1.0))
         for axis, name in enumerate("xyz"):
             end = low.copy()
             end[axis] = max(high[axis], low[axis] + 0.15 * float((high - low).max()))
@@ -69,17 +69,17 @@ class SpaceSheet(QWidget):
             painter.drawText(beside - QPointF(4.0, -4.0), wide)
         floor = self.path.copy()
         floor[:, 2] = low[2]
-        painter.setPen(QPen(QColor(QUIET), 1.0, Qt.PenStyle.DotLine))
+        painter.setPen(QPen(QColor(SCREEN.quiet), 1.0, Qt.PenStyle.DotLine))
         painter.drawPolygon(_polygon(self.places(floor)))
         foot = self.part.copy()
         foot[2] = low[2]
         here, below = (_point(at) for at in self.places(np.array([self.part, foot])))
         painter.drawLine(here, below)
-        painter.setPen(QPen(QColor(BLUE), 2.0))
+        painter.setPen(QPen(QColor(SCREEN.seen(BLUE)), 2.0))
         painter.setBrush(Qt.BrushStyle.NoBrush)
         painter.drawPolygon(_polygon(self.places(self.path)))
-        painter.setPen(QPen(QColor(INK), 1.4))
-        painter.setBrush(QColor(BLUE))
+        painter.setPen(QPen(QColor(SCREEN.ink), 1.4))
+        painter.setBrush(QColor(SCREEN.seen(BLUE)))
         painter.drawEllipse(here, 6.0, 6.0)
         painter.drawText(QPointF(10.0, 20.0), self.text)
         painter.end()

@@ -8,9 +8,10 @@ from types import MappingProxyType
 
 from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QAction, QActionGroup
-from PySide6.QtWidgets import QHBoxLayout, QSizePolicy, QToolBar, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QSizePolicy, QWidget
 
 from kindyna_gui.drives.rows import DriveRow
+from kindyna_gui.look import tool_bar
 
 ONE, BESIDE, ON_SHAFT = "one", "beside", "shaft"
 ARRANGEMENTS: Mapping[str, tuple[str, str]] = MappingProxyType(
@@ -39,12 +40,10 @@ class DriveStrip(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self._rows: tuple[DriveRow, ...] = ()
-        self.bar, self.ways = self._bar(), self._bar()
+        self.bar, self.ways = tool_bar("Drives on the shaft", self), tool_bar("How the drives are drawn", self)
         self.bar.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         self.bar.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         self.bar.setIconSize(QSize(14, 14))
-        self.bar.setAccessibleName("Drives on the shaft")
-        self.ways.setAccessibleName("How the drives are drawn")
         self._group: QActionGroup | None = None
         ways = QActionGroup(self)
         self.arrangements: dict[str, QAction] = {}
@@ -63,11 +62,6 @@ class DriveStrip(QWidget):
         row.addWidget(self.bar, 1)
         row.addWidget(self.ways)
         self.hide()
-
-    def _bar(self) -> QToolBar:
-        bar = QToolBar(self)
-        bar.setMovable(False)
-        return bar
 
     def _arrange(self, name: str, *_: object) -> None:
         self.arranged.emit(name)

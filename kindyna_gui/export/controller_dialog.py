@@ -46,7 +46,7 @@ class Computed:
 class ControllerDialog(ComputedDialog):
     """``made`` is the table that the file will hold, with what is shown of it."""
 
-    command, ending, help_page = "ecam", ".csv", "controllers"
+    command, ending, help_page = "ecam", ".csv", "controllers#Rows"
 
     def asked(self) -> tuple[str, list[str]]:
         words = options(Request, {**self.form.values, "of": self.of.currentData()})
@@ -66,9 +66,7 @@ class ControllerDialog(ComputedDialog):
         grid.addWidget(self.curve, 0, 1, 3, 1)
         grid.setColumnStretch(0, 3)
         grid.setColumnStretch(1, 2)
-        form = RequestForm(Request)
-        form.insert_row(0, "Controller", self.controller)
-        form.insert_row(1, "Slave", self.of)
+        form = RequestForm(Request, above=[("Controller", self.controller), ("Slave", self.of)])
         super().__init__(parent, "controller table", form, grid)
         self.curve.viewport().installEventFilter(self)
         fill_choices(self.controller, {slug: row.label for slug, row in self._rows.items()})

@@ -29,6 +29,7 @@ class SheetPicture(QWidget):
         super().__init__()
         self.shown: DrawingSheet | None = None
         self.faint = False
+        self.setAccessibleName("The sheet")
         self.setMinimumSize(420, 300)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
 
@@ -57,7 +58,7 @@ class SheetPicture(QWidget):
 class DrawingDialog(ComputedDialog):
     """``made`` is the sheet for the choices, None while there is none."""
 
-    command, ending = "drawing", ".pdf"
+    command, ending, help_page = "drawing", ".pdf", "tour#Export > Drawing"
 
     def __init__(self, parent: QWidget, design: Design) -> None:
         self._design, self.picture = design, SheetPicture()

@@ -36,28 +36,29 @@ OF_SHAFT = "shaft.csv and summary.json of the whole shaft, and the tables of eac
 class TablesDialog(RequestDialog):
     """Folder and cam angles per turn."""
 
-    command = "export"
+    command, help_page = "export", "tour#Export > Tables"
 
     def __init__(self, parent: QWidget, folder: Path, study: Study) -> None:
-        *first, last = names(study.design)
-        files, angle = f"{', '.join(first)} and {last}", study.angle_name
         if study.design.listed:
             files, angle = OF_SHAFT, "machine angle"
+        else:
+            *first, last = names(study.design)
+            files, angle = f"{', '.join(first)} and {last}", study.angle_name
 
         def told(values: Mapping[str, Any]) -> str:
             step = f"One row every {360.0 / values['samples']:.6g}°."
             return f"{step} Writes {files}; files of these names are replaced."
 
-        form = RequestForm(Arguments)
-        form.name_row("samples", f"{angle.capitalize()}s per turn")
         self.folder = QLineEdit(str(folder))
+        self.folder.setAccessibleName("Folder")
         self.folder.setMinimumWidth(360)
         browse = QPushButton("Browse...")
         browse.clicked.connect(self._browse)
         where = QHBoxLayout()
         where.addWidget(self.folder, 1)
         where.addWidget(browse)
-        form.insert_row(0, "Folder", where)
+        form = RequestForm(Arguments, above=[("Folder", where)])
+        form.name_row("samples", f"{angle.capitalize()}s per turn")
         super().__init__(parent, "Export tables", form, "Export", told)
         self.folder.textChanged.connect(lambda text: self.accept_button.setEnabled(bool(text.strip())))
 
@@ -73,7 +74,7 @@ class TablesDialog(RequestDialog):
 class FilmDialog(RequestDialog):
     """How an animation of one turn shall be; its size is one of some."""
 
-    command = "animation"
+    command, help_page = "animation", "tour#Export > Animation"
 
     def asked(self) -> tuple[str, list[str]]:
         width, height = self.pixels.currentData()
@@ -81,12 +82,11 @@ class FilmDialog(RequestDialog):
         return Film(**values).ending, [*options(Film, values), "--size", f"{width}x{height}"]
 
     def __init__(self, parent: QWidget, seconds: float) -> None:
-        form = RequestForm(Film, first={"seconds": seconds})
         self.pixels = QComboBox()
         for width, height in SIZES:
             self.pixels.addItem(f"{width} \u00d7 {height} pixels", (width, height))
         self.pixels.setCurrentIndex(SIZES.index((Film().width, Film().height)))
-        form.insert_row(1, "Size", self.pixels)
+        form = RequestForm(Film, first={"seconds": seconds}, above=[("Size", self.pixels)])
         super().__init__(parent, "Export animation", form, "Save animation...", _frames_told)
 
 

@@ -20,7 +20,7 @@ TOLD = "Profile, drawing and inspection table of every cam, report, web page, an
 class HandoverDialog(RequestDialog):
     """A controller besides what the form asks."""
 
-    command = "handover"
+    command, help_page = "handover", "tour#Export > Hand-over"
 
     def asked(self) -> tuple[str, list[str]]:
         request = self.request
@@ -28,10 +28,10 @@ class HandoverDialog(RequestDialog):
         return ".zip", options(Request, values)
 
     def __init__(self, parent: QWidget) -> None:
-        form = RequestForm(Request, first={"paper": kept_cover()["paper"]})
         self.controller, self.gcode = QComboBox(), QCheckBox("G-code of every cam too")
         fill_choices(self.controller, {"": "None", **{slug: row.label for slug, row in controllers().items()}})
-        form.rows.insertRow(0, "Controller", self.controller)
+        first, above = {"paper": kept_cover()["paper"]}, [("Controller", self.controller)]
+        form = RequestForm(Request, first=first, above=above)
         form.rows.addRow("", self.gcode)
         super().__init__(parent, "Hand-over", form, "Save hand-over...", lambda values: TOLD)
 

@@ -25,13 +25,12 @@ FIRST = {"samples": 360, "spacing_mm": 1.0, "tolerance_mm": 1e-3}
 class ProfileDialog(ComputedDialog):
     """What the file shall hold; ``job`` is what was computed for it, None while there is none."""
 
-    command = "profile"
+    command, help_page = "profile", "tour#Export > Profile"
 
     def __init__(self, parent: QWidget, design: Design) -> None:
         self._design, self.format, self.picture = design, QComboBox(), PreviewPicture()
         cutter = getattr(design.drive.cam, "cutter_radius_mm", None) or 0.0
-        form = RequestForm(Request, flanks(design), {**FIRST, "cutter_mm": cutter})
-        form.insert_row(0, "Format", self.format)
+        form = RequestForm(Request, flanks(design), {**FIRST, "cutter_mm": cutter}, [("Format", self.format)])
         super().__init__(parent, "profile", form, self.picture)
         fill_choices(self.format, {ending: f"{row.label} ({ending})" for ending, row in FORMATS.items()})
         self.format.setCurrentIndex(self.format.findData(".dxf"))

@@ -47,6 +47,7 @@ class PreviewPicture(QWidget):
         super().__init__(parent)
         self.shown: Preview | None = None
         self._faint = False
+        self.setAccessibleName("Picture of the profile")
         self.setMinimumSize(300, 300)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
 

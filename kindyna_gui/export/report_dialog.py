@@ -22,7 +22,7 @@ from core.frozen import frozen
 from core.output.report.document import PAPERS, PARTS, Cover
 from core.requests import options
 from kindyna_gui.dialogs import give_help
-from kindyna_gui.forms.as_command import add_copy
+from kindyna_gui.documents.as_command import add_copy
 from kindyna_gui.settings import Settings
 
 KINDS = {".pdf": "PDF, pages to print", ".html": "HTML, one page for any browser"}
@@ -78,7 +78,7 @@ class ReportDialog(QDialog):
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
         buttons.button(QDialogButtonBox.StandardButton.Ok).setText("Save report...")
         add_copy(buttons, parent, "report", self._asked)
-        give_help(self, "tour")
+        give_help(self, "tour#writes one file to hand on")
         buttons.accepted.connect(self.accept)
         buttons.rejected.connect(self.reject)
         column = QVBoxLayout(self)

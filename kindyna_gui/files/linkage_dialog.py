@@ -24,10 +24,13 @@ from core.errors import KindynaError
 from core.linkage_programs import Made, read_linkage
 from core.linkage_programs.read import MOST_BYTES, UNITS
 from core.mechanism.unfinished import unfinished
+from core.requests import options
 from kindyna_gui import dialogs
+from kindyna_gui.documents.as_command import add_copy_of, spelled
 from kindyna_gui.labels import sentence
-from kindyna_gui.look import QUIET, WRONG, coloured
+from kindyna_gui.look import coloured
 from kindyna_gui.note import MessageLabel, bold_label
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.thumbnails import thumbnail
 
 TITLE, FILES = "Import linkage", "Linkages (*.linkage2 *.pyslvs *.txt);;All files (*)"
@@ -39,20 +42,23 @@ class LinkageDialog(QDialog):
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
-        dialogs.give_help(self, "linkages")
+        dialogs.give_help(self, "linkages#From other programs")
         self.setWindowTitle(TITLE)
-        self._name = ""
+        self._name, self._file = "", ("", "")  # what was opened: its path, and its text
         self.made: Made | None = None
         self.text, self.units, self.mirror, self.inputs = QPlainTextEdit(), QComboBox(), QCheckBox(), QListWidget()
+        self.text.setTabChangesFocus(True)
         self.text.setPlaceholderText("Paste a Pyslvs expression, M[J[R, ...], or the address of PMKS+, or open a file")
         self.open_button = QPushButton("&Open a file...")
         self.units.addItem("as the text says, else mm", "")
         for unit in UNITS:
             self.units.addItem(unit, unit)
         self.mirror.setText("Turn it over about the x axis: where its y points down")
+        self.text.setAccessibleName("Text of the linkage")
+        self.inputs.setAccessibleName("Inputs")
         self.inputs.setFixedHeight(86)
         self.inputs.setToolTip("The joints that drive; of several the first is the driver, the others turn with it")
-        self.picture, self.message = QLabel(), MessageLabel(QUIET)
+        self.picture, self.message = QLabel(), MessageLabel(SCREEN.quiet)
         self.picture.setFixedSize(PICTURE)
         form = QFormLayout()
         form.addRow("Lengths in", self.units)
@@ -61,6 +67,7 @@ class LinkageDialog(QDialog):
         self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
         self.ok = self.buttons.button(QDialogButtonBox.StandardButton.Ok)
         self.ok.setText("Begin")
+        add_copy_of(self.buttons, self._as_command)
         self.buttons.accepted.connect(self.accept)
         self.buttons.rejected.connect(self.reject)
         column = QVBoxLayout(self)
@@ -85,6 +92,22 @@ class LinkageDialog(QDialog):
             path, data = opened
             self._name = path.stem
             self.text.setPlainText(data.decode("utf-8", "replace").removeprefix("\ufeff"))
+            self._file = str(path), self.text.toPlainText()
+
+    def _as_command(self) -> str:
+        from core.commands.linkage.read import Arguments
+
+        (path, read), text = self._file, self.text.toPlainText()
+        items = [self.inputs.item(i) for i in range(self.inputs.count())]
+        driven = [item.text() for item in items if item.checkState() is Qt.CheckState.Checked]
+        asked = {
+            "text": path if path and text == read else text.strip(),
+            "out": f"{self._name or 'linkage'}.toml",
+            "units": self.units.currentData(),
+            "mirror": self.mirror.isChecked(),
+            "inputs": driven if self.made is not None and tuple(driven) != self.made.inputs else [],
+        }
+        return spelled("linkage-from", options(Arguments, asked))
 
     def _afresh(self) -> None:
         """Another text: its own inputs."""
@@ -137,7 +160,7 @@ class LinkageDialog(QDialog):
         self._say("\n".join(lines))
 
     def _say(self, text: str, wrong: bool = False) -> None:
-        coloured(self.message, WRONG if wrong else QUIET)
+        coloured(self.message, SCREEN.limit if wrong else SCREEN.quiet)
         self.message.show_message(text)
 
 

@@ -32,8 +32,8 @@ from kindyna_gui.find.trade_plot import show_solution
 from kindyna_gui.forms.amount import fill_choices
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.labels import reason
-from kindyna_gui.look import WRONG
 from kindyna_gui.pictures.plots.xy import XYPlot
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.requirements import NO_SIZES, NotHere
 
@@ -82,7 +82,7 @@ class FindView(BackgroundView):
         self.place.setAccessibleName("Which of them")
         self.answer = QLabel(wordWrap=True, textFormat=Qt.TextFormat.RichText, alignment=Qt.AlignmentFlag.AlignTop)
         self.answer.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-        self.answer.setMinimumHeight(ANSWER_LINES * self.fontMetrics().lineSpacing() + 4)
+        self.redress()
         self.take, self.cancel, self.again = (
             QPushButton("Take over"),
             QPushButton("Cancel"),
@@ -90,6 +90,7 @@ class FindView(BackgroundView):
         )
         self.take.setToolTip("Put the answer into the design; Undo takes it back")
         self.bar = QProgressBar(minimum=0, maximum=0, textVisible=False)
+        self.bar.setAccessibleName("Computing")
         self.bar.setFixedHeight(10)
         self.counted = QLabel()
         self._lay_out()
@@ -107,6 +108,10 @@ class FindView(BackgroundView):
         self.again.clicked.connect(self._search)
         session.started.connect(self._typed.clear)
         session.drive_chosen.connect(self._typed.clear)
+
+    def redress(self) -> None:
+        """The answer has its room, whatever it is."""
+        self.answer.setMinimumHeight(ANSWER_LINES * self.fontMetrics().lineSpacing() + 4)
 
     def _lay_out(self) -> None:
         self._foot = QStackedWidget()
@@ -285,7 +290,7 @@ class FindView(BackgroundView):
             self.answer.setText("")
             return
         self.plot.show_message("No curve: there is no answer.")
-        self.answer.setText(f"<span style='color:{WRONG}'>{reason(design, result)}</span>")
+        self.answer.setText(f"<span style='color:{SCREEN.limit}'>{reason(design, result)}</span>")
 
     def _offer_take_over(self) -> None:
         found, design = self.solution, self._design

@@ -14,8 +14,8 @@ from kindyna_gui.find.texts import ActiveLimit, LimitText, figure_of
 from kindyna_gui.forms.field_parts import UnitLabel
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.labels import allowed_text, no_number
-from kindyna_gui.look import QUIET, WRONG, coloured, icon
-from kindyna_gui.pictures.style import SMALL, font
+from kindyna_gui.look import coloured, icon
+from kindyna_gui.pictures.style import SCREEN, SMALL, font
 from kindyna_gui.preferences.units import in_units
 from kindyna_gui.rebuilt import Rebuilt, clear_menu
 
@@ -44,7 +44,7 @@ class LimitRows(QWidget):
         self.add.setAutoDefault(False)
         self.add.clicked.connect(self._offer)
         self.message = QLabel(wordWrap=True)
-        coloured(self.message, WRONG)
+        coloured(self.message, SCREEN.limit)
         self.message.hide()
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
@@ -104,7 +104,7 @@ class LimitRows(QWidget):
             for column, part in enumerate((label, box, unit, remover)):
                 grid.addWidget(part, 2 * row, column, Qt.AlignmentFlag.AlignVCenter)
             why = QLabel(wordWrap=True)
-            coloured(why, QUIET)
+            coloured(why, SCREEN.quiet)
             why.setFont(font(SMALL))
             why.hide()  # else the window grows for it, whether there is room or not
             grid.addWidget(why, 2 * row + 1, 0, 1, 4)
@@ -116,7 +116,7 @@ class LimitRows(QWidget):
         box, why = self.boxes[key], self.reasons[key]
         colours = QPalette()
         if held.usual:
-            colours.setColor(QPalette.ColorRole.Text, QColor(QUIET))
+            colours.setColor(QPalette.ColorRole.Text, QColor(SCREEN.quiet))
         box.lineEdit().setPalette(colours)
         why.setText(in_units(held.reason))
         why.setVisible(bool(held.reason) and self._explained)

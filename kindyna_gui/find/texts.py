@@ -25,7 +25,7 @@ from core.find import (
 )
 from core.frozen import frozen
 from kindyna_gui.labels import in_sentence, name_of, sentence
-from kindyna_gui.look import QUIET, WRONG
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.timing_chart import plain
 from kindyna_gui.pictures.units import MINUS, brief, measure, number, with_unit
 from kindyna_gui.preferences.units import in_units, size_of, symbol_of
@@ -202,7 +202,7 @@ def answer_html(design: Design, solution: Solution) -> str:
     """The answer, what it reaches, and what stands against it or where it ends."""
     lines = []
     if not solution.serves:
-        lines.append(f"<span style='color:{WRONG}'>No value serves. The best that there is:</span>")
+        lines.append(f"<span style='color:{SCREEN.limit}'>No value serves. The best that there is:</span>")
     for path, value in solution.answer.items():
         text = escape(value_of(design, path, value, solution.digits))
         lines.append(f"<b>{text}</b>{_now(_present(design, path, solution.present[path]))}")
@@ -222,7 +222,7 @@ def answer_html(design: Design, solution: Solution) -> str:
         others = "; ".join(
             f"{_label_of(design, key)[0]} {_reached(solution.reached[key], unit_of(design, key))}" for key in kept
         )
-        lines.append(f"<span style='color:{QUIET}'>Kept as well: {escape(others)}</span>")
+        lines.append(f"<span style='color:{SCREEN.quiet}'>Kept as well: {escape(others)}</span>")
     for path, value in solution.assumed.items():
         lines.append(
             escape(f"With an assumed {in_sentence(_label_of(design, path)[0])} of {_present(design, path, value)}.")
@@ -233,10 +233,11 @@ def answer_html(design: Design, solution: Solution) -> str:
     lines += [f"Beyond it: {escape(text)}" for text in solution.held_by]
     lines += [f"With it comes: {escape(text)}" for text in solution.besides]
     lines += [_taken(design, solution, path) for path in solution.taken]
-    lines += [f"<span style='color:{WRONG}'>But {escape(text)}</span>" for text in solution.errors]
+    lines += [f"<span style='color:{SCREEN.limit}'>But {escape(text)}</span>" for text in solution.errors]
     if not solution.serves:
         lines += [
-            f"<span style='color:{WRONG}'>Against it: {escape(sentence(text))}</span>" for text in solution.against
+            f"<span style='color:{SCREEN.limit}'>Against it: {escape(sentence(text))}</span>"
+            for text in solution.against
         ]
     return "<br>".join(map(in_units, lines))
 
@@ -255,7 +256,7 @@ def _present(design: Design, path: str, value: float | None) -> str:
 
 
 def _now(text: str) -> str:
-    return f" <span style='color:{QUIET}'>now {escape(text)}</span>"
+    return f" <span style='color:{SCREEN.quiet}'>now {escape(text)}</span>"
 
 
 def _line(design: Design, solution: Solution, key: str) -> str:

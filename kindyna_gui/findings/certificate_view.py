@@ -10,7 +10,8 @@ from core.study import STAGES, Study, certificate_of
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import sentence
-from kindyna_gui.look import WRONG, sign
+from kindyna_gui.look import sign
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.view import NumberAtHand, View
 
@@ -87,7 +88,7 @@ def certificate_row(name: str, residual: Residual) -> TableRow:
         ),
         sign("none" if residual.kept else ERROR),
         sentence(proves),
-        "" if residual.kept else WRONG,
+        "" if residual.kept else SCREEN.limit,
     )
 
 

@@ -14,7 +14,8 @@ from core.study import STAGES, Study, findings_of
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import in_sentence, name_of, sentence
-from kindyna_gui.look import QUIET, coloured, sign
+from kindyna_gui.look import coloured, sign
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.view import NumberAtHand, View, ViewHost
 
@@ -43,7 +44,7 @@ class FindingsView(View):
         super().__init__(session, player)
         self.table = RowsTable(HEADINGS)
         self.empty = QLabel("No limit is exceeded.", alignment=Qt.AlignmentFlag.AlignCenter, wordWrap=True)
-        coloured(self.empty, QUIET)
+        coloured(self.empty, SCREEN.quiet)
         self.table.setMinimumHeight(1)
         self._findings: tuple[Finding, ...] = ()
         # of the content from the start: without a parent its first page would flash up as a window

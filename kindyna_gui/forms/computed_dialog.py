@@ -23,9 +23,10 @@ from core.errors import KindynaError
 from core.requests import options
 from kindyna_gui.background import Background
 from kindyna_gui.dialogs import give_help
-from kindyna_gui.forms.as_command import add_copy
+from kindyna_gui.documents.as_command import add_copy
 from kindyna_gui.forms.request_form import RequestForm
-from kindyna_gui.look import INK, QUIET, WRONG, coloured
+from kindyna_gui.look import coloured
+from kindyna_gui.pictures.style import SCREEN
 
 WAITING = "computing ..."
 PAUSE_MS = 150  # after the last change before anything is computed
@@ -104,7 +105,7 @@ class ComputedDialog(QDialog):
         self.made = None
         self.export.setEnabled(False)
         self.show_waiting()
-        self._tell(WAITING, QUIET)
+        self._tell(WAITING, SCREEN.quiet)
         self._work.stop()
         self._pause.start()
 
@@ -113,7 +114,7 @@ class ComputedDialog(QDialog):
     def _take(self, _: object, result: Any) -> None:
         self.made = None if isinstance(result, KindynaError) else result
         text = self.show_made(self.made)
-        self._tell(str(result) if self.made is None else text, WRONG if self.made is None else INK)
+        self._tell(str(result) if self.made is None else text, SCREEN.limit if self.made is None else SCREEN.ink)
         self.export.setEnabled(self.made is not None)
 
     def _tell(self, text: str, colour: str) -> None:

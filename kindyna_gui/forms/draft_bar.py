@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QGridLayout, QLabel, QWidget
 
-from kindyna_gui.look import QUIET, WRONG, coloured, text_button
+from kindyna_gui.look import coloured, text_button
+from kindyna_gui.pictures.style import SCREEN
 
 KEPT = "Drawings and plots keep the last that fits."
 
@@ -25,8 +26,8 @@ class DraftBar(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self.trouble, self.remedy = QLabel(wordWrap=True), QLabel(wordWrap=True)
-        coloured(self.trouble, WRONG)
-        coloured(self.remedy, QUIET)
+        coloured(self.trouble, SCREEN.limit)
+        coloured(self.remedy, SCREEN.quiet)
         self.close_button, self.drop_button = text_button("Close it"), text_button("Drop")
         self.drop_button.setToolTip("Back to the last that fitted together; Undo brings what was typed back")
         for button, signal in ((self.close_button, self.close_requested), (self.drop_button, self.drop_requested)):

@@ -9,7 +9,8 @@ from PySide6.QtGui import QColor, QContextMenuEvent, QMouseEvent, QPainter, QPai
 from PySide6.QtWidgets import QAbstractButton, QLabel, QMenu, QSizePolicy, QWidget
 
 from core.units import Unit
-from kindyna_gui.look import ASSUMED, LINE, QUIET, coloured
+from kindyna_gui.look import coloured
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.preferences.units import TOLD, symbol_of
 
 _PIXELS_A_STEP = 6
@@ -71,7 +72,7 @@ class UnitLabel(QLabel):
     def __init__(self, unit: Unit) -> None:
         super().__init__()
         self._symbol = unit.symbol
-        coloured(self, QUIET)
+        coloured(self, SCREEN.quiet)
         self._show()
         TOLD.changed.connect(self._show)
 
@@ -95,6 +96,6 @@ class AssumedMark(QAbstractButton):
         painter = QPainter(self)
         if self.underMouse():
             painter.fillRect(self.rect(), self.palette().midlight())
-        painter.setPen(QColor(ASSUMED if self.isChecked() else LINE))
+        painter.setPen(QColor(SCREEN.assumed if self.isChecked() else SCREEN.line))
         painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, "∗")
         painter.end()

@@ -20,7 +20,8 @@ from kindyna_gui.documents.session import Refusal, Session
 from kindyna_gui.forms.field_parts import AssumedMark, NameLabel, UnitLabel
 from kindyna_gui.forms.number_box import UNDO_KEYS, NameBox, NumberBox, WordBox
 from kindyna_gui.labels import allowed_text, choice_text, choice_tip, no_number, sentence, step_text
-from kindyna_gui.look import QUIET, WRONG, coloured
+from kindyna_gui.look import coloured
+from kindyna_gui.pictures.style import SCREEN
 
 COLUMNS = 4  # of a form: name, editor, unit, mark
 VARY_TIP = "See in Study what this changes: curves over one number, a map over two; words are tried for the best design"
@@ -54,7 +55,7 @@ def tip_html(spec: FieldSpec) -> str:
     if spec.info.help:
         rows.append(escape(spec.info.help))
     rows.append(escape(sentence(f"allowed: {allowed_text(spec.info, spec.unit)}")))
-    rows.append(f"<span style='color:{QUIET}'>{escape(spec.path)}</span>")
+    rows.append(f"<span style='color:{SCREEN.quiet}'>{escape(spec.path)}</span>")
     return "<br>".join(rows)
 
 
@@ -87,7 +88,7 @@ class Field(QObject):
         self.label.setToolTip(tip_html(spec))
         self.unit: QLabel | None = None if spec.info.choices else UnitLabel(spec.unit)
         self.message = QLabel(wordWrap=True)
-        coloured(self.message, WRONG)
+        coloured(self.message, SCREEN.limit)
         self.message.hide()
         self.mark: AssumedMark | None = AssumedMark() if spec.can_be_assumed else None
         if self.mark is not None:
@@ -95,6 +96,8 @@ class Field(QObject):
         self.editor: NumberBox | WordBox = self._word_box() if spec.info.choices else self._number_box()
         self.editor.setToolTip(self.label.toolTip())
         self.editor.setAccessibleName(spec.info.label)
+        if self.mark is not None:
+            self.mark.setAccessibleName(f"{spec.info.label}: assumed")
         self.editor.setProperty(FIELD, spec.path)
         self.label.setBuddy(self.editor)
         session.refused.connect(self._refused)
@@ -115,9 +118,15 @@ class Field(QObject):
         return box
 
     def _open_menu(self, at: QPoint, menu: QMenu) -> None:
-        """A value can be varied; of a number that is typed into there is what its line offers, too."""
+        """A value can be varied, and marked as assumed; of a number that is typed into there is what its line offers, too."""
         vary = add_vary(menu, self.session, self.spec.path)
         vary.setEnabled(self.spec.read(self.session.holder(self.spec.path)) is not None)
+        if self.mark is not None:
+            assumed = QAction("&Assumed", menu, checkable=True, checked=self.mark.isChecked())
+            assumed.setToolTip(self.mark.toolTip())
+            assumed.triggered.connect(self._assume)
+            others = menu.actions()[1:]
+            menu.insertAction(others[0], assumed) if others else menu.addAction(assumed)
         menu.popup(at)
 
     def _words(self) -> WordBox:

@@ -15,7 +15,8 @@ from kindyna_gui.forms.field_parts import NameLabel
 from kindyna_gui.forms.fields import COLUMNS
 from kindyna_gui.forms.number_box import WordBox, row_height
 from kindyna_gui.labels import reason
-from kindyna_gui.look import WRONG, coloured
+from kindyna_gui.look import coloured
+from kindyna_gui.pictures.style import SCREEN
 
 
 class HoldRows(QWidget):
@@ -61,7 +62,7 @@ class HoldRows(QWidget):
         button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         button.clicked.connect(partial(self._pick, hold.key))
         message = QLabel(wordWrap=True)
-        coloured(message, WRONG)
+        coloured(message, SCREEN.limit)
         message.hide()
         grid.addWidget(label, row, 0)
         grid.addWidget(box, row, 1)

@@ -38,7 +38,7 @@ from core.design import NO_UNIT, Info, Unit
 from kindyna_gui.forms.text_keys import TextKeys
 from kindyna_gui.forms.typed_number import parsed
 from kindyna_gui.labels import rounded_to, shortest, value_text
-from kindyna_gui.look import WRONG
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.preferences.units import DIGITS, TOLD, number_text, point, size_of
 
 UNDO_KEYS = (QKeySequence.StandardKey.Undo, QKeySequence.StandardKey.Redo)
@@ -99,7 +99,7 @@ class RedFrame:
             painter = QPainter(self)
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
             style = Qt.PenStyle.SolidLine if self._refused else Qt.PenStyle.DashLine
-            painter.setPen(QPen(QColor(WRONG), 1.6, style))
+            painter.setPen(QPen(QColor(SCREEN.limit), 1.6, style))
             painter.drawRoundedRect(QRectF(self.rect()).adjusted(0.8, 0.8, -0.8, -0.8), 2.0, 2.0)
             painter.end()
 
@@ -119,6 +119,10 @@ class WordBox(RedFrame, QComboBox):
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
         self.setMinimumContentsLength(6)
+        self.redress()
+
+    def redress(self) -> None:
+        """As high and wide as its letters want it."""
         self.setFixedHeight(row_height(self))
 
     def wheelEvent(self, event: QWheelEvent) -> None:
@@ -194,6 +198,7 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
         super().__init__(parent)
         self.setLineEdit(_Line(self))
         self._info, self._unit = info, unit
+        self.setAccessibleName(info.label)
         self._value: float | None = 0.0
         self._tried = ""  # the text that was last confirmed or shown
         self._finer = 1.0  # what the keys held while an arrow is pressed make of a step
@@ -202,10 +207,14 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
         self.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         self.setAccelerated(True)
         self.setKeyboardTracking(False)
-        self.setFixedHeight(row_height(self))
-        self.setMinimumWidth(QFontMetrics(self.font()).horizontalAdvance("-1234.567") + _BUTTONS)
+        self.redress()
         self.show_value(0.0)
         TOLD.changed.connect(self._show_otherwise)
+
+    def redress(self) -> None:
+        """As high and wide as its letters want it."""
+        self.setFixedHeight(row_height(self))
+        self.setMinimumWidth(QFontMetrics(self.font()).horizontalAdvance("-1234.567") + _BUTTONS)
 
     # -- the number ---------------------------------------------------------------------------------------
 

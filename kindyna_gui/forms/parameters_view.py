@@ -23,7 +23,8 @@ from kindyna_gui.forms.form import Form, part_of
 from kindyna_gui.forms.load_texts import first_field, row_of
 from kindyna_gui.forms.loads_page import LoadsPage
 from kindyna_gui.labels import SECTION_NAMES
-from kindyna_gui.look import ASSUMED, QUIET, coloured, sign
+from kindyna_gui.look import coloured, sign
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import soon
 from kindyna_gui.requirements import lists_links
@@ -95,10 +96,10 @@ class ParametersView(View):
         self.draft.drop_requested.connect(session.drop_draft)
         session.draft_changed.connect(self.invalidate)
         self.kind = QLabel()
-        coloured(self.kind, QUIET)
-        self.legend = QLabel(f"<span style='color:{ASSUMED}'>∗</span> assumed")
+        coloured(self.kind, SCREEN.quiet)
+        self.legend = QLabel(f"<span style='color:{SCREEN.assumed}'>∗</span> assumed")
         self.legend.setToolTip("Not taken from a source")
-        coloured(self.legend, QUIET)
+        coloured(self.legend, SCREEN.quiet)
         self.tabs = QTabWidget(documentMode=True)
         self.tabs.setMinimumSize(*LEAST)
         self.tabs.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # Ctrl+Tab changes the page, Tab goes from field to field

@@ -9,8 +9,9 @@ from core.design import Design
 from kindyna_gui.dialogs import give_help
 from kindyna_gui.documents.session import Refusal, Session
 from kindyna_gui.labels import sentence
-from kindyna_gui.look import QUIET, WRONG, coloured
+from kindyna_gui.look import coloured
 from kindyna_gui.note import MessageLabel
+from kindyna_gui.pictures.style import SCREEN
 
 AROUND = QSize(40, 60)  # left free on the screen, with frame and title
 
@@ -22,17 +23,17 @@ class PutDialog(QDialog):
 
     message      what would become of the design, or what is wrong
     put_button   enabled by the subclass while there is something to put
-    help_page    on what is put
+    help_page    on what is put, with the words to look for there behind #
     """
 
-    help_page = "making"
+    help_page = "making#Segments"
 
     def __init__(self, session: Session, title: str, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         give_help(self, self.help_page)
         self.setWindowTitle(title)
         self._session = session
-        self.message = MessageLabel(QUIET)
+        self.message = MessageLabel(SCREEN.quiet)
         self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
         self.put_button = self.buttons.button(QDialogButtonBox.StandardButton.Ok)
         self.put_button.setText("&Put into the design")
@@ -65,7 +66,7 @@ class PutDialog(QDialog):
 
     def show_message(self, text: str, wrong: bool = False) -> None:
         """What the values typed lead to; wrong: why they cannot be."""
-        coloured(self.message, WRONG if wrong else QUIET)
+        coloured(self.message, SCREEN.limit if wrong else SCREEN.quiet)
         self.message.show_message(text)
 
     def put(self, design: Design, step: str) -> None:

@@ -8,9 +8,10 @@ from typing import Any
 from PySide6.QtWidgets import QDialog, QDialogButtonBox, QLabel, QVBoxLayout, QWidget
 
 from kindyna_gui.dialogs import give_help
-from kindyna_gui.forms.as_command import add_copy
+from kindyna_gui.documents.as_command import add_copy
 from kindyna_gui.forms.request_form import RequestForm
-from kindyna_gui.look import QUIET, coloured
+from kindyna_gui.look import coloured
+from kindyna_gui.pictures.style import SCREEN
 
 Told = Callable[[Mapping[str, Any]], str]
 """What a request means, in a sentence, by the values of its fields."""
@@ -19,17 +20,17 @@ Told = Callable[[Mapping[str, Any]], str]
 class RequestDialog(QDialog):
     """form: for what a dialog asks besides; accept_button: says what is done then; told: the words below.
 
-    command  of the command line that asks for the same; reads: it is on a design
+    command  of the command line that asks for the same; reads: it is on a design; help_page: on it
     """
 
-    command, reads = "", True
+    command, reads, help_page = "", True, "tour"
 
     def __init__(self, parent: QWidget, title: str, form: RequestForm, accept: str, told: Told) -> None:
         super().__init__(parent)
-        give_help(self, "tour")
+        give_help(self, self.help_page)
         self.setWindowTitle(title)
         self.form, self.told = form, QLabel(wordWrap=True)
-        coloured(self.told, QUIET)
+        coloured(self.told, SCREEN.quiet)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
         self.accept_button = buttons.button(QDialogButtonBox.StandardButton.Ok)
         self.accept_button.setText(accept)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import Field
 from html import escape
-from itertools import pairwise
 from typing import Any, TypeVar
 
 from PySide6.QtCore import Signal
@@ -30,18 +29,25 @@ class RequestForm(QWidget):
     rows     the layout, for what a dialog asks besides
     offered  field -> its choices, where not all of the request's; a single one is not asked for
     first    field -> the value it begins with, where not its default
+    above    what a dialog asks before these, with labels; Tab goes through it first
     """
 
     changed = Signal()
 
     def __init__(
-        self, kind: type, offered: Mapping[str, Sequence[str]] | None = None, first: Mapping[str, Any] | None = None
+        self,
+        kind: type,
+        offered: Mapping[str, Sequence[str]] | None = None,
+        first: Mapping[str, Any] | None = None,
+        above: Sequence[tuple[str, QWidget | QLayout]] = (),
     ) -> None:
         super().__init__()
         self.kind = kind
         self.boxes: dict[str, Any] = {}
         self.rows = QFormLayout(self)
         self.rows.setContentsMargins(0, 0, 0, 0)
+        for label, field in above:
+            self.rows.addRow(label, field)
         self._fields = {each.name: each for each in questions(kind) if info_of(each) is not None}
         self._groups: dict[str, list[str]] = {}
         for name, each in self._fields.items():
@@ -94,14 +100,6 @@ class RequestForm(QWidget):
         for name in self._groups[group]:
             self.rows.setRowVisible(self.boxes[name], name == chosen)
         self.changed.emit()
-
-    def insert_row(self, row: int, label: str, field: QWidget | QLayout) -> None:
-        """What a dialog asks besides, in its place for the Tab key, too."""
-        self.rows.insertRow(row, label, field)
-        items: list[Any] = [self.rows.itemAt(i, QFormLayout.ItemRole.FieldRole) for i in range(self.rows.rowCount())]
-        inside = [item.layout().itemAt(0) if item.layout() is not None else item for item in items]
-        for before, after in pairwise(item.widget() for item in inside):
-            QWidget.setTabOrder(before, after)
 
     def name_row(self, name: str, label: str) -> None:
         """Call a field otherwise."""

@@ -8,11 +8,11 @@ from core.commands.scale import Arguments
 from core.design import scale_text
 from core.requests import known, options
 from kindyna_gui.dialogs import give_help
-from kindyna_gui.forms.as_command import add_copy
+from kindyna_gui.documents.as_command import add_copy
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.labels import sentence
-from kindyna_gui.look import QUIET
 from kindyna_gui.note import MessageLabel
+from kindyna_gui.pictures.style import SCREEN
 
 FACTOR, MASSES = known(Arguments, "factor"), known(Arguments, "masses")
 WIDTH = 380  # of the text, pixels
@@ -30,7 +30,7 @@ class ScaleDialog(QDialog):
         self.factor.setAccessibleName(FACTOR.label)
         self.masses = QCheckBox(MASSES.label)
         self.masses.setChecked(True)
-        self.text = MessageLabel(QUIET)
+        self.text = MessageLabel(SCREEN.quiet)
         self.text.setFixedWidth(WIDTH)
         self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
         self.scale_button = self.buttons.button(QDialogButtonBox.StandardButton.Ok)
@@ -44,7 +44,7 @@ class ScaleDialog(QDialog):
                 options(Arguments, {"factor": self.factor.value, "masses": self.masses.isChecked()}),
             ),
         )
-        give_help(self, "tour")
+        give_help(self, "tour#Scale the design")
         self.buttons.accepted.connect(self.accept)
         self.buttons.rejected.connect(self.reject)
         form = QFormLayout()

@@ -115,6 +115,7 @@ class RowsTable(QTableView):
         super().__init__()
         self.rows = RowsModel(headings)
         self.rows.setParent(self)
+        self.setAccessibleName(", ".join(heading.title for heading in headings if heading.title))
         self._widths: dict[int, tuple[int, int]] = {}  # of a column: of its widest text, and what that needs
         self.setModel(self.rows)
         self.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
@@ -225,6 +226,7 @@ class RowsTable(QTableView):
         super().changeEvent(event)
         if event.type() in (QEvent.Type.FontChange, QEvent.Type.StyleChange):
             self._widths.clear()
+            self.resizeRowsToContents()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)

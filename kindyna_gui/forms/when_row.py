@@ -27,7 +27,8 @@ from kindyna_gui.forms.form import POINT_FIELDS
 from kindyna_gui.forms.list_parts import list_button, row_of_buttons
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.labels import reason, row_name
-from kindyna_gui.look import QUIET, coloured
+from kindyna_gui.look import coloured
+from kindyna_gui.pictures.style import SCREEN
 
 TEXTS = {TURN_PART: "over a part of the turn", MOTION_PART: "at a part of the motion", TABLE: "table over the turn"}
 
@@ -66,7 +67,7 @@ class WhenRow(QWidget):
         column.addLayout(line)
         column.addLayout(row_of_buttons(self._of_table))
         self.rest = QLabel(wordWrap=True)
-        coloured(self.rest, QUIET)
+        coloured(self.rest, SCREEN.quiet)
         column.addWidget(self.rest)
         self.box.activated.connect(self._choose)
 

@@ -13,8 +13,9 @@ from core.frozen import frozen
 from core.output.graph import Graph, GraphAxis
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.labels import no_number
-from kindyna_gui.look import QUIET, WRONG, coloured
+from kindyna_gui.look import coloured
 from kindyna_gui.note import MessageLabel, bold_label
+from kindyna_gui.pictures.style import SCREEN
 
 AXES = {"x": "Along the bottom", "left": "On the left", "right": "On the right"}
 RANGE = Info("Range", "empty: as far as the curves go", optional=True)
@@ -44,7 +45,7 @@ class AxesForm(QWidget):
         self.logs: dict[str, QCheckBox] = {}
         self.ends: dict[tuple[str, str], NumberBox] = {}
         self._units: dict[str, QLabel] = {}
-        self.message = MessageLabel(WRONG)
+        self.message = MessageLabel(SCREEN.limit)
         grid = QGridLayout(self)
         grid.setContentsMargins(6, 4, 6, 4)
         grid.setVerticalSpacing(3)
@@ -62,7 +63,7 @@ class AxesForm(QWidget):
         head, title, log, unit = bold_label(text), QLineEdit(), QCheckBox("Logarithmic"), QLabel()
         title.setAccessibleName(f"Title, {text.lower()}")
         log.setAccessibleName(f"Logarithmic, {text.lower()}")
-        coloured(unit, QUIET)
+        coloured(unit, SCREEN.quiet)
         grid.addWidget(head, row, 0, 1, 2)
         named = QLabel("Title")
         named.setBuddy(title)

@@ -32,9 +32,8 @@ from core.output.graph import (
 )
 from core.units import KINDS
 from kindyna_gui.forms.number_box import NumberBox, WordBox
-from kindyna_gui.look import QUIET, WRONG
 from kindyna_gui.note import MessageLabel
-from kindyna_gui.pictures.style import DRIVES, FAMILIES
+from kindyna_gui.pictures.style import DRIVES, FAMILIES, SCREEN
 
 OPEN = "\0open"
 _COLOURS = tuple(dict.fromkeys((*DRIVES, *FAMILIES.values())))[:12]
@@ -105,7 +104,7 @@ class CurveForm(QWidget):
         self.name.setAccessibleName("Name")
         self.width_box = NumberBox(Info("Width", low=LEAST_WIDTH, high=MOST_WIDTH, step=0.5))
         self.width_box.setAccessibleName("Width")
-        self.fault, self.note = MessageLabel(WRONG), MessageLabel(QUIET)
+        self.fault, self.note = MessageLabel(SCREEN.limit), MessageLabel(SCREEN.quiet)
         grid = QGridLayout(self)
         grid.setContentsMargins(6, 4, 6, 4)
         grid.setHorizontalSpacing(6)

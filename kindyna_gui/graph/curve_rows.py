@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QHBoxLayout, QListWidget, QListWidgetItem, QMenu, 
 
 from core.frozen import frozen
 from kindyna_gui.forms.list_parts import list_button, taken_by_list
-from kindyna_gui.look import QUIET, WRONG
+from kindyna_gui.pictures.style import SCREEN
 
 LIST_HEIGHT = 128
 EMPTY = "No curve yet: press Add, or drop files here"
@@ -135,8 +135,8 @@ class CurveRows(QWidget):
         item.setToolTip(row.fault or row.note or row.name)
         item.setFlags(Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable | Qt.ItemFlag.ItemIsUserCheckable)
         item.setCheckState(Qt.CheckState.Checked if row.shown else Qt.CheckState.Unchecked)
-        usual = item.listWidget().palette().text().color() if row.shown and not row.lacking else QUIET
-        item.setForeground(QColor(WRONG if row.fault else usual))
+        usual = item.listWidget().palette().text().color() if row.shown and not row.lacking else SCREEN.quiet
+        item.setForeground(QColor(SCREEN.limit if row.fault else usual))
         item.setIcon(_swatch(row.colour))
 
     def _choose(self, row: int) -> None:

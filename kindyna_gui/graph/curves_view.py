@@ -147,6 +147,7 @@ class CurvesView(View):
         for form, text in ((self.form, "Curve"), (self.axes, "Axes and title")):
             area = QScrollArea(widgetResizable=True)
             area.setFrameShape(QFrame.Shape.NoFrame)
+            area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
             area.setWidget(form)
             area.setMinimumSize(LEAST_SIDE, LEAST_HEIGHT)
             self.tabs.addTab(area, text)

@@ -12,7 +12,7 @@ from core.study import Camshaft, Study
 from kindyna_gui.documents.bands import Bands
 from kindyna_gui.pictures.plots.quantities import quantities_for, rows_of, split
 from kindyna_gui.pictures.plots.xy import Line
-from kindyna_gui.pictures.style import SCREEN, drive_colour
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import readable
 
 TORQUE = "drive_torque"
@@ -38,7 +38,7 @@ def curves_of_all(shaft: Camshaft[Study], usual: Sequence[str], bands: Bands) ->
         band = bands.read(rows[:1], number).get(rows[0].slug)
         place = shaft.places[name]
         shade = None if band is None else (place.machine(np.deg2rad(degrees(band.shape[1]))), band)
-        found.append((place.machine(study.theta), values, drive_colour(number), name, shade))
+        found.append((place.machine(study.theta), values, SCREEN.drive(number), name, shade))
     if first is None:
         return [], "", missing
     if first.name == TORQUE and len(found) > 1 and not missing:

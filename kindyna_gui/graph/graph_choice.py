@@ -107,6 +107,7 @@ class ChannelTree(QTreeWidget):
 
     def __init__(self) -> None:
         super().__init__()
+        self.setAccessibleName("Channels")
         self.setHeaderLabels(HEADINGS)
         self.setRootIsDecorated(False)
         self.setIndentation(4)

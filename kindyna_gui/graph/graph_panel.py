@@ -13,9 +13,10 @@ from core.frozen import frozen
 from core.motion.extremes import Range
 from core.study import Study
 from kindyna_gui.graph.live_plot import LivePlot, LivePolar
-from kindyna_gui.look import CHOSEN, icon
+from kindyna_gui.look import icon
 from kindyna_gui.pictures.files import curves_file
 from kindyna_gui.pictures.plots.sheets import columns_for, polar_file
+from kindyna_gui.pictures.style import SCREEN
 
 LEAST_STRAIGHT, LEAST_POLAR = 118, 280  # height of a plot before the column scrolls, pixels
 Plot = LivePlot | LivePolar
@@ -100,5 +101,5 @@ class Panel(QWidget):
         painter = QPainter(self)
         painter.fillRect(self.rect(), self.palette().base())
         if self.active:
-            painter.fillRect(0, 2, self.BAR, self.height() - 4, CHOSEN)
+            painter.fillRect(0, 2, self.BAR, self.height() - 4, SCREEN.chosen)
         painter.end()

@@ -41,7 +41,6 @@ class LiveGraph(GraphPlot):
         super().__init__(parent)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setToolTip(TIP)
-        self.setAccessibleName("Graph")
         self._wheel = QTimer(self, singleShot=True, interval=WHEEL_MS)
 
     def show_graph(

@@ -16,10 +16,10 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.drives_plot import curves_of_all
 from kindyna_gui.graph.live_plot import LivePlot
 from kindyna_gui.graph.marked_view import MarkedView
-from kindyna_gui.look import QUIET
 from kindyna_gui.note import Note
 from kindyna_gui.pictures.plots.quantities import figures_of, quantities_for, rows_of, split, stages_of, why_empty
 from kindyna_gui.pictures.plots.under_mouse import MACHINE_ANGLE, MACHINE_TIP, CursorPlot
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player, obey
 from kindyna_gui.requirements import NotHere, ways_of
 from kindyna_gui.saving import save_numbers, save_picture
@@ -36,7 +36,7 @@ class PlotView(MarkedView):
         self.usual = tuple(quantities)
         self.plot = LivePlot()
         self.plot.setMinimumWidth(LEAST_WIDTH)
-        self.note = Note(QUIET, margin=3)
+        self.note = Note(SCREEN.quiet, margin=3)
         self.note.setIndent(6)
         self.rows: tuple[Quantity, ...] = ()
         self.message = ""  # in place of the curves

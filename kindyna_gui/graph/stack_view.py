@@ -67,7 +67,8 @@ class StackView(MarkedView):
 
     def show_extremes(self, found: Mapping[str, Range] | None) -> None:
         for plot in self.plots.values():
-            plot.show_extremes(found)
+            if found is None or plot.lacks_extremes:  # those that were found before are not among them
+                plot.show_extremes(found)
 
     def follow(self, theta: float) -> None:
         for name, plot in self.plots.items():

@@ -80,14 +80,20 @@ def _fields(page: str, host: Any) -> str:
     """Every field of the design at hand, from what is known of it."""
     if host is None:
         return page
-    design, tables = host.session.typed, []
-    for name in design.tables:
-        rows = [
-            f"| {entry_name(design, row)} | {sentence(row.info.help)} | {row.info.allowed(row.unit)} | `{row.path}` |"
+    session, tables = host.session, []
+    parts = [(session.typed, name) for name in session.typed.tables]
+    if session.several:
+        whole = session.typed_whole
+        parts += [(whole, name) for name in (f"drives[{session.chosen}]", "balancer") if name in whole.tables]
+    for design, name in parts:
+        cells = [
+            (entry_name(design, row), sentence(row.info.help), row.info.allowed(row.unit), f"`{row.path}`")
             for row in entries(design, name)
         ]
+        rows = ["| " + " | ".join(cell.replace("|", r"\|") for cell in row) + " |" for row in cells]
         head = "| field | what it is | allowed | in the file |\n|---|---|---|---|"
-        tables.append("\n".join((f"## {SECTION_NAMES.get(name, sentence(name))}\n", head, *rows)))
+        title = SECTION_NAMES.get(name, "On the shaft" if name.startswith("drives[") else sentence(name))
+        tables.append("\n".join((f"## {title}\n", head, *rows)))
     return page.replace("{fields}", "\n\n".join(tables))
 
 

@@ -24,7 +24,7 @@ ANGLE = "Cam angle, °"
 class InspectionDialog(ComputedDialog):
     """``made`` is the inspection that the file will hold."""
 
-    command, ending = "inspection", ".csv"
+    command, ending, help_page = "inspection", ".csv", "tour#Export > Inspection table"
 
     def __init__(self, parent: QWidget, design: Design) -> None:
         self._design = design

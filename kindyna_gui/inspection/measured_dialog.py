@@ -23,17 +23,20 @@ from core.errors import KindynaError
 from core.findings import ERROR
 from core.output.inspection import ProfileComparison, Request, compare, measured_lift, probing
 from core.project.files import read_bytes
+from core.requests import options
 from core.study import Study
 from kindyna_gui import dialogs
 from kindyna_gui.background import Background
 from kindyna_gui.dialogs import give_help
+from kindyna_gui.documents.as_command import add_copy
 from kindyna_gui.forms.amount import Amount
 from kindyna_gui.forms.computed_dialog import PAUSE_MS, WAITING
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.inspection.form import ProbeForm
 from kindyna_gui.inspection.picture import DeviationPicture, ShownComparison, shown
 from kindyna_gui.labels import reason, sentence
-from kindyna_gui.look import GOOD, QUIET, WRONG, coloured, sign
+from kindyna_gui.look import coloured, sign
+from kindyna_gui.pictures.style import SCREEN
 
 LEFT_WIDTH, USUAL, LEAST = 340, QSize(1080, 700), QSize(880, 540)
 MOST_ROWS = 100  # of the worst
@@ -49,9 +52,10 @@ class MeasuredCamDialog(QDialog):
 
     def __init__(self, parent: QWidget, design: Design, path: Path, data: bytes) -> None:
         super().__init__(parent)
-        give_help(self, "followers")
+        give_help(self, "tour#Inspect a measured cam")
         self.setWindowTitle("Inspect a measured cam")
         self.comparison: ProfileComparison | None = None
+        self._over = parent
         self._design, self._path, self._data, self._work = design, path, data, Background(self)
         self._order: np.ndarray = np.zeros(0, dtype=int)
         self.form, self.factor, self.fit = (
@@ -73,7 +77,7 @@ class MeasuredCamDialog(QDialog):
         font = self.verdict.font()
         font.setBold(True)
         self.verdict.setFont(font)
-        coloured(self.notes, QUIET)
+        coloured(self.notes, SCREEN.quiet)
         self.picture, self.rows = DeviationPicture(), RowsTable(HEADINGS)
         self._lay_out()
         self._pause = QTimer(self, interval=PAUSE_MS, singleShot=True)
@@ -113,6 +117,7 @@ class MeasuredCamDialog(QDialog):
         middle.addWidget(side)
         middle.addWidget(self.picture, 1)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)
+        add_copy(buttons, self._over, "inspection", self._asked, of_drive=True)
         buttons.rejected.connect(self.reject)
         column = QVBoxLayout(self)
         column.addLayout(middle, 1)
@@ -120,12 +125,18 @@ class MeasuredCamDialog(QDialog):
         self.setMinimumSize(LEAST)
         self.resize(USUAL.boundedTo(self.screen().availableGeometry().size() - QSize(40, 60)))
 
+    def _asked(self) -> tuple[str, list[str]]:
+        from core.commands.inspection import Arguments
+
+        own = {"measured": self._path, "fit": self.fit.isChecked(), "samples": None}  # the table has its own angles
+        return ".csv", options(Arguments, {**self.form.values, **own})
+
     # -- what comes of it ----------------------------------------------------------------------------------------
 
     def _changed(self) -> None:
         self._work.stop()
         self.picture.wait()
-        self._tell(WAITING, QUIET)
+        self._tell(WAITING, SCREEN.quiet)
         self._pause.start()
 
     def _compute(self) -> None:
@@ -136,7 +147,7 @@ class MeasuredCamDialog(QDialog):
         try:
             self._data = read_bytes(self._path)
         except KindynaError as error:  # what is shown stays
-            self._tell(reason(self._design, error), WRONG)
+            self._tell(reason(self._design, error), SCREEN.limit)
         else:
             self._changed()
 
@@ -146,7 +157,7 @@ class MeasuredCamDialog(QDialog):
             return
         self.comparison = None
         lines = str(result).splitlines()
-        self._tell(lines[0], WRONG)
+        self._tell(lines[0], SCREEN.limit)
         self.notes.setText("\n".join(lines[1:6]) + (f"\nand {len(lines) - 6} more" if len(lines) > 6 else ""))
         self.rows.show_rows([])
         self.picture.show_comparison(None, "Nothing can be drawn before the table can be read and measured")
@@ -154,7 +165,7 @@ class MeasuredCamDialog(QDialog):
     def _show(self, made: ShownComparison) -> None:
         self.comparison = result = made.comparison
         self.picture.show_comparison(made)
-        self._tell(verdict(result), GOOD if result.in_tolerance else WRONG)
+        self._tell(verdict(result), SCREEN.good if result.in_tolerance else SCREEN.limit)
         self.notes.setText("\n".join(notes(result)))
         self._order = np.argsort(-np.abs(result.normal), kind="stable")[:MOST_ROWS]
         self.rows.show_rows(

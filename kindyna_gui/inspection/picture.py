@@ -52,6 +52,7 @@ class DeviationPicture(QWidget):
         self.factor = 100.0
         self.message = ""
         self._faint, self._chosen = False, -1
+        self.setAccessibleName("Deviations from the profile, magnified")
         self.setMinimumSize(420, 380)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
 

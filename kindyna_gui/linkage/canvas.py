@@ -76,6 +76,7 @@ class Canvas(QGraphicsView):
         super().__init__(scene)
         self._joint = ""
         self._scene = scene
+        self.setAccessibleName("Drawing of the mechanism")
         self.fitted = True
         self._picking = self._moved = False
         self.over: Callable[[QPainter], object] | None = None
@@ -144,6 +145,12 @@ class Canvas(QGraphicsView):
         visible, scale = self._scene.fit(self.viewport().width(), self.viewport().height())
         self.show_region(visible.center(), scale, keep_labels)
         self.fitted = True
+
+    def redress(self) -> None:
+        """Theme or letters have changed; what is zoomed stays."""
+        self._scene.redress()
+        if self.fitted:
+            self.fit()
 
     def show_again(self) -> None:
         """Show what was visible again, after an edit: it stays, unless a fitted mechanism has outgrown its picture or shrunk in it."""

@@ -18,8 +18,8 @@ from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import reason
-from kindyna_gui.look import QUIET
 from kindyna_gui.note import SteadyText
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import digits
 from kindyna_gui.player import Player
 from kindyna_gui.preferences.units import size_of, symbol_of
@@ -158,7 +158,7 @@ class CentresView(View):
             table.setWordWrap(False)
             self.tabs.addTab(table, PAGES[name].title)
         self.one, self.other = self._chooser("First centre"), self._chooser("Second centre")
-        self.distance, self.transmission = SteadyText(), SteadyText(QUIET)
+        self.distance, self.transmission = SteadyText(), SteadyText(SCREEN.quiet)
         row = QHBoxLayout()
         row.setContentsMargins(8, 2, 8, 0)
         row.addWidget(QLabel("From"))

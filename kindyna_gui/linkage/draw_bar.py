@@ -6,8 +6,9 @@ from collections.abc import Sequence
 
 from PySide6.QtCore import QSize
 from PySide6.QtGui import QAction
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QToolBar, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
+from kindyna_gui.look import tool_bar
 from kindyna_gui.note import SteadyText
 
 
@@ -16,10 +17,8 @@ class DrawBar(QWidget):
 
     def __init__(self, actions: Sequence[QAction]) -> None:
         super().__init__()
-        self.tools = QToolBar(self)
-        self.tools.setMovable(False)
+        self.tools = tool_bar("Draw", self)
         self.tools.setIconSize(QSize(20, 20))
-        self.tools.setAccessibleName("Draw")
         for action in actions:
             self.tools.addAction(action)
         self.prompt = QLabel()

@@ -22,7 +22,8 @@ from kindyna_gui.linkage.sketch_picture import Marked
 from kindyna_gui.linkage.snapping import Snap, point_at, snapped
 from kindyna_gui.linkage.stroke import Stroke
 from kindyna_gui.linkage.typed_values import TypedValues
-from kindyna_gui.look import CHOSEN, PAPER, icon
+from kindyna_gui.look import icon
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 
 SHEET_MM = 260.0  # width of an empty sheet
@@ -163,7 +164,7 @@ class DrawingMode(DrawnLinkage):
 
     def paint(self, painter: QPainter) -> None:
         """The sheet over everything; what does not move with the driver in grey."""
-        painter.fillRect(self.canvas.viewport().rect(), QColor(PAPER))
+        painter.fillRect(self.canvas.viewport().rect(), QColor(SCREEN.paper))
         self.canvas.paint_under(painter)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         picture = self.picture
@@ -173,11 +174,11 @@ class DrawingMode(DrawnLinkage):
         if not self.active:
             return
         if (box := self.choosing.box) is not None:
-            painter.setPen(QPen(QColor(CHOSEN), 1.0, Qt.PenStyle.DashLine))
+            painter.setPen(QPen(QColor(SCREEN.chosen), 1.0, Qt.PenStyle.DashLine))
             painter.setBrush(Qt.BrushStyle.NoBrush)
             painter.drawRect(box)
         for one, other in zip(self.stroke.snaps, self.stroke.snaps[1:], strict=False):
-            painter.setPen(QPen(QColor(CHOSEN), 2.0))
+            painter.setPen(QPen(QColor(SCREEN.chosen), 2.0))
             painter.drawLine(picture.to(one.at), picture.to(other.at))
         if self.snap is not None and self.tool.name != CHOOSE:
             picture.paint_snap(painter, self.snap, self.stroke.snaps[-1].at if self.stroke.snaps else None)

@@ -13,10 +13,10 @@ from core.dynamics import Torsion, element_at, row_of_element
 from core.errors import NoAnswer
 from kindyna_gui.linkage.canvas import Canvas
 from kindyna_gui.linkage.picking import foot, places_now
-from kindyna_gui.look import CHOSEN
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.pictures.drawing.spring_parts import spirals
+from kindyna_gui.pictures.style import SCREEN
 
 SYMBOLS = frozenset({"spring", "damper", "load", "torque"})
 """What the keys of the drawing's parts begin with that show a row of the loads."""
@@ -97,13 +97,13 @@ def paint_row(canvas: Canvas, painter: QPainter, path: str) -> None:
         canvas.viewportTransform().map(QPointF(at.real, at.imag))
         for at in row_places(geometry, path, canvas.drawn.index)
     ]
-    pale = QColor(CHOSEN)
+    pale = QColor(SCREEN.chosen)
     pale.setAlpha(70)
     painter.setBrush(Qt.BrushStyle.NoBrush)
     if len(pixels) > 1:
         painter.setPen(QPen(pale, BETWEEN, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
         painter.drawLine(pixels[0], pixels[-1])
-    painter.setPen(QPen(QColor(CHOSEN), 1.6))
+    painter.setPen(QPen(QColor(SCREEN.chosen), 1.6))
     for pixel in pixels:
         painter.drawEllipse(pixel, RING, RING)
 

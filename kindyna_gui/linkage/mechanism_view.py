@@ -44,7 +44,7 @@ from kindyna_gui.pictures.drawing.layers import (
 from kindyna_gui.pictures.drawing.mechanism import EVERY_LAYER, MechanismScene, layers_of
 from kindyna_gui.pictures.style import LIGHT, SCREEN
 from kindyna_gui.player import Player, obey
-from kindyna_gui.requirements import why_no_forces, why_no_pressure
+from kindyna_gui.requirements import ONLY_LINKAGES, why_no_forces, why_no_pressure
 from kindyna_gui.view import View, ViewHost
 
 if TYPE_CHECKING:  # made when it is first wanted
@@ -227,7 +227,7 @@ class MechanismView(View):
             if self.draws:
                 self.drawing.stop()
         elif not self.session.typed.drive.links:
-            self.status_message.emit("Only a linkage is drawn: File > New of a kind > Linkage by drawing begins one")
+            self.status_message.emit(ONLY_LINKAGES)
             return False
         else:
             self.strip.arrangements[ONE].setChecked(True)
@@ -256,6 +256,10 @@ class MechanismView(View):
         self.strip.setVisible(self.session.several)
         if self.session.several:
             self.strip.show_drives(drive_rows(self.session), self.session.chosen)
+
+    def redress(self) -> None:
+        """Theme or letters have changed."""
+        self._name_drives()
 
     def _choose_drive(self, number: int) -> None:
         if not self.session.choose_drive(number):
@@ -673,16 +677,25 @@ class MechanismView(View):
 
         self.pull()
         vector = ending == ".svg"
+        canvas = self.all_canvas if self.draws_all else self.canvas
+        look = None if canvas.fitted else (canvas.visible, canvas.scale_now)
+        size = canvas.viewport().width(), canvas.viewport().height()
+        theme = LIGHT if vector else replace(LIGHT, ratio=RATIO)
         if self.draws_all:
-            return svg(self.all_canvas, self.session.whole.name) if vector else png(self.all_canvas)
-        scene = MechanismScene(None, LIGHT, ENLARGED) if vector else MechanismScene(None, replace(LIGHT, ratio=RATIO))
+            shaft, name = self.session.shaft, self.session.whole.name
+            drives = Assembly(theme)
+            drives.show_shaft(shaft, self.session.chosen, self._arrangement == ON_SHAFT, self._layers_drawn)
+            drives.set_machine(self.player.machine)
+            return (
+                svg(MechanismSheet(drives, *size, look), name) if vector else png(MechanismSheet(drives, *size, look))
+            )
+        scene = MechanismScene(None, theme, ENLARGED if vector else 1.0)
         for name, shown in self._layers_wanted.items():
             scene.set_layer(name, shown)
         with postponing(self.session.awaited.later):
             scene.update_study(self.session.study)
         scene.set_angle(self.player.theta)
-        look = None if self.canvas.fitted else (self.canvas.visible, self.canvas.scale_now)
-        sheet = MechanismSheet(scene, self.canvas.viewport().width(), self.canvas.viewport().height(), look)
+        sheet = MechanismSheet(scene, *size, look)
         return svg(sheet, self.session.design.name) if vector else png(sheet)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:

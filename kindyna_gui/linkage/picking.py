@@ -16,9 +16,9 @@ from core.dynamics import pairs_named, place_at
 from core.frozen import frozen
 from core.output.load_text import held_text
 from kindyna_gui.linkage.canvas import Canvas
-from kindyna_gui.look import CHOSEN
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
+from kindyna_gui.pictures.style import SCREEN
 
 NEAR, ALONG = 11.0, 7.0  # pixels from a named place, and from a line of a link, within which it is meant
 UPON = 2.5  # pixels from its line within which a place on the face of a link is meant to be upon it
@@ -235,7 +235,7 @@ class Picker(QObject):
         """Marks of what can be chosen, a bolder one with its name under the mouse; in pixels of the viewport."""
         if not self.active:
             return
-        colour = QColor(CHOSEN)
+        colour = QColor(SCREEN.chosen)
         painter.setPen(QPen(colour, 1.4))
         fill = QColor(colour)
         fill.setAlpha(50)
@@ -268,7 +268,7 @@ class Picker(QObject):
         if room.right() > width:
             room.moveRight(here.x() - 14.0)
         painter.fillRect(room, self._canvas.palette().base())
-        painter.setPen(QColor(CHOSEN))
+        painter.setPen(QColor(SCREEN.chosen))
         painter.drawText(room, Qt.AlignmentFlag.AlignCenter, text)
 
     def _pixel(self, at: complex) -> QPointF:

@@ -29,16 +29,12 @@ from kindyna_gui.linkage.snapping import (
     grid_step,
     outline,
 )
-from kindyna_gui.look import CHOSEN, INK, PAPER, QUIET, WRONG
-from kindyna_gui.pictures.style import BLUE, LIGHT, VERMILION
+from kindyna_gui.pictures.style import BLUE, SCREEN, VERMILION
 
 BAR, PIN, BLOCK = 5.0, 4.0, (15.0, 10.0)  # half the width of a bar, radius of a pin, half the sides of a block, pixels
 FORCE = 46.0  # length of a force's arrow, pixels
 MOST_LINES = 400  # of a grid
-FAINT = "#ECEEEF"
-STILL = "#E4E6E7"
 PER = {(True, False): "mm/°", (False, True): "°/mm"}  # of a ratio: whether the link, and the driver, slide; else : 1
-"""Of links that nothing moves."""
 
 To = Callable[[complex], QPointF]
 
@@ -149,7 +145,9 @@ class SketchPicture:
             self._grid_line(painter, i, complex(visible.left(), i * step), complex(visible.right(), i * step))
 
     def _grid_line(self, painter: QPainter, number: int, one: complex, other: complex) -> None:
-        painter.setPen(QPen(QColor("#C9CBCC" if not number else "#DFE2E3" if number % 5 == 0 else FAINT), 1.0))
+        painter.setPen(
+            QPen(QColor(SCREEN.line if not number else SCREEN.dwell if number % 5 == 0 else SCREEN.hair), 1.0)
+        )
         painter.drawLine(self.to(one), self.to(other))
 
     def paint(
@@ -161,9 +159,12 @@ class SketchPicture:
         for i, link in enumerate(linkage.links):
             if link.number == FRAME_LINK:
                 continue
-            fill = QColor(STILL if link.number in grey else LIGHT.links[i % len(LIGHT.links)])
+            fill = QColor(SCREEN.faint if link.number in grey else SCREEN.links[i % len(SCREEN.links)])
             chosen, wrong = link.number in marked.links, link.number in marked.wrong_links
-            colour, width = QColor(CHOSEN if chosen else WRONG if wrong else INK), 2.4 if chosen or wrong else 1.4
+            colour, width = (
+                QColor(SCREEN.chosen if chosen else SCREEN.limit if wrong else SCREEN.ink),
+                2.4 if chosen or wrong else 1.4,
+            )
             self._paint_face(painter, link, fill, colour, width)
             painter.setPen(QPen(colour, width))
             painter.setBrush(QBrush(fill))
@@ -177,8 +178,13 @@ class SketchPicture:
                 on[name] = on.get(name, 0) + 1
         for name, at in self.places.items():
             chosen, wrong = name in marked.points, name in marked.wrong_points
-            painter.setPen(QPen(QColor(CHOSEN if chosen else WRONG if wrong else INK), 2.4 if chosen or wrong else 1.4))
-            painter.setBrush(QBrush(QColor(PAPER if on.get(name, 0) > 1 else "#FFF6D6")))
+            painter.setPen(
+                QPen(
+                    QColor(SCREEN.chosen if chosen else SCREEN.limit if wrong else SCREEN.ink),
+                    2.4 if chosen or wrong else 1.4,
+                )
+            )
+            painter.setBrush(QBrush(QColor(SCREEN.paper if on.get(name, 0) > 1 else SCREEN.cam)))
             painter.drawEllipse(self.to(at), PIN, PIN)
             if name in marked.locked:
                 painter.drawText(self.to(at) + QPointF(-14.0, 4.0), "⚿")
@@ -211,12 +217,12 @@ class SketchPicture:
             block = next((self.places[n] for n in linkage.by_number[slider.link].places if n in self.places), through)
             reach = (abs(block - through) + 60.0 / self.scale) if slider.on == FRAME_LINK else 60.0 / self.scale
             middle = 0.5 * (block + through) if slider.on == FRAME_LINK else block
-            pen = QPen(QColor(QUIET), 1.0)
+            pen = QPen(QColor(SCREEN.quiet), 1.0)
             pen.setDashPattern([10.0, 4.0, 2.0, 4.0])
             painter.setPen(pen)
             painter.drawLine(self.to(middle - along * reach), self.to(middle + along * reach))
             if slider.on == FRAME_LINK:
-                painter.setPen(QPen(QColor(QUIET), 1.0))
+                painter.setPen(QPen(QColor(SCREEN.quiet), 1.0))
                 below = -1j * along * (BLOCK[1] + 2.0) / self.scale
                 for i in range(-4, 5):
                     foot_ = block + below + along * (i * 7.0 / self.scale)
@@ -227,12 +233,12 @@ class SketchPicture:
                 )
 
     def _paint_pedestal(self, painter: QPainter, at: QPointF) -> None:
-        painter.setPen(QPen(QColor(INK), 1.3))
-        painter.setBrush(QBrush(QColor(PAPER)))
+        painter.setPen(QPen(QColor(SCREEN.ink), 1.3))
+        painter.setBrush(QBrush(QColor(SCREEN.paper)))
         x, y = at.x(), at.y()
         painter.drawPolygon(QPolygonF([at, QPointF(x - 8.0, y + 14.0), QPointF(x + 8.0, y + 14.0)]))
         painter.drawLine(QPointF(x - 13.0, y + 14.0), QPointF(x + 13.0, y + 14.0))
-        painter.setPen(QPen(QColor(QUIET), 1.0))
+        painter.setPen(QPen(QColor(SCREEN.quiet), 1.0))
         for i in range(6):
             painter.drawLine(QPointF(x - 11.0 + 4.6 * i, y + 14.0), QPointF(x - 14.5 + 4.6 * i, y + 19.0))
 
@@ -242,7 +248,7 @@ class SketchPicture:
         link = linkage.by_number.get(linkage.driver.link)
         if link is None or link.number == FRAME_LINK or linkage.drawn is None:
             return
-        painter.setPen(QPen(QColor(BLUE), 2.0))
+        painter.setPen(QPen(QColor(SCREEN.seen(BLUE)), 2.0))
         painter.setBrush(Qt.BrushStyle.NoBrush)
         pivot = next((name for name in link.places if name in frame_of(linkage).places), None)
         sense = -1.0 if linkage.driver.speed_rpm < 0.0 else 1.0
@@ -275,11 +281,11 @@ class SketchPicture:
         places = self.load_places()
         loads = self.design.drive.loads
         for row, at in places.items():
-            here, ink = self.to(at), QColor(CHOSEN if row == chosen else INK)
+            here, ink = self.to(at), QColor(SCREEN.chosen if row == chosen else SCREEN.ink)
             painter.setPen(QPen(ink, 2.0 if row == chosen else 1.2))
             if ".masses" in row:
                 rect = QRectF(here.x() - 7, here.y() - 7, 14, 14)
-                painter.setBrush(QBrush(QColor(PAPER)))
+                painter.setBrush(QBrush(QColor(SCREEN.paper)))
                 painter.drawEllipse(rect)
                 painter.setBrush(QBrush(ink))
                 painter.drawPie(rect, 0, 16 * 90)
@@ -289,7 +295,7 @@ class SketchPicture:
             elif ".forces" in row:
                 force = loads.forces[int(row[row.index("[") + 1 : -1])]
                 tip = self.to(self.places[force.point])
-                painter.setPen(QPen(QColor(CHOSEN if row == chosen else VERMILION), 2.2))
+                painter.setPen(QPen(QColor(SCREEN.chosen if row == chosen else SCREEN.seen(VERMILION)), 2.2))
                 way = complex(force.x_n, force.y_n)
                 painter.drawLine(here, tip)
                 if way:
@@ -306,7 +312,7 @@ class SketchPicture:
         linkage = self.design.drive.linkage
         second = linkage.drivers[index]
         pin = self.to(self.places[input_pin(linkage, second)])
-        painter.setPen(QPen(QColor(CHOSEN if chosen else BLUE), 2.4 if chosen else 1.6))
+        painter.setPen(QPen(QColor(SCREEN.chosen if chosen else SCREEN.seen(BLUE)), 2.4 if chosen else 1.6))
         painter.setBrush(Qt.BrushStyle.NoBrush)
         painter.drawArc(QRectF(pin.x() - 13, pin.y() - 13, 26, 26), 16 * 70, 16 * 130)
         ratio = linkage.ratios.get(second.link)
@@ -318,7 +324,7 @@ class SketchPicture:
     def _paint_wheels(self, painter: QPainter) -> None:
         """The pitch circles of second inputs whose wheels are known, dash-dotted."""
         linkage = self.design.drive.linkage
-        pen = QPen(QColor(QUIET), 1.2)
+        pen = QPen(QColor(SCREEN.quiet), 1.2)
         pen.setDashPattern([10.0, 4.0, 2.0, 4.0])
         painter.setPen(pen)
         painter.setBrush(Qt.BrushStyle.NoBrush)
@@ -342,7 +348,7 @@ class SketchPicture:
         painter.drawPolyline(QPolygonF([self.to(at) for at in line]))
 
     def _paint_names(self, painter: QPainter) -> None:
-        painter.setPen(QColor(INK))
+        painter.setPen(QColor(SCREEN.ink))
         fixed = frame_of(self.design.drive.linkage).places
         for name, at in self.places.items():
             around = [
@@ -383,13 +389,13 @@ class SketchPicture:
                 rect = QRectF(at.x() - wide / 2.0, at.y() - high / 2.0, wide, high)
                 self.lengths[(link.number, one, other)] = rect
                 locked = f"{link.number}:{one}:{other}" in marked.locked
-                painter.setPen(QColor(CHOSEN if locked else QUIET))
+                painter.setPen(QColor(SCREEN.chosen if locked else SCREEN.quiet))
                 painter.drawText(rect, Qt.AlignmentFlag.AlignCenter, f"[{text}]" if locked else text)
         painter.restore()
 
     def paint_snap(self, painter: QPainter, snap: Snap, start: complex | None = None) -> None:
         """The mark of what the mouse is taken to mean, and the line that is being drawn."""
-        colour = QColor(CHOSEN)
+        colour = QColor(SCREEN.chosen)
         here = self.to(snap.at)
         painter.setBrush(Qt.BrushStyle.NoBrush)
         if start is not None:

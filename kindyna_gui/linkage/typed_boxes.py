@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QLineEdit, QWidget
 from core.design import Unit
 from core.frozen import frozen
 from kindyna_gui.forms.typed_number import parsed
-from kindyna_gui.look import LINE, PAPER, WRONG
+from kindyna_gui.pictures.style import SCREEN
 
 Typed = float | str | None
 Taken = Callable[[Sequence[Typed]], str]
@@ -37,7 +37,7 @@ class TypedBoxes(QFrame):
         self._sheet, self._drawing = parent, drawing
         self.setObjectName("typed boxes")
         self.setAutoFillBackground(True)
-        self.setStyleSheet(f"#typed\\ boxes {{ background: {PAPER}; border: 1px solid {LINE}; }}")
+        self.setStyleSheet(f"#typed\\ boxes {{ background: {SCREEN.paper}; border: 1px solid {SCREEN.line}; }}")
         self._row = QHBoxLayout(self)
         self._row.setContentsMargins(5, 3, 5, 3)
         self._row.setSpacing(4)
@@ -101,7 +101,7 @@ class TypedBoxes(QFrame):
             if box.unit is not None:
                 value = parsed(text, box.unit) if text else None
             bad = box.unit is not None and bool(text) and value is None
-            edit.setStyleSheet(f"border: 1px solid {WRONG};" if bad else "")
+            edit.setStyleSheet(f"border: 1px solid {SCREEN.limit};" if bad else "")
             edit.setToolTip("A number, with a unit if you like: 12.5, 3*12, 1 in" if bad else "")
             wrong = wrong or bad
             values.append(value)
@@ -111,7 +111,7 @@ class TypedBoxes(QFrame):
         if why := taken(values):
             for _, edit in self._boxes:
                 edit.setToolTip(why)
-            self._boxes[0][1].setStyleSheet(f"border: 1px solid {WRONG};")
+            self._boxes[0][1].setStyleSheet(f"border: 1px solid {SCREEN.limit};")
         elif self._taken is taken:
             self.close_all()
 

@@ -33,14 +33,14 @@ from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.linkage.canvas import Canvas
 from kindyna_gui.linkage.snapping import nearest_mark
 from kindyna_gui.linkage.typed_boxes import Box, Typed, TypedBoxes
-from kindyna_gui.look import CHOSEN
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.settings import Settings
 
 MM, DEG = UNITS["mm"], UNITS["deg"]
 SVG_MM = 25.4 / 96.0  # of a pixel of an SVG
 SVG_DOTS = 2400  # of the longer side of one, as it is painted
 SHARE = 0.8  # of the width in sight that a new picture takes
-DRAWN, LINES_SEEN = "#7A4B00", 0.8  # of a DXF's lines, which the grid does not have
+LINES_SEEN = 0.8  # of a DXF's lines, in a colour that the grid does not have
 
 
 @frozen(eq=False)
@@ -65,7 +65,7 @@ class Sheet:
             painter.setTransform(QTransform(1.0, 0.0, 0.0, -1.0, 0.0, self.high) * placed)
             painter.drawImage(QRectF(0.0, 0.0, self.wide, self.high), self.image)
         elif self.lines is not None:
-            painter.setPen(QPen(QColor(DRAWN), 1.0))
+            painter.setPen(QPen(QColor(SCREEN.cam_line), 1.0))
             painter.drawPath(placed.map(self.lines))
 
 
@@ -238,7 +238,7 @@ class UnderlayDesk(QObject):
         self._sheet.paint(painter, self.underlay, self.canvas.viewportTransform())
         painter.resetTransform()
         painter.setOpacity(1.0)
-        painter.setPen(QPen(QColor(CHOSEN), 2.0))
+        painter.setPen(QPen(QColor(SCREEN.chosen), 2.0))
         for at in self._places:
             painter.drawEllipse(self._pixel(at), 6.0, 6.0)
 
@@ -327,6 +327,7 @@ class UnderlayPanel(QDialog):
     def __init__(self, desk: UnderlayDesk, parent: QWidget) -> None:
         super().__init__(parent, Qt.WindowType.Tool)
         self.setWindowTitle("Underlay")
+        self.setProperty(dialogs.HELP, "linkages#A picture under it")  # a tool's keys are those of the window
         self._desk = desk
         self.name = QLabel()
         choose = QPushButton("&Choose...")

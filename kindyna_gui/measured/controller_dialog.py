@@ -14,14 +14,16 @@ from core.errors import KindynaError
 from core.motion import program
 from core.output.controllers.motion import ReadMotion, motion_of, motion_text, put_into
 from core.output.controllers.row import INTERPOLATIONS, controllers
+from core.requests import options
 from kindyna_gui import dialogs
+from kindyna_gui.documents.as_command import add_copy_of, of_session, spelled
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.amount import fill_choices
 from kindyna_gui.forms.put_dialog import PutDialog
 from kindyna_gui.labels import sentence
 from kindyna_gui.note import bold_label
 from kindyna_gui.pictures.plots.xy import Dots, Line, XYPlot
-from kindyna_gui.pictures.style import LIGHT
+from kindyna_gui.pictures.style import SCREEN
 
 TITLE, FILES = "Import controller table", "Tables of controllers (*)"
 WIDTH, USUAL, LEAST = 330, QSize(900, 480), QSize(700, 360)
@@ -30,6 +32,8 @@ POINTS = 1441  # of the curve
 
 class ControllerTableDialog(PutDialog):
     """``found`` is the motion of the file, None where the chosen controller has no such files."""
+
+    help_page = "controllers#Import controller table"
 
     def __init__(self, session: Session, path: Path, data: bytes, parent: QWidget | None = None) -> None:
         super().__init__(session, TITLE, parent)
@@ -45,6 +49,7 @@ class ControllerTableDialog(PutDialog):
         left.addLayout(self.form)
         left.addStretch(1)
         self.frame(left, WIDTH, self.plot, USUAL, LEAST)
+        add_copy_of(self.buttons, self._as_command)
         fill_choices(self.controller, {slug: row.label for slug, row in self._rows.items()})
         self.controller.setMinimumContentsLength(24)
         self.controller.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
@@ -87,8 +92,14 @@ class ControllerTableDialog(PutDialog):
             for x in (np.linspace(0.0, 360.0, POINTS)[:-1], ends[:-1])
         )
         self.plot.name_axes("Cam angle, °", f"Displacement, {'°' if motion.unit == 'deg' else motion.unit}")
-        line = Line(np.linspace(0.0, 360.0, POINTS)[:-1], curve, LIGHT.family("displacement"))
-        self.plot.show_lines([line], fit=True, dots=[Dots(ends[:-1], rows, LIGHT.ink, 4.0)])
+        line = Line(np.linspace(0.0, 360.0, POINTS)[:-1], curve, SCREEN.family("displacement"))
+        self.plot.show_lines([line], fit=True, dots=[Dots(ends[:-1], rows, SCREEN.ink, 4.0)])
+
+    def _as_command(self) -> str:
+        from core.commands.measured import Arguments
+
+        asked = {"table": self._path, "controller": self.controller.currentData(), **of_session(self._session)}
+        return spelled("measured", options(Arguments, asked))
 
     def accept(self) -> None:
         """Put the motion into the design as one step."""

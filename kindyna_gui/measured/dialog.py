@@ -31,8 +31,8 @@ from core.output.measured_text import figures
 from core.project.files import read_bytes
 from kindyna_gui import dialogs
 from kindyna_gui.background import Background
+from kindyna_gui.documents.as_command import UNSAVED, add_copy_of
 from kindyna_gui.documents.session import Session
-from kindyna_gui.forms.as_command import UNSAVED, add_copy_of
 from kindyna_gui.forms.number_box import NameBox, NumberBox, WordBox
 from kindyna_gui.forms.put_dialog import PutDialog
 from kindyna_gui.labels import sentence
@@ -57,6 +57,8 @@ class MeasuredDialog(PutDialog):
 
     Both are computed beside the window; what comes at once is shown at once.
     """
+
+    help_page = "making#Measured motions"
 
     def __init__(self, session: Session, path: Path, data: bytes, parent: QWidget | None = None) -> None:
         super().__init__(session, "Import measured motion", parent)

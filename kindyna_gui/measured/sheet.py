@@ -16,7 +16,6 @@ from core.measured import MotionFit, RowFault, Worksheet
 from core.measured.columns import ColumnLayout
 from core.output.measured_text import digits
 from kindyna_gui.forms.copying import copied
-from kindyna_gui.look import QUIET, WRONG
 from kindyna_gui.measured.request import symbol
 from kindyna_gui.pictures.style import SCREEN
 
@@ -145,7 +144,7 @@ class SheetModel(QAbstractTableModel):
             return colour
         wrong = mark is not None and (not mark.columns or column in (-1, *mark.columns))
         if role == Qt.ItemDataRole.ForegroundRole and (out or wrong):
-            return QColor(QUIET if out else WRONG)
+            return QColor(SCREEN.quiet if out else SCREEN.limit)
         if role == Qt.ItemDataRole.FontRole and (out or wrong):
             font = QFont()
             font.setStrikeOut(out)
@@ -183,6 +182,7 @@ class SheetTable(QTableView):
         self.setTabKeyNavigation(False)
         self.setShowGrid(False)
         self.verticalHeader().hide()
+        self.setAccessibleName("Rows of the file")
         self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 4)
         self.horizontalHeader().setHighlightSections(False)
         self.cells.switched.connect(lambda line, on: self._switch([line], on))

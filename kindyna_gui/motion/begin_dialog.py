@@ -44,7 +44,7 @@ class BeginDialog(RequestDialog):
     reads = False
 
     def __init__(self, parent: QWidget, row: Beginning) -> None:
-        self.row, self.command = row, row.command
+        self.row, self.command, self.help_page = row, row.command, f"making#{row.title}"
         super().__init__(
             parent, f"New {row.title[:1].lower()}{row.title[1:]}", RequestForm(row.kind), "Begin", self._tell
         )

@@ -25,9 +25,10 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import Field, FieldSpec
 from kindyna_gui.forms.number_box import row_height
 from kindyna_gui.labels import law_label, segment_of
-from kindyna_gui.look import QUIET, coloured
+from kindyna_gui.look import coloured
 from kindyna_gui.motion.fields import CurveField, EndField, end_specs
 from kindyna_gui.motion.points import PointsTable
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.preferences.units import symbol_of
 from kindyna_gui.rebuilt import Rebuilt
@@ -77,7 +78,11 @@ class SegmentCurveForm(QWidget):
         self._column.setSpacing(2)
         self._place = Rebuilt(session, player)
         self._column.addWidget(self._place)
-        self.setMinimumHeight(row_height(self) + 5)  # one row always, so that choosing a segment moves nothing
+        self.redress()
+
+    def redress(self) -> None:
+        """One row always, so that choosing a segment moves nothing."""
+        self.setMinimumHeight(row_height(self) + 5)
 
     def show_segment(self, design: Design, index: int) -> None:
         """Show the curve of a segment."""
@@ -107,7 +112,7 @@ class SegmentCurveForm(QWidget):
     def _sentence(self, text: str) -> None:
         label = QLabel(text)
         label.setWordWrap(True)
-        coloured(label, QUIET)
+        coloured(label, SCREEN.quiet)
         self._grid().addWidget(label, 0, 0)
 
     # -- forms --------------------------------------------------------------------------------------------
@@ -134,7 +139,7 @@ class SegmentCurveForm(QWidget):
                 field.editor.setAccessibleName(f"{end.capitalize()}, {spec.info.label.lower()}")
                 if row == 1:
                     head = QLabel(f"{spec.info.label} {symbol_of(spec.unit.symbol)}")
-                    coloured(head, QUIET)
+                    coloured(head, SCREEN.quiet)
                     grid.addWidget(head, 0, column, Qt.AlignmentFlag.AlignRight)
                     grid.setColumnStretch(column, 1)
                 for unused in (field.label, field.unit):

@@ -66,7 +66,8 @@ class DerivativePlots(QWidget):
     def show_extremes(self, found: Mapping[str, Range] | None) -> None:
         """Mark the extremes of each plot, by its quantity; None: mark none."""
         for plot in self.plots:
-            plot.show_extremes(found)
+            if found is None or plot.lacks_extremes:  # those that were found before are not among them
+                plot.show_extremes(found)
 
     def set_angle(self, theta: float, at_angle: Study) -> None:
         """Move the cursors to cam angle theta [rad]; at_angle: the study there."""

@@ -8,23 +8,22 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRectF, Qt
-from PySide6.QtGui import QColor, QFontMetricsF, QPainter
+from PySide6.QtGui import QAccessible, QColor, QFontMetricsF, QPainter
 from PySide6.QtWidgets import QWidget
 
 from core.design import UNITS, Design, Motion, SplineCurve, join_angles, join_levels, require_motion
 from core.frozen import frozen
 from core.study import Quantity, Study
 from kindyna_gui.labels import shortest, value_text
-from kindyna_gui.look import CHOSEN, WRONG
-from kindyna_gui.look import LINE as FAINT
 from kindyna_gui.motion.grips import LEVEL, LINE, DiagramScale, Grip, places
 from kindyna_gui.motion.marks import JoinMark, marks
 from kindyna_gui.pictures.items import text_size
 from kindyna_gui.pictures.plots.background import Z_CURVE, Z_REFERENCE, Span, spans
 from kindyna_gui.pictures.plots.plot import NO_BANDS, Curve, CurvePlot
 from kindyna_gui.pictures.plots.ranges import peak, shown_range
-from kindyna_gui.pictures.style import DASHED, SMALL, THIN, brush, font
+from kindyna_gui.pictures.style import DASHED, SCREEN, SMALL, THIN, brush, font
 from kindyna_gui.pictures.units import readable, short, with_unit
+from kindyna_gui.preferences.units import sized
 
 FLAT = 50.0  # shown above and below a motion without any rise, in its unit
 ANGLES = 21  # height of the numbers below, pixels
@@ -54,7 +53,6 @@ class MotionDiagram(CurvePlot):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._axes["bottom"].show_title("", self._theme.ink)  # the room is wanted for the curve
-        self._axes["bottom"].setHeight(ANGLES)
         self.setViewportUpdateMode(self.ViewportUpdateMode.FullViewportUpdate)
         self.chosen = 0
         self.over: Grip | None = None
@@ -74,8 +72,11 @@ class MotionDiagram(CurvePlot):
     def show_angles(self, on: bool) -> None:
         """The numbers along the bottom, which a plot below may have instead."""
         self.show_numbers(on)
-        if on:
-            self._axes["bottom"].setHeight(ANGLES)
+
+    def _size_axes(self) -> None:
+        super()._size_axes()
+        if self._numbered_below:
+            self._axes["bottom"].setHeight(sized(ANGLES))
 
     # -- what is drawn ------------------------------------------------------------------------------------
 
@@ -88,7 +89,7 @@ class MotionDiagram(CurvePlot):
         motion = require_motion(study.design)
         self._angles = np.append(np.rad2deg(study.theta), 360.0)
         curve = Curve(channel, values, self._theme.family(channel.family), gain=motion.gain)
-        self._curves, self._exact_values = [curve], None
+        self._curves, self._theta, self._exact_values = [curve], study.theta, None
         band = bands.get(channel.slug)
         ends = [] if band is None else [band[0], band[-1]]
         shown = [each for each in (values, before, *ends) if each is not None]
@@ -110,6 +111,8 @@ class MotionDiagram(CurvePlot):
         size = self.rung.size
         self._view.setRange(yRange=(low / size, high / size), padding=0.0)
         self._shade([] if band is None else [(curve, band)])
+        if QAccessible.isActive():
+            self._speak()
         self._view.updateMatrix()  # else painting updates it, and all is painted again
         self._lay()
         self.point_out()
@@ -170,10 +173,10 @@ class MotionDiagram(CurvePlot):
         """A bar above the chosen segment; the level line of a dwell that is pointed at."""
         if self.chosen < len(joins_at) - 1:
             left, right = joins_at[self.chosen][1], joins_at[self.chosen + 1][1]
-            painter.fillRect(QRectF(left, scale.top - 1.0, right - left, 3.0), QColor(CHOSEN))
+            painter.fillRect(QRectF(left, scale.top - 1.0, right - left, 3.0), QColor(SCREEN.chosen))
         if self.over is not None and self.over.kind == LEVEL:
             _, left, y = joins_at[self.over.segment]
-            painter.setPen(self._theme.pen(CHOSEN, 3.0))
+            painter.setPen(self._theme.pen(SCREEN.chosen, 3.0))
             painter.drawLine(QPointF(left, y), QPointF(joins_at[self.over.segment + 1][1], y))
 
     def _paint_lines(
@@ -182,7 +185,7 @@ class MotionDiagram(CurvePlot):
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)  # upright, and much faster
         for join, x, _ in joins_at[1:-1]:
             pointed = self.over is not None and self.over.join == join and self.over.kind != LEVEL
-            painter.setPen(self._theme.pen(CHOSEN, 2.0) if pointed else self._theme.pen(FAINT))
+            painter.setPen(self._theme.pen(SCREEN.chosen, 2.0) if pointed else self._theme.pen(SCREEN.line))
             painter.drawLine(QPointF(x, scale.top), QPointF(x, scale.bottom))
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
 
@@ -190,7 +193,7 @@ class MotionDiagram(CurvePlot):
         own = (self.chosen + 1) % max(len(joins_at) - 1, 1)
         for join, x, y in joins_at:
             pointed = self.over is not None and self.over.join == join and self.over.kind != LINE
-            colour = CHOSEN if pointed or join == own else self._curves[0].colour
+            colour = SCREEN.chosen if pointed or join == own else self._curves[0].colour
             painter.setPen(self._theme.pen(colour, 1.5))
             painter.setBrush(brush(colour if pointed else self._theme.paper))
             radius = RADIUS + (1.0 if pointed else 0.0)
@@ -212,7 +215,8 @@ class MotionDiagram(CurvePlot):
         self, painter: QPainter, scale: DiagramScale, joins_at: Sequence[tuple[int, float, float]]
     ) -> None:
         """s v a j beside each line, in that half of the height where its point is not."""
-        height = ROW * 4.0
+        row = sized(ROW)
+        height = row * 4.0
         if scale.bottom - scale.top < height + 12.0:
             return
         painter.setFont(font(LETTER))
@@ -231,7 +235,7 @@ class MotionDiagram(CurvePlot):
             short = f"Δ{mark.letter}" if mark.jumps else mark.letter
             text = next((t for t in texts if metrics.horizontalAdvance(t) <= room), short)
             width = metrics.horizontalAdvance(text)
-            box = QRectF(x - BESIDE - width if left else x + BESIDE, top + k * ROW, width, ROW)
+            box = QRectF(x - BESIDE - width if left else x + BESIDE, top + k * sized(ROW), width, sized(ROW))
             painter.fillRect(box.adjusted(-1.0, 0.0, 1.0, 0.0), brush(self._theme.paper, 0.75))
             painter.setPen(QColor(mark.colour))
             painter.drawText(box, Qt.AlignmentFlag.AlignCenter, text)
@@ -248,7 +252,7 @@ class MotionDiagram(CurvePlot):
         box = QRectF(max(left, scale.left + 2.0), up, width, height).adjusted(-3.0, -1.0, 3.0, 1.0)
         painter.fillRect(box, brush(self._theme.paper, 0.92))
         painter.setFont(font(SMALL))
-        painter.setPen(QColor(WRONG if self.label.refused else CHOSEN))
+        painter.setPen(QColor(SCREEN.limit if self.label.refused else SCREEN.chosen))
         painter.drawText(box, Qt.AlignmentFlag.AlignCenter, self.label.text)
 
 

@@ -25,6 +25,7 @@ from core.errors import KindynaError
 from core.motion.extremes import true_stroke
 from core.output.cycle import cycle_line, has_cycle
 from core.study import Study
+from kindyna_gui.dialogs import FIELD, HELP
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import Field, FieldSpec
 from kindyna_gui.labels import segment_of
@@ -78,6 +79,11 @@ def origin_texts(follows: Follows) -> tuple[str, str]:
 
 class StrokeField(Field):
     """The stroke: all levels grow with it."""
+
+    def __init__(self, session: Session, spec: FieldSpec) -> None:
+        super().__init__(session, spec)
+        self.editor.setProperty(FIELD, None)  # no value of the file
+        self.editor.setProperty(HELP, "making#Stroke, above the diagram")
 
     def edit(self, value: Any, text: str) -> None:
         if not self.obsolete:

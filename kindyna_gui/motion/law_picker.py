@@ -13,7 +13,7 @@ from core.frozen import frozen
 from core.laws import EVERY_LAW, law_groups
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.labels import law_label
-from kindyna_gui.look import CHOSEN, CHOSEN_ROW, LINE, QUIET, coloured
+from kindyna_gui.look import coloured
 from kindyna_gui.motion.law_list import law_tip, matching, peaks_text
 from kindyna_gui.pictures.items import wrapped
 from kindyna_gui.pictures.plots.law_icon import paint_law
@@ -110,7 +110,7 @@ class LawGrid(QWidget):
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         for y, name in self._headings:
             painter.setFont(font(SMALL, bold=True))
-            painter.setPen(QColor(QUIET))
+            painter.setPen(QColor(SCREEN.quiet))
             box = QRect(MARGIN + 4, y, self.width(), HEADING)
             painter.drawText(box, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, name)
         for cell in self.cells:
@@ -120,8 +120,8 @@ class LawGrid(QWidget):
 
     def _paint(self, painter: QPainter, cell: LawCell) -> None:
         if cell.slug == self.current:
-            painter.setPen(SCREEN.pen(CHOSEN))
-            painter.setBrush(QColor(CHOSEN_ROW))
+            painter.setPen(SCREEN.pen(SCREEN.chosen))
+            painter.setBrush(QColor(SCREEN.chosen_row))
             painter.drawRoundedRect(QRectF(cell.box).adjusted(1.5, 1.5, -1.5, -1.5), 3.0, 3.0)
         paint_law(painter, QRectF(PICTURE.translated(cell.box.topLeft())), cell.slug, SCREEN)
         under = QRect(cell.box.left() + 3, cell.box.top() + PICTURE.bottom() + 5, CELL.width() - 6, 30)
@@ -130,7 +130,7 @@ class LawGrid(QWidget):
         name = wrapped(law_label(cell.slug), under.width())
         painter.drawText(under, Qt.AlignmentFlag.AlignHCenter | Qt.AlignmentFlag.AlignVCenter, name)
         painter.setFont(font(SMALL - 1))
-        painter.setPen(QColor(QUIET))
+        painter.setPen(QColor(SCREEN.quiet))
         foot = QRect(cell.box.left() + 2, cell.box.bottom() - 17, CELL.width() - 4, 14)
         painter.drawText(foot, Qt.AlignmentFlag.AlignCenter, peaks_text(cell.slug))
 
@@ -166,7 +166,7 @@ class LawPicker(QFrame):
         super().__init__(parent, Qt.WindowType.Popup)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setFrameShape(QFrame.Shape.Box)
-        self.setStyleSheet(f"LawPicker {{ border: 1px solid {LINE}; }}")
+        self.setStyleSheet(f"LawPicker {{ border: 1px solid {SCREEN.line}; }}")
         self.grid = LawGrid()
         self.grid.choose(current)
         self.filter = QLineEdit(typed)
@@ -175,14 +175,14 @@ class LawPicker(QFrame):
         self.filter.textChanged.connect(self._filter)
         self.filter.installEventFilter(self)
         self.nothing = QLabel("No law has this in its name.", alignment=Qt.AlignmentFlag.AlignCenter)
-        coloured(self.nothing, QUIET)
+        coloured(self.nothing, SCREEN.quiet)
         self.nothing.hide()
         legend = QLabel(
             f"<span style='color:{SCREEN.family('displacement')}'>—</span> displacement&nbsp;&nbsp; "
             f"<span style='color:{SCREEN.family('acceleration')}'>—</span> acceleration&nbsp;&nbsp; "
             "Cv Ca Cj: peaks for unit rise and span"
         )
-        coloured(legend, QUIET)
+        coloured(legend, SCREEN.quiet)
         self.area = QScrollArea()
         self.area.setFrameShape(QFrame.Shape.NoFrame)
         self.area.setWidget(self.grid)

@@ -22,9 +22,8 @@ from PySide6.QtGui import QColor, QFont, QIcon, QPainter, QPixmap
 
 from core.frozen import frozen
 from core.laws import LAWS, Law, peaks
-from kindyna_gui.look import QUIET
 from kindyna_gui.motion.laws_plot import LineStyle, stroke_of
-from kindyna_gui.pictures.style import SCREEN
+from kindyna_gui.pictures.style import SCREEN, of_theme
 from kindyna_gui.pictures.units import digits
 
 Index = QModelIndex | QPersistentModelIndex
@@ -191,7 +190,7 @@ class LawsModel(QAbstractTableModel):
             font.setBold(True)
             return font
         if role == Qt.ItemDataRole.ForegroundRole and column == ENDS:
-            return QColor(QUIET)
+            return QColor(SCREEN.quiet)
         if column == NAME and role == Qt.ItemDataRole.CheckStateRole:
             return Qt.CheckState.Checked if row.slug in self._strokes else Qt.CheckState.Unchecked
         if column == NAME and role == Qt.ItemDataRole.DecorationRole:
@@ -247,7 +246,7 @@ def _aligned(column: int) -> Qt.AlignmentFlag:
     return _LEFT if column == NAME else _RIGHT if column < ENDS else Qt.AlignmentFlag.AlignCenter
 
 
-@cache
+@of_theme
 def swatch(number: int) -> QIcon:
     """A short line in a stroke; a blank of the same size for -1, so that names stand below each other."""
     picture = QPixmap(QSize(56, 24))
@@ -256,7 +255,7 @@ def swatch(number: int) -> QIcon:
     if number >= 0:
         stroke = stroke_of(number)
         painter = QPainter(picture)
-        pen = SCREEN.pen(stroke.colour, 2.0 * stroke.width, stroke.dash)
+        pen = SCREEN.pen(SCREEN.seen(stroke.colour), 2.0 * stroke.width, stroke.dash)
         painter.setPen(pen)
         painter.drawLine(QPointF(1.0, 6.0), QPointF(27.0, 6.0))
         painter.end()

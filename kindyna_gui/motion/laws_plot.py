@@ -30,6 +30,7 @@ from kindyna_gui.pictures.style import (
     Theme,
     font,
 )
+from kindyna_gui.preferences.units import sized
 
 POINTS = 241  # of a piece of a law
 QUANTITIES = (
@@ -104,26 +105,33 @@ class LawsLegend(QWidget):
     def show_laws(self, laws: Sequence[tuple[Law, LineStyle]]) -> None:
         """Name these laws and no others."""
         self.laws = list(laws)
+        self.setAccessibleName("Laws drawn: " + (", ".join(law.label for law, _ in laws) or "none"))
         self._fit()
         self.update()
 
     def _places(self) -> list[tuple[float, int]]:
         """Left edge [pixels] and line of each entry."""
-        made, x, line = [], float(LEFT_WIDTH), 0
+        left = sized(LEFT_WIDTH)
+        made, x, line = [], left, 0
         for law, _ in self.laws:
             width = self.SAMPLE + 6.0 + text_size(law.label, SMALL)[0]
-            if x > LEFT_WIDTH and x + width > self.width() - RIGHT_MARGIN:
-                x, line = float(LEFT_WIDTH), line + 1
+            if x > left and x + width > self.width() - RIGHT_MARGIN:
+                x, line = left, line + 1
             made.append((x, line))
             x += width + self.GAP
         return made
 
     def _fit(self) -> None:
         lines = 1 + max((line for _, line in self._places()), default=0)
-        self.setFixedHeight(lines * self.LINE + 6)
+        self.setFixedHeight(round(lines * sized(self.LINE)) + 6)
+
+    def redress(self) -> None:
+        """Theme or letters have changed."""
+        self._fit()
+        self.update()
 
     def sizeHint(self) -> QSize:
-        return QSize(LEFT_WIDTH, self.LINE + 6)
+        return QSize(LEFT_WIDTH, round(sized(self.LINE)) + 6)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
@@ -134,11 +142,11 @@ class LawsLegend(QWidget):
         painter.fillRect(self.rect(), QColor(self._theme.paper))
         painter.setFont(font(SMALL))
         for (law, stroke), (x, line) in zip(self.laws, self._places(), strict=True):
-            middle = 4.0 + (line + 0.5) * self.LINE
-            painter.setPen(self._theme.pen(stroke.colour, 2.0 * stroke.width, stroke.dash))
+            middle = 4.0 + (line + 0.5) * sized(self.LINE)
+            painter.setPen(self._theme.pen(self._theme.seen(stroke.colour), 2.0 * stroke.width, stroke.dash))
             painter.drawLine(QPointF(x, middle), QPointF(x + self.SAMPLE, middle))
             painter.setPen(QColor(self._theme.ink))
-            box = QRectF(x + self.SAMPLE + 6.0, middle - self.LINE / 2.0, self.width(), self.LINE)
+            box = QRectF(x + self.SAMPLE + 6.0, middle - sized(self.LINE) / 2.0, self.width(), sized(self.LINE))
             painter.drawText(box, Qt.AlignmentFlag.AlignVCenter, law.label)
         painter.end()
 

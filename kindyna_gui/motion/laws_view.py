@@ -27,11 +27,12 @@ from core.find import law_candidates, moving_segments
 from core.study import Study
 from kindyna_gui.documents.session import Refusal, Session
 from kindyna_gui.labels import law_label, shortest, value_text
-from kindyna_gui.look import QUIET, WRONG, coloured, icon, text_button
+from kindyna_gui.look import coloured, icon, text_button
 from kindyna_gui.motion.laws_model import ENDS, NAME, LawsModel
 from kindyna_gui.motion.laws_plot import QUANTITIES, LawsLegend, show_laws
 from kindyna_gui.motion.ranking import RankingPanel
 from kindyna_gui.pictures.plots.xy import XYPlot
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import clear_menu
 from kindyna_gui.view import View, ViewHost
@@ -60,8 +61,8 @@ class LawsTable(QTableView):
         self.setWordWrap(False)
         self.setIconSize(QSize(28, 12))
         self.setVerticalScrollMode(QAbstractItemView.ScrollMode.ScrollPerPixel)
+        self.setAccessibleName("Motion laws")
         self.verticalHeader().hide()
-        self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 6)
         head = self.horizontalHeader()
         head.setHighlightSections(False)
         head.setMinimumSectionSize(44)
@@ -69,9 +70,14 @@ class LawsTable(QTableView):
         head.setSortIndicator(-1, Qt.SortOrder.AscendingOrder)
         self.setSortingEnabled(True)
         head.setSectionResizeMode(QHeaderView.ResizeMode.Fixed)
+        self.redress()
+
+    def redress(self) -> None:
+        """As high and wide as its letters want it."""
+        self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 6)
         number = self.fontMetrics().horizontalAdvance("Velocity") + 12
         for column in range(NAME + 1, ENDS + 1):
-            head.resizeSection(column, number)
+            self.horizontalHeader().resizeSection(column, number)
 
     @property
     def slug(self) -> str:
@@ -115,7 +121,7 @@ class LawsView(View):
         self.legend = LawsLegend()
         self.plots = [XYPlot("", "") for _ in QUANTITIES]
         self.empty = QLabel(EMPTY, alignment=Qt.AlignmentFlag.AlignCenter, wordWrap=True)
-        coloured(self.empty, QUIET)
+        coloured(self.empty, SCREEN.quiet)
         self.use_button = QToolButton()
         self.clear_button = text_button("Untick all", flat=True)
         self.rank_button = text_button("In this design", checks=True)
@@ -180,7 +186,7 @@ class LawsView(View):
             "Each law in place of that of the chosen segment: torque, vibration and contact at this speed"
         )
         self.all_button.setToolTip("In every segment that moves, not in the chosen one alone")
-        coloured(self.note, WRONG)
+        coloured(self.note, SCREEN.limit)
         row.addWidget(self.use_button)
         row.addWidget(self.clear_button)
         for button in (self.rank_button, self.all_button):
@@ -307,7 +313,7 @@ class LawsView(View):
 
         self.pull()
         sheet = self._paper if self.model.drawn and not self.rank_button.isChecked() else self.content
-        return svg(sheet, "Motion laws") if ending == ".svg" else png(sheet)
+        return self.on_paper(sheet, partial(svg, title="Motion laws") if ending == ".svg" else png)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)

@@ -8,7 +8,7 @@ from core.design import UNITS, Motion
 from core.frozen import frozen
 from core.motion import Join
 from kindyna_gui.labels import sentence
-from kindyna_gui.look import GOOD, QUIET, WRONG
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import MINUS, digits, with_unit
 
 LETTERS = "svaj"
@@ -19,7 +19,7 @@ _JERK = 3
 
 @frozen
 class JoinMark:
-    """One quantity at a join: its letter; where it jumps the size of the jump, bare and with its unit; its colour.
+    """One quantity at a join: its letter; where it jumps the size of the jump, bare and with its unit; the tone of the theme.
 
     A jump of jerk is usual and stays quiet; every other one is red.
     """
@@ -27,7 +27,7 @@ class JoinMark:
     letter: str
     size: str = ""
     sized: str = ""
-    colour: str = GOOD
+    tone: str = "good"
 
     @property
     def jumps(self) -> bool:
@@ -37,7 +37,12 @@ class JoinMark:
     @property
     def loud(self) -> bool:
         """Whether the jump is a fault, and not only worth knowing."""
-        return self.colour == WRONG
+        return self.tone == "limit"
+
+    @property
+    def colour(self) -> str:
+        """The colour of that tone."""
+        return str(getattr(SCREEN, self.tone))
 
 
 def marks(join: Join, motion: Motion) -> tuple[JoinMark, ...]:
@@ -50,7 +55,7 @@ def _mark(join: Join, motion: Motion, order: int) -> JoinMark:
         return JoinMark(LETTERS[order])
     size = jump_text(join, order, motion).lstrip(MINUS)
     sized = with_unit(size, UNITS[motion.unit].symbol + _PER[order])
-    return JoinMark(LETTERS[order], size, sized, QUIET if order == _JERK else WRONG)
+    return JoinMark(LETTERS[order], size, sized, "quiet" if order == _JERK else "limit")
 
 
 def jump_text(join: Join, order: int, motion: Motion) -> str:

@@ -26,10 +26,11 @@ from kindyna_gui.forms.cell_editor import CellDelegate, CellTable
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.forms.typed_number import parsed
 from kindyna_gui.labels import no_number, sentence, value_text
-from kindyna_gui.look import WRONG, icon
+from kindyna_gui.look import icon
 from kindyna_gui.motion.fields import OptionalBox, described, point_columns
 from kindyna_gui.motion.grips import snapped_angle
 from kindyna_gui.motion.segments_model import readable
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.preferences.units import TOLD, symbol_of
 
@@ -137,7 +138,7 @@ class PointsModel(QAbstractTableModel):
         if role == Qt.ItemDataRole.TextAlignmentRole:
             return Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
         if role == Qt.ItemDataRole.ForegroundRole and (wrong is not None or self.faulty(row, column)):
-            return QColor(WRONG)
+            return QColor(SCREEN.limit)
         return sentence(HELP[column]) if role == Qt.ItemDataRole.ToolTipRole else None
 
     # -- to and from the session --------------------------------------------------------------------------

@@ -21,8 +21,9 @@ from core.numerics.cancellation import Cancelled
 from kindyna_gui.background import Background
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import law_label, sentence
-from kindyna_gui.look import QUIET, coloured
+from kindyna_gui.look import coloured
 from kindyna_gui.note import linked
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import digits
 from kindyna_gui.rebuilt import Rebuilt
 from kindyna_gui.requirements import NO_RANKING
@@ -58,9 +59,10 @@ class RankingPanel(QWidget):
         self._soon = QTimer(self, singleShot=True, interval=REDRAW_MS)
         self._soon.timeout.connect(self._show)
         self.bar, self.text = QProgressBar(textVisible=False), QLabel()
+        self.bar.setAccessibleName("Ranking")
         self.bar.setFixedHeight(10)
         self.text.setWordWrap(True)
-        coloured(self.text, QUIET)
+        coloured(self.text, SCREEN.quiet)
         self.cancel, self.again = QPushButton("Cancel"), QPushButton("Go on")
         for button, do in ((self.cancel, self._work.cancel), (self.again, self._begin)):
             button.setAutoDefault(False)
@@ -195,7 +197,7 @@ class RankingPanel(QWidget):
         name = f"{label}  ◂ {self._mark}" if row.name == self._own else label
         if row.problem:
             why = sentence(row.problem)
-            return TableRow((name, why, *("" for _ in self.figures[1:])), tip=why, colour=QUIET, across=1)
+            return TableRow((name, why, *("" for _ in self.figures[1:])), tip=why, colour=SCREEN.quiet, across=1)
         return TableRow((name, *(NONE if value is None else digits(value, 4) for value in row.figures)), tip=label)
 
 

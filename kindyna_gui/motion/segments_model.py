@@ -31,9 +31,9 @@ from core.motion import Join
 from kindyna_gui.documents.session import Refusal, Session
 from kindyna_gui.forms.typed_number import parsed
 from kindyna_gui.labels import law_label, no_number, sentence, shortest, value_text
-from kindyna_gui.look import ASSUMED, QUIET, WRONG
 from kindyna_gui.motion.law_list import law_tip
 from kindyna_gui.motion.marks import Parts, join_help, join_text, marks, variants
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.preferences.units import TOLD, number_text, point, size_of, symbol_of
 
 Index = QModelIndex | QPersistentModelIndex
@@ -283,7 +283,7 @@ class SegmentsModel(QAbstractTableModel):
         value = self._wrong[self.path(row, column)] if refused else self.value(row, column)
         if column == JOIN:
             rows = variants(marks(self._joins[row], self._motion)) if self._joins else ()
-            return SegmentCell(value, QUIET, False, variants=rows)
+            return SegmentCell(value, SCREEN.quiet, False, variants=rows)
         text = (
             law_label(value)
             if column == LAW
@@ -292,7 +292,15 @@ class SegmentsModel(QAbstractTableModel):
             else value
         )
         refused = refused or self.faulty(row, column)
-        colour = WRONG if refused else ASSUMED if assumed else QUIET if self.fixed(row, column) else None
+        colour = (
+            SCREEN.limit
+            if refused
+            else SCREEN.assumed
+            if assumed
+            else SCREEN.quiet
+            if self.fixed(row, column)
+            else None
+        )
         return SegmentCell(
             text, colour, column != LAW, named_law(value).short_label if column == LAW else "", assumed, refused
         )

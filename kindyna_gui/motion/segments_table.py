@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from PySide6.QtCore import QModelIndex, QPersistentModelIndex, QRect, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QFont, QFontMetrics, QKeyEvent, QPainter, QPalette, QPen, QResizeEvent
+from PySide6.QtGui import QColor, QFont, QFontMetrics, QKeyEvent, QPainter, QPen, QResizeEvent
 from PySide6.QtWidgets import (
     QAbstractItemDelegate,
     QAbstractItemView,
@@ -19,11 +19,11 @@ from PySide6.QtWidgets import (
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.cell_editor import CellDelegate, CellTable
 from kindyna_gui.forms.number_box import NumberBox
-from kindyna_gui.look import CHOSEN_ROW, INK, PAPER, WRONG
 from kindyna_gui.motion.editor import DIRECTIONS
 from kindyna_gui.motion.law_picker import LawBox
 from kindyna_gui.motion.marks import FIRST, Parts
 from kindyna_gui.motion.segments_model import COLUMNS, FROM, JOIN, LAW, SegmentCell, SegmentsModel
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.rebuilt import soon
 
 Index = QModelIndex | QPersistentModelIndex
@@ -42,11 +42,6 @@ class SegmentDelegate(CellDelegate):
     def __init__(self, session: Session, model: SegmentsModel, table: QTableView) -> None:
         super().__init__(session, model, table)
         self._model, self._table = model, table
-        palette = table.palette()  # kept while it is read: what it answers is a part of it
-        self._highlight = tuple(
-            QColor(palette.color(group, QPalette.ColorRole.Highlight))
-            for group in (QPalette.ColorGroup.Inactive, QPalette.ColorGroup.Active)
-        )
 
     # -- editors ------------------------------------------------------------------------------------------
 
@@ -115,9 +110,9 @@ class SegmentDelegate(CellDelegate):
         chosen = row == current.row() and column == current.column()
         active = bool(option.state & QStyle.StateFlag.State_Active) and self._table.hasFocus()
         if chosen:
-            painter.fillRect(box, self._highlight[active])
+            painter.fillRect(box, QColor(SCREEN.chosen if active else SCREEN.idle))
         elif row == current.row():
-            painter.fillRect(box, QColor(CHOSEN_ROW))
+            painter.fillRect(box, QColor(SCREEN.chosen_row))
         inner = box.adjusted(INSET, 0, -INSET, 0)
         if cell.variants:
             self._paint_marks(painter, inner, cell.variants, chosen and active)
@@ -125,12 +120,12 @@ class SegmentDelegate(CellDelegate):
             self._paint_text(painter, inner, cell, chosen and active)
         if cell.refused:
             painter.save()
-            painter.setPen(QPen(QColor(WRONG), 1.6))
+            painter.setPen(QPen(QColor(SCREEN.limit), 1.6))
             painter.drawRect(box.adjusted(1, 1, -2, -2))
             painter.restore()
 
     def _paint_text(self, painter: QPainter, box: QRect, cell: SegmentCell, light: bool) -> None:
-        painter.setPen(QColor(PAPER if light else cell.colour or INK))
+        painter.setPen(QColor(SCREEN.paper if light else cell.colour or SCREEN.ink))
         painter.setFont(self._font(cell.italic))
         side = Qt.AlignmentFlag.AlignRight if cell.right else Qt.AlignmentFlag.AlignLeft
         text, metrics = cell.text, painter.fontMetrics()
@@ -145,7 +140,7 @@ class SegmentDelegate(CellDelegate):
         row = next((parts for parts in variants if parts_width(parts, metrics) <= box.width()), variants[-1])
         x = box.left()
         for text, colour in row:
-            painter.setPen(QColor(PAPER if light else colour))
+            painter.setPen(QColor(SCREEN.paper if light else colour))
             painter.drawText(
                 QRect(x, box.top(), box.right() - x + 1, box.height()), Qt.AlignmentFlag.AlignVCenter, text
             )
@@ -186,6 +181,7 @@ class SegmentsTable(CellTable):
             | QAbstractItemView.EditTrigger.EditKeyPressed
             | QAbstractItemView.EditTrigger.AnyKeyPressed
         )
+        self.setAccessibleName("Segments of the motion")
         self.setTabKeyNavigation(False)  # arrows go from cell to cell, Tab on to what comes next
         self.setShowGrid(False)
         self.setAlternatingRowColors(True)
@@ -193,10 +189,8 @@ class SegmentsTable(CellTable):
         self.setVerticalScrollMode(QAbstractItemView.ScrollMode.ScrollPerPixel)
         self.setHorizontalScrollMode(QAbstractItemView.ScrollMode.ScrollPerPixel)
         rows = self.verticalHeader()
-        rows.setDefaultSectionSize(self.fontMetrics().height() + 6)
         rows.setSectionResizeMode(QHeaderView.ResizeMode.Fixed)
         rows.setDefaultAlignment(Qt.AlignmentFlag.AlignCenter)
-        rows.setFixedWidth(self.fontMetrics().horizontalAdvance("99") + 6)
         rows.setHighlightSections(False)
         head = self.horizontalHeader()
         head.setHighlightSections(False)
@@ -205,6 +199,14 @@ class SegmentsTable(CellTable):
         head.setSectionResizeMode(LAW, QHeaderView.ResizeMode.Stretch)
         model.modelReset.connect(self.fit_columns)
         model.dataChanged.connect(self.fit_columns)
+        self.redress()
+
+    def redress(self) -> None:
+        """As high and wide as its letters want it."""
+        self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 6)
+        self.verticalHeader().setFixedWidth(self.fontMetrics().horizontalAdvance("99") + 6)
+        self._lengths = ()
+        self.fit_columns()
 
     # -- widths -------------------------------------------------------------------------------------------
 

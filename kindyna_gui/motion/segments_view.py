@@ -22,7 +22,7 @@ from kindyna_gui.forms.field_parts import in_tab_order
 from kindyna_gui.forms.fields import Field, add_vary
 from kindyna_gui.graph.marked_view import MarkedView
 from kindyna_gui.labels import segment_of
-from kindyna_gui.look import WRONG, coloured
+from kindyna_gui.look import coloured
 from kindyna_gui.motion.actions import PATH, perform
 from kindyna_gui.motion.bar import SegmentBar
 from kindyna_gui.motion.curve_fields import SegmentCurveForm
@@ -33,6 +33,7 @@ from kindyna_gui.motion.head import NO_STROKE, MotionHead
 from kindyna_gui.motion.segments_model import LAW, RISE, SPAN, SegmentsModel
 from kindyna_gui.motion.segments_table import SegmentsTable
 from kindyna_gui.pictures.plots.quantities import rows_of
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import soon
 from kindyna_gui.requirements import require_motion
@@ -103,7 +104,7 @@ class SegmentsView(MarkedView):
         self.draft = DraftBar()
         self.message = QLabel(wordWrap=True)
         self.message.setMargin(6)
-        coloured(self.message, WRONG)
+        coloured(self.message, SCREEN.limit)
         self.message.hide()
         self.bar = SegmentBar()
         self.below = SegmentForm(self.curve, self.draft, self.head.troubles, self.message)

@@ -29,21 +29,19 @@ from core.papers.claim import (
     AGREES,
     AS_SCANNED,
     CONTRADICTION,
-    CONVENTION,
     DIFFERS,
-    LIMIT,
     METHOD,
     MISPRINT,
-    ROUNDED,
     Judgement,
 )
 from kindyna_gui import dialogs
 from kindyna_gui.background import Background, Job
+from kindyna_gui.documents.as_command import copy_button, spelled
 from kindyna_gui.forms.copying import CopyKey
-from kindyna_gui.look import ASSUMED, GOOD, INK, QUIET, WRONG, coloured
+from kindyna_gui.look import coloured
 from kindyna_gui.pictures.paper import RATIO
 from kindyna_gui.pictures.paper_figures import paper_file
-from kindyna_gui.pictures.style import BLUE
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.saving import written
 from kindyna_gui.settings import Settings
 
@@ -52,11 +50,10 @@ CHOOSE = (
 )
 COMPUTING = "Computing …"
 ROW = Qt.ItemDataRole.UserRole
-COLOURS: Mapping[str, str] = MappingProxyType({
-    AGREES: GOOD, DIFFERS: WRONG, MISPRINT: BLUE, AS_SCANNED: BLUE, METHOD: ASSUMED, CONTRADICTION: ASSUMED, CONVENTION: QUIET,
-    LIMIT: QUIET, ROUNDED: QUIET,
+TONES: Mapping[str, str] = MappingProxyType({
+    AGREES: "good", DIFFERS: "limit", MISPRINT: "chosen", AS_SCANNED: "chosen", METHOD: "assumed", CONTRADICTION: "assumed",
 })  # fmt: skip
-"""Verdict -> its colour."""
+"""Verdict -> the tone of the theme; others are quiet."""
 NONE = "no answer"
 LIST_WIDTH, LEAST_PICTURE = 460, 240
 
@@ -108,6 +105,7 @@ class FiguresWindow(QWidget):
     def __init__(self, parent: QWidget, open_design: Callable[[str], None]) -> None:
         super().__init__(parent, Qt.WindowType.Window)
         self.setWindowTitle("Figures of the papers")
+        dialogs.give_help(self, "papers#Kinds of verdict")
         self.resize(1180, 690)  # of a screen of 1280 x 720
         self._open_design = open_design
         self._examples, self._work = Examples(), Background(self)
@@ -119,6 +117,7 @@ class FiguresWindow(QWidget):
         self._judged: dict[Claim, str] = {}
         self.computed = 0
         self.list = QTreeWidget()
+        self.list.setAccessibleName("Figures, tables and statements of the papers")
         self.list.setHeaderLabels(["What the paper says", "Verdict"])
         CopyKey(self.list)
         self.list.setStyleSheet("QTreeWidget::item { padding: 2px 0 }")
@@ -156,6 +155,7 @@ class FiguresWindow(QWidget):
         buttons.addStretch(1)
         buttons.addWidget(self.open_button)
         buttons.addWidget(self.save_button)
+        buttons.addWidget(copy_button(self._as_command))
         words = QVBoxLayout()
         for label in (self.heading, self.says, self.here, self.verdict):
             words.addWidget(label)
@@ -165,6 +165,7 @@ class FiguresWindow(QWidget):
         scrolled = QScrollArea()
         scrolled.setWidgetResizable(True)
         scrolled.setFrameShape(QScrollArea.Shape.NoFrame)
+        scrolled.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         scrolled.setWidget(below)
         right = QSplitter(Qt.Orientation.Vertical)
         right.addWidget(self.picture)
@@ -217,7 +218,7 @@ class FiguresWindow(QWidget):
         elif isinstance(result, Exception):
             self._opening = False
             self._show_words(key.title, str(result))
-            coloured(self.says, WRONG)
+            coloured(self.says, SCREEN.limit)
         else:
             self._opening = False
             self.computed += 1
@@ -225,7 +226,7 @@ class FiguresWindow(QWidget):
             self._judge(key, verdict)
             self.picture.show_png(paper_file(drawing, ".png"))
             self._show_words(key.title, f"The paper: {key.says}", f"Here: {here}", verdict)
-            coloured(self.verdict, COLOURS[verdict])
+            coloured(self.verdict, _colour(verdict))
             self.save_button.setEnabled(True)
 
     def _judge(self, claim: Claim, verdict: str) -> None:
@@ -233,7 +234,7 @@ class FiguresWindow(QWidget):
         item = self._items[claim]
         item.setText(1, verdict)
         item.setToolTip(1, VERDICTS.get(verdict, ""))
-        item.setForeground(1, QColor(COLOURS.get(verdict, QUIET)))
+        item.setForeground(1, QColor(_colour(verdict)))
         self._count(claim.paper)
 
     def _count(self, paper: str) -> None:
@@ -247,14 +248,21 @@ class FiguresWindow(QWidget):
         for label, text in ((self.heading, heading), (self.says, says), (self.here, here), (self.verdict, judged)):
             label.setText(text)
             label.setVisible(bool(text))
-        coloured(self.heading, QUIET)
-        coloured(self.says, INK)
+        coloured(self.heading, SCREEN.quiet)
+        coloured(self.says, SCREEN.ink)
         self.open_button.setEnabled(False)
         self.save_button.setEnabled(False)
         if self._claim is not None:
             self.open_button.setEnabled(True)
 
     # -- what can be done with it ---------------------------------------------------------------------------
+
+    def _as_command(self) -> str:
+        """All of the paper at hand."""
+        at = self.list.currentItem()
+        top = at if at is None or at.parent() is None else at.parent()
+        paper = next((slug for slug, each in self._tops.items() if each is top), "all")
+        return spelled("figures", [paper, "--out", "figures"])
 
     def _open(self) -> None:
         if self._claim is not None:
@@ -298,6 +306,10 @@ def _opened(claim: Claim) -> tuple[Judgement, Drawing]:
 
 def _verdict(claim: Claim) -> str:
     return claim.verdict
+
+
+def _colour(verdict: str) -> str:
+    return str(getattr(SCREEN, TONES.get(verdict, "quiet")))
 
 
 def _text() -> QLabel:

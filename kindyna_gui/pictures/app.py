@@ -9,6 +9,7 @@ from PySide6.QtGui import QFontDatabase
 from PySide6.QtWidgets import QApplication
 
 from kindyna_gui.gc_timer import tidy_in_this_thread
+from kindyna_gui.pictures.style import font
 
 
 def ensure_app(offscreen: bool = False) -> QApplication:
@@ -24,8 +25,6 @@ def ensure_app(offscreen: bool = False) -> QApplication:
     if offscreen or (sys.platform.startswith("linux") and not any(os.environ.get(name) for name in displays)):
         os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
     app = QApplication([sys.argv[0] or "kindyna"])
-    from kindyna_gui.pictures.style import font  # which asks the application for the theme of the desktop
-
     tidy_in_this_thread(app)
     app.setFont(font())
     if not QFontDatabase.families():

@@ -14,7 +14,6 @@ from core.mechanism import link_number
 from kindyna_gui.pictures.drawing.centre_parts import centre_name
 from kindyna_gui.pictures.style import BLUE, GREEN, SCREEN, font
 
-INK, PAPER, QUIET, WRONG = SCREEN.ink, SCREEN.paper, SCREEN.quiet, SCREEN.limit
 _TINTS = (BLUE, GREEN)  # of the two triangles
 
 
@@ -26,6 +25,7 @@ class Diagram(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+        self.setAccessibleName("Circle diagram")
         self.bodies: tuple[str, ...] = ()
         self.solid: tuple[tuple[str, str], ...] = ()
         self.dotted: tuple[tuple[str, str], ...] = ()
@@ -55,7 +55,7 @@ class Diagram(QWidget):
     def paintEvent(self, event: QPaintEvent) -> None:
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        painter.fillRect(self.rect(), QColor(PAPER))
+        painter.fillRect(self.rect(), QColor(SCREEN.paper))
         if self.bodies:
             self._paint(painter)
         painter.end()
@@ -74,21 +74,21 @@ class Diagram(QWidget):
                 painter.drawPolygon(QPolygonF([self.place(b) for b in (*self.wanted.key, triangle.third)]))
         painter.setBrush(Qt.BrushStyle.NoBrush)
         for keys, pen in (
-            (self.dotted, QPen(QColor(QUIET), 1.0, Qt.PenStyle.DotLine)),
-            (self.solid, QPen(QColor(INK), 1.5)),
+            (self.dotted, QPen(QColor(SCREEN.quiet), 1.0, Qt.PenStyle.DotLine)),
+            (self.solid, QPen(QColor(SCREEN.ink), 1.5)),
         ):
             painter.setPen(pen)
             for key in keys:
                 painter.drawLine(self.place(key[0]), self.place(key[1]))
         if self.wanted is not None:
-            painter.setPen(QPen(QColor(WRONG), 2.0, Qt.PenStyle.DotLine))
+            painter.setPen(QPen(QColor(SCREEN.limit), 2.0, Qt.PenStyle.DotLine))
             painter.drawLine(self.place(self.wanted.key[0]), self.place(self.wanted.key[1]))
         painter.setFont(font(12))
         for body in self.bodies:
             box = QRectF(0.0, 0.0, 2.0 * self.NUMBER, 2.0 * self.NUMBER)
             box.moveCenter(self.place(body))
-            painter.setPen(QPen(QColor(INK), 1.0))
-            painter.setBrush(QColor(PAPER))
+            painter.setPen(QPen(QColor(SCREEN.ink), 1.0))
+            painter.setBrush(QColor(SCREEN.paper))
             painter.drawEllipse(box)
             painter.drawText(box, Qt.AlignmentFlag.AlignCenter, str(link_number(body)))
 

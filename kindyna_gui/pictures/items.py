@@ -23,6 +23,7 @@ from core.frozen import frozen
 from kindyna_gui.pictures.detail import UNSEEN, level, needed
 from kindyna_gui.pictures.shapes import joined, outline
 from kindyna_gui.pictures.style import SMALL, Theme, brush, font, no_pen
+from kindyna_gui.preferences.units import sized
 
 Move = Callable[[int], None]
 """Puts an item where it belongs at the sample of this index."""
@@ -73,12 +74,12 @@ class Silhouette(Outline):
         whole.setFillRule(Qt.FillRule.WindingFill)
         super().__init__(whole, line, fill)
         self._pieces = tuple(pieces)
-        self._edge = QPen(line)
-        self._edge.setWidthF(2.0 * line.widthF())  # the fill covers the inner half
 
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
         painter.setBrush(Qt.BrushStyle.NoBrush)
-        painter.setPen(self._edge)
+        edge = self.pen()
+        edge.setWidthF(2.0 * edge.widthF())  # the fill covers the inner half
+        painter.setPen(edge)
         for piece in self._pieces:
             painter.drawPath(piece)
         painter.setBrush(self.brush())
@@ -101,6 +102,7 @@ class Tag(QGraphicsItem):
         backing: bool = False,
     ) -> None:
         super().__init__()
+        self._pixels = pixels
         self.setFlag(QGraphicsItem.GraphicsItemFlag.ItemHasNoContents)
         self.setFlag(QGraphicsItem.GraphicsItemFlag.ItemIgnoresTransformations)
         self._backing = QGraphicsRectItem(self) if backing else None
@@ -146,6 +148,11 @@ class Tag(QGraphicsItem):
 
     def set_colour(self, colour: str) -> None:
         self._text.setBrush(brush(colour))
+
+    def letter(self) -> None:
+        """Be written in the letters of now."""
+        self._text.setFont(font(self._pixels))
+        self._lay()
 
     def shift(self, x: float, y: float) -> None:
         """Move the text by so many pixels from its place, y downwards."""
@@ -232,10 +239,13 @@ def pinned(item: QGraphicsItem, track: np.ndarray) -> Move:
     return move
 
 
-@lru_cache(maxsize=1024)
-@lru_cache(maxsize=1024)
 def text_size(text: str, pixels: int = SMALL) -> tuple[float, float]:
     """Width and height of a text in pixels."""
+    return _text_size(text, pixels, sized(pixels))
+
+
+@lru_cache(maxsize=1024)
+def _text_size(text: str, pixels: int, shown: float) -> tuple[float, float]:
     metrics = QFontMetricsF(font(pixels))
     return metrics.horizontalAdvance(text), metrics.height()
 

@@ -7,14 +7,17 @@ the same in every picture.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from functools import lru_cache
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import lru_cache, partial, wraps
 from types import MappingProxyType
+from typing import Any, TypeVar
 
-from PySide6.QtCore import QSettings, Qt
-from PySide6.QtGui import QBrush, QColor, QFont, QGuiApplication, QPen
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QBrush, QColor, QFont, QIcon, QPen
 
 from core.frozen import frozen
+from kindyna_gui.preferences.units import sized
 
 BLACK, ORANGE, SKY, GREEN, YELLOW = "#000000", "#E69F00", "#56B4E9", "#009E73", "#F0E442"
 BLUE, VERMILION, PURPLE = "#0072B2", "#D55E00", "#CC79A7"
@@ -47,6 +50,7 @@ DRIVES = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK)
 BALANCE = "#5A6B7B"
 """That of the balance cam."""
 
+READABLE = 4.5  # least contrast of a colour with dark paper: that of texts, by WCAG 2
 THIN, OUTLINE = 1.0, 1.5  # widths in pixels at every zoom
 
 
@@ -57,6 +61,10 @@ class Theme:
     ink    outlines of the mechanism, texts; quiet: axes, hatching, construction lines; faint: grid; band: every other
            segment of the motion; limit: lines that must not be crossed
     cam, second, roller, slider, shaft, links   fills of the mechanism, links in turn; second: of a conjugate pair
+    desk   what is around the papers; line: frames; chosen: what is; chosen_row: its row in a table; assumed: values; good: what
+           is right; title, button, row, tip: of docks, of buttons, of every other row of tables, of tips; greyed: what is disabled;
+           dwell: beside the player; hair: the finer grid of a drawing
+    light ... shadow, idle   edges of Qt's style, and what is chosen in a window that has not the keys
     ratio  dots per pixel of the device: Qt counts the width of cosmetic pens in dots
     """
 
@@ -74,6 +82,25 @@ class Theme:
     slider: str
     shaft: str
     links: tuple[str, ...]
+    desk: str
+    line: str
+    chosen: str
+    chosen_row: str
+    assumed: str
+    good: str
+    title: str
+    button: str
+    row: str
+    tip: str
+    greyed: str
+    dwell: str
+    hair: str
+    light: str
+    midlight: str
+    mid: str
+    dark: str
+    shadow: str
+    idle: str
     ratio: float = 1.0
 
     def pen(self, colour: str, width: float = THIN, dash: tuple[float, ...] = ()) -> QPen:
@@ -82,7 +109,7 @@ class Theme:
 
     def letters(self, colour: str) -> str:
         """A colour for texts: the same hue, dark enough to be read on light paper."""
-        base = QColor(colour)
+        base = QColor(self.seen(colour))
         light = 0.2126 * base.redF() + 0.7152 * base.greenF() + 0.0722 * base.blueF()
         pale = QColor(self.paper).lightnessF() > 0.5 and light > 0.5
         return base.darker(140).name() if pale else base.name()
@@ -92,21 +119,21 @@ class Theme:
         colour = FAMILIES.get(name, self.quiet)
         return self.ink if colour == BLACK else self.seen(colour)
 
+    def drive(self, number: int) -> str:
+        """The colour of the drive of this number, from 0, on this paper; those beyond the colours that can be told apart are shades."""
+        turn, place = divmod(number, len(DRIVES))
+        return self.seen(shade(DRIVES[place], turn))
+
     def seen(self, colour: str) -> str:
-        """A colour of the same hue that stands out from this paper."""
-        base = QColor(colour)
-        return base.lighter(150).name() if self.is_dark and base.lightnessF() < 0.5 else colour
+        """A colour of the same hue that stands out from dark paper; on light paper, for which all are chosen, the colour itself."""
+        if not self.is_dark:
+            return colour
+        return self.ink if colour == BLACK else _lightened(colour, self.paper)
 
     @property
     def is_dark(self) -> bool:
         """Whether the paper is."""
         return QColor(self.paper).lightnessF() < 0.5
-
-
-def drive_colour(number: int) -> str:
-    """The colour of the drive of this number, from 0; those beyond the colours that can be told apart are shades of them."""
-    turn, place = divmod(number, len(DRIVES))
-    return shade(DRIVES[place], turn)
 
 
 LIGHT = Theme(
@@ -124,6 +151,25 @@ LIGHT = Theme(
     slider="#DCE8DF",
     shaft="#D5D8DB",
     links=("#D6E3EE", "#E9DDEA", "#F3E0D2", "#DDE7D3"),
+    desk="#F1F1EF",
+    line="#C9CBCC",
+    chosen="#2F6690",
+    chosen_row="#E4ECF2",
+    assumed="#A05A00",
+    good="#2E7D32",
+    title="#E6E7E6",
+    button="#F4F4F2",
+    row="#F7F7F5",
+    tip="#FFFDF2",
+    greyed="#9A9EA2",
+    dwell="#DFE2E4",
+    hair="#ECEEEF",
+    light="#FFFFFF",
+    midlight="#E8E8E5",
+    mid="#B9BBBB",
+    dark="#9A9C9D",
+    shadow="#6E7072",
+    idle="#B8CAD8",
 )
 DARK = Theme(
     paper="#1B1F23",
@@ -140,19 +186,63 @@ DARK = Theme(
     slider="#2C3A31",
     shaft="#454C53",
     links=("#2B3A47", "#3B2F3D", "#43352A", "#323B29"),
+    desk="#2A2F35",
+    line="#4A525A",
+    chosen="#6DB3E0",
+    chosen_row="#2C4356",
+    assumed="#E5A550",
+    good="#6FCF75",
+    title="#343A41",
+    button="#363C43",
+    row="#20252A",
+    tip="#3A3A2E",
+    greyed="#6C757D",
+    dwell="#3A4148",
+    hair="#262B31",
+    light="#4A525A",
+    midlight="#3E454C",
+    mid="#2A3036",
+    dark="#1C2024",
+    shadow="#101214",
+    idle="#3B5163",
 )
 
 
-def _of_screen() -> Theme:
-    """That of the window, as the user prefers at its start; files and reports are light."""
-    wanted = str(QSettings("KINDYNA", "KINDYNA").value("look/theme"))
-    if wanted == "system" and QGuiApplication.instance() is not None:
-        wanted = "dark" if QGuiApplication.styleHints().colorScheme() == Qt.ColorScheme.Dark else "light"
-    return DARK if wanted == "dark" else LIGHT
+SCREEN = replace(LIGHT)
+"""The theme of everything that is drawn in the window. It alone changes, by ``draw_in``; files and reports are ``LIGHT``."""
 
 
-SCREEN = _of_screen()
-"""The theme of everything that is drawn in the window."""
+Made = TypeVar("Made")
+_OF_THEME: list[Callable[[], None]] = []
+_MADE: dict[int, Callable[[], Any]] = {}
+
+
+def of_theme(make: Callable[..., Made]) -> Callable[..., Made]:
+    """A function whose answers, such as icons, are kept as long as the theme stays."""
+
+    @lru_cache(maxsize=256)
+    def kept(*asked: Any) -> Made:
+        made: Any = make(*asked)
+        if isinstance(made, QIcon):
+            _MADE[made.cacheKey()] = partial(kept, *asked)
+        return made
+
+    _OF_THEME.append(kept.cache_clear)
+    return wraps(make)(kept)
+
+
+def made_for(key: int) -> Callable[[], Any] | None:
+    """What makes the icon of this key for the theme at hand; None where it was not made for a theme."""
+    return _MADE.get(key)
+
+
+def draw_in(theme: Theme) -> None:
+    """Let the window be drawn in the colours of this theme from now on."""
+    vars(SCREEN).clear()
+    vars(SCREEN).update(vars(theme))
+    for forget in _OF_THEME:
+        forget()
+
 
 # dashes and gaps, pixels
 DASHED = (7.0, 4.0)  # the reference design
@@ -185,6 +275,29 @@ def _pen(colour: str, width: float, dash: tuple[float, ...], ratio: float) -> QP
     return made
 
 
+def contrast(colour: str, paper: str) -> float:
+    """How much brighter one of two colours is than the other, 1 ... 21 (WCAG 2, relative luminance)."""
+    ends = sorted(0.05 + _luminance(QColor(each)) for each in (colour, paper))
+    return ends[1] / ends[0]
+
+
+def _luminance(colour: QColor) -> float:
+    rgb = (colour.redF(), colour.greenF(), colour.blueF())
+    parts = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in rgb]
+    return 0.2126 * parts[0] + 0.7152 * parts[1] + 0.0722 * parts[2]
+
+
+@lru_cache(maxsize=256)
+def _lightened(colour: str, paper: str) -> str:
+    """The colour, as much lighter as it takes to be read."""
+    made = QColor(colour)
+    hue, depth, light = made.hslHueF(), made.hslSaturationF(), made.lightnessF()
+    while contrast(made.name(), paper) < READABLE and light < 1.0:
+        light = min(light + 0.02, 1.0)
+        made = QColor.fromHslF(max(hue, 0.0), depth, light)
+    return made.name() if made != QColor(colour) else colour
+
+
 def no_pen() -> QPen:
     return QPen(Qt.PenStyle.NoPen)
 
@@ -207,8 +320,8 @@ def _brush(colour: str, opacity: float) -> QBrush:
 
 
 def font(pixels: int = TEXT, bold: bool = False) -> QFont:
-    """The font of all drawings; the first of ``FONTS`` that the machine has."""
-    return QFont(_font(pixels, bold))
+    """The font of all drawings, in pixels at the usual size of letters; the first of ``FONTS`` that the machine has."""
+    return QFont(_font(round(sized(pixels)), bold))
 
 
 @lru_cache(maxsize=16)

@@ -30,8 +30,9 @@ from core.design import (
 )
 from core.frozen import frozen
 from core.output.timing import MotionBand, bands
-from kindyna_gui.pictures.style import DASHED, OUTLINE, SMALL, THIN, Theme, brush, drive_colour, font, rgb
+from kindyna_gui.pictures.style import DASHED, OUTLINE, SMALL, THIN, Theme, brush, font, rgb
 from kindyna_gui.pictures.units import brief, digits, short, ticks, with_unit
+from kindyna_gui.preferences.units import sized
 
 DEGREES, MILLISECONDS = "deg", "ms"
 AXES: Mapping[str, str] = MappingProxyType({DEGREES: "°", MILLISECONDS: "ms"})
@@ -44,6 +45,7 @@ ROOM = 14.0  # above and below the curve of a band, for texts
 LOW_BAND = 44.0  # below this height a band keeps no room for texts
 TRACE = 0.08  # of its colour where a drive moves
 TWO_LINES = 32.0  # a band of this height has room for name and stroke
+LINE = 13.0  # height of a text
 POINT, ARROW = 3.5, 6.0  # of an event, of an arrowhead
 ALONG = (0.5, 0.3, 0.7)  # parts of the way from band to band where a distance may stand beside its arrow
 REACH, LINE_REACH = 7.0, 4.0  # of the mouse: from a point, from a line
@@ -70,6 +72,15 @@ class ChartHighlights:
     link: tuple[tuple[int, int], QPointF] | None = None
 
 
+def spoken(design: Design) -> str:
+    """The chart in words: when each drive moves."""
+    rows = []
+    for band in bands(design):
+        moves = ", ".join(f"{short(one)} to {short(other)}°" for one, other in band.moving)
+        rows.append(f"{band.name} moves from {moves}" if moves else f"{band.name} does not move")
+    return "; ".join(rows)
+
+
 class TimingChart:
     """A chart of a design at a size; unit: what the axis counts in, a row of ``AXES``."""
 
@@ -81,11 +92,11 @@ class TimingChart:
         self._metrics = QFontMetricsF(font(SMALL))
         names = [text for band in self.bands for text in (band.name, _stroke_text(band))]
         widest = max(map(QFontMetricsF(font(SMALL, bold=True)).horizontalAdvance, names), default=0.0)
-        self.left = min(widest, NAMES) + 22.0
+        self.left = min(widest, sized(NAMES)) + 22.0
         self.right = max(width - EDGE, self.left + 36.0)
-        self.foot = BOTTOM if height >= LOW else NUMBERS
+        self.foot = sized(BOTTOM if height >= LOW else NUMBERS)
         self.band_height = max((height - TOP - self.foot) / max(len(self.bands), 1), 12.0)
-        self._room = ROOM if self.band_height >= LOW_BAND else 4.0
+        self._room = sized(ROOM) if self.band_height >= sized(LOW_BAND) else 4.0
 
     # -- where it is ----------------------------------------------------------------------------------------
 
@@ -219,7 +230,9 @@ class TimingChart:
         self._taken: list[QRectF] = []
         for index, band in enumerate(self.bands):
             for begin, end in band.moving:
-                self._fill(painter, self.box(index), begin, end, QColor(_tint(drive_colour(index), self.theme.paper)))
+                self._fill(
+                    painter, self.box(index), begin, end, QColor(_tint(self.theme.drive(index), self.theme.paper))
+                )
         self._paint_axis(painter)
         for index in range(len(self.bands)):
             self._paint_band(painter, index, index == shown.chosen)
@@ -266,7 +279,7 @@ class TimingChart:
             painter.drawLine(QPointF(x, bottom), QPointF(x, bottom + 4.0))
             painter.setPen(QColor(theme.ink))
             painter.drawText(QRectF(x - 40.0, bottom + 4.0, 80.0, 14.0), Qt.AlignmentFlag.AlignCenter, text)
-        if self.foot < BOTTOM:
+        if self.foot < sized(BOTTOM):
             return
         name = "Machine angle [°]" if self.unit == DEGREES else f"Time [ms] at {short(self.design.speed_rpm)} rpm"
         painter.setPen(QColor(theme.quiet))
@@ -275,7 +288,7 @@ class TimingChart:
         )
 
     def _paint_band(self, painter: QPainter, index: int, chosen: bool) -> None:
-        theme, band, box, colour = self.theme, self.bands[index], self.box(index), drive_colour(index)
+        theme, band, box, colour = self.theme, self.bands[index], self.box(index), self.theme.drive(index)
         painter.setPen(self._pen(theme.faint))
         painter.drawLine(QPointF(0.0, box.bottom()), box.bottomRight())
         painter.fillRect(QRectF(0.0, box.top() + 3.0, 6.0 if chosen else 4.0, box.height() - 6.0), brush(colour))
@@ -283,7 +296,7 @@ class TimingChart:
         painter.setPen(QColor(theme.ink))
         column = QRectF(10.0, box.top(), self.left - 16.0, box.height())
         name = QFontMetricsF(painter.font()).elidedText(band.name, Qt.TextElideMode.ElideRight, column.width())
-        below = _stroke_text(band) if box.height() >= TWO_LINES else ""
+        below = _stroke_text(band) if box.height() >= sized(TWO_LINES) else ""
         painter.drawText(column.adjusted(0.0, 0.0, 0.0, -15.0 if below else 0.0), Qt.AlignmentFlag.AlignVCenter, name)
         painter.setFont(font(SMALL))
         painter.setPen(QColor(theme.quiet))
@@ -304,9 +317,9 @@ class TimingChart:
     def _paint_strokes(self, painter: QPainter, index: int) -> None:
         """``rise 1  64°`` along the upper edge of the band, as much of it as the stroke is long."""
         drive, box = self.design.drives[index], self.box(index)
-        if drive.motion is None or self._room < ROOM:
+        if drive.motion is None or self._room < sized(ROOM):
             return
-        painter.setPen(QColor(self.theme.letters(drive_colour(index))))
+        painter.setPen(QColor(self.theme.letters(self.theme.drive(index))))
         for stroke in strokes(drive.motion):
             span = stroke.end - stroke.start
             name = stroke.name.replace(".", " ")
@@ -315,7 +328,7 @@ class TimingChart:
             middle, room = (low + high) / 2.0, (high - low) * self.degree
             for text in (f"{name}  {self.text(span)}", name, stroke.name.rpartition(".")[2]):
                 width = self._metrics.horizontalAdvance(text)
-                at = QRectF(self.x(middle) - width / 2.0, box.top() + 1.0, width, 13.0)
+                at = QRectF(self.x(middle) - width / 2.0, box.top() + 1.0, width, sized(LINE))
                 if width <= room:
                     painter.drawText(at, Qt.AlignmentFlag.AlignCenter, text)
                     self._taken.append(at)
@@ -323,7 +336,7 @@ class TimingChart:
 
     def _paint_points(self, painter: QPainter, shown: ChartHighlights) -> None:
         for at, place in self._events:
-            over, colour = at in shown.joins, drive_colour(at[0])
+            over, colour = at in shown.joins, self.theme.drive(at[0])
             radius = POINT + (1.5 if over else 0.0)
             painter.setPen(self._pen(colour, OUTLINE))
             painter.setBrush(brush(colour if over else self.theme.paper))
@@ -354,14 +367,14 @@ class TimingChart:
         """The distance beside its arrow, where nothing else stands or runs; that of a broken or chosen row in any case."""
         text = self.at_least(row)
         painter.setFont(font(SMALL, bold=chosen))
-        size = QFontMetricsF(painter.font()).horizontalAdvance(text) + 6.0, 13.0
+        size = QFontMetricsF(painter.font()).horizontalAdvance(text) + 6.0, sized(LINE)
         start, corner, end = self._arrow(row)[0]
         left, right = min(corner.x(), end.x()), max(corner.x(), end.x())
         middle = max(min((left + right) / 2.0, self.right - size[0] / 2.0), self.left + size[0] / 2.0)
         beside = POINT + 3.0
         spots = [
             (x, y)
-            for y in (end.y() - 13.0 - beside, end.y() + beside, end.y() - 6.5)
+            for y in (end.y() - sized(LINE) - beside, end.y() + beside, end.y() - 0.5 * sized(LINE))
             for x in (right + beside, left - beside - size[0], middle - size[0] / 2.0)
         ]
         spots += [
@@ -422,7 +435,7 @@ class TimingChart:
             width = self._metrics.horizontalAdvance(text) + 6.0
             x = self.x(((begin + end) / 2.0) % 360.0)
             x = min(max(x, self.left + width / 2.0), self.right - width / 2.0)
-            box = QRectF(x - width / 2.0, self.box(min(pair)).bottom() - 14.0, width, 13.0)
+            box = QRectF(x - width / 2.0, self.box(min(pair)).bottom() - sized(LINE) - 1.0, width, sized(LINE))
             painter.fillRect(box, brush(self.theme.paper, 0.85))
             painter.setPen(QColor(self.theme.limit))
             painter.drawText(box, Qt.AlignmentFlag.AlignCenter, text)
@@ -476,4 +489,4 @@ def plain(event: str) -> str:
     return f"{name} {event.removeprefix(name + '.').replace('.', ' ')}"
 
 
-__all__ = ["AXES", "DEGREES", "MILLISECONDS", "ChartHighlights", "TimingChart", "plain"]
+__all__ = ["AXES", "DEGREES", "MILLISECONDS", "ChartHighlights", "TimingChart", "plain", "spoken"]

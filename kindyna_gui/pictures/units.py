@@ -5,14 +5,17 @@ from __future__ import annotations
 import math
 import re
 import unicodedata
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from types import MappingProxyType
+
+import numpy as np
 
 from core.frozen import frozen
 from core.units import shown_in
 from kindyna_gui.preferences.units import point, size_of, symbol_of
 
+NOTHING_DRAWN = "Nothing is drawn yet"  # in the words for a plot
 MINUS, THIN_SPACE = "\u2212", "\u2009"
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -137,3 +140,34 @@ def ticks(low: float, high: float, most: int) -> tuple[list[float], float]:
         if last > first:
             break
     return [step * i for i in range(first, last + 1)], step
+
+
+# -- for who hears a plot rather than sees it ----------------------------------------------------------------
+
+
+def curve_words(name: str, unit: str, low: float, high: float, at: float, at_unit: str) -> str:
+    """One curve: from where to where it goes, and where it is largest."""
+    reach = with_unit(f"{digits(low)} to {digits(high)}", unit)
+    named = f"{name}, " if name else ""
+    return f"{named}{reach}" + ("" if low == high else f", largest at {with_unit(digits(at), at_unit)}")
+
+
+def ends_of(x: np.ndarray, y: np.ndarray) -> tuple[float, float, float] | None:
+    """Lowest and highest value, and where the largest without its sign stands; None where nothing is finite."""
+    known = np.isfinite(x) & np.isfinite(y)
+    if not known.any():
+        return None
+    there, values = x[known], y[known]
+    return float(values.min()), float(values.max()), float(there[int(np.abs(values).argmax())])
+
+
+def lines_words(lines: Iterable[tuple[str, np.ndarray, np.ndarray]], across: str, upwards: str) -> str:
+    """Several curves on axes with these titles, each (name, x, y)."""
+    (_, _, at_unit), (quantity, _, unit) = across.rpartition(", "), upwards.rpartition(", ")
+    rows = []
+    for name, x, y in lines:
+        ends = ends_of(x, y)
+        if ends is not None:
+            own = name[:1].lower() + name[1:] if name else quantity[:1].lower() + quantity[1:]
+            rows.append(curve_words(own, unit if quantity else "", *ends, at_unit))
+    return "; ".join(rows)

@@ -8,7 +8,6 @@ from types import MappingProxyType
 from typing import Any
 
 from PySide6.QtCore import QSettings, Qt
-from PySide6.QtGui import QFont
 from PySide6.QtWidgets import QApplication
 
 from core.frozen import frozen
@@ -38,13 +37,12 @@ INCH: Mapping[str, str] = MappingProxyType(
 )
 THEMES: Mapping[str, str] = MappingProxyType({"light": "Light", "dark": "Dark", "system": "As the desktop"})
 FONTS: Mapping[int, str] = MappingProxyType({100: "Usual", 110: "110 %", 125: "125 %", 150: "150 %"})
-USUAL = "usual font"  # property of the application: that before any preference
 PAPERS = ("A4", "Letter")
 
 
 @frozen
 class Preferences:
-    """units: kind -> unit on display, where not that of the files; comma: of decimals; theme: from the next start; font: %; still:
+    """units: kind -> unit on display, where not that of the files; comma: of decimals; font: %; still:
     nothing moves but what is played."""
 
     units: Mapping[str, str] = field(default_factory=dict)
@@ -123,18 +121,8 @@ def write(wanted: Preferences) -> None:
 
 
 def apply(wanted: Preferences, app: QApplication) -> None:
-    """Let the window follow: units and decimals, letters, motion."""
+    """Let the window follow: units and decimals, motion."""
     units_shown.choose(wanted.units, wanted.comma)
-    if app.property(USUAL) is None:
-        app.setProperty(USUAL, app.font())
-    usual = app.property(USUAL)
-    letters = QFont(usual)
-    if usual.pointSizeF() > 0.0:
-        letters.setPointSizeF(usual.pointSizeF() * wanted.font / 100.0)
-    else:
-        letters.setPixelSize(round(usual.pixelSize() * wanted.font / 100.0))
-    if letters != app.font():
-        app.setFont(letters)
     for effect in (Qt.UIEffect.UI_AnimateMenu, Qt.UIEffect.UI_AnimateCombo, Qt.UIEffect.UI_AnimateTooltip):
         app.setEffectEnabled(effect, not wanted.still and app.isEffectEnabled(Qt.UIEffect.UI_General))
 

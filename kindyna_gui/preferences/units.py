@@ -1,4 +1,5 @@
-"""Units and decimal sign in which the window shows and reads numbers. What is kept, computed and written stays in those of the files."""
+"""Units and decimal sign in which the window shows and reads numbers, and the size of its letters. What is kept, computed and written
+stays as files have it."""
 
 from __future__ import annotations
 
@@ -25,6 +26,7 @@ class _Told(QObject):
 TOLD = _Told()
 _units: dict[str, str] = {}
 _comma = False
+_letters = 1.0
 _kept: ContextVar[bool] = ContextVar("kept", default=False)
 
 
@@ -39,6 +41,11 @@ def choose(units: Mapping[str, str], comma: bool) -> None:
         TOLD.changed.emit()
 
 
+def is_usual() -> bool:
+    """Whether the window shows everything as files have it."""
+    return not _units and not _comma and _letters == 1.0
+
+
 @contextmanager
 def as_kept() -> Iterator[None]:
     """Inside, everything is shown as files have it: what is written leaves the window."""
@@ -49,14 +56,14 @@ def as_kept() -> Iterator[None]:
         _kept.reset(before)
 
 
-def _follows() -> bool:
+def follows() -> bool:
     """Whether the preferences count here: what is computed beside the window may be a file."""
     return not _kept.get() and current_thread() is main_thread()
 
 
 def symbol_of(symbol: str) -> str:
     """The unit that values in this one are shown in."""
-    return _units.get(unit_kind(symbol).name, symbol) if _units and symbol and _follows() else symbol
+    return _units.get(unit_kind(symbol).name, symbol) if _units and symbol and follows() else symbol
 
 
 def size_of(symbol: str) -> float:
@@ -66,9 +73,21 @@ def size_of(symbol: str) -> float:
     return 1.0 if shown == symbol else (sizes[shown] / sizes[symbol]).factor
 
 
+def choose_letters(size: float) -> bool:
+    """Draw letters so many times as large as usual; whether that is another size than before."""
+    global _letters
+    before, _letters = _letters, size
+    return size != before
+
+
+def sized(pixels: float) -> float:
+    """So many pixels at the usual size of letters, at that of the window: of letters, and of the room that is kept for them."""
+    return pixels * _letters if _letters != 1.0 and follows() else pixels
+
+
 def point() -> str:
     """The decimal sign."""
-    return "," if _comma and _follows() else "."
+    return "," if _comma and follows() else "."
 
 
 def typed(text: str) -> str:
@@ -89,7 +108,7 @@ _MEASURED = re.compile(rf"(?<![\w.])((?:{_NUMBER}\s?(?:\.\.\.|…|to)\s?)?{_NUMB
 
 def in_units(text: str) -> str:
     """A sentence with the numbers in it, and their units, as they are shown: ``limit 30 mm`` -> ``limit 1.181 in``."""
-    return _MEASURED.sub(_in_unit, text) if _units and _follows() else text
+    return _MEASURED.sub(_in_unit, text) if _units and follows() else text
 
 
 def _in_unit(match: re.Match[str]) -> str:
@@ -108,4 +127,17 @@ def _scaled(text: str, size: float) -> str:
     return (scaled.replace("-", "\u2212") if "\u2212" in text else scaled).replace(".", point())
 
 
-__all__ = ["DIGITS", "TOLD", "as_kept", "choose", "in_units", "number_text", "point", "size_of", "symbol_of", "typed"]
+__all__ = [
+    "DIGITS",
+    "TOLD",
+    "as_kept",
+    "choose",
+    "follows",
+    "in_units",
+    "is_usual",
+    "number_text",
+    "point",
+    "size_of",
+    "symbol_of",
+    "typed",
+]

@@ -17,7 +17,7 @@ from kindyna_gui.background_view import BackgroundView
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import reason
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
-from kindyna_gui.pictures.style import BLUE, FAMILIES, GREEN, SCREEN, VERMILION
+from kindyna_gui.pictures.style import BLUE, GREEN, SCREEN, VERMILION
 from kindyna_gui.pictures.units import readable
 from kindyna_gui.player import Player
 from kindyna_gui.requirements import NO_WHEEL, turned_shaft
@@ -41,6 +41,7 @@ class AgainstSpeedView(BackgroundView):
         for plot in (self.torque, self.fluctuation):
             plot.setMinimumSize(220, 70)
         self.bar = QProgressBar(minimum=0, maximum=0, textVisible=False)
+        self.bar.setAccessibleName("Computing")
         self.bar.setFixedHeight(6)
         self.bar.hide()
         parted = QSplitter(Qt.Orientation.Vertical)
@@ -79,7 +80,7 @@ class AgainstSpeedView(BackgroundView):
             self.fluctuation.name_axes(SPEED, "Fluctuation, %")
             allowed = 100.0 * self.session.whole.camshaft.speed_fluctuation
             ends = Line(found.rpm[[0, -1]], np.full(2, allowed), SCREEN.limit, "allowed")
-            reached = Line(found.rpm, 100.0 * found.fluctuation, FAMILIES["speed"], "reached")
+            reached = Line(found.rpm, 100.0 * found.fluctuation, SCREEN.family("speed"), "reached")
             self.fluctuation.show_lines(
                 [reached, ends], own, note="the motor stalls" if np.isnan(found.fluctuation).any() else ""
             )

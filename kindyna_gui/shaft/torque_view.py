@@ -20,12 +20,11 @@ from kindyna_gui.documents.session import BALANCE_CAM, Session
 from kindyna_gui.drives.rows import swatch
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import reason
-from kindyna_gui.look import QUIET
 from kindyna_gui.note import Note
 from kindyna_gui.pictures.plots.lines import closed
 from kindyna_gui.pictures.plots.under_mouse import MACHINE_ANGLE, MACHINE_TIP, CursorPlot
 from kindyna_gui.pictures.plots.xy import Line
-from kindyna_gui.pictures.style import BALANCE, FAMILIES, SCREEN, drive_colour
+from kindyna_gui.pictures.style import BALANCE, SCREEN
 from kindyna_gui.pictures.units import digits, measure, readable
 from kindyna_gui.player import Player, obey
 from kindyna_gui.preferences.units import size_of
@@ -80,7 +79,7 @@ class _TurnView(View):
     def _lay_out(self, count: int, *more: QWidget) -> None:
         """So many plots one below the other, of which the last has the angles, and more below them."""
         self.plots = tuple(CursorPlot(MACHINE_ANGLE) for _ in range(count))
-        self.note = Note(QUIET, margin=3)
+        self.note = Note(SCREEN.quiet, margin=3)
         parted = QSplitter(Qt.Orientation.Vertical, childrenCollapsible=False)
         for number, plot in enumerate(self.plots, 1):
             plot.setToolTip(MACHINE_TIP)
@@ -152,7 +151,7 @@ class ShaftTorqueView(_TurnView):
             Line(
                 x,
                 shaft.drive_torque(name),
-                drive_colour(shaft.number(name)),
+                SCREEN.drive(shaft.number(name)),
                 name,
                 read=name == chosen,
                 band=band_in(self.bands.of_shaft(), name),
@@ -185,7 +184,7 @@ class ShaftTorqueView(_TurnView):
             return
         try:
             band = band_in(self.bands.of_motor(), "motor_torque")
-            motor = Line(shaft.angle_degrees, shaft.motor_torque, FAMILIES["torque"], MOTOR, read=True, band=band)
+            motor = Line(shaft.angle_degrees, shaft.motor_torque, SCREEN.family("torque"), MOTOR, read=True, band=band)
             self._draw_sums(shaft, motor)
         except NoAnswer as error:
             self.note.show_message(reason(shaft.design, error))
@@ -228,7 +227,7 @@ class ShaftFiguresView(_TurnView):
         try:
             if shaft.levelled:
                 band = band_in(self.bands.of_motor(), "camshaft_speed", RPM)
-                speed = Line(shaft.angle_degrees, shaft.speed / RPM, FAMILIES["speed"], read=True, band=band)
+                speed = Line(shaft.angle_degrees, shaft.speed / RPM, SCREEN.family("speed"), read=True, band=band)
                 show_turn(self.speed, "Speed", "rpm", [speed], fit=True)
         except NoAnswer as error:
             self.speed.show_message(reason(shaft.design, error))
@@ -242,7 +241,7 @@ def figures(shaft: Camshaft[Study]) -> list[TableRow]:
             name,
             shaft.drive_load(name),
             shaft.omega,
-            drive_colour(shaft.number(name)),
+            SCREEN.drive(shaft.number(name)),
             f"{shaft.slugs[name]}_torque_nm",
         )
         for name in shaft.carried
@@ -258,7 +257,7 @@ def figures(shaft: Camshaft[Study]) -> list[TableRow]:
             peak = max((ends.low, ends.high), key=lambda end: abs(end.value))
             power = measure(*_readable("W", found["motor_power"].high.value))
             cells = (MOTOR, _torque(shaft.mean_torque), "", _torque(peak.value), _angle(peak.theta), power)
-            rows.append(TableRow(cells, swatch(FAMILIES["torque"]), "with the flywheel, at the true speed"))
+            rows.append(TableRow(cells, swatch(SCREEN.family("torque")), "with the flywheel, at the true speed"))
     except NoAnswer as error:
         rows.append(TableRow((reason(shaft.design, error), "", "", "", "", ""), across=0))
     return rows

@@ -28,9 +28,9 @@ from core.stability import (
 from kindyna_gui.forms.field_parts import UnitLabel
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.labels import sentence
-from kindyna_gui.look import QUIET, WRONG, coloured
+from kindyna_gui.look import coloured
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
-from kindyna_gui.pictures.style import SCREEN, VERMILION, drive_colour
+from kindyna_gui.pictures.style import SCREEN, VERMILION
 from kindyna_gui.stability.texts import bands_table, shaft_text, steady_text, verdict_table
 
 POINTS = 6000  # of a history that is drawn
@@ -160,7 +160,7 @@ class StabilityPages(QTabWidget):
         verdicts = point.verdicts or found.linear_at(point.eta, point.q)
         where = "" if point.own else "the picked point, "
         steady = f"<p>{escape(steady_text(point.steady[0]), quote=False)}</p>" if point.steady else ""
-        wait = "" if point.verdicts else f"<p style='color:{QUIET}'>The nonlinear models are still to come.</p>"
+        wait = "" if point.verdicts else f"<p style='color:{SCREEN.quiet}'>The nonlinear models are still to come.</p>"
         self.verdicts.setText(
             f"<p>{where}η = {point.eta:.5g}, Q = {point.q:.5g}</p>{verdict_table(verdicts)}{wait}{steady}"
         )
@@ -178,10 +178,10 @@ class StabilityPages(QTabWidget):
         if self.found is not None:
             try:
                 self.needed.setText(shaft_text(self.found.stiffness_for(rpm)))
-                coloured(self.needed, QUIET)
+                coloured(self.needed, SCREEN.quiet)
             except NoStability as error:
                 self.needed.setText(sentence(f"{error.problem}; {error.hint}"))
-                coloured(self.needed, WRONG)
+                coloured(self.needed, SCREEN.limit)
 
 
 def _text() -> QLabel:
@@ -252,7 +252,7 @@ def _contact(plots: tuple[XYPlot, ...], found: Stability, point: ChartPoint) -> 
     name, per = ("kN", 1e3) if np.abs(force).max() >= KILO else ("N", 1.0)
     plots[0].name_axes("Turns of the input", f"Force, {name}")
     drives = zip(force / per, run.contact.names, run.contact.numbers, strict=True)
-    lines = [Line(y, each, drive_colour(number) if name else SCREEN.ink, name) for each, name, number in drives]
+    lines = [Line(y, each, SCREEN.drive(number) if name else SCREEN.ink, name) for each, name, number in drives]
     plots[0].show_lines(lines, contact_marks(run))
 
 

@@ -9,7 +9,8 @@ from core.design import NO_UNIT, UNITS, Info
 from core.stability import Machine
 from kindyna_gui.forms.field_parts import UnitLabel
 from kindyna_gui.forms.number_box import NumberBox
-from kindyna_gui.look import QUIET, coloured
+from kindyna_gui.look import coloured
+from kindyna_gui.pictures.style import SCREEN
 
 MOST_ETA, MOST_Q = 60.0, 100.0  # as far as a point can be followed
 DIGITS = 7  # of a speed or of the machine's own figures, which nobody typed
@@ -90,7 +91,7 @@ def _rounded(value: float) -> float:
 
 def _quiet(text: str) -> QLabel:
     label = QLabel(text)
-    coloured(label, QUIET)
+    coloured(label, SCREEN.quiet)
     return label
 
 

@@ -11,7 +11,8 @@ from PySide6.QtWidgets import QLabel
 
 from core.stability import EXACT, Stability, Verdict
 from kindyna_gui.background import Background
-from kindyna_gui.look import QUIET, coloured
+from kindyna_gui.look import coloured
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.stability.chart import StabilityChart
 from kindyna_gui.stability.texts import point_text, tongue_of, waiting_text
 
@@ -40,7 +41,7 @@ class PointReading(QLabel):
         self.setBackgroundRole(QPalette.ColorRole.Base)
         self.setAutoFillBackground(True)
         self.hide()
-        coloured(self, QUIET)
+        coloured(self, SCREEN.quiet)
         self.background = Background(self)
         self.background.result.connect(self._answered)
         self._pause = QTimer(self, singleShot=True, interval=REST_MS)

@@ -26,8 +26,9 @@ from core.stability import EDGE_ERROR, Chart, Stability, chart
 from core.study import Study
 from kindyna_gui.background import Background, Job
 from kindyna_gui.documents.session import Session
-from kindyna_gui.look import QUIET, coloured
+from kindyna_gui.look import coloured
 from kindyna_gui.pictures.plots.stability_chart import ACROSS, UPWARDS
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.requirements import NO_SHAFT, RIGID_SHAFT, NotHere, turned_shaft
 from kindyna_gui.stability.chart import StabilityChart
@@ -85,6 +86,7 @@ class StabilityView(View):
         self.head.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.head.setMinimumWidth(1)
         self.progress = QProgressBar(textVisible=False, minimum=0, maximum=0)
+        self.progress.setAccessibleName("Computing")
         self.progress.setFixedSize(70, 8)
         self.progress.hide()
         self.across, self.upwards = self._choice(ACROSS), self._choice(UPWARDS)
@@ -100,7 +102,7 @@ class StabilityView(View):
         tools.addWidget(self.use)
         for text, box in (("across", self.across), ("upwards", self.upwards)):
             name = QLabel(text)
-            coloured(name, QUIET)
+            coloured(name, SCREEN.quiet)
             tools.addWidget(name)
             tools.addWidget(box)
         upper = QWidget()

@@ -23,17 +23,10 @@ from core.stability import (
     Tongues,
     Verdict,
 )
-from kindyna_gui.look import GOOD, QUIET, WRONG
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import digits
 
 STEADY, FROM_REST = "steady", "from_rest"
-SHORT = {
-    APPROXIMATE: "Kim's approximation (22)",
-    EXACT: "Linearised, exact (21)",
-    STEADY: "About the true steady response",
-    FROM_REST: "Nonlinear, from rest (13)",
-}
-
 WORDS = {"model", "verdict"}  # columns that hold no numbers
 ROUNDING = 1e-9  # of a torque's amplitude: a mean below it is rounding
 BRIEF = {APPROXIMATE: "approximate (22)", EXACT: "exact (21)"}
@@ -122,24 +115,23 @@ def _cell(text: str, colour: str = "", right: bool = False) -> str:
 
 
 def _table(head: Sequence[str], rows: Sequence[str]) -> str:
-    top = "".join(_cell(text, QUIET, right=text not in WORDS) for text in head)
+    top = "".join(_cell(text, SCREEN.quiet, right=text not in WORDS) for text in head)
     return f'<table cellspacing="0" cellpadding="2"><tr>{top}</tr>{"".join(f"<tr>{row}</tr>" for row in rows)}</table>'
 
 
 def verdict_table(verdicts: Sequence[Verdict]) -> str:
     """All models side by side. Where one of them finds that the follower leaves the cam, none is shown in green."""
     rows = []
-    good = GOOD if all(verdict.lost is None for verdict in verdicts) else ""
+    good = SCREEN.good if all(verdict.lost is None for verdict in verdicts) else ""
     for verdict in verdicts:
-        colour = {STABLE: good, UNSTABLE: WRONG, LOST: WRONG, UNKNOWN: QUIET}[verdict.state]
+        colour = {STABLE: good, UNSTABLE: SCREEN.limit, LOST: SCREEN.limit, UNKNOWN: SCREEN.quiet}[verdict.state]
         growth = percent(verdict.growth) if verdict.stable is False and isfinite(verdict.growth) else "–"
         trace = f"{verdict.trace:.4f}" if isfinite(verdict.trace) else "–"
         largest = f"{360.0 * verdict.largest:.4g}°" if isfinite(verdict.largest) else "–"
         who = f"{verdict.leaving} " if verdict.leaving else ""
         lost = f"{who}at turn {verdict.lost:.4g}" if verdict.lost is not None else "–"
-        name = SHORT.get(verdict.model, verdict.label)
         rows.append(
-            _cell(name)
+            _cell(verdict.label)
             + _cell(verdict.state, colour)
             + "".join(_cell(text, right=True) for text in (growth, trace, largest, lost))
         )
@@ -150,7 +142,7 @@ def bands_table(rows: Sequence[ForbiddenBand], rpm: float) -> str:
     """The forbidden bands of speed, the one that holds the machine's speed in red."""
     lines = []
     for band in rows:
-        colour = WRONG if band.holds(rpm) else ""
+        colour = SCREEN.limit if band.holds(rpm) else ""
         cells = (
             str(band.n),
             speeds(band),

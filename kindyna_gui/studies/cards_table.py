@@ -24,9 +24,14 @@ class CardsTable(QTableWidget):
         self.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
         self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
         self.setAccessibleName("Cards compared")
-        self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 6)
         CopyKey(self)
         self.setToolTip("In parentheses how far a value lies from that of the design at hand")
+        self.redress()
+
+    def redress(self) -> None:
+        """As high and wide as its letters want it."""
+        self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 6)
+        self.resizeColumnsToContents()
 
     def show_cards(self, own: Values, cards: Sequence[Values]) -> None:
         """The design at hand, then these."""

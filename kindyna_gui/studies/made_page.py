@@ -9,7 +9,8 @@ from core.design import Design
 from core.varying import Made
 from core.varying.tolerances import SHARE
 from kindyna_gui.documents.bands import scatters
-from kindyna_gui.look import QUIET, coloured
+from kindyna_gui.look import coloured
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.studies.rows import ToleranceRows, WaveRow
 from kindyna_gui.studies.texts import parts_html, tighter_html
 
@@ -30,7 +31,7 @@ class MadePage(QWidget):
         for label in (self.tighter, self.parts):
             label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.note = QLabel(wordWrap=True)
-        coloured(self.note, QUIET)
+        coloured(self.note, SCREEN.quiet)
         column = QVBoxLayout(self)
         column.setContentsMargins(8, 6, 6, 6)
         column.setSpacing(8)

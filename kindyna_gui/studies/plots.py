@@ -13,12 +13,11 @@ from core.varying import Survey
 from kindyna_gui.pictures.items import Outline, Tag, wrapped
 from kindyna_gui.pictures.plots.pulled_point import REACH, PulledPoint
 from kindyna_gui.pictures.plots.xy import Dots, Line, Rule, XYPlot
-from kindyna_gui.pictures.style import DARK, PURPLE, SCREEN, SMALL, rgb
+from kindyna_gui.pictures.style import PURPLE, SCREEN, SMALL, rgb
 from kindyna_gui.pictures.units import short, ticks, with_unit
 from kindyna_gui.studies.contours import level_line
 
 FAINT, FULL, PASSED = 0.08, 0.72, 0.3  # opacity of the least value, of the greatest; what of it is left beyond a limit
-NOT_BUILT = (70, 76, 82, 255) if SCREEN is DARK else (205, 209, 213, 255)
 LEVELS = 7
 CROSS, GAP = 11.0, 3.5  # pixels
 Z_OWN = 60.0
@@ -70,7 +69,7 @@ class SurveyPlot(PulledPoint, XYPlot):
         self._texts: list[Tag] = []
         self._boxes: list[QRectF] = []  # of them, in pixels from the lower left corner
         self._path = self._outline(self._theme.ink, Z_OWN - 2.0)
-        self._path.setPen(self._theme.pen(PURPLE, 1.6))
+        self._path.setPen(self._theme.pen(self._theme.seen(PURPLE), 1.6))
         self.path = np.zeros((0, 2))
         self.place_own(None)
 
@@ -256,7 +255,7 @@ def _coloured(z: np.ndarray, within: np.ndarray, colour: str) -> np.ndarray:
     made[..., :3] = rgb(colour)
     strength = (FAINT + (FULL - FAINT) * np.nan_to_num(part)) * np.where(within, 1.0, PASSED)
     made[..., 3] = np.round(255.0 * strength)
-    made[~np.isfinite(z)] = NOT_BUILT
+    made[~np.isfinite(z)] = (*rgb(SCREEN.line), 255)
     return made.transpose(1, 0, 2)
 
 
@@ -286,7 +285,7 @@ class ParallelPlot(XYPlot):
         self._bars.setPen(self._theme.pen(self._theme.ink, 5.0))
         self._bars.setOpacity(0.45)
         self._path = self._outline(self._theme.ink, Z_OWN - 1.0)
-        self._path.setPen(self._theme.pen(PURPLE, 1.2))
+        self._path.setPen(self._theme.pen(self._theme.seen(PURPLE), 1.2))
         self._path.setOpacity(0.6)
         self.path = np.zeros((0, 0))
         self._numbers: list[Tag] = []

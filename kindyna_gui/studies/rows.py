@@ -18,8 +18,9 @@ from core.varying import Limits, Span
 from kindyna_gui.forms.amount import fill_choices
 from kindyna_gui.forms.number_box import NumberBox, WordBox
 from kindyna_gui.labels import no_number
-from kindyna_gui.look import QUIET, WRONG, coloured, icon
+from kindyna_gui.look import coloured, icon
 from kindyna_gui.note import MessageLabel, bold_label
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.rebuilt import Rebuilt, clear_menu
 from kindyna_gui.studies.texts import OF, info_of, label_of, name_of, number_text, unit_of, value_text, word_text
 
@@ -46,7 +47,7 @@ class _Rows(QWidget):
         self.boxes: dict[tuple[str, str], NumberBox] = {}
         self.removers: dict[str, QToolButton] = {}
         self._place, self._shown = Rebuilt(), ()
-        self.message = MessageLabel(WRONG)
+        self.message = MessageLabel(SCREEN.limit)
         self.add, self.menu = QPushButton(add), QMenu(self)
         self.add.setAutoDefault(False)
         self.add.setMenu(self.menu)
@@ -184,7 +185,7 @@ class SpanRows(_Rows):
     def _add_row(self, grid: QGridLayout, row: int, design: Design, path: str) -> None:
         name, (info, unit) = name_of(design, path), info_of(design, path)
         label, symbol, remover = QLabel(name), QLabel(unit.symbol), self._remover(path, name)
-        coloured(symbol, QUIET)
+        coloured(symbol, SCREEN.quiet)
         remover.clicked.connect(partial(self._remove, path))
         low, high = (
             self._box(path, end, f"{name}: {title}", info, partial(self._enter, design, path, end))
@@ -289,7 +290,7 @@ class AskedRows(_Rows):
             grid.addWidget(QLabel(sign), row + 1, column, Qt.AlignmentFlag.AlignRight)
             grid.addWidget(box, row + 1, column + 1)
         symbol = QLabel(unit_of(key).symbol)
-        coloured(symbol, QUIET)
+        coloured(symbol, SCREEN.quiet)
         grid.addWidget(symbol, row + 1, 5)
 
     def show_values(self, values: Mapping[str, float]) -> None:
@@ -298,7 +299,7 @@ class AskedRows(_Rows):
             value = values.get(key, float("nan"))
             least, most = self._limits[key]
             passed = (least is not None and value < least) or (most is not None and value > most)
-            text = f"<b style='color:{WRONG}'>{value_text(key, value)}</b>" if passed else value_text(key, value)
+            text = f"<b style='color:{SCREEN.limit}'>{value_text(key, value)}</b>" if passed else value_text(key, value)
             label.setText(text)
             label.setToolTip("of the design at hand" + (": passes its limit" if passed else ""))
 
@@ -358,7 +359,7 @@ class ToleranceRows(_Rows):
     def _add_row(self, grid: QGridLayout, row: int, design: Design, path: str) -> None:
         name, (_, unit) = name_of(design, path), info_of(design, path)
         remover, word, symbol = self._remover(path, f"the tolerance of {name}"), WordBox(), QLabel(unit.symbol)
-        coloured(symbol, QUIET)
+        coloured(symbol, SCREEN.quiet)
         remover.clicked.connect(partial(self._remove, path))
         fill_choices(word, DISTRIBUTIONS)
         word.setAccessibleName(f"{name}: distribution")
@@ -418,7 +419,7 @@ class WaveRow(_Rows):
             grid.addWidget(QLabel(sign), row, column)
             grid.addWidget(box, row, column + 1)
         symbol = QLabel(unit_of("amplitude_mm").symbol)
-        coloured(symbol, QUIET)
+        coloured(symbol, SCREEN.quiet)
         grid.addWidget(symbol, 0, 2)
         grid.setColumnStretch(4, 1)
         self._put(grid)

@@ -142,7 +142,7 @@ class StudyView(BackgroundView):
             self.pages.curves,
         )
         self.told = QLabel(wordWrap=True, alignment=Qt.AlignmentFlag.AlignTop)
-        self.told.setFixedHeight(TOLD_LINES * self.fontMetrics().lineSpacing() + 2)  # nothing moves under the mouse
+        self.redress()
         self.tip = self.pages.tip
         self.share = QLabel(wordWrap=True)
         self.share.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
@@ -159,6 +159,10 @@ class StudyView(BackgroundView):
 
     # -- building -------------------------------------------------------------------------------------------
 
+    def redress(self) -> None:
+        """What is told has its room, so that nothing moves under the mouse."""
+        self.told.setFixedHeight(TOLD_LINES * self.fontMetrics().lineSpacing() + 2)
+
     def _lay_out(self) -> None:
         vary = QWidget()
         column = QVBoxLayout(vary)
@@ -173,6 +177,7 @@ class StudyView(BackgroundView):
             scroll = QScrollArea(widgetResizable=True)
             scroll.setFrameShape(QFrame.Shape.NoFrame)
             scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+            scroll.setFocusPolicy(Qt.FocusPolicy.NoFocus)
             scroll.setWidget(page)
             self.tabs.addTab(scroll, title)
         files = QHBoxLayout()
@@ -201,7 +206,7 @@ class StudyView(BackgroundView):
         sides.addWidget(self._form)
         sides.addLayout(result, 1)
         self.set_content_layout(sides)
-        self.setFocusProxy(self.rows.add)
+        self.setFocusProxy(self.open)
 
     def _connect(self) -> None:
         self._surveys = Background(self)
@@ -910,7 +915,7 @@ class StudyView(BackgroundView):
         from kindyna_gui.pictures.paper import png, svg
 
         page: Any = self.pages.currentWidget()
-        return svg(page) if ending == ".svg" else png(page)
+        return self.on_paper(page, svg if ending == ".svg" else png)
 
 
 def _alike(one: Design, other: Design, paths: Sequence[str]) -> bool:

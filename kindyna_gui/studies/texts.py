@@ -14,7 +14,6 @@ from core.varying import Made, Optimum, StudyOfMany
 from core.varying.tolerances import SHARE
 from kindyna_gui import labels
 from kindyna_gui.labels import SECTION_NAMES, in_sentence, sentence
-from kindyna_gui.look import WRONG
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import short, with_unit
 from kindyna_gui.studies.plots import Measured
@@ -157,7 +156,7 @@ def share_html(design: Design, made: Made) -> str:
     for each in made.corners:
         slug = each.limit.key.partition(":")[0]
         text = "cannot be built" if each.value is None else value_text(each.limit.key, each.value)
-        style = "" if each.within else f" style='color:{WRONG}'"
+        style = "" if each.within else f" style='color:{SCREEN.limit}'"
         lines.append(f"<span{style}>Worst case: {escape(in_sentence(label_of(design, slug)))} {escape(text)}</span>")
     return "<br>".join(lines)
 
@@ -203,7 +202,9 @@ def answer_html(design: Design, study: StudyOfMany, found: Optimum) -> str:
             f"<b>{name} {escape(value_text(goal.key, now))}</b>, before {escape(value_text(goal.key, before))}{change}"
         )
     if not found.kept:
-        lines.insert(0, f"<span style='color:{WRONG}'>No design keeps the limits; this one misses them least.</span>")
+        lines.insert(
+            0, f"<span style='color:{SCREEN.limit}'>No design keeps the limits; this one misses them least.</span>"
+        )
     elif not found.better:
         lines.insert(0, "Nothing better was found: the design stays as it is.")
     first = study.file.goals[0]

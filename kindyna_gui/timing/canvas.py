@@ -6,7 +6,17 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, Qt, Signal
-from PySide6.QtGui import QColor, QContextMenuEvent, QHelpEvent, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPixmap
+from PySide6.QtGui import (
+    QAccessible,
+    QColor,
+    QContextMenuEvent,
+    QHelpEvent,
+    QKeyEvent,
+    QMouseEvent,
+    QPainter,
+    QPaintEvent,
+    QPixmap,
+)
 from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 
 from core.design import (
@@ -22,8 +32,9 @@ from core.design import (
 )
 from core.frozen import frozen
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.pictures.timing_chart import DEGREES, ChartHighlights, TimingChart, plain
+from kindyna_gui.pictures.timing_chart import DEGREES, ChartHighlights, TimingChart, plain, spoken
 from kindyna_gui.pictures.units import short
+from kindyna_gui.preferences.units import sized
 from kindyna_gui.timing.typed import TypedAngle
 
 STEP, FINE = 0.5, 0.1  # degrees; of the travel and of the step with Ctrl
@@ -93,6 +104,7 @@ class TimingCanvas(QWidget):
     def __init__(self, put: Callable[[Design, str, str], bool], parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._put = put
+        self.setAccessibleName("Timing chart")
         self._design: Design | None = None
         self._chart: TimingChart | None = None
         self.unit = DEGREES
@@ -127,7 +139,14 @@ class TimingCanvas(QWidget):
             if self._held is None:
                 self.typed.hide()
             bands = 0 if design is None else len(design.drives)
-            self.setMinimumHeight(max(LEAST_HEIGHT, bands * LEAST_BAND + 26))
+            if QAccessible.isActive():
+                self.setAccessibleDescription("" if design is None else spoken(design))
+            self.setMinimumHeight(round(sized(max(LEAST_HEIGHT, bands * LEAST_BAND + 26))))
+        self.update()
+
+    def redress(self) -> None:
+        """Theme or letters have changed."""
+        self._chart = self._picture = None
         self.update()
 
     def set_unit(self, unit: str) -> None:

@@ -14,8 +14,9 @@ from kindyna_gui.forms.list_parts import list_button, taken_by_list
 from kindyna_gui.forms.number_box import NumberBox, WordBox
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import no_number
-from kindyna_gui.look import QUIET, WRONG, coloured
+from kindyna_gui.look import coloured
 from kindyna_gui.note import MessageLabel
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.timing_chart import TimingChart, plain
 
 HEADINGS = (
@@ -73,7 +74,7 @@ class TimingRows(QWidget):
             box.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
             box.activated.connect(self._events_chosen)
         self.least: NumberBox | None = None
-        self.message = MessageLabel(QUIET)
+        self.message = MessageLabel(SCREEN.quiet)
         self.buttons = {
             "add": list_button("Add", "insert", "One distance more", self.added.emit),
             "copy": list_button("Copy", "duplicate", "The chosen one once more", self._copy),
@@ -120,7 +121,7 @@ class TimingRows(QWidget):
                 tip=""
                 if at.kept
                 else f"{chart.text(-at.spare_deg)} too early: turn one of the two drives, or change its motion",
-                colour="" if at.kept else WRONG,
+                colour="" if at.kept else SCREEN.limit,
             )
             for each, at in zip(design.timing, chart.distances, strict=True)
         ]
@@ -147,7 +148,7 @@ class TimingRows(QWidget):
 
     def _show_note(self) -> None:
         """What is to be said of the list as it stands."""
-        coloured(self.message, WRONG if self._note else QUIET)
+        coloured(self.message, SCREEN.limit if self._note else SCREEN.quiet)
         self.message.show_message(self._note or ("" if self._count else EMPTY))
 
     def _show_form(self, design: Design, row: int) -> None:
@@ -203,7 +204,7 @@ class TimingRows(QWidget):
         """What was typed is wrong: it stays, framed in red."""
         if self.least is not None:
             self.least.set_refused(True)
-        coloured(self.message, WRONG)
+        coloured(self.message, SCREEN.limit)
         self.message.show_message(text)
 
     def _copy(self) -> None:

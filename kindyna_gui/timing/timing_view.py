@@ -71,6 +71,7 @@ class TimingView(View):
         column.addWidget(bar)
         scroll = QScrollArea(widgetResizable=True)  # where there are many drives
         scroll.setFrameShape(QFrame.Shape.NoFrame)
+        scroll.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         scroll.setWidget(self.canvas)
         column.addWidget(scroll, 1)
         self.splitter = QSplitter(Qt.Orientation.Horizontal)

@@ -11,7 +11,9 @@ from core.design import Design
 from core.design.topology import driver_turns
 from core.mechanism.circuits import Circuit
 from kindyna_gui.dialogs import give_help
-from kindyna_gui.look import QUIET, coloured
+from kindyna_gui.documents.as_command import add_copy
+from kindyna_gui.look import coloured
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.window.gallery import BELOW, BESIDE, MOST_COLUMNS, THUMBS, GalleryChoice, Pictures
 
 
@@ -29,17 +31,19 @@ class CircuitsDialog(QDialog):
 
     def __init__(self, parent: QWidget, found: Sequence[Circuit]) -> None:
         super().__init__(parent)
-        give_help(self, "linkages")
+        give_help(self, "linkages#Circuits")
         self.setWindowTitle("Circuits of the linkage")
         self._found = found
         self.pictures = Pictures([_choice(i, circuit) for i, circuit in enumerate(found, 1)], THUMBS[0])
+        self.pictures.setAccessibleName("Circuits")
         while self.pictures.paint_next():
             pass
         hint = QLabel("The ways to put these links together; the driver takes none of them into another.")
-        coloured(hint, QUIET)
+        coloured(hint, SCREEN.quiet)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
         buttons.accepted.connect(self.accept)
         buttons.rejected.connect(self.reject)
+        add_copy(buttons, parent, "circuits", lambda: ("taken.toml", ["--take", str(self.pictures.currentRow() + 1)]))
         self.pictures.itemActivated.connect(lambda _: self.accept())
         column = QVBoxLayout(self)
         column.addWidget(self.pictures, 1)

@@ -28,7 +28,9 @@ from core.design import with_shaft as give_shaft
 from core.design.whole import with_servo, without_servo
 from core.errors import KindynaError
 from core.project import load, save
+from core.requests import options
 from kindyna_gui import dialogs
+from kindyna_gui.documents.as_command import of_session, spelled
 from kindyna_gui.documents.session import Refusal
 from kindyna_gui.documents.texts import misses
 from kindyna_gui.drives.editing import replace_chosen
@@ -117,7 +119,7 @@ class DesignActions(QObject):
         """Ask by how much, and let the motion do the same so much later."""
         from core.motion.split import shift_motion
 
-        by = dialogs.shift_wanted(self._window) if self._moves() else None
+        by = dialogs.shift_wanted(self._window, lambda by: self._taking(shift_deg=by)) if self._moves() else None
         if by is not None:
             self.change(lambda: shift_motion(self._session.design, by), f"Shift the motion by {shortest(by)}°")
 
@@ -145,10 +147,20 @@ class DesignActions(QObject):
         except KindynaError as error:
             dialogs.show_faults(self._window, f"{path.name} cannot be read.", str(error).splitlines())
             return
-        number = dialogs.drive_wanted(self._window, drive_names(whole)) if whole.listed else 0
+        spell = partial(self._taking, path)
+        number = dialogs.drive_wanted(self._window, drive_names(whole), spell) if whole.listed else 0
         if number is not None:
             other = only(whole, number)
             self.change(lambda: with_motion_of(self._session.design, other), f"Take the motion of {other.name}")
+
+    def _taking(self, path: Path | None = None, drive: str = "", shift_deg: float = 0.0) -> str:
+        """The command that takes a motion into the design: of a file's drive, else its own."""
+        from core.commands.motions.motion import Arguments
+
+        here = of_session(self._session)
+        whose = {"design": here["into"], "drive": here["drive"]} if path is None else {"design": path, "drive": drive}
+        taken = {**whose, "shift_deg": shift_deg, "into": here["into"], "into_drive": here["drive"]}
+        return spelled("motion", options(Arguments, taken))
 
     def follow_files(self) -> None:
         """Ask for a table or designs, from which the motion follows from now on."""
@@ -182,14 +194,14 @@ class DesignActions(QObject):
             else None
         )
         if opened is not None:
-            self._segment_from(opened[1], opened[0].name)
+            self._segment_from(opened[1], opened[0].name, opened[0])
 
     def segment_from_clipboard(self) -> None:
         """The same of what was copied from a spreadsheet."""
         if self._moves():
             self._segment_from(QApplication.clipboard().text().encode(), "clipboard")
 
-    def _segment_from(self, data: bytes, name: str) -> None:
+    def _segment_from(self, data: bytes, name: str, path: Path | None = None) -> None:
         from core.measured.as_segment import segment_from_table
         from core.measured.sheet import read_sheet
 
@@ -199,10 +211,17 @@ class DesignActions(QObject):
         except KindynaError as error:
             dialogs.show_faults(self._window, f"{name} is no table.", str(error).splitlines())
             return
-        wanted = dialogs.segment_wanted(self._window)
+        index = session.segment
+
+        def command(taken: tuple[bool, bool]) -> str:
+            from core.commands.measured import Arguments
+
+            how = {"as_is": taken[0], "joined": taken[1], "segment": index + 1}
+            return spelled("measured", options(Arguments, {"table": path, **how, **of_session(session)}))
+
+        wanted = dialogs.segment_wanted(self._window, command if path is not None else None)
         if wanted is not None:
             as_is, joined = wanted
-            index = session.segment
             make = partial(segment_from_table, session.typed, index, sheet, as_is=as_is, joined=joined)
             self.lay_out(make, f"Segment {index + 1} from {name}")
 

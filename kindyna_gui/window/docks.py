@@ -8,7 +8,16 @@ from types import MappingProxyType
 from typing import Any
 
 from PySide6.QtCore import Qt, QTimer, Signal
-from PySide6.QtWidgets import QDockWidget, QMainWindow, QWidget
+from PySide6.QtGui import QPaintEvent
+from PySide6.QtWidgets import (
+    QDockWidget,
+    QMainWindow,
+    QStyle,
+    QStyleOptionDockWidget,
+    QStyleOptionFrame,
+    QStylePainter,
+    QWidget,
+)
 
 from core.frozen import frozen
 from kindyna_gui.documents.session import Session
@@ -45,7 +54,7 @@ class ViewRow:
     picture      whether it is a picture worth exporting
     quantities   of a plot
     of_cam       whether it shows nothing without a cam
-    help         the page of the help on it
+    help         the page of the help on it, and behind # the words to look for there
     """
 
     title: str
@@ -62,7 +71,12 @@ class ViewRow:
 
 
 def _plot(
-    title: str, quantities: tuple[str, ...], menu: str, tip: str, of_cam: bool = False, help: str = "laws"
+    title: str,
+    quantities: tuple[str, ...],
+    menu: str,
+    tip: str,
+    of_cam: bool = False,
+    help: str = "tour#Plots, in the tasks",
 ) -> ViewRow:
     make = lazily("graph.plots_view", "PlotView", quantities=quantities)
     return ViewRow(title, make, RIGHT, menu, tip, picture=True, quantities=quantities, of_cam=of_cam, help=help)
@@ -71,41 +85,45 @@ def _plot(
 VIEWS: Mapping[str, ViewRow] = MappingProxyType(
     {
         "mechanism": ViewRow("Mechanism", lazily("linkage.mechanism_view", "MechanismView"), CENTRE,
-            "&Mechanism", "The mechanism to scale", picture=True),
+            "&Mechanism", "The mechanism to scale", picture=True, help="tour#See it move"),
         "graph": ViewRow("Graph", lazily("graph.graph_view", "GraphView"), CENTRE,
             "New &graph...", "Any channels over the cam angle, straight or polar", keys="Ctrl+G", icon="graph", picture=True,
-            help="graphs"),
+            help="graphs#draws channels of the design in plots"),
         "curves": ViewRow("Curves", lazily("graph.curves_view", "CurvesView"), CENTRE,
             "&Curves", "Channels, tables and other designs on one graph: axes by unit, differences, values",
-            icon="graph", picture=True, help="graphs"),
+            icon="graph", picture=True, help="graphs#Curves on one graph"),
         "space": ViewRow("Path in space", lazily("drives.space_view", "SpaceView"), CENTRE,
             "Path in &space", "The path of the part that the drives carry together, as a picture in space that turns", picture=True,
-            help="camshaft"),
+            help="camshaft#Path in space"),
         "laws": ViewRow("Laws", lazily("motion.laws_view", "LawsView"), CENTRE,
-            "&Law table", "Every motion law with its peaks, drawn over each other", keys="Ctrl+L", picture=True, help="laws"),
+            "&Law table", "Every motion law with its peaks, drawn over each other", keys="Ctrl+L", picture=True, help="laws#Motion laws"),
         "stability": ViewRow("Stability", lazily("stability.stability_view", "StabilityView"), CENTRE,
             "&Chart", "Tongues of instability of the flexible camshaft, and the wind-up there", keys="Ctrl+T", picture=True,
-            help="stability"),
-        "log": ViewRow("Log", lazily("window.log_view", "LogView"), CENTRE, "Lo&g", "What has failed in this program, and when"),
-        "parameters": ViewRow("Parameters", lazily("motion.inspector", "inspector"), RIGHT, help="fields"),
+            help="stability#What you see"),
+        "log": ViewRow("Log", lazily("window.log_view", "LogView"), CENTRE, "Lo&g", "What has failed in this program, and when",
+            help="tour#If something fails"),
+        "parameters": ViewRow("Parameters", lazily("motion.inspector", "inspector"), RIGHT, help="tour#Change it"),
         "motion": ViewRow("Motion", lazily("motion.segments_view", "SegmentsView"), LEFT,
-            "&Motion table", "Segments of the motion: law, span, rise", keys="Ctrl+M", help="making"),
+            "&Motion table", "Segments of the motion: law, span, rise", keys="Ctrl+M", help="making#By mouse"),
         "drives": ViewRow("Drives", lazily("drives.drives_view", "DrivesView"), LEFT,
-            "D&rives", "The drives on the shaft: add, copy, remove, rename, turn against each other, peak torques", help="camshaft"),
+            "D&rives", "The drives on the shaft: add, copy, remove, rename, turn against each other, peak torques",
+            help="camshaft#In the window"),
         "find": ViewRow("Find", lazily("find.find_view", "FindView"), LEFT,
             "Fi&nd", "The base radius, roller, offset, pivot or span that just keeps your limits, with what it is traded for",
-            keys="Ctrl+F", help="finding"),
+            keys="Ctrl+F", help="finding#Finding dimensions"),
         "study": ViewRow("Study", lazily("studies.study_view", "StudyView"), LEFT,
             "St&udy", "Vary numbers of the design: curves over one, a live map over two, parallel coordinates of more; a board of designs",
-            picture=True, help="studies"),
+            picture=True, help="studies#In the window"),
         "centres": ViewRow("Centres", lazily("linkage.centres_view", "CentresView"), LEFT,
-            "&Instant centres", "Instant centres, angular velocities and points at the angle at hand", help="linkages"),
+            "&Instant centres", "Instant centres, angular velocities and points at the angle at hand",
+            help="linkages#Instant centres and velocities"),
         "circle": ViewRow("Circle diagram", lazily("linkage.circle_view", "CircleView"), LEFT,
-            "Circle &diagram", "Find the instant centres step by step, as the lecture does", help="linkages"),
-        "polygon": ViewRow("Polygons", lazily("linkage.polygon_view", "PolygonView"), LEFT, picture=True, help="linkages"),
+            "Circle &diagram", "Find the instant centres step by step, as the lecture does", help="linkages#Circle diagram"),
+        "polygon": ViewRow("Polygons", lazily("linkage.polygon_view", "PolygonView"), LEFT, picture=True,
+            help="linkages#draws all velocities from one pole"),
         "stack": ViewRow("Motion and pressure angle", lazily("graph.stack_view", "StackView"), LEFT,
             "Motion and pressure an&gle", "Displacement, velocity, acceleration, jerk and pressure angle under each other on one axis",
-            picture=True, help="laws"),
+            picture=True, help="tour#Plots, in the tasks"),
         "displacement": _plot("Displacement", ("displacement", "elastic_displacement"),
             "&Displacement", "Displacement over the cam angle"),
         "velocity": _plot("Velocity", ("velocity",), "&Velocity", "Velocity over the cam angle"),
@@ -113,47 +131,49 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
             "&Acceleration", "Acceleration over the cam angle"),
         "jerk": _plot("Jerk", ("jerk",), "&Jerk", "Jerk over the cam angle"),
         "pressure_angle": _plot("Pressure angle", ("pressure_angle", "second_pressure_angle"),
-            "&Pressure angle", "Pressure angle over the cam angle", help="followers"),
+            "&Pressure angle", "Pressure angle over the cam angle", help="followers#Limits and checks"),
         "curvature": _plot("Curvature", ("pitch_curvature", "profile_curvature", "outer_curvature", "second_profile_curvature"),
-            "&Curvature", "Curvature of pitch curve and profile", of_cam=True, help="followers"),
+            "&Curvature", "Curvature of pitch curve and profile", of_cam=True, help="followers#Limits and checks"),
         "torque": _plot("Torque", ("drive_torque", "motor_torque", "linear_motor_torque"),
-            "&Torque", "Torque at the camshaft, with and without flywheel", help="camshaft"),
+            "&Torque", "Torque at the camshaft, with and without flywheel", help="tour#Plots, in the tasks"),
         "camshaft_speed": _plot("Camshaft speed", ("camshaft_speed",),
-            "Camshaft &speed", "Speed over the cam angle, which the flywheel evens out", help="camshaft"),
+            "Camshaft &speed", "Speed over the cam angle, which the flywheel evens out", help="tour#Camshaft speed"),
         "contact_force": _plot("Contact force", ("contact_force", "second_contact_force", "elastic_contact_force"),
-            "&Contact force", "Force between roller and cam", help="followers"),
+            "&Contact force", "Force between roller and cam", help="tour#Plots, in the tasks"),
         "contact_pressure": _plot("Contact pressure", ("contact_pressure", "second_contact_pressure"),
-            "Contact &pressure", "Hertz pressure between follower and cam, with what its materials bear", of_cam=True, help="followers"),
+            "Contact &pressure", "Hertz pressure between follower and cam, with what its materials bear", of_cam=True,
+            help="followers#Contact pressure and rolling life"),
         "shaft_torque": ViewRow("Shaft torque", lazily("shaft.torque_view", "ShaftTorqueView"), RIGHT,
             "S&haft torque", "What the drives on the shaft ask of it together, with flywheel and balance cam", picture=True,
-            help="camshaft"),
+            help="camshaft#Shaft torque"),
         "shaft_figures": ViewRow("Shaft figures", lazily("shaft.torque_view", "ShaftFiguresView"), RIGHT,
             "Shaft fig&ures", "Mean, RMS, peak torque and power of each drive and of the shaft; its true speed", picture=True,
-            help="camshaft"),
+            help="camshaft#Shaft figures"),
         "against_speed": ViewRow("Against speed", lazily("shaft.speeds_view", "AgainstSpeedView"), RIGHT,
             "Agai&nst speed", "Torque of the shaft and fluctuation of its speed against the machine's speed", picture=True,
-            help="camshaft"),
+            help="camshaft#Against speed"),
         "servo": ViewRow("Cam or servo", lazily("shaft.servo_view", "ServoView"), CENTRE,
             "Ca&m or servo", "Torque of cam and flywheel, and of a servo: working points of its motor, energy", picture=True,
-            help="controllers"),
-        "findings": ViewRow("Findings", lazily("findings.findings_view", "FindingsView"), BOTTOM, help="finding"),
-        "certificate": ViewRow("Certificate", lazily("findings.certificate_view", "CertificateView"), BOTTOM, help="architecture"),
+            help="controllers#The motor"),
+        "findings": ViewRow("Findings", lazily("findings.findings_view", "FindingsView"), BOTTOM, help="tour#also behind their number"),
+        "certificate": ViewRow("Certificate", lazily("findings.certificate_view", "CertificateView"), BOTTOM,
+            help="tour#what proves the figures"),
         "timing": ViewRow("Timing", lazily("timing.timing_view", "TimingView"), BOTTOM,
             "T&iming chart", "The motions of all drives over the machine angle, and what must come after what", picture=True,
-            help="timing"),
+            help="timing#By mouse"),
         "contact": ViewRow("Keeping contact", lazily("graph.contact_view", "ContactView"), RIGHT,
             "K&eeping contact", "Contact force over angle and speed, and the flight of a follower that leaves its cam", of_cam=True,
-            help="followers"),
+            help="finding#Keeping contact"),
         "vibration": ViewRow("Response spectrum", lazily("graph.vibration_view", "VibrationView"), RIGHT,
             "Resp&onse spectrum", "How an elastic follower vibrates in its dwells at the design's speed, and against speed",
-            picture=True, of_cam=True, help="followers"),
+            picture=True, of_cam=True, help="followers#Elastic follower"),
         "compare": ViewRow("What changed", lazily("compare.compare_view", "CompareView"), BOTTOM,
-            "&What changed", "Inputs and results beside those of the pinned variant, worst first", help="tour"),
+            "&What changed", "Inputs and results beside those of the pinned variant, worst first", help="tour#What changed"),
         "explain": ViewRow("Explain", lazily("compare.explain_view", "ExplainView"), RIGHT,
             "&Explain a number", "Its equation, each letter with its value at the angle at hand and where that comes from",
-            help="tour"),
+            help="tour#Explain a number"),
         "flywheel": ViewRow("Flywheel", lazily("graph.flywheel_view", "FlywheelView"), BOTTOM,
-            "&Flywheel", "Size of the flywheel for the wanted evenness of speed", help="camshaft"),
+            "&Flywheel", "Size of the flywheel for the wanted evenness of speed", help="tour#how large it must be"),
     }
 )  # fmt: skip
 """Every view by the name that menus and ``show_view`` use."""
@@ -238,6 +258,20 @@ class Dock(QDockWidget):
     def _visibility_changed(self, visible: bool) -> None:
         # whether it stands in front is known once the tabs are laid out
         self._soon.start()
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Qt would keep the title in the letters that it had when the dock was made."""
+        painter = QStylePainter(self)
+        if self.isFloating():
+            frame = QStyleOptionFrame()
+            frame.initFrom(self)
+            painter.drawPrimitive(QStyle.PrimitiveElement.PE_FrameDockWidget, frame)
+        if self.titleBarWidget() is None:
+            title = QStyleOptionDockWidget()
+            self.initStyleOption(title)
+            painter.setFont(self.font())
+            painter.drawControl(QStyle.ControlElement.CE_DockWidgetTitle, title)
+        painter.end()
 
     def show_title(self, on: bool) -> None:
         """Behind a tab with the same words a title is a waste of height."""

@@ -95,7 +95,7 @@ class Faults(QObject):
     def handle_in_thread(self, error: BaseException, thread: str) -> None:
         """Handle an exception raised in another thread; nothing of the window is touched from there."""
         self.log.write(error, f"In the thread {thread}")
-        self._in_thread.emit(None, f"Work beside the window failed ({short(error)}). Help > Log tells more.")
+        self._in_thread.emit(None, f"Work beside the window failed ({short(error)}). The log tells more.")
 
     def _report_from_thread(self, _: object, sentence: str) -> None:
         self._report(sentence)
@@ -184,7 +184,7 @@ def _sentence(failures: list[tuple[str, str]], action: str, again: str) -> str:
     what = f"{action} failed in {view}" if action and view else f"{action or view or 'The window'} failed"
     more = f", and {len(failures) - 1} more" if len(failures) > 1 else ""
     end = f"; {again} makes the change again" if again else ""
-    return f"{what} ({why}{more}). The design is as it was before{end}. Help > Log tells more."
+    return f"{what} ({why}{more}). The design is as it was before{end}. The log tells more."
 
 
 # -- Python's hooks -------------------------------------------------------------------------------------------

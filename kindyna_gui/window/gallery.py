@@ -33,7 +33,8 @@ from core.project import load
 from kindyna_gui.dialogs import give_help
 from kindyna_gui.files.beginnings import beginning, dwell_first, with_motion_kept
 from kindyna_gui.labels import choice_text, choice_tip
-from kindyna_gui.look import QUIET, coloured
+from kindyna_gui.look import coloured
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.thumbnails import thumbnail
 from kindyna_gui.places import FIRST_EXAMPLE, example, single_examples
 from kindyna_gui.requirements import lists_links
@@ -226,7 +227,7 @@ class Gallery(QDialog):
 
     def __init__(self, parent: QWidget, room: QSize | None = None, first: str = "", offers: bool = False) -> None:
         super().__init__(parent)
-        give_help(self, "followers")
+        give_help(self, "tour#begins with another follower")
         self.setWindowTitle("Choose a mechanism")
         room = self.screen().availableGeometry().size() - QSize(20, 40) if room is None else room
         found = dict(groups())
@@ -238,7 +239,7 @@ class Gallery(QDialog):
             "The design begins with the lengths of the picture; it has no file until it is saved. "
             "Undo brings the design before back."
         )
-        coloured(hint, QUIET)
+        coloured(hint, SCREEN.quiet)
         self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
         self.ok = self.buttons.button(QDialogButtonBox.StandardButton.Ok)
         self.ok.setText("Begin")
@@ -247,9 +248,11 @@ class Gallery(QDialog):
         self.buttons.rejected.connect(self.reject)
         self.names, self._stack = QListWidget(), QStackedWidget()
         self.names.setFixedWidth(LIST_WIDTH)
+        self.names.setAccessibleName("Kinds of mechanism")
         for title, pictures in self.groups.items():
             self.names.addItem(title)
             self.names.item(self.names.count() - 1).setSizeHint(QSize(0, LINE_HEIGHT))
+            pictures.setAccessibleName(title)
             self._stack.addWidget(pictures)
             pictures.currentRowChanged.connect(partial(self._choose, pictures))
             pictures.itemActivated.connect(lambda _: self.accept())

@@ -89,7 +89,7 @@ def fill_rollers(window: Window, menu: QMenu) -> None:
         action.setEnabled(design.drive.motion is not None)
         tip = "A cam about the origin under a roller here makes the linkage follow its motion"
         action.setStatusTip(
-            tip if design.drive.motion is not None else "First let a link follow a motion: Compo > Driver"
+            tip if design.drive.motion is not None else "First let a link follow a motion: Driver does that"
         )
         if design.drive.motion is not None and not here:
             made = with_roller(design, link, point)

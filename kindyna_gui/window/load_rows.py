@@ -140,7 +140,7 @@ def fill_taken(window: Window, menu: QMenu) -> None:
             action.triggered.connect(partial(_take, window, name, index))
     if menu.isEmpty():
         action = menu.addAction("Nothing there")
-        action.setStatusTip("The loads have no rows: Dyna > Add to the loads")
+        action.setStatusTip("The loads have no rows yet: Add to the loads begins one")
         action.setEnabled(False)
 
 

@@ -9,7 +9,8 @@ from PySide6.QtWidgets import QApplication, QHBoxLayout, QLabel, QPlainTextEdit,
 from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.fault_log import log_file, log_text, report_text
-from kindyna_gui.look import QUIET, coloured
+from kindyna_gui.look import coloured
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.view import View
 
@@ -28,7 +29,8 @@ class LogView(View):
         self.file = QLabel()
         self.file.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.file.setMinimumWidth(1)
-        coloured(self.file, QUIET)
+        self.text.setAccessibleName("Log")
+        coloured(self.file, SCREEN.quiet)
         self.copy = QPushButton("Copy all")
         self.copy.clicked.connect(lambda: QApplication.clipboard().setText(self.text.toPlainText()))
         self.report = QPushButton("Copy for a report")

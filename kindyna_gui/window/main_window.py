@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QAction, QCloseEvent, QCursor, QDragEnterEvent, QDropEvent, QPaintEvent, QShowEvent
-from PySide6.QtWidgets import QApplication, QMainWindow, QMenu, QTabWidget
+from PySide6.QtWidgets import QApplication, QMainWindow, QMenu, QTabWidget, QWidget
 
 from core.design import Design, drive_at, with_only
 from core.errors import KindynaError
@@ -26,15 +26,16 @@ from kindyna_gui.files.disk_button import DiskButton
 from kindyna_gui.files.file_actions import Documents, dropped_design
 from kindyna_gui.files.file_watch import FileWatch
 from kindyna_gui.files.recovery import Recovery, write_before_the_end
-from kindyna_gui.look import dress
+from kindyna_gui.look import wear
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.places import default_design, example
 from kindyna_gui.player import Player
 from kindyna_gui.preferences import kept as preferences
 from kindyna_gui.rebuilt import soon
+from kindyna_gui.requirements import STRANGE
 from kindyna_gui.saving import copy_picture, save_picture
 from kindyna_gui.settings import Settings
-from kindyna_gui.view import NumberAtHand, View
+from kindyna_gui.view import NumberAtHand, View, in_sight, scroll_to
 from kindyna_gui.window import menus
 from kindyna_gui.window.base import Window
 from kindyna_gui.window.centre import CentralPages
@@ -118,6 +119,7 @@ class MainWindow(Window):
             lambda: self.show_view("findings"),
             lambda: self.show_view("log"),
             lambda path, *_: self.focus_field(path),
+            self.do,
         )
         self.setStatusBar(self.status)
         self.watch = FileWatch(session, self)
@@ -132,7 +134,6 @@ class MainWindow(Window):
         self.layouts.begin()
         self._connect()
         self.faults = Faults(self)
-        self._follow(preferences.read())
 
     @cached_property
     def loads(self) -> LoadActions:
@@ -169,6 +170,7 @@ class MainWindow(Window):
         self.recovery.status_message.connect(self.status.show_message)
         self.designing.status_message.connect(self.status.show_message)
         self.exports.layers, self.exports.view = self._layers, self.view
+        QApplication.styleHints().colorSchemeChanged.connect(self._desktop_changed)
         player.playing_changed.connect(self.actions_by_key["play"].setChecked)
         player.forward_changed.connect(lambda forward: self.actions_by_key["reverse"].setChecked(not forward))
         self.centre.tabs.currentChanged.connect(lambda _: self.status.recount())
@@ -501,7 +503,13 @@ class MainWindow(Window):
     def _follow(self, wanted: preferences.Preferences) -> None:
         app = QApplication.instance()
         assert isinstance(app, QApplication)
-        preferences.apply(wanted, app)
+        wear(wanted, app)
+
+    def _desktop_changed(self, scheme: Qt.ColorScheme) -> None:
+        """The desktop has turned light or dark."""
+        wanted, app = preferences.read(), QApplication.instance()
+        if wanted.theme == "system" and isinstance(app, QApplication):
+            wear(wanted, app, scheme)
 
     def help_here(self) -> None:
         """The page of the help on the field, or the view, that has the keys."""
@@ -557,7 +565,7 @@ class MainWindow(Window):
         name = dialogs.layout_name_wanted(self, self.settings.named_layouts)
         if name:
             self.layouts.keep(name)
-            self.status.show_message(f"Layout {name} is kept: View > Named layouts brings it back")
+            self.status.show_message(f"Layout {name} is kept among the named layouts")
 
     def take_layout(self, name: str) -> None:
         """A layout that was kept under a name."""
@@ -584,6 +592,22 @@ class MainWindow(Window):
         if self.centre.current is not None and not event.spontaneous():
             self.centre.current.pull()
 
+    def focusNextPrevChild(self, onwards: bool) -> bool:
+        """Past what Qt keeps beyond the edge of the window: docks behind others, and bars of tabs that no dock needs at present."""
+        held, passed = self.focusWidget(), set[QWidget]()
+        by_key = held is not None and held.isVisibleTo(self) and held.isEnabled()  # else it has just been hidden
+        while super().focusNextPrevChild(onwards):
+            at = self.focusWidget()
+            part: QWidget | None = at
+            while part is not None and part.parentWidget() is not self:
+                part = part.parentWidget()
+            if at is None or part is None or at in passed or in_sight(part):
+                if by_key:
+                    scroll_to(at)
+                return True
+            passed.add(at)
+        return False
+
     def paintEvent(self, event: QPaintEvent) -> None:
         """The first thing that is seen is the mechanism; the docks around it come next."""
         super().paintEvent(event)
@@ -596,9 +620,7 @@ class MainWindow(Window):
             dock.hold(False)
         self.layouts.furnish()
         if strange := preferences.not_understood():
-            self.status.show_message(
-                f"Preferences that are not understood: {', '.join(strange)}; Edit > Preferences sets them anew"
-            )
+            self.status.show_message(f"{STRANGE}{', '.join(strange)}")
         self.furnished.emit()
 
     def closeEvent(self, event: QCloseEvent) -> None:
@@ -635,7 +657,7 @@ def open_window(app: QApplication, path: Path | None = None) -> MainWindow:
     keep_freed_memory()
     own = None if path is None or path == default_design() else path
     session = Session(load_drawing(own or default_design()), own)
-    dress(app)
+    wear(preferences.read(), app)
     app.setApplicationName("KINDYNA")
     app.setDesktopFileName("kindyna")
     settings = Settings()

@@ -12,7 +12,7 @@ from PySide6.QtGui import QAction, QActionGroup, QKeySequence
 from PySide6.QtWidgets import QMenu, QToolBar, QWidget
 
 from core.frozen import frozen
-from kindyna_gui.look import icon
+from kindyna_gui.look import icon, tool_bar
 from kindyna_gui.rebuilt import clear_menu
 from kindyna_gui.window import submenus
 from kindyna_gui.window.base import Window
@@ -85,7 +85,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
         (
             Item("&New...", "designing.new_by_picture", None, Keys.New,
                  "Begin with a follower, its face and the form of its cam, or with a linkage, chosen by its picture"),
-            Submenu("New of a &kind", submenus.fill_new),
+            Submenu("New of a &kind", submenus.fill_new, "new"),
             Item("&Open...", "documents.open_file", None, Keys.Open, "Open a design file", "open"),
             Submenu("Open &recent", submenus.fill_recent),
             Submenu("&Examples", submenus.fill_examples),
@@ -393,9 +393,8 @@ def _add_submenu(window: Window, menu: QMenu, row: Submenu, actions: dict[str, Q
 
 def build_toolbar(window: Window, actions: dict[str, QAction]) -> QToolBar:
     """The toolbar: some of the menus' actions."""
-    bar = QToolBar("Toolbar")
+    bar = tool_bar("Toolbar")
     bar.setObjectName("toolbar")
-    bar.setMovable(False)
     for key in TOOLBAR:
         if key is None:
             bar.addSeparator()
@@ -406,9 +405,8 @@ def build_toolbar(window: Window, actions: dict[str, QAction]) -> QToolBar:
 
 def build_tasks(window: Window, actions: dict[str, QAction]) -> QToolBar:
     """The row of tasks: the menu's entries as buttons, of which one is down."""
-    bar = QToolBar("Tasks")
+    bar = tool_bar("Tasks")
     bar.setObjectName("tasks")
-    bar.setMovable(False)
     bar.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextOnly)
     bar.toggleViewAction().setVisible(False)  # else a task in which they are hidden would have no way out to be seen
     group = QActionGroup(window)

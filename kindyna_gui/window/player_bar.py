@@ -33,7 +33,8 @@ from core.errors import KindynaError
 from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.text_keys import TextKeys
-from kindyna_gui.look import BAND, CHOSEN, LINE, PAPER, QUIET, icon
+from kindyna_gui.look import icon
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import digits
 from kindyna_gui.player import KEYS_HELP, TURN, Player, Speed, obey, speeds, step_of, usual
 from kindyna_gui.view import View
@@ -113,19 +114,19 @@ class AngleSlider(QAbstractSlider):
         top = (self.height() - self.GROOVE) / 2.0 - 3.0
         bottom = top + self.GROOVE
         strip = QRectF(QPointF(self.place_of(0.0), top), QPointF(self.place_of(360.0), bottom))
-        painter.fillRect(strip, QColor(PAPER))
+        painter.fillRect(strip, QColor(SCREEN.paper))
         for start, end in zip(self._joins[1::2], self._joins[2::2], strict=False):
             band = QRectF(QPointF(self.place_of(start), top), QPointF(self.place_of(end), bottom))
-            painter.fillRect(band, QColor(BAND))
-        painter.setPen(QPen(QColor(LINE), 1.0))
+            painter.fillRect(band, QColor(SCREEN.dwell))
+        painter.setPen(QPen(QColor(SCREEN.line), 1.0))
         painter.drawRect(strip)
-        painter.setPen(QPen(QColor(QUIET), 1.0))
+        painter.setPen(QPen(QColor(SCREEN.quiet), 1.0))
         for angle in range(0, 361, 30):
             x = self.place_of(float(angle))
             painter.drawLine(QPointF(x, bottom + 1.5), QPointF(x, bottom + (5.5 if angle % 90 == 0 else 4.0)))
         x = self.place_of(self.sliderPosition() / FINE)
-        colour = QColor(CHOSEN) if self.isEnabled() else self.palette().color(QPalette.ColorRole.Mid)
-        painter.setPen(QPen(QColor(PAPER), 1.0))
+        colour = QColor(SCREEN.chosen) if self.isEnabled() else self.palette().color(QPalette.ColorRole.Mid)
+        painter.setPen(QPen(QColor(SCREEN.paper), 1.0))
         painter.setBrush(colour)
         handle = QRectF(x - self.HANDLE / 2.0, top - 4.0, self.HANDLE, self.GROOVE + 8.0)
         painter.drawRoundedRect(handle, 3.0, 3.0)

@@ -24,11 +24,9 @@ from PySide6.QtWidgets import (
 from kindyna_gui.dialogs import give_help
 from kindyna_gui.forms.amount import fill_choices
 from kindyna_gui.labels import sentence
-from kindyna_gui.look import WRONG
 from kindyna_gui.note import MessageLabel
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.preferences.kept import FONTS, INCH, PAPERS, THEMES, UNITS, Preferences
-
-AT_START = "The theme changes with the next start of KINDYNA."
 
 
 class PreferencesDialog(QDialog):
@@ -38,7 +36,6 @@ class PreferencesDialog(QDialog):
         super().__init__(parent)
         self.setWindowTitle("Preferences")
         give_help(self, "preferences")
-        self._now = now
         self.units = {kind: QComboBox() for kind in UNITS}
         for kind, box in self.units.items():
             fill_choices(box, {unit: unit for unit in UNITS[kind]})
@@ -51,8 +48,7 @@ class PreferencesDialog(QDialog):
         self.still = QCheckBox("Reduced motion")
         self.still.setToolTip("Menus and docks appear at once; nothing moves but what is played")
         self.author, self.company, self.logo = QLineEdit(), QLineEdit(), QLineEdit()
-        self.message = MessageLabel(WRONG)
-        self.theme.currentIndexChanged.connect(self._say)
+        self.message = MessageLabel(SCREEN.limit)
         self.logo.textChanged.connect(self._say)
         sides = QHBoxLayout()
         sides.addWidget(self._units())
@@ -116,12 +112,10 @@ class PreferencesDialog(QDialog):
             self.logo.setText(name)
 
     def _say(self, *_: object) -> None:
-        """What is wrong with the logo, else what takes effect later."""
+        """What is wrong with the logo."""
         logo = self.logo.text().strip()
-        if logo and not (Path(logo).is_file() and QImageReader(logo).canRead()):
-            self.message.show_message(f"{logo}: is no picture that can be read; the logo is left out")
-        else:
-            self.message.show_message(AT_START if self.theme.currentData() != self._now.theme else "")
+        wrong = logo and not (Path(logo).is_file() and QImageReader(logo).canRead())
+        self.message.show_message(f"{logo}: is no picture that can be read; the logo is left out" if wrong else "")
 
     def show_units(self, units: dict[str, str]) -> None:
         """Show these units; of other kinds those of the files."""

@@ -20,9 +20,11 @@ from core.study import findings_of
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import misses, waiting_text
 from kindyna_gui.labels import named_value, reason
-from kindyna_gui.look import QUIET, coloured, sign, text_button
+from kindyna_gui.look import coloured, sign, text_button
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import clear_menu, soon
+from kindyna_gui.requirements import ways_of
 
 PAUSE_MS = 150
 STAY_MS = 6000  # of a message
@@ -39,10 +41,13 @@ class StatusLine(QStatusBar):
         show_findings: Callable[[], object],
         show_log: Callable[[], object],
         focus_field: Callable[[str], object],
+        do: Callable[[str], object],
     ) -> None:
         super().__init__()
         self._session, self._player = session, player
+        self._refusal = self._question = self._entry = ""
         self.findings = QToolButton(autoRaise=True)
+        self.findings.setText("limits not checked")
         self.findings.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         self.findings.clicked.connect(lambda: show_findings())
         self.faults = text_button("Log", flat=True)
@@ -50,6 +55,9 @@ class StatusLine(QStatusBar):
         self.faults.setIcon(sign(ERROR))
         self.faults.clicked.connect(lambda: show_log())
         self.faults.hide()
+        self.way = text_button("", flat=True)
+        self.way.clicked.connect(lambda: do(self._entry))
+        self.way.hide()
         self.unfit = QToolButton(autoRaise=True)
         self.unfit.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         self.unfit.setIcon(sign(ERROR))
@@ -60,10 +68,7 @@ class StatusLine(QStatusBar):
         self.awaited.clicked.connect(self._end_or_begin)
         self.awaited.hide()
         self.angle.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
-        # of a fixed size: else each new angle would lay out the whole line anew
-        self.angle.setFixedSize(
-            self.fontMetrics().horizontalAdvance("driver angle 359.9°  "), self.fontMetrics().height()
-        )
+        self.redress()
         self.angle.setToolTip("Angle of all views")
         self.assumed.setToolTip("Values that are not taken from a source: click to see them, and to go to one")
         self.assumed.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
@@ -73,9 +78,18 @@ class StatusLine(QStatusBar):
         self._assumed_rows = QMenu(self.assumed, toolTipsVisible=True)
         self._assumed_rows.aboutToShow.connect(self._list_assumed)
         self.assumed.setMenu(self._assumed_rows)
-        coloured(self.saved, QUIET)
+        coloured(self.saved, SCREEN.quiet)
         self.saved.setContentsMargins(6, 0, 6, 0)
-        for widget in (self.awaited, self.faults, self.unfit, self.findings, self.saved, self.assumed, self.angle):
+        for widget in (
+            self.way,
+            self.awaited,
+            self.faults,
+            self.unfit,
+            self.findings,
+            self.saved,
+            self.assumed,
+            self.angle,
+        ):
             self.addPermanentWidget(widget)
         self._whole = QLabel(self, wordWrap=True, margin=3)
         self._whole.setFrameShape(QLabel.Shape.StyledPanel)
@@ -83,8 +97,8 @@ class StatusLine(QStatusBar):
         self._whole.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self._soon = QTimer(self, singleShot=True, interval=PAUSE_MS)
         self._soon.timeout.connect(self.count_findings)
-        self._refusal = self._question = ""
         self.messageChanged.connect(self._ask_again)
+        self.messageChanged.connect(self._offer)
         self.messageChanged.connect(self._show_whole)
         session.awaited.changed.connect(self._show_awaited)
         session.mended.connect(self._mended)
@@ -97,6 +111,11 @@ class StatusLine(QStatusBar):
         self._design_changed()
         self._file_changed()
         self._angle_changed(player.theta)
+
+    def redress(self) -> None:
+        """The angle has a fixed size: else each new one would lay out the whole line anew."""
+        letters = self.fontMetrics()
+        self.angle.setFixedSize(letters.horizontalAdvance("driver angle 359.9°  "), letters.height())
 
     def show_message(self, text: str) -> None:
         """Show what has been done, for a while."""
@@ -119,12 +138,19 @@ class StatusLine(QStatusBar):
         if not text and self._question:
             soon(self, self._show_question)
 
+    def _offer(self, text: str) -> None:
+        """What can be done about a message is a button beside it."""
+        way = next(iter(ways_of(text)), None)
+        self._entry = "" if way is None else way.entry
+        self.way.setText("" if way is None else way.text)
+        self.way.setVisible(way is not None)
+
     def _show_whole(self, text: str) -> None:
         """A message that is longer than its room grows upwards over what stands there; nothing is moved by it."""
         window = self.window()
         room = (
             min(
-                (each.x() for each in (self.awaited, self.faults, self.findings) if each.isVisible()),
+                (each.x() for each in (self.way, self.awaited, self.faults, self.findings) if each.isVisible()),
                 default=self.width(),
             )
             - 4

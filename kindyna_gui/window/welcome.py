@@ -22,7 +22,9 @@ from core.errors import KindynaError
 from core.papers import PAPERS
 from core.project import load
 from core.project.examples import Example, subjects
-from kindyna_gui.look import PAPER, QUIET, coloured
+from kindyna_gui import dialogs
+from kindyna_gui.look import coloured
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.thumbnails import thumbnail
 from kindyna_gui.rebuilt import Rebuilt
 from kindyna_gui.window.base import Window
@@ -54,7 +56,7 @@ class Card(QPushButton):
         heading.setFont(bold)
         paper = QLabel(PAPERS[example.paper].label if example.paper else "")
         paper.setForegroundRole(QPalette.ColorRole.WindowText)  # not the button's
-        coloured(paper, QUIET)
+        coloured(paper, SCREEN.quiet)
         paper.setVisible(bool(example.paper))
         text = QLabel(example.text, wordWrap=True)
         text.setFixedWidth(WORDS)
@@ -93,6 +95,7 @@ class Welcome(QWidget):
         """room: of the screen, where None [pixels]"""
         super().__init__(window, Qt.WindowType.Window)
         self.setWindowTitle("Welcome to KINDYNA")
+        dialogs.give_help(self, "tour#stands in front at a start")
         self._window = window
         room = self.screen().availableGeometry().size() if room is None else room
         self.resize((room - FRAME).boundedTo(LARGEST))
@@ -101,7 +104,7 @@ class Welcome(QWidget):
             card.clicked.connect(partial(self._open_example, card.example))
         self.recent = Rebuilt()
         self.at_start = QCheckBox("&Show at start")
-        self.at_start.setToolTip("When KINDYNA is started without a file; Help > Welcome brings it back")
+        self.at_start.setToolTip("When KINDYNA is started without a file; Ctrl+K and “welcome” bring it back")
         self.at_start.setChecked(window.settings.welcome)
         self.at_start.toggled.connect(partial(setattr, window.settings, "welcome"))
         whole = QHBoxLayout(self)
@@ -139,7 +142,7 @@ class Welcome(QWidget):
         inside = QWidget()
         inside.setAutoFillBackground(True)
         colours = inside.palette()
-        colours.setColor(inside.backgroundRole(), PAPER)
+        colours.setColor(inside.backgroundRole(), SCREEN.paper)
         inside.setPalette(colours)
         stack, cards = QVBoxLayout(inside), iter(self.cards)
         stack.setContentsMargins(12, 8, 12, 12)
@@ -160,6 +163,7 @@ class Welcome(QWidget):
         scrolled = QScrollArea()
         scrolled.setWidgetResizable(True)
         scrolled.setFrameShape(QFrame.Shape.StyledPanel)
+        scrolled.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         scrolled.setWidget(inside)
         return scrolled
 
@@ -185,7 +189,7 @@ class Welcome(QWidget):
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(2)
         heading = QLabel("Opened lately" if files else "Files that you open will stand here.", wordWrap=True)
-        coloured(heading, QUIET)
+        coloured(heading, SCREEN.quiet)
         column.addWidget(heading)
         for path in files:
             button = QPushButton()

@@ -51,7 +51,7 @@ def _underlay(design: Path) -> Layers:
 
     underlay = read_underlay(design)
     if underlay is None:
-        print(f"underlay: there is no {sidecar(design).name}; Compo > Underlay places one", file=sys.stderr)
+        print(f"underlay: there is no {sidecar(design).name}; Underlay in the window places one", file=sys.stderr)
     elif underlay.file.suffix.lower() in PICTURES:
         print(
             f"underlay: {underlay.file.name} is a picture, left out; of {' | '.join(ENDINGS)} a DXF has lines",

@@ -124,7 +124,9 @@ def _harmonics(turn: SteadyTurn) -> ReportTable:
     for k in sorted((1 + np.argsort(-sizes[0][1:], kind="stable")[:LARGEST]).tolist()):
         found = (Number(float(each[k]), 4) if math.isfinite(each[k]) else "no answer" for each in sizes)
         rows.append((f"{k} × shaft speed", *found))
-    return table(("Largest harmonics of the wind-up, °", "steady", "linear (21)", "Kim1990 (27), of (22)"), rows)
+    return table(
+        ("Largest harmonics of the wind-up, °", "steady", "linear, exact (21)", "linear, approximate (22)"), rows
+    )
 
 
 __all__ = ["shaft_stability", "verdicts"]

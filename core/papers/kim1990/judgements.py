@@ -51,8 +51,10 @@ def approximation(q: float, approximate: np.ndarray, exact: np.ndarray) -> Judge
     apart = 1 + np.flatnonzero((exact[:, 0] > approximate[:, 1]) | (approximate[:, 0] > exact[:, 1]))
     fixed, shift = ((edges.mean(axis=1) - 0.5 * np.arange(1, 12)) / q for edges in (approximate, exact))
     return AGREES if apart.size == 0 else METHOD, (
-        f"D → 1 and C → 0 are not right to the first order in Q: the tongues of (21) move with it by {shift[3]:.3f} Q for n = 4 and "
-        f"{shift[10]:.3f} Q for n = 11, those of (22) stand still (n = 4: {fixed[3]:.3f} Q); at Q = {q:g} they have nothing in common "
+        f"D → 1 and C → 0 are not right to the first order in Q: the tongues of the exact form (21) move with it by "
+        f"{shift[3]:.3f} Q for n = 4 and "
+        f"{shift[10]:.3f} Q for n = 11, those of the approximation (22) stand still (n = 4: {fixed[3]:.3f} Q); "
+        f"at Q = {q:g} they have nothing in common "
         f"for n = {', '.join(map(str, apart)) or 'none'}"
     )
 
@@ -63,7 +65,8 @@ def whole_numbers_only(q: float, widths: np.ndarray, errors: np.ndarray) -> Judg
     between = [n for n in range(1, 12, 2) if open_ones[n - 1]]
     sizes = ", ".join(f"{widths[n - 1]:.4f} at {_eta(n)}" for n in between[:3]) or "none open between them"
     return agreement(open_ones[1::2].all() and not between), (
-        f"at 2/N, η ≈ n/2: the dwell gives ψ odd harmonics; by (22), of which Fig. 8 is made, widths at Q = {q:g}: {sizes}"
+        f"at 2/N, η ≈ n/2: the dwell gives ψ odd harmonics; by the approximation (22), of which Fig. 8 is made, "
+        f"widths at Q = {q:g}: {sizes}"
     )
 
 
@@ -73,7 +76,8 @@ def widest(q: float, widths: np.ndarray) -> Judgement:
     sizes = ", ".join(f"{_eta(n)} ({widths[n - 1]:.4f})" for n in order)
     named = ", ".join(f"{widths[n - 1]:.2g} at {_eta(n)}" for n in range(2, 9, 2))
     return agreement(widths[[1, 3]].min() > np.delete(widths, [1, 3]).max()), (
-        f"by (22), of which Fig. 8 is made, the widest at Q = {q:g} stand at η ≈ {sizes}; at the whole η alone, which the paper names, "
+        f"by the approximation (22), of which Fig. 8 is made, the widest at Q = {q:g} stand at η ≈ {sizes}; "
+        f"at the whole η alone, which the paper names, "
         f"{named}"
     )
 
@@ -82,7 +86,7 @@ def widen_with_q(q: np.ndarray, small: np.ndarray, large: np.ndarray) -> Judgeme
     """Fig. 8: widths (11,) at the smaller and the larger of two Q."""
     wider = large > small
     return agreement(wider.all()), (
-        f"by (22), of which Fig. 8 is made, {int(wider.sum())} of {small.size} are wider at Q = {q[1]:g} than at {q[0]:g}"
+        f"by the approximation (22), of which Fig. 8 is made, {int(wider.sum())} of {small.size} are wider at Q = {q[1]:g} than at {q[0]:g}"
     )
 
 
@@ -91,7 +95,7 @@ def widen_with_speed(q: float, widths: np.ndarray, exact: np.ndarray) -> Judgeme
     whole = range(2, 11, 2)
     sizes, others = (", ".join(f"{each[n - 1]:.2e} at η ≈ {_eta(n)}" for n in whole) for each in (widths, exact))
     return agreement((np.diff(widths[1::2]) < 0.0).all()), (
-        f"by (22), of which Fig. 8 is made, widths at Q = {q:g}: {sizes} (by (21), exact: {others})"
+        f"by the approximation (22), of which Fig. 8 is made, widths at Q = {q:g}: {sizes} (by the exact form (21): {others})"
     )
 
 
@@ -103,7 +107,7 @@ def eleven(q: float, off: np.ndarray, widths: np.ndarray) -> Judgement:
     lacking = [_eta(i + 1) for i in poor if np.isinf(off[i])]
     return agreement(good.all()), "; ".join(
         [f"at Q = {q:g} within {NEAR:g} of their own width for n = {', '.join(map(str, 1 + np.flatnonzero(good)))}"]
-        + ([f"the edges of (22) are off by {', '.join(far)} (η)"] if far else [])
+        + ([f"the edges of the approximation (22) are off by {', '.join(far)} (η)"] if far else [])
         + ([f"at η ≈ {', '.join(lacking)} the matrix has one edge only"] if lacking else [])
     )
 
@@ -129,7 +133,12 @@ def contact(q: np.ndarray, lost: np.ndarray, later: Sequence[Loss]) -> Judgement
     )
 
 
-_SHORT: Mapping[str, str] = {APPROXIMATE: "(22)", EXACT: "(21)", STEADY: "steady response", FROM_REST: "from rest"}
+_SHORT: Mapping[str, str] = {
+    APPROXIMATE: "approximate (22)",
+    EXACT: "exact (21)",
+    STEADY: "steady response",
+    FROM_REST: "from rest",
+}
 
 
 def figure(stable: bool, models: Sequence[Verdict], rest: Verdict, readings: Mapping[str, bool]) -> Judgement:
@@ -175,5 +184,7 @@ def later_turns(points: Sequence[tuple[float, float, float]]) -> Judgement:
 
 def histories_and_chart(found: Sequence[tuple[int, str, str]]) -> Judgement:
     """§6: whether histories from rest and the chart of (22) say the same of each point."""
-    each = "; ".join(f"Fig. {number}: {chart} by (22), from rest {rest}" for number, chart, rest in found)
+    each = "; ".join(
+        f"Fig. {number}: {chart} by the approximation (22), from rest {rest}" for number, chart, rest in found
+    )
     return agreement(all(chart == rest for _, chart, rest in found)), each

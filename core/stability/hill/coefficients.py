@@ -287,7 +287,7 @@ def _valve_spring(y: Derivatives, size: Sizes, factor: float) -> np.ndarray:
 EXACT, APPROXIMATE = "exact_21", "approx_22"
 
 EQUATIONS: Mapping[str, str] = MappingProxyType(
-    {EXACT: "Linearised, exact (21)", APPROXIMATE: "Kim1990's approximation (22)"}
+    {EXACT: "Linearised, exact (21)", APPROXIMATE: "Linearised, approximate (22)"}
 )
 """The linear equations and what they are called: Kim1990 (21); (22) with X''X for its X''X'', where D → 1 and C is dropped,
 which is not consistent to first order in Q."""

@@ -26,7 +26,7 @@ from kindyna_gui.pictures.drawing.profile_colours import COLOURINGS, ColouredLoo
 from kindyna_gui.pictures.drawing.profile_reading import on_cam, reading_at
 from kindyna_gui.pictures.drawing.vectors import FIELDS, arrows
 from kindyna_gui.pictures.items import DrawnPart, Loop, Tag, outline
-from kindyna_gui.pictures.style import BALANCE, BLUE, SCREEN, TEXT, Theme, drive_colour, rgb
+from kindyna_gui.pictures.style import BALANCE, BLUE, SCREEN, TEXT, Theme, rgb
 
 BUILDERS = (cam_parts.cam, parts.roller, parts.linkage)
 
@@ -162,7 +162,7 @@ class CarriedFigure:
             axes.lineTo(end.real, end.imag)
         floor[:, 2] = 0.0
         self.root = QGraphicsPathItem(outline(self._seen))
-        self.root.setPen(theme.pen(BLUE))
+        self.root.setPen(theme.pen(theme.seen(BLUE)))
         for shape, colour in ((axes, theme.quiet), (outline(seen_from(floor, *ISOMETRIC)), theme.quiet)):
             item = QGraphicsPathItem(shape, self.root)
             item.setPen(theme.pen(colour))
@@ -234,7 +234,7 @@ class Assembly(QGraphicsScene):
         """Draw these drives with these layers, rows of ``OF_EACH`` and ``OF_CHOSEN``; what stands as it did is left alone."""
         of_each = tuple(layer for layer in OF_EACH if layer in layers)
         of_chosen = tuple(layer for layer in OF_CHOSEN if layer in layers)
-        rows = list(_rows(shaft))
+        rows = list(_rows(shaft, self.theme))
         self.missing = tuple(name for _, name, study, _, _, _ in rows if study is None)
         kept: dict[int, DriveFigure] = {}
         for number, name, study, place, mirrored, colour in rows:
@@ -406,6 +406,17 @@ class Assembly(QGraphicsScene):
         self.overlay.lay(visible, scale)
         self.overlay.show_angle(degrees(self._machine))
 
+    def redress(self) -> None:
+        """Theme or letters have changed: the drives are to be drawn anew."""
+        for item in self.items():
+            if isinstance(item, Tag):
+                item.letter()
+        cells = self._cells
+        self.figures, self.carried = {}, None
+        for cell in cells:
+            self.removeItem(cell.root)
+            self.removeItem(cell.tag)
+
     def lay_labels(self) -> None:
         """The names of the drives stand where they are."""
 
@@ -426,7 +437,7 @@ def _grid(boxes: Sequence[QRectF], columns: int) -> tuple[list[complex], complex
     return corners, complex(width, -top)
 
 
-def _rows(shaft: Camshaft[Study]) -> Iterator[tuple[int, str, Study | None, ShaftPosition, bool, str]]:
+def _rows(shaft: Camshaft[Study], theme: Theme) -> Iterator[tuple[int, str, Study | None, ShaftPosition, bool, str]]:
     """Number, name, study (None without an answer), place, side and colour of each drive, the balance cam behind them."""
     for number, ((name, study), drive) in enumerate(zip(shaft.drives.items(), shaft.design.drives, strict=True)):
         there: Study | None = study
@@ -434,14 +445,14 @@ def _rows(shaft: Camshaft[Study]) -> Iterator[tuple[int, str, Study | None, Shaf
             _ = study.linkage
         except NoAnswer:
             there = None
-        yield number, name, there, shaft.places[name], drive.mirrored, drive_colour(number)
+        yield number, name, there, shaft.places[name], drive.mirrored, theme.drive(number)
     if shaft.design.balancer is None:
         return
     try:
         cam = shaft.balancer
-        yield len(shaft.drives), BALANCER, cam, shaft.balancer_place, False, BALANCE
+        yield len(shaft.drives), BALANCER, cam, shaft.balancer_place, False, theme.seen(BALANCE)
     except NoAnswer:
-        yield len(shaft.drives), BALANCER, None, ShaftPosition(), False, BALANCE
+        yield len(shaft.drives), BALANCER, None, ShaftPosition(), False, theme.seen(BALANCE)
 
 
 __all__ = ["OF_CHOSEN", "OF_EACH", "Assembly", "DriveFigure"]

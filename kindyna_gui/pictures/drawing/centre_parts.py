@@ -161,8 +161,13 @@ class KennedyLines:
         return lines
 
 
-def coupler_curves(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
-    """The path of every named point over the turn: of points on links that no pair holds on the frame boldly."""
+def coupler_paths(geometry: Geometry) -> Iterator[np.ndarray]:
+    """What ``coupler_curves`` draws (n,) [mm]."""
+    return (track for _, track, _ in _paths(geometry))
+
+
+def _paths(geometry: Geometry) -> Iterator[tuple[str, np.ndarray, bool]]:
+    """Every named point of the links: its name, its path (n,) [mm], and whether no pair holds its link on the frame."""
     held = {j.pair.body for j in geometry.joints if j.fixed}
     pinned = {name for body in held | {FRAME} for name in geometry.bodies[body].points}
     seen: set[str] = set()
@@ -171,11 +176,15 @@ def coupler_curves(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
             if name in seen or name == ROLLER or name.isdecimal() or name in geometry.bodies[FRAME].points:
                 continue
             seen.add(name)
-            free = name not in pinned
-            pen = theme.pen(BLUE, OUTLINE) if free else theme.pen(theme.quiet, THIN, DOTTED)
-            track = body.track(place)
-            item = Loop(track, pen) if geometry.whole_turn else Outline(polyline(track), pen)
-            yield DrawnPart(f"coupler.{name}", item, ("coupler",), Z_COUPLER if free else Z_WAYS)
+            yield name, body.track(place), name not in pinned
+
+
+def coupler_curves(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
+    """The path of every named point over the turn: of points on links that no pair holds on the frame boldly."""
+    for name, track, free in _paths(geometry):
+        pen = theme.pen(theme.seen(BLUE), OUTLINE) if free else theme.pen(theme.quiet, THIN, DOTTED)
+        item = Loop(track, pen) if geometry.whole_turn else Outline(polyline(track), pen)
+        yield DrawnPart(f"coupler.{name}", item, ("coupler",), Z_COUPLER if free else Z_WAYS)
 
 
 def ghost_poses(geometry: Geometry, theme: Theme, layer: str) -> Iterator[DrawnPart]:

@@ -18,6 +18,7 @@ from kindyna_gui.pictures.drawing.centre_parts import (
     CentreMarks,
     KennedyLines,
     coupler_curves,
+    coupler_paths,
     ghost_poses,
 )
 from kindyna_gui.pictures.drawing.free_space import TakenSpace
@@ -108,6 +109,10 @@ class Construct:
         drawn = RatioDimensions(self._geometry, CHAINS[layer], self._theme, self._viewport, self.room)
         self.ratios[layer] = drawn
         yield DrawnPart(f"{layer}.all", drawn.item, (layer,), Z_RATIOS, drawn.move)
+
+    def paths(self) -> list[np.ndarray]:
+        """The coupler curves (n,) [mm]."""
+        return list(coupler_paths(self._geometry))
 
     def _coupler(self, layer: str) -> Iterator[DrawnPart]:
         yield from coupler_curves(self._geometry, self._theme)

@@ -12,6 +12,7 @@ from core.instant_centres.centre import Key
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.drawing.overlay import BOTTOM_STRIP, TOP_STRIP
 from kindyna_gui.pictures.items import DrawnPart
+from kindyna_gui.preferences.units import sized
 
 FAR_CENTRES = 12.0  # sizes of the mechanism
 MARGIN_UNITS = 4.5  # around all that moves, in units of the symbols
@@ -60,11 +61,11 @@ def with_centres(rect: QRectF, table: CentreTable, index: int, only: Collection[
 def fitted(rect: QRectF, width: float, height: float, list_height: float = 0.0) -> tuple[QRectF, float]:
     """What a picture of so many pixels shows when a rectangle [mm] fills it between the strips that texts need:
     visible rectangle [mm] and scale [pixels per mm]. list_height: of a list at the top [pixels]."""
-    top = TOP_STRIP + list_height
-    room = max(height - top - BOTTOM_STRIP, 0.3 * height)
+    top = sized(TOP_STRIP) + list_height
+    room = max(height - top - sized(BOTTOM_STRIP), 0.3 * height)
     scale = min(width / rect.width(), room / rect.height())
     visible = _about(rect, width, height, scale)
-    visible.translate(0.0, -0.5 * (BOTTOM_STRIP - top) / scale)
+    visible.translate(0.0, -0.5 * (sized(BOTTOM_STRIP) - top) / scale)
     return visible, scale
 
 

@@ -16,7 +16,7 @@ from PySide6.QtCore import QRectF
 from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE, SLIDING
 from kindyna_gui.pictures.drawing.cam_parts import sense_arc
-from kindyna_gui.pictures.drawing.geometry import Body, Geometry
+from kindyna_gui.pictures.drawing.geometry import MM, Body, Geometry
 from kindyna_gui.pictures.drawing.parts import (
     BLOCK_HEIGHT,
     BLOCK_LENGTH,
@@ -41,7 +41,12 @@ FAR_TURN = 90.0  # [deg] of a link over the turn, from which its own sides are t
 PAD = 3.0  # a text wants so much free paper around, pixels
 COVERS, LEAVES, FURTHER = 6.0, 6.0, 0.5  # costs: covering a label, leaving the picture, each longer gap
 APART = 9.0  # between two labels, pixels
+AROUND = 240  # dots of a curve around the cam
 STEM_ROOM = STEM * EYE + BUSH  # half the width of a stem with its bush or its spring, in units
+
+
+TextBox = tuple[np.ndarray, complex]
+"""The middle of a text at the samples at which room is searched (k,) [mm], and half its size in pixels."""
 
 
 @frozen(eq=False)
@@ -178,8 +183,14 @@ class DrawnDots:
     weight: np.ndarray
 
 
-def ink(geometry: Geometry, seen: np.ndarray, strokes: Sequence[tuple[np.ndarray, np.ndarray]]) -> DrawnDots:
-    """The drawing as dots at the samples ``seen`` (k,); strokes: from (n,) to (n,) [mm], such as arrows."""
+def ink(
+    geometry: Geometry,
+    seen: np.ndarray,
+    strokes: Sequence[tuple[np.ndarray, np.ndarray]],
+    curves: Sequence[np.ndarray] = (),
+) -> DrawnDots:
+    """The drawing as dots at the samples ``seen`` (k,); strokes: from (n,) to (n,) [mm], such as arrows; curves: lines (m,) [mm]
+    that stand, such as the paths of points."""
     unit = geometry.unit
     rows: list[tuple[np.ndarray, float, float]] = []
 
@@ -198,7 +209,7 @@ def ink(geometry: Geometry, seen: np.ndarray, strokes: Sequence[tuple[np.ndarray
                 dots(middle, end, 2.0 * unit, 1.0)
         if len(ends) > 1:
             rows.append((np.stack(ends, axis=1), EYE * unit, 1.5))
-    around = np.exp(2j * np.pi * np.arange(40) / 40)
+    around = np.exp(2j * np.pi * np.arange(80) / 80)
     rounds = [(geometry.reference, geometry.face_radius)] if geometry.face_radius else []
     for track, radius in [*rounds, *((track, radius) for _, track, radius in geometry.further_rollers)]:
         rows.append((track[seen][:, None] + radius * around, 0.0, 0.8))
@@ -209,13 +220,14 @@ def ink(geometry: Geometry, seen: np.ndarray, strokes: Sequence[tuple[np.ndarray
         for one, other in pairwise(places):
             dots(one, other, 0.0, 1.0)
     if geometry.profile.size:
-        thin = slice(None, None, max(1, geometry.samples // 90))
+        thin = slice(None, None, max(1, geometry.samples // AROUND))
         turn = np.exp(1j * np.deg2rad(geometry.turned[seen]))[:, None]
-        rows.append((geometry.profile[thin] * turn, 0.0, 0.6))
-        if geometry.pitch.size:
-            rows.append((geometry.pitch[thin] * turn, 0.0, 0.9))
+        for loop in (geometry.profile, geometry.pitch, *(flank.profile * MM for flank in geometry.further)):
+            rows.append((loop[thin] * turn, 0.0, 0.9))
+        for radius in (geometry.base_radius, *(radius for _, radius in geometry.bored)):
+            rows.append((np.tile(radius * around, (seen.size, 1)), 0.0, 0.6))
         centre = np.where(np.isfinite(geometry.centre[seen]), geometry.centre[seen], 0.0)
-        dots(geometry.reference[seen], centre, 0.0, 0.25)
+        dots(geometry.reference[seen], centre, 0.0, 0.6)
     if geometry.with_cam:
         rows.append((np.zeros((seen.size, 1), dtype=complex), 2.0 * unit, 1.0))
         radius, begin, span = sense_arc(geometry)
@@ -233,6 +245,7 @@ def ink(geometry: Geometry, seen: np.ndarray, strokes: Sequence[tuple[np.ndarray
         elif joint.fixed:
             down = ground_direction(joint, geometry) * unit
             rows.append((track[:, None] + down * np.array([1.0, 2.2, 3.0]), 1.6 * unit, 1.0))
+    rows += [(np.tile(curve, (seen.size, 1)), 0.0, 0.7) for curve in curves]
     for start, end in strokes:
         dots(start[seen], np.where(np.isfinite(end), end, start)[seen], 0.5 * unit, 0.7)
     place = np.concatenate([p for p, _, _ in rows], axis=1)
@@ -246,6 +259,7 @@ class Labels:
     def __init__(self, geometry: Geometry, theme: Theme) -> None:
         self._geometry = geometry
         self._strokes: Sequence[tuple[np.ndarray, np.ndarray]] = ()
+        self._curves: Sequence[np.ndarray] = ()
         self._still: int | None = None
         self._rows = [(label, Tag(label.text, theme.ink, theme)) for label in names(geometry)]
         self._moves: dict[str, Move] = {}
@@ -258,19 +272,20 @@ class Labels:
             return False
         self._geometry = geometry
         self._rows = [(label, tag) for label, (_, tag) in zip(rows, self._rows, strict=True)]
-        for cached in ("_samples", "_ink"):
+        for cached in ("samples", "_ink"):
             self.__dict__.pop(cached, None)
         for _, tag in self._rows:
             tag.setOpacity(1.0)
         return True
 
     @cached_property
-    def _samples(self) -> np.ndarray:
+    def samples(self) -> np.ndarray:
+        """Where room is searched (k,)."""
         return spread_samples(self._geometry) if self._still is None else np.array([self._still])
 
     @cached_property
     def _ink(self) -> DrawnDots:
-        return ink(self._geometry, self._samples, self._strokes)
+        return ink(self._geometry, self.samples, self._strokes, self._curves)
 
     def parts(self) -> Iterator[DrawnPart]:
         """The texts as parts of the drawing, which move with what they name."""
@@ -281,21 +296,22 @@ class Labels:
     def _mover(self, key: str) -> Move:
         return lambda i: self._moves[key](i)
 
-    def avoid(self, strokes: Sequence[tuple[np.ndarray, np.ndarray]]) -> None:
-        """Keep clear of these too: from (n,) to (n,) [mm]. Takes effect when next arranged."""
-        self._strokes = strokes
+    def avoid(self, strokes: Sequence[tuple[np.ndarray, np.ndarray]], curves: Sequence[np.ndarray] = ()) -> None:
+        """Keep clear of these too: from (n,) to (n,) [mm], and lines (m,) [mm] that stand. Takes effect when next arranged."""
+        self._strokes, self._curves = strokes, curves
         self.__dict__.pop("_ink", None)
 
     def stand_still(self, index: int) -> None:
         """Care for this sample alone. Takes effect when next arranged."""
         if index != self._still:
             self._still = index
-            for cached in ("_samples", "_ink"):
+            for cached in ("samples", "_ink"):
                 self.__dict__.pop(cached, None)
 
-    def arrange(self, corners: tuple[complex, complex], scale: float) -> None:
-        """Lay all labels; corners: lower left and upper right of what is visible [mm], scale in pixels per mm."""
-        self._choose(corners, scale)
+    def arrange(self, corners: tuple[complex, complex], scale: float, texts: Sequence[TextBox] = ()) -> None:
+        """Lay all labels; corners: lower left and upper right of what is visible [mm], scale in pixels per mm; texts: others, which
+        stay where they are."""
+        self._choose(corners, scale, texts)
         self.lay(scale)
 
     def keep(self, sides: Mapping[str, int], scale: float) -> bool:
@@ -331,13 +347,13 @@ class Labels:
         shown = [(tag.pos() * scale, tag.pixel_box()) for _, tag in self._rows if tag.isVisible()]
         return [box.translated(place.x(), -place.y()) for place, box in shown]
 
-    def _choose(self, corners: tuple[complex, complex], scale: float) -> None:
+    def _choose(self, corners: tuple[complex, complex], scale: float, texts: Sequence[TextBox]) -> None:
         """Find the best side of each part."""
-        taken: list[tuple[np.ndarray, float, float]] = []
+        taken = [(middle, half.real / scale, half.imag / scale) for middle, half in texts]
         for label, tag in self._rows:
             half = complex(*tag.size) / 2
-            outwards = label.outwards(self._samples)
-            centre = np.where(np.isfinite(label.track), label.track, 0.0)[self._samples][:, None]
+            outwards = label.outwards(self.samples)
+            centre = np.where(np.isfinite(label.track), label.track, 0.0)[self.samples][:, None]
             fixed, around = outwards[:, : SIDES.size], outwards[:, SIDES.size :]
             lean = np.hstack([_lean(fixed, half), _clear(around, half)])
             centre = centre + outwards * label.room + (outwards * label.gaps + lean) / scale

@@ -4,6 +4,7 @@ centres of mass."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from itertools import pairwise
 from types import MappingProxyType
 from typing import Any
 
@@ -24,7 +25,7 @@ from core.dynamics import (
 )
 from core.errors import NoAnswer
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
-from kindyna_gui.pictures.drawing.spring_parts import LAYER, OUTER, closing, spirals, spring, torsion
+from kindyna_gui.pictures.drawing.spring_parts import HALF_WIDTH, LAYER, OUTER, closing, spirals, spring, torsion
 from kindyna_gui.pictures.items import Arrow, DrawnPart, Outline, Tag, pinned
 from kindyna_gui.pictures.shapes import PIN, arc_arrow, circle, joined
 from kindyna_gui.pictures.style import OUTLINE, SMALL, Theme, brush
@@ -80,7 +81,12 @@ def strokes(geometry: Geometry, shown: Callable[[str], bool]) -> list[tuple[np.n
             rows = acting_of(element, geometry.kinematics, geometry.study.omega)
             found += [_arrow(row, geometry)[1:] for row in rows if np.abs(row.force).any()]
         for track in spirals(element, geometry):
-            found += [(track - arm, track + arm) for arm in (OUTER * unit, 1j * OUTER * unit)]
+            corners = OUTER * unit * np.exp(2j * np.pi * np.arange(9) / 8)
+            found += [(track + one, track + other) for one, other in pairwise(corners)]
+    for _, one, other in geometry.springs if shown("loads") else ():
+        along = other - one
+        wide = HALF_WIDTH * unit * along * 1j / np.where(along == 0.0, 1.0, np.abs(along))
+        found += [(one + beside, other + beside) for beside in (-wide, wide)]
     for body, inertia in masses_of(geometry.study.loading).items() if shown("masses") else ():
         if inertia.mass:
             track = geometry.bodies[body].track(inertia.centre * MM)

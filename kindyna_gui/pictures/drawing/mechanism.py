@@ -18,7 +18,7 @@ from kindyna_gui.pictures.drawing import cam_parts, framing, load_parts, parts, 
 from kindyna_gui.pictures.drawing.dimension_parts import dimensions, strokes
 from kindyna_gui.pictures.drawing.framing import MARGIN_UNITS
 from kindyna_gui.pictures.drawing.geometry import Geometry
-from kindyna_gui.pictures.drawing.labels import Labels
+from kindyna_gui.pictures.drawing.labels import Labels, TextBox
 from kindyna_gui.pictures.drawing.layers import (
     DIMENSIONS,
     EVERY_LAYER,
@@ -36,7 +36,7 @@ from kindyna_gui.pictures.drawing.profile_colours import COLOURINGS, ColouredLoo
 from kindyna_gui.pictures.drawing.profile_reading import reading_at
 from kindyna_gui.pictures.drawing.shaft_parts import shaft
 from kindyna_gui.pictures.drawing.vectors import FIELDS
-from kindyna_gui.pictures.items import DrawnPart, Loop, Outline
+from kindyna_gui.pictures.items import DrawnPart, Loop, Outline, Tag
 from kindyna_gui.pictures.shapes import circle
 from kindyna_gui.pictures.style import OUTLINE, SCREEN, Theme, brush
 from kindyna_gui.pictures.viewport import Viewport
@@ -140,7 +140,7 @@ class MechanismScene(QGraphicsScene):
         for layer in LINKAGE_LAYERS:
             self._need_more(layer)
         drew = drew or self._shown[DIMENSIONS]
-        if self._fields or drew or geometry.elements or self._shown["masses"]:
+        if self._fields or drew or geometry.elements or self._shown["masses"] or self._shown["coupler"]:
             self._make_room()
         self._show()
         if not lay or (self._region is None and keep_labels):
@@ -261,9 +261,28 @@ class MechanismScene(QGraphicsScene):
             shown = [field for layer, field in self._fields.items() if self._shown[layer]]
             values = strokes(self.geometry) if self._shown[DIMENSIONS] else []
             values += load_parts.strokes(self.geometry, self._shown.__getitem__)
-            self._labels.avoid(
-                [*(stroke for field in shown for stroke in vectors.strokes(field, self.geometry)), *values]
-            )
+            curves = () if self.construct is None or not self._shown["coupler"] else self.construct.paths()
+            drawn = (stroke for field in shown for stroke in vectors.strokes(field, self.geometry))
+            self._labels.avoid([*drawn, *values], curves)
+
+    def _written(self, samples: np.ndarray) -> Iterator[TextBox]:
+        """The texts of the picture that are no names, at these samples."""
+        if self.overlay is None:
+            return
+        scale = self.viewport.scale
+        for box in self.overlay.boxes(self.viewport.visible, scale):
+            middle = complex(box.center().x(), -box.center().y()) / scale
+            yield np.full(samples.size, middle), complex(box.width(), box.height()) / 2
+        for part in self.parts.values():
+            own = part.key.startswith("label.") or not set(LINKAGE_LAYERS).isdisjoint(part.layers)
+            if isinstance(part.item, Tag) and part.item.isVisible() and not own:
+                middles = []
+                for i in samples:
+                    if part.move is not None:
+                        part.move(int(i))
+                    box, at = part.item.pixel_box(), part.item.pos()
+                    middles.append(complex(at.x() + box.center().x() / scale, at.y() - box.center().y() / scale))
+                yield np.array(middles), complex(box.width(), box.height()) / 2
 
     def item(self, key: str) -> QGraphicsItem:
         """The item of a part: ``cam``, ``roller``, ``body.arm``, ``pin.pivot`` ...; raises KeyError."""
@@ -286,18 +305,17 @@ class MechanismScene(QGraphicsScene):
             self._need_more(name)
         if name in LAZY:
             self._need_parts(name)
-            if self._region is not None and self.overlay is not None:
-                self.overlay.show_layers(self._shown)
-                self.overlay.lay(*self._region)
+        if name in FIELDS:
+            self._need(name)
+        self._show()  # before anything is laid: what is not seen takes no place
+        if name in LAZY and self._region is not None and self.overlay is not None:
+            self.overlay.lay(*self._region)
         if name == DIMENSIONS and self.geometry is not None:
             self._frame()
-        if name in (*FIELDS, *OF_LOADS, DIMENSIONS):
-            if name in FIELDS:
-                self._need(name)
+        if name in (*FIELDS, *OF_LOADS, DIMENSIONS, "coupler"):
             self._make_room()
             if self._region is not None:
                 self.show_region(*self._region)
-        self._show()
         self._move(self.index, self._angle)
 
     def _show(self) -> None:
@@ -401,6 +419,13 @@ class MechanismScene(QGraphicsScene):
         if self._region is not None:
             self.show_region(*self._region)
 
+    def redress(self) -> None:
+        """Be written in the letters of now."""
+        for item in self.items():
+            if isinstance(item, Tag):
+                item.letter()
+        self.lay_labels()
+
     def _show_region(self, visible: QRectF, scale: float, sides: Mapping[str, int]) -> None:
         self._region = (visible, scale)
         self.viewport.visible, self.viewport.scale = QRectF(visible), scale
@@ -409,12 +434,13 @@ class MechanismScene(QGraphicsScene):
         for ribbon in self._ribbons:
             ribbon.look(scale)
         if self._labels is not None and self.overlay is not None:
+            self.overlay.lay(visible, scale)
             low = complex(visible.left(), visible.top())
             if self._still:
                 self._labels.stand_still(self.index)
             if not self._labels.keep(sides, scale):
-                self._labels.arrange((low, low + complex(visible.width(), visible.height())), scale)
-            self.overlay.lay(visible, scale)
+                texts = list(self._written(self._labels.samples))
+                self._labels.arrange((low, low + complex(visible.width(), visible.height())), scale, texts)
             self._move(self.index, self._angle)
 
 

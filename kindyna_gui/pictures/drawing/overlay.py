@@ -11,10 +11,10 @@ from PySide6.QtWidgets import QGraphicsItem
 
 from core.frozen import frozen
 from kindyna_gui.pictures.drawing.profile_colours import ColourScale, bar_width, colour_bar
-from kindyna_gui.pictures.items import Outline, Tag, wrapped
+from kindyna_gui.pictures.items import Outline, Tag, text_size, wrapped
 from kindyna_gui.pictures.style import OUTLINE, SMALL, TEXT, THIN, Theme, brush
 from kindyna_gui.pictures.units import nice_below, readable, short, with_unit
-from kindyna_gui.preferences.units import size_of
+from kindyna_gui.preferences.units import size_of, sized
 
 MARGIN = 12.0  # from the picture's edge, pixels
 TOP_STRIP, BOTTOM_STRIP = 30.0, 44.0  # of a picture, kept free of the mechanism, pixels
@@ -231,13 +231,19 @@ class Overlay:
         """Where the corners are taken, in pixels of the whole scene, y downwards."""
         left, right = visible.left() * scale, visible.right() * scale
         top, low = -visible.bottom() * scale, -visible.top() * scale
-        boxes = [QRectF(left, top, self._text.size[0] + 2.0 * MARGIN, TOP_STRIP)]
+        widest = text_size(f"{self.angle_name.capitalize()} 360.0°", TEXT)[0]
+        boxes = [QRectF(left, top, max(widest, self._text.size[0]) + 2.0 * MARGIN, sized(TOP_STRIP))]
         if self.bar.isVisible():
-            boxes.append(QRectF(left, low - BOTTOM_STRIP, self.bar.length_mm * scale + 4.0 * MARGIN, BOTTOM_STRIP))
+            boxes.append(
+                QRectF(left, low - sized(BOTTOM_STRIP), self.bar.length_mm * scale + 4.0 * MARGIN, sized(BOTTOM_STRIP))
+            )
         shown = sum(arrow.isVisible() for arrow in self.vectors.values())
         bars = [bar.width + MARGIN for bar in self.colours.values() if bar.isVisible()]
         if shown or bars:
-            high, wide = (1.0 + 1.5 * shown) * MARGIN + len(bars) * COLOUR_ROW, max(2.5 * ARROW_PIXELS, *bars, 0.0)
+            high, wide = (
+                sized((1.0 + 1.5 * shown) * MARGIN) + len(bars) * sized(COLOUR_ROW),
+                max(2.5 * ARROW_PIXELS, *bars, 0.0),
+            )
             boxes.append(QRectF(right - wide, low - high, wide, high))
         return boxes
 
@@ -250,10 +256,10 @@ class Overlay:
         below = 0.0
         for bar in self.colours.values():
             if bar.isVisible():
-                bar.setPos(visible.right() - edge, visible.top() + (below + COLOUR_TICKS) / scale)
-                below += COLOUR_ROW
+                bar.setPos(visible.right() - edge, visible.top() + (below + sized(COLOUR_TICKS)) / scale)
+                below += sized(COLOUR_ROW)
         for row, arrow in enumerate(arrow for arrow in self.vectors.values() if arrow.isVisible()):
-            arrow.setPos(visible.right() - edge, visible.top() + (1.3 + 1.5 * row) * edge + below / scale)
+            arrow.setPos(visible.right() - edge, visible.top() + (1.3 + sized(1.5) * row) * edge + below / scale)
             arrow.lay(scale)
         self.reading.setPos(visible.right() - edge, visible.bottom() - 0.7 * edge)
         self._reading_room = visible.width() * scale - self._text.size[0] - 4.0 * MARGIN

@@ -19,6 +19,7 @@ from kindyna_gui.pictures.items import Outline, Tag
 from kindyna_gui.pictures.style import BLUE, OUTLINE, PURPLE, SMALL, VERMILION, Theme, brush
 from kindyna_gui.pictures.units import digits
 from kindyna_gui.pictures.viewport import Viewport
+from kindyna_gui.preferences.units import sized
 
 Z_RATIOS = 9.0
 COLOURS = (BLUE, VERMILION, PURPLE, "#8C6D1F", "#00796B")  # of one ratio after the other
@@ -121,7 +122,7 @@ class RatioDimensions:
         driver = body_name(geometry.study.design.drive.linkage.driver.link)
         self.rows: list[tuple[RatioArms, tuple[_Dimension, _Dimension], Tag]] = []
         for number, (body, base) in enumerate(pairs(self._table, driver)):
-            colour = COLOURS[number % len(COLOURS)]
+            colour = theme.seen(COLOURS[number % len(COLOURS)])
             arms = ratio_arms(self._table, body, base)
             lines = _Dimension(arms.other, arms.common, colour, theme), _Dimension(arms.own, arms.common, colour, theme)
             self.rows.append((arms, lines, Tag("", theme.letters(colour), theme, SMALL, (0.0, 0.0), backing=True)))
@@ -177,7 +178,7 @@ class RatioDimensions:
         """All ratios in figures, one below the other under the angle; down: so many pixels further."""
         omega, bodies = self._geometry.study.omega, self._geometry.kinematics.bodies
         seen, scale = self._viewport.visible, self._viewport.scale
-        x, y = seen.left() * scale + MARGIN, -seen.bottom() * scale + UNDER_ANGLE + down
+        x, y = seen.left() * scale + MARGIN, -seen.bottom() * scale + sized(UNDER_ANGLE) + down
         for number, (arms, _, tag) in enumerate(self.rows):
             tag.set_text(
                 ratio_text(arms, i, *(float(bodies[name].turn[1][i]) * omega for name in (arms.base, arms.body)))

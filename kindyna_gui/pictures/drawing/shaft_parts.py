@@ -49,15 +49,19 @@ def shaft(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     room = geometry.bearing_room
     pulley = Outline(joined(circle(rim), circle(RIM * rim)), theme.pen(theme.quiet, OUTLINE))
     yield DrawnPart("twist.pulley", pulley, (TWIST,), Z_PULLEY)
-    spoke = Outline(segments([(OUTER * room + 0j, rim + 0j)]), theme.pen(VERMILION, OUTLINE))
+    spoke = Outline(segments([(OUTER * room + 0j, rim + 0j)]), theme.pen(theme.seen(VERMILION), OUTLINE))
     yield DrawnPart("twist.input", spoke, (TWIST,), Z_SPRING, turning(spoke, ahead))
     behind = Outline(
         segments([(edge_radius(geometry.profile) + 0j, rim + 0j)]), theme.pen(theme.cam_line, THIN, DASHED)
     )
-    fixed = Outline(circle(0.4 * geometry.unit, INNER * room + 0j), theme.pen(VERMILION, THIN), brush(VERMILION))
+    fixed = Outline(
+        circle(0.4 * geometry.unit, INNER * room + 0j),
+        theme.pen(theme.seen(VERMILION), THIN),
+        brush(theme.seen(VERMILION)),
+    )
     yield DrawnPart("twist.fixed", fixed, (TWIST,), Z_SPRING, turning(fixed, geometry.turned))
     yield DrawnPart("twist.cam", behind, (TWIST,), Z_SPRING, turning(behind, geometry.turned))
-    spring, arc = (Outline(QPainterPath(), theme.pen(VERMILION, width)) for width in (THIN, 3.0))
+    spring, arc = (Outline(QPainterPath(), theme.pen(theme.seen(VERMILION), width)) for width in (THIN, 3.0))
 
     def move(i: int) -> None:
         """In the cam's frame: the spring's inner end stays on the cam, its outer end and the arc's go with the pulley."""

@@ -13,6 +13,7 @@ from PySide6.QtGui import QPainter, QPen
 
 from core.frozen import frozen
 from kindyna_gui.pictures.style import SMALL, TEXT, Theme, font
+from kindyna_gui.preferences.units import sized
 
 _ROOM = QRectF(0.0, 0.0, 100.0, 100.0)  # a text is measured in
 TITLE_BACK = 9.0  # pixels
@@ -41,6 +42,12 @@ class Axis(pg.AxisItem):
             self.setTickPen(hidden)
             self.setTextPen(theme.pen(theme.quiet))
 
+    def letter(self) -> None:
+        """Be written in the letters of now."""
+        self._sizes = {}
+        self.setStyle(tickFont=font(SMALL))
+        self.title_anew(str)
+
     def show_ticks(self, rows: Sequence[tuple[float, str]]) -> None:
         """Ticks at these values with these texts, and no others."""
         if list(rows) != self.shown:  # pyqtgraph would draw the axis anew
@@ -49,17 +56,22 @@ class Axis(pg.AxisItem):
 
     def show_title(self, text: str, colour: str) -> None:
         """The axis' name; put in the middle anew, which setLabel alone does not do."""
-        style = {"color": colour, "font-size": f"{TEXT}px"}
+        style = {"color": colour, "font-size": f"{round(sized(TEXT))}px"}
         if (text, colour) != self._title:
             self._title = (text, colour)
             self.setLabel(re.sub(r"_(\w+)", r"<sub>\1</sub>", escape(text)), **style)
             self.resizeEvent()
 
+    def title_anew(self, colour: Callable[[str], str]) -> None:
+        """The name, its colour and size as they are now."""
+        (text, before), self._title = self._title, ("", "")
+        self.show_title(text, colour(before))
+
     def resizeEvent(self, event: object = None) -> None:
         """On the right pyqtgraph would let the title hang over the end."""
         super().resizeEvent(event)
         if self.orientation == "right" and getattr(self, "label", None) is not None:
-            self.label.moveBy(-TITLE_BACK, 0.0)
+            self.label.moveBy(-sized(TITLE_BACK), 0.0)
 
     # -- drawing --------------------------------------------------------------------------------------------
 

@@ -28,6 +28,7 @@ from kindyna_gui.pictures.plots.frame import (
 from kindyna_gui.pictures.plots.lines import LimitLine
 from kindyna_gui.pictures.style import THIN, Theme, brush
 from kindyna_gui.pictures.units import decimals_of, number, ticks
+from kindyna_gui.preferences.units import sized
 
 ANGLE_STEPS = (30, 60, 90, 180)  # between ticks of the cam angle, deg
 LEAST_ANGLE_PIXELS, LEAST_VALUE_PIXELS, LEAST_ACROSS = 38.0, 26.0, 46.0  # between ticks; of numbers along the bottom
@@ -56,7 +57,7 @@ def spans(motion: Motion | None) -> list[Span]:
 
 def angle_step(width: float) -> int:
     """Degrees between ticks of a whole turn on so many pixels."""
-    return next((s for s in ANGLE_STEPS if width * s / 360.0 >= LEAST_ANGLE_PIXELS), ANGLE_STEPS[-1])
+    return next((s for s in ANGLE_STEPS if width * s / 360.0 >= sized(LEAST_ANGLE_PIXELS)), ANGLE_STEPS[-1])
 
 
 def angle_ticks(width: float) -> list[tuple[float, str]]:
@@ -66,7 +67,7 @@ def angle_ticks(width: float) -> list[tuple[float, str]]:
 
 def value_ticks(low: float, high: float, pixels: float, least: float = LEAST_VALUE_PIXELS) -> list[tuple[float, str]]:
     """Round numbers, at least so many pixels from each other where two have room."""
-    values, step = ticks(low, high, max(2, int(pixels / least)))
+    values, step = ticks(low, high, max(2, int(pixels / sized(least))))
     return [(value, number(value, decimals_of(step))) for value in values]
 
 

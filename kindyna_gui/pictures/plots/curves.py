@@ -109,7 +109,7 @@ def read_curves(study: Study, channels: Sequence[Quantity], theme: Theme) -> lis
         nth = seen[row.family] = seen.get(row.family, -1) + 1
         floor = floor_of(study, row)
         values = without_noise(row.values(study), floor)
-        colour = shade(theme.family(row.family), nth) if beside is None else beside.colour
+        colour = theme.seen(shade(theme.family(row.family), nth)) if beside is None else beside.colour
         gain = gain_of(study, row.name) / row.unit.factor
         curves.append(Curve(row, values, colour, floor, gain))
     return curves

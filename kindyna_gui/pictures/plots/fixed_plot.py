@@ -14,6 +14,7 @@ from kindyna_gui.pictures.plots.background import BOTTOM_HEIGHT, LEFT_WIDTH, TOP
 from kindyna_gui.pictures.plots.frame import Frame
 from kindyna_gui.pictures.plots.legend import Entry, Legend
 from kindyna_gui.pictures.style import SCREEN, TEXT, THIN, Theme
+from kindyna_gui.preferences.units import sized
 
 EDGE, RIGHT_MARGIN = 2, 16  # around the axes, pixels
 TOP_MARGIN = 6  # where nothing stands above the plot
@@ -79,10 +80,7 @@ class FixedPlot(pg.GraphicsView):
         self._view.setRange(xRange=(0.0, 360.0), yRange=(0.0, 1.0), padding=0.0)
         self._numbered_below, self._title_below, self._low = True, "", False
         self._below: tuple[bool, str, bool] | None = None
-        axes["left"].setWidth(LEFT_WIDTH)
-        axes["bottom"].setHeight(BOTTOM_HEIGHT)
-        if top:
-            axes["top"].setHeight(TOP_HEIGHT)
+        self._size_axes()
         self._paper = Paper(self._view, theme)
         self._legend = Legend(sheet, theme.ink, centred)
         self._message = Tag("", theme.quiet, theme, TEXT)
@@ -117,13 +115,30 @@ class FixedPlot(pg.GraphicsView):
         if self._below == (on, self._title_below, self._low):
             return
         self._below = on, self._title_below, self._low
-        axis.setHeight(NUMBERS if self._low else BOTTOM_HEIGHT if on else BARE)
+        self._size_axes()
         axis.setStyle(showValues=on)
         axis.show_title(self._title_below if on and not self._low else "", self._theme.ink)
 
     @property
     def _is_low(self) -> bool:
         return self._numbered_below and self._title_below.endswith(DEGREES) and self.height() < LOW
+
+    def _size_axes(self) -> None:
+        """Room for their numbers and titles."""
+        self._axes["left"].setWidth(sized(LEFT_WIDTH))
+        below = NUMBERS if self._low else BOTTOM_HEIGHT if self._numbered_below else BARE
+        self._axes["bottom"].setHeight(sized(below) if self._numbered_below else below)
+        if "top" in self._axes:
+            self._axes["top"].setHeight(sized(TOP_HEIGHT))
+
+    def redress(self) -> None:
+        """Theme or letters have changed: lay out anew what is there."""
+        for item in self.scene().items():
+            if callable(letter := getattr(item, "letter", None)):
+                letter()
+        self._size_axes()
+        self._fit_legend()
+        self._lay()
 
     def getViewBox(self) -> pg.ViewBox:
         """What stands between the axes, in their numbers."""
@@ -154,7 +169,7 @@ class FixedPlot(pg.GraphicsView):
 
     def _fit_legend(self) -> None:
         """Between the left axis and what is kept free on the right."""
-        left = float(EDGE + LEFT_WIDTH)
+        left = EDGE + sized(LEFT_WIDTH)
         width = self.width() - left - max(RIGHT_MARGIN, self.corner)
         self._legend.fit(QRectF(left, self._above, width, LEGEND_SHARE * self.height()))
         layout = self._sheet.layout

@@ -10,7 +10,7 @@ from types import MappingProxyType
 import numpy as np
 import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRectF
-from PySide6.QtGui import QPainterPath
+from PySide6.QtGui import QAccessible, QPainterPath
 from PySide6.QtWidgets import QGraphicsItem, QGraphicsSimpleTextItem, QWidget
 
 from core.output.graph import ANGLES, DASHES, RIGHT, Graph, GraphAxis, GraphPoint, Plotted, Series, angle_marks
@@ -33,11 +33,11 @@ from kindyna_gui.pictures.style import (
     VERMILION,
     Theme,
     brush,
-    drive_colour,
     font,
     shade,
 )
-from kindyna_gui.pictures.units import DisplayUnit, with_unit
+from kindyna_gui.pictures.units import NOTHING_DRAWN, DisplayUnit, lines_words, with_unit
+from kindyna_gui.preferences.units import sized
 
 SYMBOLS = {"circle": "o", "square": "s", "triangle": "t1", "cross": "x", "plus": "+"}
 SIGNS = {"solid": "—", "dashed": "- -", "dotted": "···", "dash-dot": "-·-"}
@@ -137,14 +137,25 @@ class GraphPlot(FixedPlot):
         names = [Entry(self.colour(i), each.name, self._sign(each)) for i, each in enumerate(found.series)]
         self._name([*names, *([shades_entry(self._theme)] if bands else [])])
         self._heading.setText(graph.title)
-        self._above = float(TOP_MARGIN + (TITLE_HEIGHT if graph.title else 0))
+        self._above = float(TOP_MARGIN + (sized(TITLE_HEIGHT) if graph.title else 0))
         self._sheet.layout.setContentsMargins(EDGE, self._above, RIGHT_MARGIN, EDGE)
         self._fit_legend()
         self.points = tuple(point for point in self.points if point.series < len(found.series))
+        self._speak()
         if same:
             self.show_part(self.shown)
         else:
             self.fit()
+
+    def _speak(self) -> None:
+        """What is drawn, in words, where somebody hears them."""
+        self.setAccessibleName(self.graph.title or "Graph")
+        if QAccessible.isActive():
+            rows = [
+                lines_words([(each.name, each.x, each.y)], self._across(), self._upwards(self.axis_of(number)))
+                for number, each in enumerate(self.found.series)
+            ]
+            self.setAccessibleDescription("; ".join(rows) or self._message_text or NOTHING_DRAWN)
 
     def _seats(self) -> list[int]:
         """For each axis of the graph its place: 0 on the left, from 1 on the right; those that have none are hidden."""
@@ -158,10 +169,10 @@ class GraphPlot(FixedPlot):
         while len(self._further) < right:
             self._further.append(self._one_more())
         self._axes["left"].setVisible(not made or 0 in made)
-        self._axes["left"].setWidth(LEFT_WIDTH if not made or 0 in made else 8)
+        self._axes["left"].setWidth(sized(LEFT_WIDTH) if not made or 0 in made else 8)
         for number, (axis, _) in enumerate(self._further, 1):
             axis.setVisible(number in made)
-            axis.setWidth(RIGHT_WIDTH if number in made else 0)
+            axis.setWidth(sized(RIGHT_WIDTH) if number in made else 0)
         return made
 
     def _one_more(self) -> tuple[Axis, pg.ViewBox]:
@@ -191,18 +202,18 @@ class GraphPlot(FixedPlot):
         each = self.found.series[series]
         row = self.graph.curve(each.key)
         if row is not None and row.colour:
-            return row.colour
+            return self._theme.seen(row.colour)
         if each.part >= 0:
-            return drive_colour(each.part)
+            return self._theme.drive(each.part)
         alike = [
             i for i, other in enumerate(self.found.series[:series]) if other.family == each.family and other.part < 0
         ]
-        drives = {drive_colour(other.part) for other in self.found.series if other.part >= 0}
+        drives = {self._theme.drive(other.part) for other in self.found.series if other.part >= 0}
         if each.family and self._theme.family(each.family).lower() in drives:
             alike.append(-1)  # a drive has that colour
         if each.family and len(alike) <= SHADES:
-            return shade(self._theme.family(each.family), len(alike))
-        return _OWN[(len(alike) - (SHADES + 1 if each.family else 0)) % len(_OWN)]
+            return self._theme.seen(shade(self._theme.family(each.family), len(alike)))
+        return self._theme.seen(_OWN[(len(alike) - (SHADES + 1 if each.family else 0)) % len(_OWN)])
 
     def _sign(self, series: Series) -> str:
         row = self.graph.curve(series.key)

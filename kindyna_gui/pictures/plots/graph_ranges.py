@@ -12,6 +12,7 @@ from core.output.graph import AxisOf, GraphAxis, Plotted, kind_of
 from core.units import change
 from kindyna_gui.pictures.plots.background import ANGLE_STEPS, LEAST_ACROSS, LEAST_VALUE_PIXELS, value_ticks
 from kindyna_gui.pictures.units import MINUS, DisplayUnit, nice_step, number, readable, short
+from kindyna_gui.preferences.units import sized
 
 FREE = 0.05  # of the range, left free above and below the curves
 BESIDE = 0.08  # of the range of x, free on both sides of curves that go back
@@ -143,7 +144,9 @@ def ticks_of(
     if log:
         return _powers(ends, pixels, least)
     if degrees and 60.0 <= ends[1] - ends[0] <= 720.0:
-        step = next((s for s in (15, *ANGLE_STEPS) if pixels * s / (ends[1] - ends[0]) >= least), ANGLE_STEPS[-1])
+        step = next(
+            (s for s in (15, *ANGLE_STEPS) if pixels * s / (ends[1] - ends[0]) >= sized(least)), ANGLE_STEPS[-1]
+        )
         first = math.ceil(ends[0] / step - 1e-9)
         return [(float(step * i), number(step * i, 0)) for i in range(first, math.floor(ends[1] / step + 1e-9) + 1)]
     return value_ticks(*ends, pixels, least)
@@ -155,7 +158,7 @@ def _powers(ends: Ends, pixels: float, least: float) -> list[tuple[float, str]]:
     if high - low < 0.7 and high < 300.0:
         values = value_ticks(10.0**low, 10.0**high, pixels, least)
         return [(math.log10(float(_plain(text))), text) for at, text in values if at > 0.0]
-    step = max(1, math.ceil(nice_step(high - low, max(2, int(pixels / least))) - 1e-9))
+    step = max(1, math.ceil(nice_step(high - low, max(2, int(pixels / sized(least)))) - 1e-9))
     rows = []
     for power in range(math.floor(low) - 1, math.ceil(high) + 1):
         if power % step == 0:

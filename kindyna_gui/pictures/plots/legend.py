@@ -6,11 +6,12 @@ from collections.abc import Callable, Sequence
 from html import escape
 
 from PySide6.QtCore import QRectF
-from PySide6.QtGui import QColor, QFont, QFontMetricsF
+from PySide6.QtGui import QColor, QFontMetricsF
 from PySide6.QtWidgets import QGraphicsTextItem, QGraphicsWidget
 
 from core.frozen import frozen
-from kindyna_gui.pictures.style import SMALL
+from kindyna_gui.pictures.style import SMALL, font
+from kindyna_gui.preferences.units import sized
 
 LEGEND_HEIGHT = 18.0  # of the first line, pixels
 LEAST_LINES = 2  # may always be taken
@@ -65,16 +66,19 @@ class Legend(QGraphicsTextItem):
         super().__init__(parent)
         self._entries: tuple[Entry, ...] = ()
         self._note, self._centred = "", centred
-        self._laid: tuple[object, ...] = ((), "", 0.0, 0)
-        letters = QFont(self.font())
-        letters.setPixelSize(SMALL)
-        self.setFont(letters)
+        self._laid: tuple[object, ...] = ()
         self.setDefaultTextColor(QColor(ink))
-        self._metrics = QFontMetricsF(letters)
+        self.height = 0.0
+        self.letter()
+
+    def letter(self) -> None:
+        """Be written in the letters of now; to be fitted then."""
+        self.setFont(font(SMALL))
+        self._metrics = QFontMetricsF(self.font())
         self.setPlainText(APART)
         self._line = self.boundingRect().height()
         self.setPlainText("")
-        self.height = 0.0
+        self._laid = ()
 
     @property
     def text(self) -> str:
@@ -88,7 +92,7 @@ class Legend(QGraphicsTextItem):
     def fit(self, room: QRectF) -> None:
         """Stand at the top of this room, no wider, and no higher if more than two lines; ``height`` is what that
         takes. A name that has no room is cut."""
-        most = max(LEAST_LINES, 1 + int((room.height() - LEGEND_HEIGHT) / self._metrics.lineSpacing()))
+        most = max(LEAST_LINES, 1 + int((room.height() - sized(LEGEND_HEIGHT)) / self._metrics.lineSpacing()))
         wanted = (self._entries, self._note, room.width(), most)
         if wanted != self._laid:
             self._laid = wanted
@@ -110,7 +114,7 @@ class Legend(QGraphicsTextItem):
             parts = [[*(part for row in parts for part in row), escape(self._note)]]
         self.setHtml("<br>".join(APART.join(row) for row in parts))
         more = self.boundingRect().height() - self._line
-        self.height = LEGEND_HEIGHT + max(more, 0.0) if rows else 0.0
+        self.height = sized(LEGEND_HEIGHT) + max(more, 0.0) if rows else 0.0
 
     @staticmethod
     def _share(widths: Sequence[float], room: float) -> float:

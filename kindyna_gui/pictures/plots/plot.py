@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF
-from PySide6.QtGui import QPen
+from PySide6.QtGui import QAccessible, QPen
 from PySide6.QtWidgets import QWidget
 
 from core.design import motion_of
@@ -37,8 +37,8 @@ from kindyna_gui.pictures.plots.ranges import FREE, readable_range, room_for, us
 from kindyna_gui.pictures.plots.readouts import Readout, place_readouts
 from kindyna_gui.pictures.style import DASHED, SCREEN, TEXT, THIN, Theme
 from kindyna_gui.pictures.turn import TurnSamples, line_of, nearest
-from kindyna_gui.pictures.units import DisplayUnit, digits, legible, readable, short, with_unit
-from kindyna_gui.preferences.units import point, symbol_of
+from kindyna_gui.pictures.units import NOTHING_DRAWN, DisplayUnit, curve_words, legible, readable, short, with_unit
+from kindyna_gui.preferences.units import point, sized, symbol_of
 
 UNNAMED = 4  # height of the axis above where no names stand there, pixels
 MOST_FREE = 0.13  # of the height
@@ -61,13 +61,13 @@ class CurvePlot(FixedPlot):
     def __init__(
         self, parent: QWidget | None = None, *, names: bool = True, angles: bool = True, theme: Theme = SCREEN
     ) -> None:
+        self._named = names
         super().__init__(parent, theme, top=True)
-        self._axes["top"].setHeight(TOP_HEIGHT if names else UNNAMED)
         self._axes["top"].setStyle(showValues=names)
         self.show_numbers(angles, angle_title("cam angle"))
         self._with_angles = angles
         self._cursor = Cursor(self._view, theme)
-        self._angle, self._with_cursor, self._named = 0.0, True, names
+        self._angle, self._with_cursor = 0.0, True
         self._spans: list[Span] = []
         self._line: TurnSamples | None = None
         self._theta = np.zeros(0)
@@ -91,6 +91,16 @@ class CurvePlot(FixedPlot):
         self._laid: tuple[object, ...] = ()
         self.rung = DisplayUnit("", 1.0, 0.0)
         self.show_message("")
+
+    def _size_axes(self) -> None:
+        super()._size_axes()
+        if not self._named:
+            self._axes["top"].setHeight(UNNAMED)
+
+    def redress(self) -> None:
+        super().redress()
+        self._laid = ()
+        self.draw_again()
 
     def keep_axes(self) -> None:
         """For a screen: axes are kept as pixels, so that the cursor moves over them without their being drawn anew."""
@@ -168,6 +178,8 @@ class CurvePlot(FixedPlot):
         self._name_curves(reference is not None, bool(shaded))
         self._find_extremes()
         self._lay_out()
+        if QAccessible.isActive():
+            self._speak()
         if read:
             self._write()
 
@@ -202,10 +214,15 @@ class CurvePlot(FixedPlot):
         """Mark the highest and lowest value of each curve; found: by quantity, in SI. None: only where a spike is cut off."""
         self._ranges = found
         self._find_extremes()
-        self.setAccessibleName(f"Plot of {', '.join(curve.channel.label.lower() for curve in self._curves)}")
-        self.setAccessibleDescription(self.spoken())
+        self._speak()
         self._lay_out()
         self._write()
+
+    def _speak(self) -> None:
+        self.setAccessibleName(
+            f"Plot of {', '.join(curve.channel.label.lower() for curve in self._curves) or 'nothing'}"
+        )
+        self.setAccessibleDescription(self.spoken() or self._message_text or NOTHING_DRAWN)
 
     @property
     def lacks_extremes(self) -> bool:
@@ -218,7 +235,7 @@ class CurvePlot(FixedPlot):
 
     def _reach(self, core: tuple[float, float]) -> tuple[float, float]:
         """Let the axis show these values, with room for a text above and below; what it shows."""
-        part = min(self.text_room / max(self._view.height(), 1.0), MOST_FREE)
+        part = min(sized(self.text_room) / max(self._view.height(), 1.0), MOST_FREE)
         room = max(FREE, part / (1.0 - 2.0 * part)) * (core[1] - core[0])
         shown = (core[0] - room, core[1] + room)
         if tuple(self._view.viewRange()[1]) != shown:
@@ -243,10 +260,9 @@ class CurvePlot(FixedPlot):
         for curve in self._curves:
             refined = (self._ranges or {}).get(curve.channel.name)
             ends = self._sampled(curve) if refined is None else curve.ends(refined)
-            low, high = (digits(value / self.rung.size) for _, value in ends)
+            low, high = (value / self.rung.size for _, value in ends)
             angle, _ = max(ends, key=lambda end: abs(end[1]))
-            shown = with_unit(f"{low} to {high}", self.rung.symbol)
-            rows.append(f"{curve.channel.label.lower()}, {shown}, largest at {digits(angle)}°")
+            rows.append(curve_words(curve.channel.label.lower(), self.rung.symbol, low, high, angle, "°"))
         return "; ".join(rows)
 
     def _sampled(self, curve: Curve) -> list[tuple[float, float]]:
@@ -270,6 +286,7 @@ class CurvePlot(FixedPlot):
         self._axes["left"].show_title("", self._theme.ink)
         self._message_text, self._core = text, None
         self._view.setRange(yRange=(0.0, 1.0), padding=0.0)
+        self._speak()
         self._lay()
 
     def _shade(self, bands: Sequence[tuple[Curve, np.ndarray]]) -> None:
@@ -433,7 +450,7 @@ class CurvePlot(FixedPlot):
         names = (row.label, legible(row.symbol)) if len(self._curves) == 1 else shared
         for name in names:
             text = f"{name}, {unit}" if unit else name
-            if text_size(text, TEXT)[0] <= height + TOP_HEIGHT:
+            if text_size(text, TEXT)[0] <= height + sized(TOP_HEIGHT):
                 return text
         return unit
 

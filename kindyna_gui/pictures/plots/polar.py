@@ -37,6 +37,7 @@ from kindyna_gui.pictures.shapes import outline
 from kindyna_gui.pictures.style import SCREEN, SMALL, TEXT, THIN, Theme, brush, font
 from kindyna_gui.pictures.turn import nearest
 from kindyna_gui.pictures.units import DisplayUnit, decimals_of, measure, nice_step, number, readable
+from kindyna_gui.preferences.units import sized
 
 HOLE = 0.16  # of the radius: where values may be negative the lowest circle is this large
 CIRCLE_PIXELS, MOST_CIRCLES = 30.0, 6  # least distance of circles, so that their values do not touch
@@ -104,6 +105,12 @@ class PolarPlot(QWidget):
         self._read()
         self.update()
 
+    def redress(self) -> None:
+        """Theme or letters have changed; the view draws the curves anew."""
+        self._marks = self._paths = self._kept = None
+        self._scale()
+        self.update()
+
     def show_message(self, text: str) -> None:
         """Nothing but a line of text: what would fill this plot."""
         self._rows, self._curves, self._shaded, self._spans, self._values, self.message = [], [], [], [], [], text
@@ -134,7 +141,7 @@ class PolarPlot(QWidget):
         if high == low:
             high = low + 1.0
         room = self.radius * (1.0 - HOLE if low < 0.0 else 1.0)
-        most = min(max(int(room / CIRCLE_PIXELS), 1), MOST_CIRCLES)
+        most = min(max(int(room / sized(CIRCLE_PIXELS)), 1), MOST_CIRCLES)
         self._step = nice_step(high - low, most)
         first, last = math.floor(low / self._step + 1e-9), math.ceil(high / self._step - 1e-9)
         self.circles = [self._step * i for i in range(first, last + 1)]
@@ -175,12 +182,12 @@ class PolarPlot(QWidget):
     @property
     def centre(self) -> QPointF:
         """Of the circles [pixels]."""
-        return QPointF(self.width() / 2.0, TITLE + (self.height() - TITLE) / 2.0)
+        return QPointF(self.width() / 2.0, (self.height() + sized(TITLE)) / 2.0)
 
     @property
     def radius(self) -> float:
         """Of the outermost circle, pixels."""
-        return max(10.0, min(self.width() / 2.0, (self.height() - TITLE) / 2.0) - EDGE)
+        return max(10.0, min(self.width() / 2.0, (self.height() - sized(TITLE)) / 2.0) - sized(EDGE))
 
     def distance(self, value: float) -> float:
         """From the centre to a value's circle, pixels."""
@@ -300,7 +307,7 @@ class PolarPlot(QWidget):
                 (self._low, self._high),
                 curves,
                 [box for _, box in self.letters()],
-                QRectF(self.rect()).adjusted(0.0, TITLE, 0.0, 0.0),
+                QRectF(self.rect()).adjusted(0.0, sized(TITLE), 0.0, 0.0),
             )
         return self._marks
 

@@ -12,6 +12,7 @@ from kindyna_gui.pictures.items import Outline, Tag
 from kindyna_gui.pictures.plots.frame import Z_CURSOR, Frame
 from kindyna_gui.pictures.style import SMALL, Theme, brush
 from kindyna_gui.pictures.units import DisplayUnit, measure
+from kindyna_gui.preferences.units import sized
 
 SIDE = 6.0  # of a text from the cursor's line, pixels
 LIFT = 9.0  # of its middle above the value, so that a level curve is not covered
@@ -21,7 +22,7 @@ class Readout:
     """A curve's value beside the cursor, with a dot on the curve."""
 
     def __init__(self, view: pg.ViewBox, theme: Theme) -> None:
-        self._theme, self._colour = theme, ""
+        self._theme, self._colour = theme, ("", "")
         dot = QPainterPath()
         dot.addEllipse(QRectF(-3.0, -3.0, 6.0, 6.0))
         self.dot = Outline(dot, theme.pen(theme.paper))
@@ -33,8 +34,8 @@ class Readout:
             view.addItem(item, ignoreBounds=True)
 
     def set_colour(self, colour: str) -> None:
-        if colour != self._colour:
-            self._colour = colour
+        if (colour, self._theme.paper) != self._colour:
+            self._colour = (colour, self._theme.paper)
             self.dot.setBrush(brush(colour))
             self.tag.set_colour(self._theme.letters(colour))
 
@@ -65,7 +66,7 @@ def place_readouts(
         reading.tag.setVisible(True)
         if known:
             reading.dot.setPos(at, value)
-        rows.append((frame.pixel(value) + LIFT if known else frame.height / 2, reading.tag))
+        rows.append((frame.pixel(value) + sized(LIFT) if known else frame.height / 2, reading.tag))
     widest = max((tag.size[0] for _, tag in rows), default=0.0)
     line = (at - frame.first) / (frame.last - frame.first) * frame.width
     right = line + SIDE + widest + 4.0 <= frame.width

@@ -24,8 +24,8 @@ TIMES_OWN = (1.25, 8.0)  # ... but within these multiples of the machine's own s
 Z_TONGUE, Z_PATH, Z_POINT = 0.0, 10.0, 20.0
 PATH_OPACITY, FADED = 0.55, 0.35
 NAMES = (
-    Entry(VERMILION, "unstable, linearised exactly (21)"),
-    Entry(BLUE, "edges by Kim1990's approximation (22)", "– –"),
+    Entry(VERMILION, "unstable: linearised, exact (21)"),
+    Entry(BLUE, "edges: linearised, approximate (22)", "– –"),
 )
 
 
@@ -65,11 +65,13 @@ class ChartPlot(FixedPlot):
     def __init__(self, parent: QWidget | None = None, theme: Theme = SCREEN) -> None:
         super().__init__(parent, theme, top=True)
         self.setAntialiasing(True)
+        self.setAccessibleName("Chart of stability")
         self._chart: Chart | None = None
         self._across, self._upwards = "eta", "q"
-        self._hull = self._outline(VERMILION, Z_TONGUE - 1.0, fill=brush(VERMILION, 0.12))
-        self._exact = self._outline(VERMILION, Z_TONGUE, fill=brush(VERMILION, 0.22))
-        self._approximate = self._outline(BLUE, Z_TONGUE - 0.5, DASHED)
+        exact, approximate = theme.seen(VERMILION), theme.seen(BLUE)
+        self._hull = self._outline(exact, Z_TONGUE - 1.0, fill=brush(exact, 0.12))
+        self._exact = self._outline(exact, Z_TONGUE, fill=brush(exact, 0.22))
+        self._approximate = self._outline(approximate, Z_TONGUE - 0.5, DASHED)
         self._marked = self._outline(theme.quiet, Z_PATH - 1.0, (2.0, 4.0))
         self._path = self._outline(theme.ink, Z_PATH)
         self._path.setOpacity(PATH_OPACITY)
@@ -111,6 +113,9 @@ class ChartPlot(FixedPlot):
         self._hull.redraw(self._bottom(chart))
         self._marked.redraw(self._rows(chart))
         self._place_machine(chart.machine)
+        self.setAccessibleDescription(
+            f"{ACROSS[across].title} across, {UPWARDS[upwards].title} upwards; {self._tag.text}"
+        )
         self._lay()
 
     def _fastest(self, chart: Chart) -> float:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pyqtgraph as pg
 from PySide6.QtCore import QPoint, QRectF
-from PySide6.QtGui import QPainterPath
+from PySide6.QtGui import QAccessible, QPainterPath
 from PySide6.QtWidgets import QGraphicsItem, QWidget
 
 from core.frozen import frozen
@@ -22,7 +23,6 @@ from kindyna_gui.pictures.plots.readouts import Readout, place_readouts
 from kindyna_gui.pictures.style import (
     BLUE,
     DASHED,
-    FAMILIES,
     GREEN,
     ORANGE,
     PURPLE,
@@ -34,7 +34,8 @@ from kindyna_gui.pictures.style import (
     brush,
     no_pen,
 )
-from kindyna_gui.pictures.units import DisplayUnit
+from kindyna_gui.pictures.units import NOTHING_DRAWN, DisplayUnit, lines_words
+from kindyna_gui.preferences.units import sized
 
 if TYPE_CHECKING:
     from core.plot import PlotCurve
@@ -167,6 +168,8 @@ class XYPlot(FixedPlot):
         quiet: they are places, not warnings; rung: the unit of values that are read at the cursor;
         shaded: what bands are, for the legend."""
         self._clear()
+        if self._theme.is_dark:
+            lines = [replace(line, colour=self._theme.seen(line.colour)) for line in lines]
         self._filled, self.shown = True, tuple(lines)
         for line in lines:
             item = pg.PlotCurveItem(antialias=True)
@@ -192,6 +195,8 @@ class XYPlot(FixedPlot):
             low, high = ranges[1]
             ranges[1] = (low, high + FOR_MARKS * (high - low))
         self._wanted = (ranges[0], ranges[1])
+        if QAccessible.isActive():
+            self._speak()
         self._view.setRange(xRange=ranges[0], yRange=ranges[1], padding=0.0)
         colour = self._theme.quiet if quiet else self._theme.limit
         for rule in (*(Rule(at, text, colour) for at, text in marks), *rules):
@@ -278,6 +283,14 @@ class XYPlot(FixedPlot):
         if self._cursor is not None:
             self._cursor.span(frame.low, frame.high)
 
+    def _speak(self) -> None:
+        """What is drawn, in words."""
+        across, upwards = self._titles
+        quantity = upwards.rpartition(", ")[0] or upwards
+        self.setAccessibleName(f"Plot of {quantity[:1].lower()}{quantity[1:]}" if quantity else "Plot")
+        lines = [(line.label, line.x, line.y) for line in self.shown if self._filled]
+        self.setAccessibleDescription(lines_words(lines, across, upwards) or self._message_text or NOTHING_DRAWN)
+
     def name_axes(self, across: str, upwards: str, colour: str = "") -> None:
         """The titles of the axes of what is shown next; colour: of the one upwards, ink where empty."""
         self._titles, self._title_colour = (across, upwards), self._theme.letters(colour) if colour else self._theme.ink
@@ -285,7 +298,7 @@ class XYPlot(FixedPlot):
     def _colour(self, curve: PlotCurve, alone: bool) -> str:
         """That of its quantity; of none that of its row, ink where there is only one."""
         if curve.family:
-            return FAMILIES[curve.family]
+            return self._theme.family(curve.family)
         return self._theme.ink if alone else ROWS[curve.row % len(ROWS)]
 
     def show_plot(self, plot: Plot) -> None:
@@ -330,6 +343,7 @@ class XYPlot(FixedPlot):
         self.point_out(None)
         self._name([])
         self._message_text = text
+        self._speak()
         self._view.setRange(xRange=(0.0, 1.0), yRange=(0.0, 1.0), padding=0.0)
         self._lay()
 
@@ -391,7 +405,7 @@ def _stand(rule: Rule, line: Outline, tag: Tag, frame: Frame) -> None:
 
 def _fitting(title: str, height: float) -> str:
     """The title of an axis upwards, its unit alone where it is longer than the axis with what is free above it."""
-    return title if text_size(title, TEXT)[0] <= height + TOP_HEIGHT else title.rpartition(", ")[2]
+    return title if text_size(title, TEXT)[0] <= height + sized(TOP_HEIGHT) else title.rpartition(", ")[2]
 
 
 __all__ = ["Dots", "Line", "Rule", "XYPlot"]

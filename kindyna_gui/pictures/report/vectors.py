@@ -24,7 +24,7 @@ from kindyna_gui.pictures.files import CAM, FORCES, MOTION, MechanismSheet, Plot
 from kindyna_gui.pictures.paper import MARGIN, PaperSheet
 from kindyna_gui.pictures.plots.stability_chart import ChartPlot
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
-from kindyna_gui.pictures.style import BALANCE, FAMILIES, LIGHT, Theme, drive_colour
+from kindyna_gui.pictures.style import BALANCE, FAMILIES, LIGHT, Theme
 from kindyna_gui.pictures.timing_chart import DEGREES, ChartHighlights, TimingChart
 
 WIDTH = 680  # of every picture, pixels
@@ -152,7 +152,7 @@ def _torque(study: Study, theme: Theme, part: float) -> Vector:
     """Torque of the drives, of the whole, and the speed where a flywheel levels it."""
     shaft = study.camshaft
     angle, there = shaft.angle_degrees, [name for name in shaft.carried if name not in shaft.failures]
-    drives = [(name, shaft.drive_torque(name), drive_colour(shaft.number(name))) for name in there]
+    drives = [(name, shaft.drive_torque(name), LIGHT.drive(shaft.number(name))) for name in there]
     sums = [("Shaft", shaft.torque, theme.ink)]
     if shaft.design.balancer is not None:
         drives.append(("Balance cam", shaft.balancer_torque, BALANCE))

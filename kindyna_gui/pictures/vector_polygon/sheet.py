@@ -14,6 +14,7 @@ from core.frozen import frozen
 from kindyna_gui.pictures.style import DASHED, OUTLINE, SCREEN, SMALL, TEXT, THIN, font
 from kindyna_gui.pictures.units import nice_below, readable, short, with_unit
 from kindyna_gui.pictures.vector_polygon.names import NameLayout, PlacedName
+from kindyna_gui.preferences.units import sized
 
 EDGE, STRIP = 34.0, 26.0  # around the polygon, and for the scale below it, pixels
 HEAD, SPREAD = 9.0, 0.3  # of an arrow: its length, half its width by its length, pixels
@@ -99,12 +100,12 @@ def box_of(ends: np.ndarray) -> tuple[complex, complex]:
 
 def framed(low: complex, high: complex, width: float, height: float, top: float = 0.0) -> Frame:
     """The frame in which a box of vectors fills a sheet below lines of text of so many pixels."""
-    room_x, room_y = max(width - 2.0 * EDGE, 10.0), max(height - 2.0 * EDGE - STRIP - top, 10.0)
+    room_x, room_y = max(width - 2.0 * EDGE, 10.0), max(height - 2.0 * EDGE - sized(STRIP) - top, 10.0)
     size = high - low
     scale = min(room_x / max(size.real, 1e-300), room_y / max(size.imag, 1e-300))
     if not math.isfinite(scale) or abs(size) == 0.0:
         return Frame(complex(width, height - STRIP + top) / 2.0, 1.0)
-    middle = complex(width / 2.0, (height - STRIP + top) / 2.0)
+    middle = complex(width / 2.0, (height - sized(STRIP) + top) / 2.0)
     return Frame(middle - ((low + high) / 2.0).conjugate() * scale, scale)
 
 
@@ -115,6 +116,7 @@ class PolygonSheet(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+        self.setAccessibleName("Polygon")
         self._theme = SCREEN
         self._box = (0j, 0j)
         self._diagram: PolygonDiagram | None = None
@@ -170,7 +172,7 @@ class PolygonSheet(QWidget):
         polygon on the sheet."""
         low, high = self._box
         width, height = self.width(), self.height()
-        top = LINE * len(self._diagram.lines) if self._diagram is not None else 0.0
+        top = sized(LINE) * len(self._diagram.lines) if self._diagram is not None else 0.0
         turn = framed(low, high, width, height, top)
         if self._diagram is None or self.at_rest or self.curve.size:
             return turn
@@ -233,7 +235,7 @@ class PolygonSheet(QWidget):
         painter.setPen(QColor(theme.quiet))
         painter.setFont(font(SMALL))
         for row, line in enumerate(self.lines):
-            painter.drawText(QPointF(10.0, 33.0 + LINE * row), line)
+            painter.drawText(QPointF(10.0, sized(33.0 + LINE * row)), line)
         painter.setPen(Qt.PenStyle.NoPen)
         for number, corners in diagram.images:
             tint = QColor(theme.links[(number - 2) % len(theme.links)])
@@ -249,8 +251,8 @@ class PolygonSheet(QWidget):
         if diagram.corners:
             painter.drawEllipse(_dot(frame.pole), 3.0, 3.0)
         strokes = [(frame.at(s.start), frame.at(s.start + s.vector)) for s in diagram.strokes]
-        top = 22.0 + LINE * len(self.lines)
-        sheet = QRectF(2.0, top, self.width() - 4.0, self.height() - STRIP - top)
+        top = sized(22.0 + LINE * len(self.lines))
+        sheet = QRectF(2.0, top, self.width() - 4.0, self.height() - sized(STRIP) - top)
         for laid in self._placing.laid(list(self._texts(diagram, frame)), strokes, sheet):
             _write(painter, laid)
         self._scale(painter, diagram)
@@ -320,7 +322,7 @@ class PolygonSheet(QWidget):
     def _scale(self, painter: QPainter, diagram: PolygonDiagram) -> None:
         """An arrow of a round value, lower left."""
         value, length = self.scale_bar
-        y = self.height() - 0.5 * STRIP
+        y = self.height() - 0.5 * sized(STRIP)
         pen = QPen(QColor(self._theme.family(diagram.kind.family)), OUTLINE)
         self._arrow(painter, pen, complex(10.0, y), complex(10.0 + length, y))
         painter.setPen(QColor(self._theme.ink))

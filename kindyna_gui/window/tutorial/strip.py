@@ -6,7 +6,7 @@ from PySide6.QtCore import QPoint, QRect, Qt, QTimer
 from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSizePolicy, QToolBar, QWidget
 
-from kindyna_gui.look import ASSUMED
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.places import example
 from kindyna_gui.rebuilt import take_away
 from kindyna_gui.window.base import Window
@@ -42,7 +42,7 @@ class Mark(QWidget):
     def paintEvent(self, event: QPaintEvent) -> None:
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        painter.setPen(QPen(QColor(ASSUMED), 3.0))
+        painter.setPen(QPen(QColor(SCREEN.assumed), 3.0))
         painter.drawRoundedRect(self.rect().adjusted(2, 2, -2, -2), 5.0, 5.0)
 
 

@@ -177,8 +177,8 @@ def test_the_painter_is_given_the_chart_and_the_figures_and_their_pictures_are_w
     assert [plot.upwards for plot in steady.plots] == ["Wind-up, °", "Follower's error, mm", "Wind-up, °"]
     assert [curve.label for curve in steady.plots[0].curves] == [
         "true steady response",
-        "linear, (21)",
-        "Kim1990 (27), of (22)",
+        "linear, exact (21)",
+        "linear, approximate (22), (27)",
     ]
     assert {p.name for p in (tmp_path / "o").iterdir()} == FILES | {
         "stability.png",

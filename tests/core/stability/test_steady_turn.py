@@ -190,7 +190,7 @@ def test_the_command_prints_the_verdicts_of_a_point_and_of_a_speed(
     assert main(["stability", str(tmp_path / "kim.toml"), "--at", "0.85,0.10", "--at", "2.1,0.05"]) == 0
     ninth, eleventh = (part.splitlines() for part in capsys.readouterr().out.split("\nAt η = ")[1:])
     models = [
-        "Kim1990's approximation (22)",
+        "Linearised, approximate (22)",
         "Linearised, exact (21)",
         "About the true steady response",
         "Nonlinear, from rest (13)",

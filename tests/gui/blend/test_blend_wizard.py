@@ -37,8 +37,7 @@ from kindyna_gui.blend.texts import begin_of, range_text
 from kindyna_gui.blend.wizard import BlendDialog
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.number_box import WordBox
-from kindyna_gui.look import GOOD
-from kindyna_gui.pictures.style import FAMILIES
+from kindyna_gui.pictures.style import FAMILIES, LIGHT
 from kindyna_gui.places import example
 
 PICKER_SPANS = (18.8468353936, 169.621518543, 14.8022699040, 96.7293761598)
@@ -870,7 +869,7 @@ def test_what_may_follow_a_step_of_the_sequence(ask: Ask) -> None:
     assert rows["P2"].cells[1:] == ("+, 0", "0, 0", "−, 0", "May follow H2")
     assert rows["H6"].cells[-1] == "May follow H2, but not at this place of DRRD"
     assert rows["C4"].cells[-1] == "Velocity would jump from rest to falling"
-    assert {name for name, row in rows.items() if row.colour == GOOD} == {"H3", "P2"}
+    assert {name for name, row in rows.items() if row.colour == LIGHT.good} == {"H3", "P2"}
     assert page.verdict.text().endswith("May follow: <b>H3, H6, P2</b>")
     QTest.mouseClick(
         page.table.viewport(),
@@ -878,7 +877,7 @@ def test_what_may_follow_a_step_of_the_sequence(ask: Ask) -> None:
         pos=page.table.visualRect(page.table.rows.index(0, 0)).center(),
     )
     assert page.curve == "C1"
-    assert {row.cells[0] for row in page.table.rows.rows if row.colour == GOOD} == {"H2", "CV1"}, "in this motion"
+    assert {row.cells[0] for row in page.table.rows.rows if row.colour == LIGHT.good} == {"H2", "CV1"}, "in this motion"
     wizard.click(wizard.questions.kind.types["RRR"])
     wizard.answered()
     assert [button.text() for button in page.steps] == ["H1", "CV1", "H2", "H3", "H4"]

@@ -16,7 +16,7 @@ from PIL import Image
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QDialogButtonBox, QProgressDialog, QPushButton, QWidget
-from window_user import User, settle
+from window_user import Open, User, settle
 
 from core.errors import KindynaError
 from core.output.export import files
@@ -214,6 +214,18 @@ def test_folder_and_samples_are_asked(user: User, tmp_path: Path) -> None:
         assert tables_wanted(user.window, tmp_path / "elsewhere", user.session.study) == TablesWanted(tmp_path, 720)
     with answering(lambda dialog: press(dialog, CANCEL)):
         assert tables_wanted(user.window, tmp_path, user.session.study) is None
+
+
+def test_the_tables_of_a_shaft_are_those_of_all_drives(same_window: Open, tmp_path: Path) -> None:
+    user = same_window(example("transfer_unit"))
+
+    def act(dialog: QWidget) -> None:
+        assert isinstance(dialog, TablesDialog)
+        assert "shaft.csv" in dialog.told.text()
+        press(dialog, OK)
+
+    with answering(act):
+        assert tables_wanted(user.window, tmp_path, user.session.whole_study) == TablesWanted(tmp_path, 3600)
 
 
 def test_without_a_folder_there_is_no_export(user: User, tmp_path: Path) -> None:

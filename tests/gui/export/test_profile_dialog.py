@@ -14,7 +14,7 @@ from core.output.profile import files
 from core.output.profile.drawing import layers
 from core.project import load, save
 from kindyna_gui.export.profile_dialog import ProfileDialog
-from kindyna_gui.look import WRONG
+from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.places import example
 
 WAY = ("File", "Export", "Profile...")
@@ -103,7 +103,7 @@ def test_formats_points_and_cutters_are_chosen_and_refused(user: User, tmp_path:
         assert chosen(dialog).value() == 90, "each keeps its value"
         type_number(dialog.form.boxes["cutter_mm"], "2000")
         assert "cutter: a radius of 2000 mm does not get into the profile" in computed(dialog)
-        assert WRONG.lower() in dialog.result.palette().windowText().color().name()
+        assert LIGHT.limit.lower() in dialog.result.palette().windowText().color().name()
         assert not dialog.export.isEnabled()
         type_number(dialog.form.boxes["cutter_mm"], "30")
         assert computed(dialog).startswith("90 points on")

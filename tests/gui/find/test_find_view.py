@@ -14,7 +14,7 @@ from core.design import edited, get
 from core.find import WANTED, find
 from core.project import load
 from kindyna_gui.find.find_view import FindView
-from kindyna_gui.look import QUIET, WRONG
+from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.places import example
 
 
@@ -121,7 +121,7 @@ def test_usual_limits_stand_in_grey_with_their_reasons_and_what_is_typed_takes_t
 
     def grey(key: str) -> bool:
         box = view.limits.boxes[key]
-        return box.lineEdit().palette().text().color() == QColor(QUIET)
+        return box.lineEdit().palette().text().color() == QColor(LIGHT.quiet)
 
     assert list(view.limits.boxes) == USUAL
     assert all(grey(key) for key in USUAL)
@@ -207,7 +207,7 @@ def test_where_no_value_serves_the_best_is_shown_with_what_stands_against_it(ope
     text = text_of(view)
     assert text.startswith("No value serves. The best that there is:\nBase radius")
     assert "Against it: Pressure angle" in text
-    assert WRONG in view.answer.text()
+    assert LIGHT.limit in view.answer.text()
     assert not view.take.isEnabled()
     assert len(view.plot.lines[0][0]) > 10, "the curve all the same"
     seek(view, "arm")

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 from PySide6.QtCore import QPoint, Qt
+from PySide6.QtGui import QContextMenuEvent
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication
+from PySide6.QtWidgets import QApplication, QMenu
 from window_user import Open, User, settle, wait_for
 
 from core.design import CamSlider, entries, get
@@ -383,6 +384,20 @@ def test_the_form_has_the_fields_of_its_face_and_form_and_no_others(kind: str, u
         )
         assert shown & known == wanted, (face, form)
         assert ("follower.arm_mm" in shown) == (kind == "oscillating" and face != "flat")
+
+
+@pytest.mark.parametrize("path", [ROD, "follower.layout"])
+def test_the_keys_mark_as_assumed_by_the_menu_of_a_field(user: User, path: str) -> None:
+    box = user.field(path).editor
+    before = path in user.design.assumed
+    for after in (not before, before):
+        at = box.rect().center()
+        QApplication.sendEvent(box, QContextMenuEvent(QContextMenuEvent.Reason.Keyboard, at, box.mapToGlobal(at)))
+        menu = QApplication.activePopupWidget()
+        assert isinstance(menu, QMenu)
+        QTest.keyClick(menu, Qt.Key.Key_A)
+        assert (path in user.design.assumed) == after
+    assert len(user.steps) == 2
 
 
 def test_an_assumed_value_stays_assumed_when_changed(user: User) -> None:

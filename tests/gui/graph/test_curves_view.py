@@ -25,7 +25,7 @@ from kindyna_gui.__main__ import main
 from kindyna_gui.documents.session import Session
 from kindyna_gui.graph import graph_sources
 from kindyna_gui.graph.curves_view import CurvesView
-from kindyna_gui.look import QUIET
+from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.places import example
 from kindyna_gui.player import Player
 from kindyna_gui.settings import Settings
@@ -177,7 +177,7 @@ def test_a_channel_that_the_design_has_no_longer_comes_back_with_it(view: Curves
     assert [each.name for each in view.found.series] == ["Lift, measured"]
     row = view.rows.list.item(0)
     assert row.text() == "1  Arm angle  (not here)"
-    assert row.foreground().color() == QColor(QUIET), "greyed, not wrong"
+    assert row.foreground().color() == QColor(LIGHT.quiet), "greyed, not wrong"
     assert view.form.fault.isHidden()
     wanted = f"{view.session.design.name} has no Arm angle; the curve comes back with a design that has it."
     assert view.form.note.text() == row.toolTip() == wanted

@@ -16,7 +16,6 @@ from kindyna_gui import dialogs
 from kindyna_gui.inspection.export_dialog import InspectionDialog
 from kindyna_gui.inspection.measured_dialog import MeasuredCamDialog
 from kindyna_gui.inspection.picture import magnified
-from kindyna_gui.look import GOOD, WRONG
 from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.places import example
 
@@ -123,7 +122,7 @@ def test_a_bump_is_shown_with_its_place_and_verdict(
     assert text.startswith("Out of tolerance, ± 20 µm, in ")
     worst = opened.comparison.worst
     assert f"{1e3 * opened.comparison.normal[worst]:+.4g} µm normal to the profile at 120°, line 62" in text
-    assert opened.verdict.palette().windowText().color().name() == WRONG.lower()
+    assert opened.verdict.palette().windowText().color().name() == LIGHT.limit.lower()
     first = opened.rows.rows.rows[0].cells
     assert (first[0], first[1], first[3]) == ("62", "120", "+50.000")
     drawn, place = (magnified(opened.comparison, by)[worst] for by in (100.0, 0.0))
@@ -142,7 +141,7 @@ def test_a_bump_is_shown_with_its_place_and_verdict(
     type_number(opened.form.boxes["tolerance_mm"], "0.06")
     opened.form.boxes["tolerance_mm"].clearFocus()
     wait_for(lambda: opened.verdict.text().startswith("In tolerance, ± 60 µm"))
-    assert opened.verdict.palette().windowText().color().name() == GOOD.lower()
+    assert opened.verdict.palette().windowText().color().name() == LIGHT.good.lower()
     # shifted by 10 deg and 1 mm, in inches: fitted, all is as before
     degrees = exact["cam_angle_deg"]
     table(

@@ -15,13 +15,13 @@ from window_user import Open, User, plain, settle, wait_for
 from core.design import Design, Motion, NamedCurve, Segment, edited, with_drive
 from core.project import load
 from core.study import Study
-from kindyna_gui.look import GOOD, QUIET, WRONG
 from kindyna_gui.motion.diagram import numbered, rooms_beside
 from kindyna_gui.motion.editor import MotionEditor
 from kindyna_gui.motion.grips import LEVEL, LINE, POINT
 from kindyna_gui.motion.marks import marks, variants
 from kindyna_gui.motion.segments_model import LAW, RISE, SPAN, TO
 from kindyna_gui.pictures.plots.background import spans as spans_of
+from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.places import example
 
 LIFT = load(example("transfer_lift"))
@@ -148,9 +148,9 @@ def test_marks_are_green_where_all_is_smooth_and_red_where_it_is_not() -> None:
     """s v a j at each join; a jump of jerk is usual and stays quiet."""
     design = edited(LIFT, "motion.segments[1].law", "constant-velocity")
     joins, motion = Study(design).program.joins, design.drive.motion
-    assert [mark.colour for mark in marks(joins[0], motion)] == [GOOD, WRONG, GOOD, GOOD]
+    assert [mark.colour for mark in marks(joins[0], motion)] == [LIGHT.good, LIGHT.limit, LIGHT.good, LIGHT.good]
     assert [mark.sized for mark in marks(joins[0], motion)] == ["", "207 mm/rad", "", ""]
-    assert [mark.colour for mark in marks(joins[2], motion)] == [GOOD, GOOD, GOOD, QUIET]
+    assert [mark.colour for mark in marks(joins[2], motion)] == [LIGHT.good, LIGHT.good, LIGHT.good, LIGHT.quiet]
     assert [mark.letter for mark in marks(joins[4], motion)] == list("svaj")
     told = ["".join(text for text, _ in words).replace("\u00a0", " ") for words in variants(marks(joins[0], motion))]
     assert told == ["sΔv 207 mm/radaj", "sΔv 207 mm/radaj", "sΔv 207aj", "sΔv 207aj", "sΔvaj"]

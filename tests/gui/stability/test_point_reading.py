@@ -13,7 +13,7 @@ from window_user import Open, User, settle, wait_for
 
 from core.numerics.cancellation import checkpoint
 from core.stability import EXACT, Stability, Verdict
-from kindyna_gui.look import GOOD, WRONG
+from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.stability.texts import verdict_table, waiting_text
 
 
@@ -32,7 +32,7 @@ def test_the_mouse_reads_tongue_and_growth_at_once(kim: User) -> None:
     settle()
     place, slow = view.reading.text().split("\n")
     assert "tongue 2; " in place
-    assert "(21) grows" in place
+    assert "exact (21) grows" in place
     assert "rpm" in place
     assert "computing" in slow
     QTest.mouseMove(view.chart.viewport(), pixel(view, 0.75, q))
@@ -123,7 +123,7 @@ def test_the_words_for_each_verdict() -> None:
 def test_a_machine_that_leaves_its_cam_is_not_stable_in_green() -> None:
     linear, steady = Verdict(EXACT, True, -0.01, 1.9), Verdict("steady", True, -0.01, 1.9, 0.1)
     off = Verdict("steady", True, -0.01, 1.9, 0.1, 2.275)
-    assert verdict_table((linear, steady)).count(f"color:{GOOD}") == 2
+    assert verdict_table((linear, steady)).count(f"color:{LIGHT.good}") == 2
     table = verdict_table((linear, off))
-    assert GOOD not in table
-    assert f'color:{WRONG}">contact lost' in table
+    assert LIGHT.good not in table
+    assert f'color:{LIGHT.limit}">contact lost' in table

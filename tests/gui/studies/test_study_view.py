@@ -22,8 +22,8 @@ from kindyna_gui.documents.pins import Pins
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.graph.curves_view import CurvesView
 from kindyna_gui.help.window import HelpWindow
-from kindyna_gui.look import WRONG
 from kindyna_gui.motion.segments_model import LAW, RISE
+from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.places import example, state_folder
 from kindyna_gui.studies.plots import SurveyPlot
 from kindyna_gui.studies.study_view import StudyView
@@ -396,7 +396,7 @@ def test_the_share_of_machines_within_the_limits_stands_in_the_same_dock(user: U
     type_into(view.asks.boxes[PRESSURE, "most"], f"{tight:.6f}")
     rested(user)
     assert 40.0 < float(view.share.text()[3:].partition(" ")[0]) < 60.0, "the limit lies at the nominal value"
-    assert WRONG in view.share.text()
+    assert LIGHT.limit in view.share.text()
     assert user.design.tolerances == (Tolerance(X, 0.05), Tolerance(Y, 0.05)), "the design keeps them"
     assert user.steps[:2] == ["Tolerance of pivot x", "Tolerance of pivot y"]
     type_into(view.rows.boxes[X, "width"], "-1")

@@ -17,7 +17,7 @@ from core.design import Design, TimingRow, distances, events, with_phase
 from core.project import load, save
 from kindyna_gui import screenshots
 from kindyna_gui.__main__ import main
-from kindyna_gui.pictures.style import drive_colour
+from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.pictures.timing_chart import MILLISECONDS, TimingChart
 from kindyna_gui.places import example
 from kindyna_gui.timing.canvas import TimingCanvas
@@ -266,7 +266,7 @@ def test_no_distance_stands_on_a_curve_or_on_another(size: tuple[int, int], hand
     with_rows, chart = painted(UNIT)
     without, _ = painted(replace(UNIT, timing=()))
     for number in range(4):
-        colour = QColor(drive_colour(number))
+        colour = QColor(LIGHT.drive(number))
         curve = (np.abs(without - [colour.blue(), colour.green(), colour.red()]) <= 24).all(axis=2)
         curve[:, : int(chart.left)] = False  # the names
         assert curve.sum() > 100

@@ -18,7 +18,7 @@ from PySide6.QtWidgets import (
     QPushButton,
     QTableView,
 )
-from window_user import Open, User, answering, plain, settle, wait_for
+from window_user import Open, User, plain, settle, wait_for
 
 from core.__main__ import parser
 from core.commands import COMMANDS
@@ -173,10 +173,6 @@ def test_what_is_found_is_done(user: User) -> None:
 # -- F1 ---------------------------------------------------------------------------------------------------
 
 
-def test_every_view_has_a_page_of_the_help() -> None:
-    assert {row.help for row in VIEWS.values()} <= set(PAGES)
-
-
 def test_f1_opens_the_page_of_view_and_field(user: User) -> None:
     editor = user.number("cam.base_radius_mm")
     QTest.keyClick(editor, Qt.Key.Key_F1)
@@ -241,25 +237,9 @@ def test_a_dialog_copies_the_command_that_asks_for_the_same(user: User, tmp_path
         assert {name: asked[name] for name in seen} == seen, words
         request = getattr(getattr(made, "form", None), "values", {})
         assert {name: asked[name] for name in request} == request, words
-        assert made.property("help page") in PAGES
         made.reject()
         made.deleteLater()
     assert Cover().customer == ""
-
-
-def test_f1_in_a_dialog_opens_help_over_it(user: User) -> None:
-    def press(dialog: ReportDialog) -> None:
-        dialog.activateWindow()
-        settle()
-        QTest.keyClick(dialog.kind, Qt.Key.Key_F1)
-        pages = dialog.findChild(HelpWindow)
-        assert pages is not None
-        assert pages.isVisible()
-        pages.close()
-        dialog.reject()
-
-    with answering(ReportDialog, press):
-        user.choose("File", "Report...")
 
 
 # -- tables, empty views ----------------------------------------------------------------------------------

@@ -1,9 +1,6 @@
 """Edit > Preferences: units and decimal sign on display, theme, letters, what reports say; files and values stay as they are."""
 
-import os
 import re
-import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -30,6 +27,7 @@ from kindyna_gui.export.handover_dialog import HandoverDialog
 from kindyna_gui.export.report_dialog import ReportDialog
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.labels import value_text
+from kindyna_gui.look import wear
 from kindyna_gui.pictures.units import measure, readable
 from kindyna_gui.places import example
 from kindyna_gui.preferences import kept, units
@@ -42,7 +40,7 @@ ROOT = Path(__file__).parents[3]
 @pytest.fixture(autouse=True)
 def usual_again(app: QApplication) -> Iterator[None]:
     yield
-    kept.apply(kept.Preferences(), app)
+    wear(kept.Preferences(), app)
     settle()
 
 
@@ -220,56 +218,6 @@ def test_broken_settings_and_a_logo_that_is_no_picture_stop_nothing(
         assert "is no picture" in dialog.message.text()
 
     prefer(user, name_logo)
-
-
-DARK = """
-import sys
-from pathlib import Path
-from PySide6.QtCore import QSettings
-QSettings("KINDYNA", "KINDYNA").setValue("look/theme", "dark")
-from kindyna_gui.pictures.app import ensure_app
-from kindyna_gui.window.main_window import open_window
-app = ensure_app()
-window = open_window(app, None)
-window.resize(1280, 720)
-window.show()
-folder = Path(sys.argv[1])
-for task in ("make", "compo", "kine", "dyna", "graph"):
-    window.show_task(task)
-    for _ in range(60):
-        app.processEvents()
-    window.grab().save(str(folder / f"{task}.png"))
-(folder / "file.png").write_bytes(window.view("mechanism").picture(".png"))
-window.session.stack.setClean()
-window.close()
-"""
-
-
-def test_in_the_dark_every_task_is_dark_and_files_stay_light(tmp_path: Path) -> None:
-    from PySide6.QtGui import QImage
-
-    env = {**os.environ, "QT_QPA_PLATFORM": "offscreen", "PYTHONPATH": str(ROOT), "XDG_CONFIG_HOME": str(tmp_path)}
-    done = subprocess.run(
-        [sys.executable, "-c", DARK, str(tmp_path)],
-        cwd=ROOT,
-        env=env,
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-
-    def bright(name: str) -> float:
-        """Part of the picture that is lighter than a mid grey."""
-        image = QImage(str(tmp_path / name)).convertToFormat(QImage.Format.Format_Grayscale8)
-        points = [(x, y) for x in range(0, image.width(), 7) for y in range(0, image.height(), 7)]
-        return sum(image.pixelColor(x, y).lightnessF() > 0.5 for x, y in points) / len(points)
-
-    assert {task: bright(f"{task}.png") < 0.1 for task in ("make", "compo", "kine", "dyna", "graph")} == dict.fromkeys(
-        ("make", "compo", "kine", "dyna", "graph"), True
-    )
-    assert bright("file.png") > 0.8
 
 
 METRIC = re.compile(r"(?<![\w.])(mm|N|N·m|kN·m|kN|MPa|kg|m/s|m/s²|mm/s|mm/°|mm/°²|N/mm|1/mm|1/m)(?![\w·/²³])")

@@ -8,8 +8,6 @@ from kindyna_gui.motion.bar import SegmentBar
 from kindyna_gui.motion.editor import MotionEditor
 from kindyna_gui.motion.segments_table import SegmentsTable
 
-MOST = 80
-
 
 def at() -> QWidget:
     """What has the focus; that nothing has it is the dead end."""
@@ -48,14 +46,3 @@ def test_tab_leads_from_the_stroke_over_diagram_and_table_to_the_buttons(user: U
     assert isinstance(table, SegmentsTable)
     assert isinstance(button, QToolButton)
     assert isinstance(button.parent(), SegmentBar)
-
-
-def test_tab_comes_round_the_whole_window(whole: User) -> None:
-    """Also past the bar of tabs in the middle, which is hidden while there is one page."""
-    whole.choose("Make", "Stroke")
-    begin = at()
-    passed = walk(whole, MOST)
-    assert begin in passed
-    round = passed[: passed.index(begin) + 1]
-    assert len(set(round)) == len(round), "nothing keeps the focus"
-    assert whole.drawing().canvas in round

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from PySide6.QtWidgets import QApplication, QDialogButtonBox, QWidget
+from PySide6.QtWidgets import QApplication, QDialogButtonBox, QPushButton, QWidget
 
 UNSAVED = Path("DESIGN.toml")
 
@@ -38,17 +38,33 @@ def add_copy(
     add_copy_of(buttons, line)
 
 
+def spelled(name: str, words: Sequence[str]) -> str:
+    """A command with these words."""
+    return shlex.join(["kindyna", "--headless", name, *words])
+
+
+def of_session(session: Any) -> dict[str, Any]:
+    """The file of the design at hand, and which drive of a shaft it is, as commands name them."""
+    return {"into": session.path or UNSAVED, "drive": session.design.name if session.several else ""}
+
+
 def add_copy_of(buttons: QDialogButtonBox, line: Callable[[], str]) -> None:
     """The same button, of a command that is spelled otherwise."""
+    buttons.addButton(copy_button(line), QDialogButtonBox.ButtonRole.ActionRole)
+
+
+def copy_button(line: Callable[[], str]) -> QPushButton:
+    """It by itself, for a window."""
 
     def copy() -> None:
         QApplication.clipboard().setText(line())
         button.setText("Copied")
 
-    button = buttons.addButton("Copy as command", QDialogButtonBox.ButtonRole.ActionRole)
+    button = QPushButton("Copy as command")
     button.setToolTip("The same for the command line, into the clipboard")
     button.setAutoDefault(False)
     button.clicked.connect(lambda: copy())
+    return button
 
 
-__all__ = ["UNSAVED", "add_copy", "add_copy_of", "command_line"]
+__all__ = ["UNSAVED", "add_copy", "add_copy_of", "command_line", "copy_button", "of_session", "spelled"]
