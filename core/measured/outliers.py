@@ -63,7 +63,7 @@ class Outliers:
 def outliers(table: MeasuredTable, error: float) -> Outliers:
     """The rows that contradict those beside them by more than the error of a value, in the unit of ``table.values``.
 
-    Where the median of |e| shows a larger error than that stated, it counts; so does rounding to the last digit.
+    Where |e| shows a larger error than that stated, it counts; so does rounding to the last digit.
     """
     order = np.argsort(table.angles, kind="stable")
     rows = TableRows(table.angles[order], table.values[order], 3 - table.layout.order)
@@ -109,14 +109,14 @@ class _Search:
 
     def __init__(self, rows: TableRows, error: float) -> None:
         self.rows, self.error = rows, error
-        self._blocks: dict[tuple[float, bytes], np.ndarray] = {}
+        self._blocks: dict[tuple[bytes, bytes], np.ndarray] = {}
 
-    def change(self, left_out: np.ndarray) -> float:
-        """a of the rows that are left."""
+    def change(self, left_out: np.ndarray) -> np.ndarray:
+        """a at each row (n,), by those that are left."""
         least = LEAST_CHANGE * self.error / self.rows.distance ** (self.rows.order - 1)
-        return max(0.5 * self.rows.largest(np.flatnonzero(~left_out), self.error), least)
+        return self.rows.changes(np.flatnonzero(~left_out), self.error, least)
 
-    def scores(self, kept: np.ndarray, change: float) -> np.ndarray:
+    def scores(self, kept: np.ndarray, change: np.ndarray) -> np.ndarray:
         """Scores (2, n, longest) of the runs of 1 ... rows from each row kept on."""
         longest, parts = self.rows.longest, []
         margin = min(MARGIN, (kept.size - 1) // 2)
@@ -124,9 +124,9 @@ class _Search:
             checkpoint()
             start, end = np.searchsorted(kept, (first, first + CORE))
             number, x = self.rows.around(kept, np.arange(start - margin, end + margin + longest))
-            key = (change, number.tobytes())
+            key = (change[number].tobytes(), number.tobytes())
             if key not in self._blocks:
-                precision = precision_matrix(x, self.rows.order, change, self.error)
+                precision = precision_matrix(x, self.rows.order, change[number], self.error)
                 run = margin + np.arange(end - start)[:, None] + np.arange(longest)
                 self._blocks[key] = run_scores(precision, precision @ self.rows.y[number], run)
             parts.append(self._blocks[key])
@@ -156,7 +156,7 @@ class _Search:
                 return None
         return None
 
-    def near(self, left_out: np.ndarray, run: np.ndarray, change: float) -> tuple[np.ndarray, np.ndarray]:
+    def near(self, left_out: np.ndarray, run: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Numbers (m,) of the rows around a run that is left out, others left out but itself not, and their Q (m, m)."""
         others = left_out.copy()
         others[run] = False
@@ -164,9 +164,9 @@ class _Search:
         first = int(np.searchsorted(kept, run[0]))
         before = min(2 * MARGIN, (kept.size - run.size) // 2)
         number, x = self.rows.around(kept, np.arange(first - before, first + run.size + before))
-        return number, precision_matrix(x, self.rows.order, change, self.error)
+        return number, precision_matrix(x, self.rows.order, change[number], self.error)
 
-    def restore(self, left_out: np.ndarray, run: np.ndarray, change: float) -> None:
+    def restore(self, left_out: np.ndarray, run: np.ndarray, change: np.ndarray) -> None:
         """Of a run of rows left out, those that agree with all others are kept again."""
         number, precision = self.near(left_out, run, change)
         at = np.flatnonzero(np.isin(number, run))
@@ -246,7 +246,7 @@ class _Search:
             readings = sorted((np.flatnonzero(between), np.flatnonzero(~between)), key=len)
         return np.where(undecided, 0.0, probability), stretches(undecided), readings
 
-    def contradicting(self, left_out: np.ndarray, change: float) -> np.ndarray:
+    def contradicting(self, left_out: np.ndarray, change: np.ndarray) -> np.ndarray:
         """The rows (n,) of the run that still contradicts the others most, once all that is to be left out is."""
         kept, result = np.flatnonzero(~left_out), np.zeros(left_out.size, dtype=bool)
         scores = self.scores(kept, change).max(axis=0)
@@ -255,7 +255,7 @@ class _Search:
             result[kept[np.mod(np.arange(first, first + last + 1), kept.size)]] = True
         return result
 
-    def probability(self, left_out: np.ndarray, run: np.ndarray, change: float) -> tuple[np.ndarray, int | None]:
+    def probability(self, left_out: np.ndarray, run: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, int | None]:
         """Of each row (n,) that it belongs to a wrong run at the place of one left out; the row behind a step
         that explains as much, if any."""
         number, precision = self.near(left_out, run, change)

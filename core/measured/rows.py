@@ -10,7 +10,7 @@ from math import sqrt
 import numpy as np
 
 from core.frozen import frozen
-from core.measured.deletion import COARSE, LONGEST
+from core.measured.deletion import COARSE, LONGEST, deviation
 from core.measured.table import MeasuredTable, distinct
 
 EXACT = 1e-10
@@ -75,7 +75,7 @@ def turn_rows(
 
 
 def scatter(x: np.ndarray, y: np.ndarray, derivative: int = 0) -> float:
-    """The error of a value that the rows themselves show: the median of their normalised divided differences, of the least order from
+    """The error of a value that the rows themselves show: the deviation of their normalised divided differences, of the least order from
     which on higher ones find no less. What is smooth between the joins falls with the order, an error does not.
 
     x           (n,) cam angles [deg] in order, y (n,) values; repeated angles count once
@@ -96,7 +96,7 @@ def scatter(x: np.ndarray, y: np.ndarray, derivative: int = 0) -> float:
         apart = (places[:, :, None] - places[:, None, :]) / width[:, :, None] + np.eye(order + 1)
         weights = 1.0 / apart.prod(axis=2)
         weights /= np.sqrt((weights**2).sum(axis=1))[:, None]
-        found.append(float(np.median(np.abs((weights * (rows - rows[:, :1])).sum(axis=1)))) / 0.6745)
+        found.append(deviation(np.abs((weights * (rows - rows[:, :1])).sum(axis=1))))
     if len(found) < 2 or found[-1] < _FALLS * found[-2]:
         return 0.0  # too few rows to tell an error from the motion
     least = min(found)
