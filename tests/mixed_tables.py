@@ -55,11 +55,13 @@ class MixedTable(WrongTable):
 
 
 def mixed_table(seed: int) -> MixedTable:
-    """A motion of 5 ... 60 mm over decimal spans, 360 or 720 rows that begin anywhere in it, noise of 0 ... 5 µm, 1 µm or 1e-4 in steps."""
+    """A motion of 5 ... 60 mm over decimal spans, 360, 720 or 3600 rows that begin anywhere in it, noise of 0 ... 5 µm, steps of 1 µm or
+    1e-4 in."""
     chance = np.random.default_rng(seed)
     kind = ("laws", "blend", "lobe")[seed % 3]
     motion = {"laws": _laws, "blend": _blend, "lobe": _lobe}[kind](chance)
     count, step = int(chance.choice([360, 720])), float(chance.choice(list(STEPS.values())))
+    count = 3600 if seed % 10 == 9 else count
     turn = round(float(chance.uniform(0.0, 360.0)), int(chance.integers(0, 4)))
     noise = float(chance.uniform(0.0, NOISE)) * float(chance.random() < 0.8)
     right = position(motion, turn + 360.0 * np.arange(count) / count) + noise * chance.normal(size=count)

@@ -31,7 +31,8 @@ from core.numerics.cancellation import checkpoint
 
 FAR = 5.0  # errors that a row may be off the law
 WELL = 10.0  # of χ²: a law that fits worse by no more fits as well
-MOST_TRIED, MOST_REFINED = 150, 20_000  # rows of a stroke that laws are tried on, and that the one taken is refined on
+MOST_TRIED, MOST_COMPARED, MOST_REFINED = 150, 2000, 20_000
+"""Rows of a stroke that laws are tried on, that those near enough are fitted to, and that the one taken is refined on."""
 TRIED, STARTS = (
     4.0,
     2,
@@ -386,7 +387,9 @@ class _Problem:
         self.opened = [i for i, rest in enumerate(fit.rests) if rest.level is None]
         x, turning = fit.at.x, [fit.rests[i] for i in self.opened]
         self.turns = np.array([x[rest.last] for rest in turning])
-        self.reach = np.array([0.5 * (x[rest.last + 1] - x[max(rest.first - 1, 0)]) for rest in turning])
+        self.reach = np.array(
+            [0.5 * (x[min(rest.last + 1, x.size - 1)] - x[max(rest.first - 1, 0)]) for rest in turning]
+        )
         self.asked: tuple[bytes, list[_Model] | None] = b"", None  # slopes are wanted where residuals just were
 
     def models(self, p: np.ndarray) -> list[_Model] | None:
@@ -531,7 +534,8 @@ def recognise(at: Turned, left: Rest, right: Rest, wanted: str = "") -> tuple[St
     if not found:
         return None, []
     first, *others = found
-    rivals = [each.candidate.name for each in others if each.chi2 - first.chi2 <= WELL]
+    well = WELL * max(1.0, fit.bounds[0].size / MOST_COMPARED)  # of rows that they are not fitted to
+    rivals = [each.candidate.name for each in others if each.chi2 - first.chi2 <= well]
     return (None, [first.candidate.name, *rivals]) if rivals else (_stroke(fit, first), [])
 
 
@@ -586,7 +590,7 @@ def _best(
         chi2, start = min(tried)
     if chi2 > most:
         return None
-    p, _, spread, _ = fit.solve([candidate], start, MOST_REFINED, 60, 1e-15 if exact else CLOSE)
+    p, _, spread, _ = fit.solve([candidate], start, MOST_COMPARED, 60, 1e-15 if exact else CLOSE)
     return p, spread
 
 
