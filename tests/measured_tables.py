@@ -1,6 +1,7 @@
 """Measured lift tables with wrong runs of rows, each made from a seed; and tables in workbooks."""
 
 import zipfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import log10, sqrt
 from pathlib import Path
@@ -74,18 +75,27 @@ def wrong_table(seed: int, count: int = 360) -> WrongTable:
     motion = _lift(chance)
     turn = float(chance.uniform(0.0, 360.0))
     right = position(motion, turn + 360.0 * np.arange(count) / count) + chance.choice([0.0, 5.0])
-    stroke = float(np.ptp(right))
     error = float(10.0 ** chance.uniform(-3.0, log10(0.02)))
     if chance.random() < 0.3:  # rounding alone
         right = np.round(right / (error * sqrt(12.0))) * error * sqrt(12.0)
     else:
         right = right + error * chance.normal(size=count)
+    made = WrongTable(motion, turn, right, right, error, (), ())
+    values, runs, shapes = spoiled(chance, made, [(1, 16)] * int(chance.integers(1, 3)))
+    return WrongTable(motion, turn, right, values, error, tuple(shapes), tuple(runs))
+
+
+def spoiled(
+    chance: np.random.Generator, table: WrongTable, lengths: Sequence[tuple[int, int]]
+) -> tuple[np.ndarray, list[np.ndarray], list[str]]:
+    """The values of a table with a run of wrong rows for each length, from the first on and below the second; its rows, and its shape."""
+    right, count = table.right, table.right.size
     values, runs, shapes = right.copy(), [], []
-    ends = np.cumsum([s.span_deg for s in motion.segments]) - turn
-    least = max(LEAST_ERRORS * error, LEAST_SHARE * stroke)
-    wanted = int(chance.integers(1, 3))
-    while len(runs) < wanted:
-        rows = np.mod(_first(chance, ends, count) + np.arange(chance.integers(1, 16)), count)
+    ends = np.cumsum([s.span_deg for s in table.motion.segments]) - table.turn
+    stroke = float(np.ptp(right))
+    least = max(LEAST_ERRORS * table.error, LEAST_SHARE * stroke)
+    while len(runs) < len(lengths):
+        rows = np.mod(_first(chance, ends, count) + np.arange(chance.integers(*lengths[len(runs)])), count)
         beside = np.mod(np.arange(rows[0] - APART, rows[0] + rows.size + APART), count)
         shape = str(chance.choice(SHAPES))
         made = _made(chance, shape, values[rows], values[rows[0] - 1], least, stroke)
@@ -94,7 +104,7 @@ def wrong_table(seed: int, count: int = 360) -> WrongTable:
         values[rows] = made
         runs.append(rows)
         shapes.append(shape)
-    return WrongTable(motion, turn, right, values, error, tuple(shapes), tuple(runs))
+    return values, runs, shapes
 
 
 def _lift(chance: np.random.Generator) -> Motion:

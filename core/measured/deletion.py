@@ -7,8 +7,9 @@ largest. For a table of s⁽ᵏ⁾ with p = 3 - k this is the prior
     e ~ N(0, M),  M = a² I + σ² E Eᵀ
 
 with a = A/2, A the largest |s^(p-1)| that the table reaches at two places (one may be a wrong run), and σ the error of
-a row. With Q = Eᵀ M⁻¹ E the run B of m rows differs from what all other rows predict by Q_BB⁻¹ (Q y)_B, covariance
-Q_BB⁻¹ (Cook, Weisberg 1982, deletion of subsets; Wahba 1978, splines as such a prior). So where B is right,
+a row. Where a lift bends more than that to one side alone, its velocity jumps or changes within a few rows: wrong rows bend to both
+sides. There a is as large as that acceleration. With Q = Eᵀ M⁻¹ E the run B of m rows differs from what all other rows predict by
+Q_BB⁻¹ (Q y)_B, covariance Q_BB⁻¹ (Cook, Weisberg 1982, deletion of subsets; Wahba 1978, splines as such a prior). So where B is right,
 
     T(B) = (Q y)_Bᵀ Q_BB⁻¹ (Q y)_B                is χ² with m degrees of freedom,
     T(B, all by the same) = (1ᵀ (Q y)_B)² / 1ᵀ Q_BB 1    with one.
@@ -30,6 +31,7 @@ REPEATS = 8  # rows for each angle, at most
 CORE = 64  # rows of a block
 NOISE = 0.25  # of A may be errors
 MANY = 150  # angles, from which on A is that of means over two rows at least
+ONE_SIDED = 0.25  # of an acceleration: the most to the other side within the longest run, where it is a bend to one
 
 
 def contrasts(x: np.ndarray, order: int) -> tuple[np.ndarray, np.ndarray]:
@@ -50,14 +52,15 @@ def contrasts(x: np.ndarray, order: int) -> tuple[np.ndarray, np.ndarray]:
     return result[by_column], by_column < len(changes)
 
 
-def precision_matrix(x: np.ndarray, order: int, change: float, error: float) -> np.ndarray:
-    """Q (n, n) for rows at cam angles x [deg] in order, with p, a and σ."""
+def precision_matrix(x: np.ndarray, order: int, change: np.ndarray, error: float) -> np.ndarray:
+    """Q (n, n) for rows at cam angles x [deg] in order, with p, a at each row (n,) and σ."""
     from scipy.linalg import solveh_banded
     from scipy.sparse import csr_array
 
     differences, changes = contrasts(x, order)
     sparse = csr_array(differences)
-    spread = error**2 * (sparse @ sparse.T).toarray() + np.diag(np.where(changes, change**2, 0.0))
+    size = np.where(differences != 0.0, change, 0.0).max(axis=1)
+    spread = error**2 * (sparse @ sparse.T).toarray() + np.diag(np.where(changes, size**2, 0.0))
     row, column = np.nonzero(spread)
     bands = np.zeros((int((row - column).max()) + 1, len(spread)))
     for below in range(len(bands)):
@@ -104,6 +107,15 @@ def step_row(precision: np.ndarray, pull: np.ndarray, run: np.ndarray) -> int | 
     return int(at[np.argmax(explained)]) if whole - explained.max() < 2.0 * run.size + START else None
 
 
+def deviation(sizes: np.ndarray) -> float:
+    """The standard deviation of normal numbers of these sizes (n,), robust against others: the mean of those below 2.5 times that which
+    their median tells, as a median of rounded rows steps with their last digit."""
+    usual = float(np.median(sizes)) / 0.6745
+    return (
+        float(sizes[sizes <= 2.5 * usual].mean()) / 0.77242
+    )  # of |z| below 2.5: √(2/π) (1 - exp(-2.5²/2))/P(|z| < 2.5)
+
+
 class TableRows:
     """Cam angles x (n,) [deg] in order and values y (n,) around the turn, and the order p of their differences."""
 
@@ -124,28 +136,44 @@ class TableRows:
         return number, self.x[number] + 360.0 * (at // kept.size)
 
     def scatter(self) -> float:
-        """The error that the median of |e| shows, robust against wrong rows; at least 1e-7 of the range."""
+        """The error that |e| shows, robust against wrong rows; at least 1e-7 of the range."""
         sizes, every = [], np.arange(self.x.size)
         for start in range(0, self.x.size, CORE):
             number, x = self.around(every, np.arange(start, start + CORE + self.order))
             differences, changes = contrasts(x, self.order)
             each = differences[changes]
             sizes.append(np.abs(each @ self.y[number]) / np.sqrt((each**2).sum(axis=1)))
-        return max(float(np.median(np.concatenate(sizes))) / 0.6745, 1e-7 * float(np.ptp(self.y)))
+        return max(deviation(np.concatenate(sizes)), 1e-7 * float(np.ptp(self.y)))
+
+    def changes(self, kept: np.ndarray, error: float, least: float) -> np.ndarray:
+        """a at each row (n,), by the rows kept; at least so much."""
+        usual = np.full(self.x.size, max(0.5 * self.largest(kept, error), least))
+        if self.order < 3:
+            return usual
+        x, bend = self.bends(kept, 1)
+        other = [_around(np.maximum(sign * bend, 0.0), self.longest) for sign in (-1.0, 1.0)]
+        noise = 1.5 * sqrt(6.0) * error / self.distance**2
+        one_sided = np.where(bend > 0.0, *other) < ONE_SIDED * np.abs(bend) + noise
+        local = _around(np.where(one_sided, np.abs(bend), 0.0), 1)
+        return np.maximum(usual, 0.5 * np.interp(self.x, x, local, period=360.0))
 
     def largest(self, kept: np.ndarray, error: float) -> float:
         """A of the rows kept: the second largest peak of |s^(p-1)|, of means over the fewest rows at which the error
         makes out a quarter of it at most; half of the longest run where none suffices."""
         power = self.order - 1
         for width in range(1 if self.angles < MANY else 2, max(2, self.longest // 2) + 1):
-            size = self.peak(kept, width)
+            size = np.abs(self.bends(kept, width)[1])
+            from_peak = np.abs(
+                np.mod(np.arange(size.size) - np.argmax(size) + size.size // 2, size.size) - size.size // 2
+            )
+            largest = float(size[from_peak > self.longest].max())
             noise = error * sqrt(comb(2 * power, power) / width) / (width * self.distance) ** power
-            if not power or noise < NOISE * size:
+            if not power or noise < NOISE * largest:
                 break
-        return size
+        return largest
 
-    def peak(self, kept: np.ndarray, width: int) -> float:
-        """The second largest peak of |s^(p-1)| of the rows kept, of means over so many; rows closer to each other than
+    def bends(self, kept: np.ndarray, width: int) -> tuple[np.ndarray, np.ndarray]:
+        """s^(p-1) (m,) of the rows kept, of means over so many, and the cam angles [deg] in the middle; rows closer to each other than
         usual count as one."""
         _, place = np.unique(np.rint((self.x[kept] - self.x[kept[0]]) / self.distance), return_inverse=True)
         x, each = (np.bincount(place, v) / np.bincount(place) for v in (self.x[kept], self.y[kept]))
@@ -156,6 +184,12 @@ class TableRows:
             each = each - np.median(each)
         for power in range(1, self.order):
             each = power * (each[width:] - each[:-width]) / (x[power * width :] - x[: -power * width])
-        size = np.abs(each[:n])
-        from_peak = np.abs(np.mod(np.arange(n) - np.argmax(size) + n // 2, n) - n // 2)
-        return float(size[from_peak > self.longest].max())
+        middle = x[(self.order - 1) * width // 2 :][:n]
+        by_angle = np.argsort(np.mod(middle, 360.0), kind="stable")
+        return np.mod(middle, 360.0)[by_angle], each[:n][by_angle]
+
+
+def _around(values: np.ndarray, reach: int) -> np.ndarray:
+    """The largest of the values (n,) around a turn within so many on either side."""
+    padded = np.concatenate((values[-reach:], values, values[:reach]))
+    return np.asarray(np.lib.stride_tricks.sliding_window_view(padded, 2 * reach + 1).max(axis=1))

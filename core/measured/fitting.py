@@ -15,7 +15,7 @@ from core.frozen import frozen
 from core.laws.polynomial import jerk_rows
 from core.measured.basis import SplineBasis, basis, derivative, distances, natural
 from core.measured.outliers import Outliers, outliers
-from core.measured.rows import Disagreement, TurnRows, disagreements, scatter, spoiled_runs, turn_rows
+from core.measured.rows import Disagreement, TurnRows, disagreements, integrated, scatter, spoiled_runs, turn_rows
 from core.measured.structure import FoundJump, FoundSegment, Structure, Switches, structured
 from core.measured.table import LEAST_ANGLES, MeasuredColumn, MeasuredTable, distinct
 from core.measured.units import QUANTITIES
@@ -26,6 +26,7 @@ KNOTS = (45, 90, 180, 360, 720)
 """How many knots are tried; 180 where they suffice, more only where the error is finer than they can follow."""
 USUAL, MOST = 180, 720
 MET = 3.0  # errors, within which a row that was left out is met by the motion of the others: it is not wrong
+NEAR = 1e-6  # of their range: velocities and accelerations that laws and dwells meet so are met no better by one spline
 EXACT = 1e-9  # of the range of the values: rows that scatter less are exact
 
 
@@ -195,15 +196,17 @@ def fit(
     rows = _rows(table, errors, out, others)
     contradicted = tuple(disagreements(rows)) if rows is not None else ()
     compared = _compared(table, rows, contradicted)
-    made = None
+    made, offset, error_of_rows = None, 0.0, errors[table.layout.quantity]
     if rows is not None and (laws or dwells):
-        made = structured(rows.only(set(rows.values) - set(compared)), table.motion_unit, laws, dwells, switches)
-    if made is None:
-        solved = _solved(table, errors[table.layout.quantity], out)
-        made = Structure(_motion(table, solved), (), (), solved.freedom, solved.smoothing)
-        offset = solved.offset
-    else:
-        offset = 0.0
+        moving, offset = integrated(rows.only(set(rows.values) - set(compared)))
+        made = structured(moving, table.motion_unit, laws, dwells, switches)
+    missed = np.inf if made is None else _missed(table, made.motion, offset, out)
+    enough = max(MET * error_of_rows, NEAR * float(np.ptp(table.values[table.used(out)])) / abs(table.size))
+    if made is None or (table.layout.order and not switches and missed > enough):
+        solved = _solved(table, error_of_rows, out)
+        spline = _motion(table, solved)
+        if made is None or _missed(table, spline, solved.offset, out) < missed:
+            made, offset = Structure(spline, (), (), solved.freedom, solved.smoothing), solved.offset
     motion = made.motion
     compiled = program(motion)
     ends = compiled.state(Angles(compiled.starts, np.arange(compiled.starts.size))).displacement[0] / motion.scale
@@ -318,9 +321,7 @@ def _of(column: MeasuredColumn, out: tuple[int, ...], others: Mapping[int, tuple
 def _rows(
     table: MeasuredTable, errors: Mapping[str, float], out: tuple[int, ...], others: Mapping[int, tuple[int, ...]]
 ) -> TurnRows | None:
-    """The rows of a table of displacements that move."""
-    if table.layout.order:
-        return None
+    """The rows of a table that move."""
     error = errors[table.layout.quantity]
     whole = float(np.std(table.values[table.used(out)])) / abs(table.size)
     if not whole:
@@ -489,6 +490,13 @@ def _motion(table: MeasuredTable, solved: _Solved) -> Motion:
         for place, state in zip(solved.knots.tolist(), solved.at.tolist(), strict=True)
     )
     return Motion(start, (Segment(360.0, 0.0, SplineCurve(points)),), table.motion_unit)
+
+
+def _missed(table: MeasuredTable, motion: Motion, offset: float, out: tuple[int, ...]) -> float:
+    """By how much the rows are off the motion: root of the mean square, in the table's unit."""
+    rows = table.used(out)
+    left = table.values[rows] - _measured(motion, table.layout.order, table.angles[rows]) - offset
+    return sqrt(float(np.mean(left**2))) / abs(table.size)
 
 
 def _measured(motion: Motion, order: int, angles: np.ndarray) -> np.ndarray:

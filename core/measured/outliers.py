@@ -63,16 +63,19 @@ class Outliers:
 def outliers(table: MeasuredTable, error: float) -> Outliers:
     """The rows that contradict those beside them by more than the error of a value, in the unit of ``table.values``.
 
-    Where the median of |e| shows a larger error than that stated, it counts; so does rounding to the last digit.
+    Where |e| shows a larger error than that stated, it counts; so does rounding to the last digit.
     """
     order = np.argsort(table.angles, kind="stable")
     rows = TableRows(table.angles[order], table.values[order], 3 - table.layout.order)
     if not rows.testable:
         return Outliers()
     rounding = 10.0**-table.decimals / sqrt(12.0) * abs(table.size)
-    if rows.x.size > MANY and not _is_suspicious(rows, max(error, rounding)):
-        return Outliers()
-    search = _Search(rows, max(error, rounding, rows.scatter()))
+    looked_at = np.ones(rows.x.size, dtype=bool)
+    if rows.x.size > MANY:
+        looked_at = _suspicious(rows, max(error, rounding))
+        if not looked_at.any():
+            return Outliers()
+    search = _Search(rows, max(error, rounding, rows.scatter()), looked_at)
     left_out = search.largest_first()
     if left_out is None:
         return Outliers(undecided=(tuple(order.tolist()),))
@@ -89,48 +92,53 @@ def outliers(table: MeasuredTable, error: float) -> Outliers:
     )
 
 
-def _is_suspicious(rows: TableRows, error: float) -> bool:
-    """Whether any row is farther off the cubic through the two before and the two behind it than rows around it are: a run of wrong rows is
-    so at its ends."""
+def _suspicious(rows: TableRows, error: float) -> np.ndarray:
+    """The rows (n,) near any that is farther off the cubic through the two before and the two behind it than rows around it are: a run of
+    wrong rows is so at its ends."""
     y = np.concatenate((rows.y[-8:], rows.y, rows.y[:8]))
     off = np.abs(y[2:-2] - (4.0 * (y[1:-3] + y[3:-1]) - y[:-4] - y[4:]) / 6.0)
     usual = max(float(np.median(off)), error, 1e-9 * float(np.ptp(rows.y)))
+    found = np.zeros(rows.x.size, dtype=bool)
     for first in range(0, rows.x.size, AT_ONCE):
         n = min(AT_ONCE, rows.x.size - first)
         part = off[first : first + n + 12]
         around = np.partition(np.stack([part[k : k + n] for k in range(13)]), 6, axis=0)[6]
-        if (part[6 : 6 + n] > 12.0 * np.maximum(around, usual)).any():
-            return True
-    return False
+        found[first : first + n] = part[6 : 6 + n] > 12.0 * np.maximum(around, usual)
+    near = np.flatnonzero(found)[:, None] + np.arange(-2 * LONGEST, 2 * LONGEST + 1)
+    found[near % rows.x.size] = True
+    return found
 
 
 class _Search:
-    """The search for the runs to leave out, for a known error of a value."""
+    """The search for the runs to leave out, for a known error of a value, in blocks of which some rows (n,) are looked at."""
 
-    def __init__(self, rows: TableRows, error: float) -> None:
+    def __init__(self, rows: TableRows, error: float, looked_at: np.ndarray) -> None:
         self.rows, self.error = rows, error
-        self._blocks: dict[tuple[float, bytes], np.ndarray] = {}
+        blocks = np.arange(0, rows.x.size, CORE)
+        self.blocks = blocks[np.logical_or.reduceat(looked_at, blocks)].tolist()
+        self._blocks: dict[tuple[bytes, bytes], np.ndarray] = {}
 
-    def change(self, left_out: np.ndarray) -> float:
-        """a of the rows that are left."""
+    def change(self, left_out: np.ndarray) -> np.ndarray:
+        """a at each row (n,), by those that are left."""
         least = LEAST_CHANGE * self.error / self.rows.distance ** (self.rows.order - 1)
-        return max(0.5 * self.rows.largest(np.flatnonzero(~left_out), self.error), least)
+        return self.rows.changes(np.flatnonzero(~left_out), self.error, least)
 
-    def scores(self, kept: np.ndarray, change: float) -> np.ndarray:
-        """Scores (2, n, longest) of the runs of 1 ... rows from each row kept on."""
-        longest, parts = self.rows.longest, []
+    def scores(self, kept: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Scores (2, m, longest) of the runs of 1 ... rows from each row kept on that is looked at; the places of these (m,) among them."""
+        longest, parts, places = self.rows.longest, [], []
         margin = min(MARGIN, (kept.size - 1) // 2)
-        for first in range(0, self.rows.x.size, CORE):
+        for first in self.blocks:
             checkpoint()
             start, end = np.searchsorted(kept, (first, first + CORE))
+            places.append(np.arange(start, end))
             number, x = self.rows.around(kept, np.arange(start - margin, end + margin + longest))
-            key = (change, number.tobytes())
+            key = (change[number].tobytes(), number.tobytes())
             if key not in self._blocks:
-                precision = precision_matrix(x, self.rows.order, change, self.error)
+                precision = precision_matrix(x, self.rows.order, change[number], self.error)
                 run = margin + np.arange(end - start)[:, None] + np.arange(longest)
                 self._blocks[key] = run_scores(precision, precision @ self.rows.y[number], run)
             parts.append(self._blocks[key])
-        return np.concatenate(parts, axis=1)
+        return np.concatenate(parts, axis=1), np.concatenate(places)
 
     def largest_first(self) -> np.ndarray | None:
         """Which rows (n,) to leave out; None where there are too many, or no end. Runs whose rows are wrong by the same are
@@ -138,25 +146,27 @@ class _Search:
         left_out, moved = np.zeros((2, self.rows.x.size), dtype=bool)
         for _ in range(PASSES):
             kept, now = np.flatnonzero(~left_out), self.change(left_out)
-            single, shifted = self.scores(kept, now)
+            (single, shifted), places = self.scores(kept, now)
             scores = single if single.max() >= START else shifted
             best = scores.max(axis=1)
             if best.max() < START:
                 return left_out
             least = max(START, 0.25 * best.max())
             while best.max() >= least:  # the largest, and others that do not depend on it
-                first = int(np.argmax(best))
-                run = kept[np.mod(np.arange(first, first + 1 + int(np.argmax(scores[first]))), kept.size)]
+                chosen = int(np.argmax(best))
+                first = int(places[chosen])
+                run = kept[np.mod(np.arange(first, first + 1 + int(np.argmax(scores[chosen]))), kept.size)]
                 left_out[run] = True
                 moved[run] |= scores is shifted
-                best[np.mod(np.arange(first - 3 * LONGEST, first + 3 * LONGEST + 1), kept.size)] = -np.inf
+                away = np.abs(np.mod(places - first + kept.size // 2, kept.size) - kept.size // 2)
+                best[away <= 3 * LONGEST] = -np.inf
             for run in stretches(left_out & ~moved):
                 self.restore(left_out, run, now)
             if left_out.sum() > MOST * left_out.size:
                 return None
         return None
 
-    def near(self, left_out: np.ndarray, run: np.ndarray, change: float) -> tuple[np.ndarray, np.ndarray]:
+    def near(self, left_out: np.ndarray, run: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Numbers (m,) of the rows around a run that is left out, others left out but itself not, and their Q (m, m)."""
         others = left_out.copy()
         others[run] = False
@@ -164,9 +174,9 @@ class _Search:
         first = int(np.searchsorted(kept, run[0]))
         before = min(2 * MARGIN, (kept.size - run.size) // 2)
         number, x = self.rows.around(kept, np.arange(first - before, first + run.size + before))
-        return number, precision_matrix(x, self.rows.order, change, self.error)
+        return number, precision_matrix(x, self.rows.order, change[number], self.error)
 
-    def restore(self, left_out: np.ndarray, run: np.ndarray, change: float) -> None:
+    def restore(self, left_out: np.ndarray, run: np.ndarray, change: np.ndarray) -> None:
         """Of a run of rows left out, those that agree with all others are kept again."""
         number, precision = self.near(left_out, run, change)
         at = np.flatnonzero(np.isin(number, run))
@@ -246,16 +256,17 @@ class _Search:
             readings = sorted((np.flatnonzero(between), np.flatnonzero(~between)), key=len)
         return np.where(undecided, 0.0, probability), stretches(undecided), readings
 
-    def contradicting(self, left_out: np.ndarray, change: float) -> np.ndarray:
+    def contradicting(self, left_out: np.ndarray, change: np.ndarray) -> np.ndarray:
         """The rows (n,) of the run that still contradicts the others most, once all that is to be left out is."""
         kept, result = np.flatnonzero(~left_out), np.zeros(left_out.size, dtype=bool)
-        scores = self.scores(kept, change).max(axis=0)
+        both, places = self.scores(kept, change)
+        scores = both.max(axis=0)
         if scores.max() >= START:
-            first, last = np.unravel_index(np.argmax(scores), scores.shape)
-            result[kept[np.mod(np.arange(first, first + last + 1), kept.size)]] = True
+            chosen, last = np.unravel_index(np.argmax(scores), scores.shape)
+            result[kept[np.mod(places[chosen] + np.arange(last + 1), kept.size)]] = True
         return result
 
-    def probability(self, left_out: np.ndarray, run: np.ndarray, change: float) -> tuple[np.ndarray, int | None]:
+    def probability(self, left_out: np.ndarray, run: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, int | None]:
         """Of each row (n,) that it belongs to a wrong run at the place of one left out; the row behind a step
         that explains as much, if any."""
         number, precision = self.near(left_out, run, change)

@@ -10,7 +10,7 @@ from math import sqrt
 import numpy as np
 
 from core.frozen import frozen
-from core.measured.deletion import COARSE, LONGEST
+from core.measured.deletion import COARSE, LONGEST, deviation
 from core.measured.table import MeasuredTable, distinct
 
 EXACT = 1e-10
@@ -74,8 +74,49 @@ def turn_rows(
     return TurnRows(x, values, found, sizes, found.get(0, 0.0) <= EXACT * sizes.get(0, 0.0))
 
 
+def integrated(rows: TurnRows) -> tuple[TurnRows, float]:
+    """The same with the displacement, where the rows hold none: the integral of the column of least order by the cubic through the two
+    rows before and the two behind each step, less what that gains over a turn; and this, by degrees of that column.
+
+    What the errors of the rows add up to is the error of the displacement, at least what the cubic and the parabola differ by.
+    """
+    order, gain = min(rows.values), 0.0
+    x, values, errors, sizes = rows.x, dict(rows.values), dict(rows.errors), dict(rows.sizes)
+    step = np.diff(x, append=x[0] + 360.0)
+    for below in range(order - 1, -1, -1):  # none where there are displacements
+        above = values[below + 1]
+        rises, doubt = _rises(x, step, above)
+        gained = float(rises.sum()) / 360.0
+        gain = gained if below == order - 1 else gain
+        values[below + 1] = above - gained
+        whole = np.append(0.0, np.cumsum(rises - gained * step)[:-1])
+        values[below] = whole - (whole.min() if below == 0 else float(whole @ step) / 360.0)
+        sizes[below] = float(np.abs(values[below]).max()) or 1.0
+        adds_up = 0.5 * errors[below + 1] * sqrt(360.0 * float(np.median(step)))
+        errors[below] = max(adds_up, float(np.abs(np.cumsum(doubt)).max()), EXACT * sizes[below])
+        relative = errors[below] / sizes[below]
+        for each in range(below + 1, 3):
+            if each in errors:
+                errors[each] = max(errors[each], relative * sizes[each])
+    return replace(rows, values=values, errors=errors, sizes=sizes, exact=errors[0] <= EXACT * sizes[0]), gain
+
+
+def _rises(x: np.ndarray, step: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The integral of y from each row to the next (n,) by the cubic through four rows, and what the parabola through three differs by."""
+    before, after, behind = np.roll(step, 1), np.roll(step, -1), np.roll(y, -1)
+    slope = (behind - y) / step
+    bends = [
+        (slope - np.roll(slope, 1)) / (step + before),
+        (np.roll(slope, -1) - slope) / (step + after),
+    ]
+    third = (bends[1] - bends[0]) / (before + step + after)
+    first = step * (y + 0.5 * step * slope) - step**3 / 6.0 * bends[0]
+    more = -third * (step**4 / 12.0 + before * step**3 / 6.0)
+    return first + more, more
+
+
 def scatter(x: np.ndarray, y: np.ndarray, derivative: int = 0) -> float:
-    """The error of a value that the rows themselves show: the median of their normalised divided differences, of the least order from
+    """The error of a value that the rows themselves show: the deviation of their normalised divided differences, of the least order from
     which on higher ones find no less. What is smooth between the joins falls with the order, an error does not.
 
     x           (n,) cam angles [deg] in order, y (n,) values; repeated angles count once
@@ -96,7 +137,7 @@ def scatter(x: np.ndarray, y: np.ndarray, derivative: int = 0) -> float:
         apart = (places[:, :, None] - places[:, None, :]) / width[:, :, None] + np.eye(order + 1)
         weights = 1.0 / apart.prod(axis=2)
         weights /= np.sqrt((weights**2).sum(axis=1))[:, None]
-        found.append(float(np.median(np.abs((weights * (rows - rows[:, :1])).sum(axis=1)))) / 0.6745)
+        found.append(deviation(np.abs((weights * (rows - rows[:, :1])).sum(axis=1))))
     if len(found) < 2 or found[-1] < _FALLS * found[-2]:
         return 0.0  # too few rows to tell an error from the motion
     least = min(found)

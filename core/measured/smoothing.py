@@ -9,7 +9,7 @@ over curves that are quintics between knots, with s, s', s'' at each (``laws.pol
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import log, sqrt
+from math import log, log10, sqrt
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,7 @@ from core.laws.polynomial import STATES, jerk_rows, quintics
 from core.numerics.cancellation import checkpoint
 
 FEWEST, MOST = 12, 3000  # steps between knots
+STIFF = 1e-6  # weight of the jerk, at least: it leads the curve where no rows are; less where the errors are a smaller part of the values
 AT_ONCE = 20_000  # rows whose equations are made together
 _BAND = 2 * STATES
 
@@ -61,18 +62,20 @@ def smooth(
             break
         enough = left <= count + 2.0 * sqrt(2.0 * count)  # and once more, so that it is the jerk which decides
         steps = min(2 * steps, most)
-    weight = 0.0
+    known = [(order, y[np.isfinite(y)]) for order, y in values.items() if np.isfinite(y).any()]
+    least = max(min([STIFF, *(errors[order] / (float(np.ptp(y)) or 1.0) for order, y in known)]), 1e-14)
+    weight = least
     if left < count:
 
         def beyond(power: float) -> float:
             checkpoint()
             return log(max(system.solved(10.0**power)[1], 1e-300) / count)
 
-        low, high = -14.0, 14.0
+        low, high = log10(least), 14.0
         weight = 10.0 ** (
             high if beyond(high) < 0.0 else float(brentq(beyond, low, high, xtol=1e-9)) if beyond(low) < 0.0 else low
         )
-        states, left = system.solved(weight)
+    states, left = system.solved(weight)
     return Smoothed(system.knots, states, sqrt(left / max(count, 1)), system.freedom(weight), weight * system.scale)
 
 

@@ -16,6 +16,7 @@ TREND = 16.0  # of χ²: what a parabola may explain of the rows of a dwell
 _CORES = (1.0, 0.9, 0.8, 0.7, 0.6)  # of the rows that agree, of which a dwell may be the middle: a law leaves it slowly
 MOST_SEARCHED = 7200  # rows that dwells are searched in; of longer tables every so many
 STEP = 20.0  # errors by which the levels of two neighbouring dwells differ; by less, the shorter is a slow part of the way to the other
+PASSES = 5.0  # standard errors by which the slope of a dwell is less than that of a slow part of a stroke
 PROMINENCE = 20.0  # errors by which a reversal stands out of what is around it
 SLOW = 0.04  # of the largest velocity of its stroke: a row that is slower between faster ones is a rest
 _NOISE = 0.01  # of the largest velocity, that the error may make in a slope
@@ -65,7 +66,7 @@ def rests(at: Turned, with_dwells: bool = True) -> list[Rest]:
     some = np.arange(0, at.count, step)
     y, error = at.values[0][some], at.rows.errors[0]
     found = [Rest(int(some[a]), int(some[b]), level) for a, b, level in _dwells(y, error)] if with_dwells else []
-    found = _levelled(_still(at, _whole(at, found, step)), at, error)
+    found = _levelled(_still(at, _standing(at, _whole(at, found, step))), at, error)
     found = _apart(at, found, error)
     reversals = _reversals(at, some, found, error)
     return sorted([*found, *reversals], key=lambda rest: rest.first)
@@ -159,6 +160,26 @@ def _whole(at: Turned, found: list[Rest], step: int) -> list[Rest]:
     return whole
 
 
+def _standing(at: Turned, found: list[Rest]) -> list[Rest]:
+    """The same without slow parts of a stroke: rows that pass their level no slower than as many on either side, whose slope is between
+    those of both sides, and of a dwell far less."""
+    y, error, kept = at.values[0], at.rows.errors[0], []
+    for rest in found:
+        m = rest.last - rest.first + 1
+        first = rest.first + (at.count if rest.first < m else 0)
+        if 3 * m <= at.count:
+            before, own, behind = (y[k : k + m] for k in (first - m, first, first + m))
+            rise = 0.5 * (float(behind.mean()) - float(before.mean()))  # over as many rows
+            place = np.arange(m) - 0.5 * (m - 1)
+            slope = float(place @ (own - own[0])) / float(place @ place)
+            slower = (rise / m - slope) * np.sign(rise)
+            passes = (float(behind.mean()) - float(own.mean())) * (float(own.mean()) - float(before.mean())) > 0.0
+            if passes and slower <= PASSES * error * sqrt(12.5 / m**3):
+                continue
+        kept.append(rest)
+    return kept
+
+
 def _apart(at: Turned, found: list[Rest], error: float) -> list[Rest]:
     """Neighbours between which no row leaves their levels are one dwell: where these differ, it is a drift, and the longer one counts."""
     kept: list[Rest] = []
@@ -228,13 +249,11 @@ def slopes(at: Turned) -> np.ndarray:
         usual = float(np.median(distance))
         if sqrt(2.0) * error / usual <= _NOISE * max(float(v.max()), -float(v.min())) or usual > 8.0:
             return np.tile(v, 2)
-        width += 1
+        width = -(-5 * width // 4)
 
 
 def _reversals(at: Turned, some: np.ndarray, dwells: list[Rest], error: float) -> list[Rest]:
     """Rests outside of dwells: where the motion turns, and where it slows down to nothing and goes on."""
-    from scipy.signal import find_peaks
-
     y, v = at.values[0], np.abs(slopes(at))
     found: list[Rest] = []
     spans = (
@@ -251,17 +270,38 @@ def _reversals(at: Turned, some: np.ndarray, dwells: list[Rest], error: float) -
         around = part if dwells else np.concatenate((part, part + at.count))
         places: set[int] = set()
         for sign in (1.0, -1.0):
-            places |= {int(around[k]) for k in find_peaks(sign * y[around], prominence=prominence, plateau_size=1)[0]}
+            places |= {int(around[k]) for k in _peaks(sign * y[around], prominence)}
         top = float(v[first : last + 1].max())
-        for k in find_peaks(-v[around], prominence=0.3 * top)[0]:
+        for k in _peaks(-v[around], 0.3 * top):
             if v[around[k]] < SLOW * top and all(abs(around[k] - other) > LEAST_STEPS for other in places):
                 places.add(int(around[k]))
         step = int(some[1] - some[0])
         if step > 1:  # of a longer table: the very row
             places = {p - step + 1 + int(np.argmin(v[p - step + 1 : p + step])) for p in places}
-        if not dwells:
-            places = {place % at.count for place in places}
-        found += [Rest(place, place) for place in sorted(places) if first + 1 < place < last - 1 or not dwells]
+        inside = {place % at.count for place in places if first + 1 < place < last - 1 or not dwells}
+        found += [Rest(place, place) for place in inside]
+    return found
+
+
+def _peaks(values: np.ndarray, prominence: float) -> list[int]:
+    """Where values (n,) are largest between two places that lie lower by the prominence; the middle where it is several in a row. As
+    ``scipy.signal.find_peaks``, which takes longer to import than a table to be fitted."""
+    found, top, low = [], 0, np.inf
+    rising = False
+    each = values.tolist()
+    for i, value in enumerate(each):
+        if rising and value > each[top]:
+            top = i
+        elif rising and value <= each[top] - prominence:
+            last = top
+            while each[last + 1] == each[top]:
+                last += 1
+            found.append((top + last) // 2)
+            rising, low = False, value
+        elif not rising:
+            low = min(low, value)
+            if value >= low + prominence:
+                rising, top = True, i
     return found
 
 

@@ -91,7 +91,7 @@ class SwitchError(KindynaError):
 
 def switchable() -> tuple[str, ...]:
     """What a segment can be made: a table, a dwell, or one of the named laws."""
-    return (TABLE, DWELL, *(candidate.name for candidate in next(tiers(1.0))))
+    return (TABLE, DWELL, *(candidate.name for candidate in tiers(1.0)[0]))
 
 
 def structured(
@@ -203,6 +203,12 @@ def _joined_tables(parts: list[_Part]) -> list[_Part]:
 _Recognised = tuple[Stroke | None, tuple[str, ...]]
 
 
+def _top(rest: Rest) -> Rest:
+    """A reversal in place of a dwell."""
+    middle = (rest.first + rest.last) // 2
+    return Rest(middle, middle)
+
+
 def _later(rest: Rest, count: int) -> Rest:
     return replace(rest, first=rest.first + count, last=rest.last + count)
 
@@ -230,7 +236,7 @@ def _recognised(at: Turned, found: list[Rest], with_laws: bool) -> tuple[list[Re
 
     def without(found: list[Rest], some: list[Rest]) -> tuple[list[Rest], list[_Recognised]] | None:
         """The same with a reversal in place of each of some dwells, where every stroke beside them is a law then."""
-        changed = [Rest(m := (each.first + each.last) // 2, m) if each in some else each for each in found]
+        changed = [_top(each) if each in some else each for each in found]
         answers = laws(changed)
         beside = {k for i, each in enumerate(found) if each in some for k in (i - 1, i)}
         return (changed, answers) if all(answers[k][0] is not None for k in beside) else None
@@ -281,7 +287,8 @@ def _parts(at: Turned, found: list[Rest], strokes: list[_Recognised]) -> list[_P
                 _moved(at, stroke, rest, behind)
                 for stroke, rest, behind in zip(laws[i:j], closed[i:j], closed[i + 1 :], strict=False)
             ]
-            laws[i:j] = [_at_zero(each) for each in joined(at, chain)]
+            together = joined(at, chain)
+            laws[i:j] = [None] * (j - i) if together is None else [_at_zero(each) for each in together]
         i = max(j, i + 1)
     if closed[0].level is None and all(laws):  # all around: its first and last rest are the same
         first, last = laws[0], laws[-1]
@@ -293,16 +300,22 @@ def _parts(at: Turned, found: list[Rest], strokes: list[_Recognised]) -> list[_P
             laws[0] = replace(first, start=angle, low=level, end=angle + 360.0, high=level)
     parts: list[_Part] = []
     gaps = [behind.first - rest.last for rest, behind in pairwise(closed)]
-    for k, (rest, behind) in enumerate(pairwise(closed)):
+    dwells: list[tuple[float, float] | None] = []
+    for k, rest in enumerate(closed[:-1]):
         stroke, before = laws[k], laws[k - 1]
-        if rest.level is not None:
-            start = (
-                (before.end - (360.0 if k == 0 else 0.0))
-                if before is not None
-                else onset(at, rest, False, gaps[k - 1])[0]
-            )
-            end = stroke.start if stroke is not None else onset(at, rest, True, gaps[k])[0]
-            parts.append(_Part(start, end, rest.level, rest.level, dwells=True))
+        if rest.level is None:
+            dwells.append(None)
+            continue
+        start = (
+            before.end - (360.0 if k == 0 else 0.0) if before is not None else onset(at, rest, False, gaps[k - 1])[0]
+        )
+        end = stroke.start if stroke is not None else onset(at, rest, True, gaps[k])[0]
+        dwells.append((start, end) if end - start > 360.0 / at.count else None)  # a crest is left where it is reached
+    closed = _around(at, [_top(rest) if dwell is None else rest for rest, dwell in zip(found, dwells, strict=True)])
+    for k, (rest, behind) in enumerate(pairwise(closed)):
+        stroke, before, dwell = laws[k], laws[k - 1], dwells[k]
+        if dwell is not None and rest.level is not None:
+            parts.append(_Part(*dwell, rest.level, rest.level, dwells=True))
         if stroke is not None:
             parts.append(_Part(stroke.start, stroke.end, stroke.low, stroke.high, stroke))
             continue
@@ -549,13 +562,11 @@ def _end(level: float, beside: _Part, behind: bool) -> End:
 
 
 def _end_acceleration(part: _Part, start: bool) -> float:
-    from core.laws import PieceTable
-
     assert part.stroke is not None
-    pieces = part.stroke.candidate.pieces(part.stroke.fractions)
-    assert pieces is not None
+    table = part.stroke.candidate.table(part.stroke.fractions)
+    assert table is not None
     u = np.array([0.0 if start else 1.0])
-    return float(PieceTable(pieces).at(u)[2][0]) * (part.high - part.low) / (part.end - part.start) ** 2
+    return float(table.at(u)[2][0]) * (part.high - part.low) / (part.end - part.start) ** 2
 
 
 def _segment(knots: np.ndarray, states: np.ndarray, low: float, high: float) -> Segment:

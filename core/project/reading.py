@@ -341,7 +341,11 @@ def _read_one_of(row: Tables, reader: Reader, shaft: Shaft) -> tuple[Drive, list
         Fault(other, row[other], f"stands beside {kind}, but a drive has one mechanism", _ONE_MECHANISM)
         for other in kinds[1:]
     ]
-    if not kinds:
+    if not kinds and _is_alone(row):
+        problem = "stands alone, but a drive has a mechanism; a motion alone is a file of its own"
+        reader.faults = [fault for fault in reader.faults if fault.path != "cam"]
+        found.append(Fault(MOTION, MISSING, problem, f"{_ONE_MECHANISM} beside it"))
+    elif not kinds:
         found.append(missing("follower", _ONE_MECHANISM))
     drive = Drive(
         parts["motion"],

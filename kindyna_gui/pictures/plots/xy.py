@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pyqtgraph as pg
 from PySide6.QtCore import QPoint, QRectF
-from PySide6.QtGui import QAccessible, QPainterPath
+from PySide6.QtGui import QAccessible, QBrush, QPainterPath, QPen
 from PySide6.QtWidgets import QGraphicsItem, QWidget
 
 from core.frozen import frozen
@@ -205,13 +205,23 @@ class XYPlot(FixedPlot):
             self._ruled.append((rule, self._outline(rule.colour, Z_LIMIT, DASHED), tag))
         self._dots = tuple(dots)
         for each in dots:
-            colours = [each.colour] * each.x.size if isinstance(each.colour, str) else each.colour
-            item = pg.ScatterPlotItem(each.x, each.y, size=each.size, antialias=True)
-            item.setBrush([brush(self._theme.paper if each.hollow else colour) for colour in colours])
-            item.setPen([self._theme.pen(colour) if each.hollow else no_pen() for colour in colours])
+            item = pg.ScatterPlotItem(each.x, each.y, size=each.size, antialias=True, **self._look(each))
             self._add(item, Z_BEHIND if each.behind else Z_DOTS)
         self._message_text = ""
         self._lay()
+
+    def _look(self, dots: Dots) -> dict[str, Any]:
+        """Their brushes and pens: one of each for a colour, as pyqtgraph draws every other one apart."""
+
+        def look(colour: str) -> tuple[QBrush, QPen]:
+            if dots.hollow:
+                return brush(self._theme.paper), self._theme.pen(colour)
+            return brush(colour), no_pen()
+
+        if isinstance(dots.colour, str):
+            return dict(zip(("brush", "pen"), look(dots.colour), strict=True))
+        looks = {colour: look(colour) for colour in dict.fromkeys(dots.colour)}
+        return {kind: [looks[colour][k] for colour in dots.colour] for k, kind in enumerate(("brush", "pen"))}
 
     def _add(self, item: QGraphicsItem, z: float) -> None:
         """Besides the curves, until something else is shown."""

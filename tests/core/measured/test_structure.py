@@ -168,6 +168,8 @@ def test_of_columns_that_contradict_each_other_the_user_chooses(
     assert motion is not None
     at = np.arange(0.0, 360.0, 7.0)
     assert np.abs(derivative(motion, at, 0) - derivative(BENT_LIFT, at, 0)).max() < 1e-3
+    laws = ["4-5-6-7", "dwell", "3-4-5", "dwell"]
+    assert [segment["law"] for segment in chosen["segments"]] == laws, "the dwells stand still"
     for words, said in (
         ("s,v", "times the derivative of the displacement: they contradict each other"),
         ("s,w", "trust 's,w'; wanted: s, v, a"),

@@ -344,6 +344,15 @@ def test_an_empty_row_of_drives() -> None:
     assert "exactly one of [drives.follower] | [drives.linkage]" in lines["drives[0].follower"]
 
 
+def test_drives_of_motions_alone_are_told_in_a_line_each() -> None:
+    motion = {"start_mm": 0.0, "segments": [{"law": "dwell", "span_deg": 360.0}]}
+    shaft = {"speed_rpm": 60.0, "rotation": "ccw"}
+    drives = [{"name": name, "motion": motion} for name in "ab"]
+    lines = told({"format": 1, "name": "x", "shaft": shaft, "drives": drives})
+    assert set(lines) == {"drives[0].motion", "drives[1].motion"}
+    assert "a motion alone is a file of its own; allowed: exactly one of [drives.follower]" in lines["drives[0].motion"]
+
+
 # -- a flexible shaft -------------------------------------------------------------------------------------
 
 ELASTIC = {"shaft.camshaft_inertia_kg_m2": 60, "shaft.stiffness_nm_per_rad": 1.6e6}
