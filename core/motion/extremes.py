@@ -213,7 +213,7 @@ Top = tuple[float, float, float]
 def _smooth_tops(values: np.ndarray) -> list[Top | None]:
     """Of brackets (b, DEGREE + 1) at Chebyshev's points the tops of the polynomials through them; None where one leaves anything out."""
     values = np.where(np.isfinite(values).all(axis=1)[:, None], values, np.nan)
-    c = values @ _TO_CHEBYSHEV.T
+    c = _in_chebyshev(values)
     smooth = np.abs(c[:, -2:]).max(axis=1) <= TAIL * np.abs(values).max(axis=1)
     tops = values.argmax(axis=1)
     start = np.pi * (1.0 - tops / DEGREE)
@@ -229,7 +229,7 @@ def _top_at_zero(value: np.ndarray) -> Top | None:
     """Where the quantity is minus the size of another one, which goes through zero, that zero; None where it is not."""
     top = int(np.argmax(value))
     halves = np.array([np.where(beyond, -value, value) for beyond in (top < _ORDER, top <= _ORDER)])
-    c = halves @ _TO_CHEBYSHEV.T
+    c = _in_chebyshev(halves)
     smooth = np.abs(c[:, -2:]).max(axis=1) <= TAIL * np.abs(value).max()
     if not smooth.any():
         return None
@@ -237,6 +237,12 @@ def _top_at_zero(value: np.ndarray) -> Top | None:
     phi = _newton(c, -_ORDER * c, np.cos, np.sin, np.array([np.pi * (1.0 - top / DEGREE)]))
     height = -abs(float((c * np.cos(_ORDER * phi[:, None])).sum()))
     return float(np.cos(phi[0])), height, float(value[top])
+
+
+def _in_chebyshev(values: np.ndarray) -> np.ndarray:
+    """The coefficients of brackets (b, DEGREE + 1); of each the same bits whatever is searched beside it, which BLAS would not give."""
+    made: np.ndarray = (values[:, None, :] * _TO_CHEBYSHEV).sum(axis=2)
+    return made
 
 
 def _newton(f: np.ndarray, slope: np.ndarray, of: np.ufunc, of_slope: np.ufunc, start: np.ndarray) -> np.ndarray:

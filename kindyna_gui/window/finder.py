@@ -196,8 +196,11 @@ SOURCES = (_commands, _fields, _channels, _findings, _help)
 
 def rank(found: Found, words: list[str]) -> float | None:
     """How well something matches: less is better; None where a word is not in it. Of fields that match alike the weightier comes
-    first."""
-    cost = 0.0 if found.entry is None else BY_WEIGHT * (USUAL - found.entry.info.weight)
+    first, what is limited before its limit."""
+    cost = 0.0
+    if found.entry is not None:
+        is_limit = found.entry.path.startswith("limits.")
+        cost = BY_WEIGHT * (USUAL - found.entry.info.weight + is_limit)
     for word in words:
         at = found.words.find(word)
         if at < 0:

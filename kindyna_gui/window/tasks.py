@@ -200,7 +200,7 @@ TASKS: Mapping[str, Task] = MappingProxyType(
                 DockGroup(RIGHT, ("torque",), ("camshaft_speed", "shaft_torque", "against_speed"), 1.7),
                 DockGroup(BOTTOM, more=("timing",)),
                 DockGroup(
-                    RIGHT, ("contact_force", "contact_pressure"), ("contact", "vibration", "shaft_figures"), 1.25
+                    RIGHT, ("contact_force",), ("contact_pressure", "contact", "vibration", "shaft_figures"), 1.25
                 ),
             ),
             MappingProxyType({**USUAL, BOTTOM: DockExtent(0.31, 226)}),
@@ -211,7 +211,9 @@ TASKS: Mapping[str, Task] = MappingProxyType(
                 DockGroup(
                     LEFT, ("torque",), ("camshaft_speed", "shaft_torque", "against_speed", "motion", "find"), 1.15
                 ),
-                DockGroup(LEFT, ("contact_force", "contact_pressure"), ("contact", "vibration", "shaft_figures"), 1.15),
+                DockGroup(
+                    LEFT, ("contact_force",), ("contact_pressure", "contact", "vibration", "shaft_figures"), 1.15
+                ),
                 DockGroup(BOTTOM, more=("timing",)),
                 DockGroup(RIGHT, ("parameters", "flywheel", "findings"), part=1.2),
                 DockGroup(RIGHT, more=("drives",), part=0.7),

@@ -52,7 +52,7 @@ def test_every_view_is_painted(tmp_path: Path, capsys: pytest.CaptureFixture[str
     ]
     assert told.err == ""
     wanted = {"window", *(f"window_{task}" for task in TASKS), "mechanism_vectors", "graph_polar", *VIEWS}
-    wanted |= {f"parameters_{name}" for name in ("cam", "shaft", "loads", "limits")}
+    wanted |= {f"parameters_{name}" for name in ("follower", "cam", "shaft", "loads", "limits")}
     wanted |= {f"centres_{name}" for name in ("links", "points", "differences")}
     assert set(made) == {f"{name}.png" for name in wanted}
     for name, path in made.items():

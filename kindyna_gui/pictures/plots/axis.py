@@ -68,8 +68,11 @@ class Axis(pg.AxisItem):
         self.show_title(text, colour(before))
 
     def resizeEvent(self, event: object = None) -> None:
-        """On the right pyqtgraph would let the title hang over the end."""
+        """On the right pyqtgraph would let the title hang over the end; of what is kept of the axis it would paint the rest only."""
         super().resizeEvent(event)
+        kept = self.cacheMode()
+        self.setCacheMode(self.CacheMode.NoCache)
+        self.setCacheMode(kept)
         if self.orientation == "right" and getattr(self, "label", None) is not None:
             self.label.moveBy(-sized(TITLE_BACK), 0.0)
 

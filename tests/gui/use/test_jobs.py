@@ -260,7 +260,7 @@ def test_the_pressure_of_a_rocker_with_its_spring_and_material_is_read(open_user
     hand.enter("loads.spring_rate_nm_per_rad", "55")
     hand.tab("Cam")
     hand.pick("cam.material", "42crmo4")
-    hand.tab("Contact pressure")
+    hand.menu("Dyna", "Contact pressure")
     view: Any = user.window.view("contact_pressure")
     wait_for(lambda: view.on_screen() and view.up_to_date and view.plot.readings())
     design = user.design
