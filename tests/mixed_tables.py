@@ -145,6 +145,7 @@ def _lobe(chance: np.random.Generator) -> Motion:
 # -- judging ----------------------------------------------------------------------------------------------
 
 MET, STILL = 6.0, 6.0  # errors that stroke and level may be off, and that the motion may be off a dwell that was found
+SAID = 5.0  # errors from which on the notes name a row that the motion is off
 
 
 @dataclass(frozen=True)
@@ -210,6 +211,8 @@ def _stroke(case: MixedTable, found: MotionFit, stroke: float) -> list[str]:
     between = max((abs(s.rise) for s in case.motion.segments if s.span_deg < 360.0 / count), default=0.0)
     told, hidden = [], case.wrong & ~case.beyond_doubt()  # rows that nothing tells to be wrong
     allowed = MET * case.error + float(np.abs(case.values - case.right)[hidden].max(initial=0.0))
+    left = np.abs(found.residuals[~case.wrong]) * case.table.size  # of a curve shorter than two rows, which notes name
+    allowed += float(left[left > SAID * found.error * case.table.size].max(initial=0.0))
     told_by_rows = float(np.ptp(position(case.motion, case.turn + case.angles[~case.wrong])))
     if not told_by_rows - allowed <= found.stroke <= stroke + allowed:
         told.append(f"stroke {found.stroke:.5f} of {stroke:.5f}, {(found.stroke - stroke) / case.error:.1f} errors")

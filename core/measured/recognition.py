@@ -30,6 +30,7 @@ from core.measured.strokes import Rest, Turned, shortest
 from core.numerics.cancellation import checkpoint
 
 FAR = 5.0  # errors that a row may be off the law
+HOPELESS = 25.0  # times the χ² that is refined: from another start no law comes as near
 WELL = 10.0  # of χ²: a law that fits worse by no more fits as well
 MOST_TRIED, MOST_COMPARED, MOST_REFINED = 150, 2000, 20_000
 """Rows of a stroke that laws are tried on, that those near enough are fitted to, and that the one taken is refined on."""
@@ -585,7 +586,7 @@ def _best(
         for _, each in estimates[:STARTS]:
             p, chi2, _, count = fit.solve([candidate], each, MOST_TRIED, 200, NEAR)
             tried.append((chi2, p.tolist()))
-            if chi2 < 2.0 * count:
+            if chi2 < 2.0 * count or chi2 > HOPELESS * most:
                 break
         chi2, start = min(tried)
     if chi2 > most:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
+from math import sqrt
 
 import numpy as np
 
@@ -28,6 +29,7 @@ SHOWN = 0.02  # of the largest acceleration: what jumps by less at a dwell is th
 JUMP = 8.0  # times what is usual: by how much velocities change more than their accelerations say where one jumps
 LEVEL = 10.0  # errors that the ends of a stretch may stand apart that is made a dwell
 TABLE, DWELL = "table", "dwell"
+MOST_FITTED = 600  # rows, or means of as many, that tell where a dwell is left
 ONSET = 60.0  # errors, up to which the rows beside a dwell tell where it is left
 
 
@@ -365,15 +367,15 @@ def onset(at: Turned, rest: Rest, behind: bool, gap: int) -> tuple[float, bool]:
         return _angle(at, edge), False
     sign, error, y = (1 if behind else -1), at.rows.errors[0], at.values[0]
     height = at.rows.sizes[0]
-    reach = 0
-    while reach < min(n // 4, max(gap // 2, 1)) and abs(y[(edge + sign * reach) % n] - float(rest.level or 0.0)) < max(
-        ONSET * error, 0.01 * height
-    ):
-        reach += 1
+    level, most = float(rest.level or 0.0), min(n // 4, max(gap // 2, 1))
+    away = np.abs(y[(edge + sign * np.arange(most)) % n] - level) >= max(ONSET * error, 0.01 * height)
+    reach = int(np.argmax(away)) if away.any() else most
     inside = min((rest.last - rest.first) // 2, 2 * reach + LEAST_STEPS)
     numbers = edge + sign * np.arange(-inside, reach + 1)
-    x = sign * (np.array([_angle(at, int(k)) for k in numbers]) - _angle(at, edge))
-    off = (y[numbers % n] - float(rest.level or 0.0)) / error
+    together = -(-numbers.size // MOST_FITTED)  # rows that count as one, their mean
+    numbers = numbers[: numbers.size // together * together]
+    x = sign * (at.x[numbers % n] + 360.0 * (numbers // n) - _angle(at, edge)).reshape(-1, together).mean(axis=1)
+    off = sqrt(together) * ((y[numbers % n] - level) / error).reshape(-1, together).mean(axis=1)
     best: dict[int, tuple[float, float]] = {}
     for power in (3, 4, 2):
         tried = np.linspace(x[0], x[-2], 241)

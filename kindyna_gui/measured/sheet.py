@@ -22,6 +22,7 @@ from kindyna_gui.pictures.style import SCREEN
 Index = QModelIndex | QPersistentModelIndex
 TINT = 0.16  # of a column's colour behind its cells
 DOUBT = "It may be wrong: nothing tells"
+ROWS_MEASURED = 60  # that tell how wide a column is
 WIDEST = 120  # pixels of a column
 MOST = 5000  # rows marked of a column that contradicts another
 
@@ -185,6 +186,7 @@ class SheetTable(QTableView):
         self.setAccessibleName("Rows of the file")
         self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 4)
         self.horizontalHeader().setHighlightSections(False)
+        self.horizontalHeader().setResizeContentsPrecision(ROWS_MEASURED)
         self.cells.switched.connect(lambda line, on: self._switch([line], on))
         self.selectionModel().currentRowChanged.connect(self._choose)
 
