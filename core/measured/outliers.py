@@ -230,8 +230,10 @@ class _Search:
 
         Each place is judged with the others left out; where that changes what is left out, all are judged again. Two
         steps may bound a long run of wrong rows, on either side of them; a step between the ends of the file may be
-        a drift of all rows. What stands close to a place that cannot be decided cannot either.
+        a drift of all rows. What stands close to a place that cannot be decided cannot either; nor is a place whose run is
+        longer than those that are tested.
         """
+        untested = [run for run in stretches(left_out) if run.size > self.rows.longest]
         for _ in range(PASSES):
             change, runs = self.change(left_out), stretches(left_out)
             places = [self.probability(left_out, run, change) for run in runs]
@@ -242,9 +244,11 @@ class _Search:
         steps = [step for _, step in places if step is not None]
         undecided = self.contradicting(left_out, change)
         for run, (own, step) in zip(runs, places, strict=True):
-            if run.size > LONGEST or own.max() < CERTAIN or (step is not None and (len(steps) > 1 or step in ends)):
+            if own.max() < CERTAIN or (step is not None and (len(steps) > 1 or step in ends)):
                 undecided[run] = True
                 undecided |= own > POSSIBLE
+        for run in untested:
+            undecided[run] = True
         close = np.mod(np.flatnonzero(undecided)[:, None] + np.arange(-2 * LONGEST, 2 * LONGEST + 1), left_out.size)
         for own, _ in places:
             if (own[close] > POSSIBLE).any():

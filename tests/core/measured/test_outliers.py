@@ -176,6 +176,21 @@ def test_both_readings_of_two_steps_are_shown_and_either_can_be_chosen(
     assert answer["readings"] == [[*range(122, 142)], [*range(2, 122), *range(142, 362)]]
 
 
+@pytest.mark.parametrize("first", [42, 75])
+def test_a_run_one_row_longer_than_is_tested_is_refused_whole(
+    first: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of 180 rows runs of 7 are tested: where two rows of eight were named, the motion came to many strokes."""
+    angles, values = lift(180, error=0.001)
+    values[first : first + 8] = 0.0
+    path = tmp_path / "lift.csv"
+    path.write_text(written(angles, values))
+    assert main(["measured", str(path)]) == 2
+    told = capsys.readouterr().err
+    assert told.startswith(f"lines {first + 2}-{first + 9}: they contradict each other")
+    assert told.count("\n") == 1
+
+
 def test_a_step_with_no_wrong_side_is_fitted_with_the_others_where_all_are_kept() -> None:
     where, by, _ = STEPS["twenty rows"]
     angles, values = lift()
