@@ -118,6 +118,7 @@ LONGEST, USUAL, SHORTEST = (
     0.1,
 )  # strokes of cams: above the first no mm are guessed, nor in inches below the last
 COUNTS = "counts"  # of an encoder
+MOST_COLUMNS = 1000
 LETTERS = {"s": "displacement", "v": "velocity", "a": "acceleration"}
 ALL_DETECTED = ColumnChoice()
 
@@ -154,6 +155,8 @@ class _Detection:
         self.headings = [meaning(name) for name in self.sheet.names]
 
     def layout(self) -> ColumnLayout:
+        if self.sheet.columns > MOST_COLUMNS:
+            self._refuse(f"{self.sheet.columns} columns; wanted: at most {MOST_COLUMNS}, and a row for each cam angle")
         trusted = self._trusted()
         choice = self._with_columns(trusted)
         self.choice, wanted = choice, choice.angle_unit
@@ -216,21 +219,41 @@ class _Detection:
         return replace(self.choice, column=str(self.letters[first] + 1), quantity=first)
 
     def _beside(self, angle: int, value: int, fitted: str) -> Iterator[OtherColumn]:
-        """The first column of each other quantity whose header names quantity and unit."""
+        """The columns that letters name, in the unit of their header or the usual one; without letters the first column of each other
+        quantity whose header names quantity and unit. What is not read for want of a speed or a unit is told."""
         found = {fitted}
+        chosen = {column: quantity for quantity, column in self.letters.items()}
+        timed: dict[str, str] = {}
         for column, heading in enumerate(self.headings):
-            if self.letters and column not in self.letters.values():
+            quantity = chosen.get(column, "") if chosen else heading.quantity
+            if column in (angle, value) or quantity not in DERIVATIVES or quantity in found:
                 continue
-            if column in (angle, value) or heading.quantity not in DERIVATIVES or heading.quantity in found:
-                continue
-            unit = value_unit(heading.unit, self.motion_unit) if heading.unit else None
-            if (
-                unit is not None
-                and unit.order == DERIVATIVES.index(heading.quantity)
-                and (unit.per != "s" or self.speed_rpm is not None)
-            ):
-                found.add(heading.quantity)
-                yield OtherColumn(column, self._name(column), heading.quantity, unit)
+            order, name = DERIVATIVES.index(quantity), heading.unit
+            if chosen and not name:
+                name = self._usual_unit(quantity)
+                self.guesses[f"unit of {quantity}"] = f"{self._name(column)} is taken for {name}"
+            unit = value_unit(name, self.motion_unit) if name else None
+            if unit is None or unit.order != order:
+                if chosen:
+                    allowed = ", ".join(value_units(quantity, self.motion_unit))
+                    self._refuse(
+                        f"{self._name(column)}: {name!r} is no unit of the {quantity} here; allowed: {allowed}"
+                    )
+            elif unit.per == "s" and self.speed_rpm is None:
+                timed.setdefault(quantity, self._name(column))
+            else:
+                found.add(quantity)
+                yield OtherColumn(column, self._name(column), quantity, unit)
+        if names := ", ".join(name for quantity, name in timed.items() if quantity not in found):
+            text = f"{names}: counted by time; the shaft's speed is wanted to read"
+            if chosen:
+                self._refuse(f"{text} them")
+            self.guesses["speed"] = f"{text} them beside the {fitted}"
+
+    def _usual_unit(self, quantity: str) -> str:
+        """The unit of a quantity whose header tells none: by degrees where the speed is not known."""
+        order, per = DERIVATIVES.index(quantity), "deg" if self.speed_rpm is None else "s"
+        return self.motion_unit + (f"/{per}{order if order > 1 else ''}" if order else "")
 
     def _refuse(self, text: str) -> NoReturn:
         raise TableError(self.sheet.name, [RowFault(0, text)])
@@ -353,8 +376,7 @@ class _Detection:
                 self._refuse(
                     f"{self._name(column)}: the unit {unknown!r} is not known; say which it is, allowed: {units}"
                 )
-            per = "deg" if self.speed_rpm is None else "s"
-            name = motion_unit + ("", f"/{per}", f"/{per}2")[QUANTITIES.index(quantity)]
+            name = self._usual_unit(quantity)
             self.guesses["value_unit"] = f"the {quantity} is taken for {name}"
             if name == "mm":
                 name = self._scale(column)

@@ -125,7 +125,7 @@ def read_table(
         size,
         decimals,
         closing,
-        tuple(_notes(lines, turned, angles, closing)),
+        (*_notes(lines, turned, angles, closing), *_no_numbers(sheet, how, set(leave_out))),
         tuple(
             MeasuredColumn(other.name, other.quantity, other.unit.name, other.order, column * each, each, digits)
             for other, column, each, digits in zip(how.beside, beside, sizes, others, strict=True)
@@ -194,6 +194,19 @@ def _row_by_row(sheet: Worksheet, how: ColumnLayout, leave_out: Collection[int])
         raise TableError(sheet.name, sorted(fault for alike in faults.values() for fault in _gathered(alike)))
     others_of = np.array(beside, dtype=float).reshape(len(lines), len(how.beside)).T
     return np.array(lines), raw, values, others_of, decimals, others
+
+
+def _no_numbers(sheet: Worksheet, how: ColumnLayout, leave_out: Collection[int]) -> Iterator[str]:
+    """A sentence for each other column with cells that hold something, but no number."""
+    for other in how.beside if sheet.numbers is None else ():
+        cells = {
+            row.line: row.cells[other.column]
+            for row in sheet.rows
+            if row.line not in leave_out and other.column < len(row.cells) and row.cells[other.column].strip()
+        }
+        if wrong := [line for line, cell in cells.items() if number(cell, sheet.decimal) is None]:
+            which = "the cell is" if len(wrong) == 1 else "these cells are"
+            yield f"{other.name}, {line_ranges(wrong)}: {cells[wrong[0]]!r} is no number; {which} left out"
 
 
 def _or_nan(sheet: Worksheet, row: WorksheetRow, column: int) -> float:

@@ -1,6 +1,8 @@
 """core.measured: a table of displacement, velocity and acceleration; what is left of each is said apart."""
 
+import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -89,3 +91,55 @@ def test_the_command_says_of_every_column_what_is_left(tmp_path: Path, capsys: p
     assert "residual of velocity" in out
     assert "residual of acceleration" in out
     assert "are simple-harmonic within" in out
+
+
+# -- columns that are not read, and cells that are no numbers ---------------------------------------------
+
+COLUMNS = ["--columns", "s=2,v=3,a=4"]
+
+
+def asked(path: Path, capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
+    assert main(["measured", str(path), "--json", *words]) == 0
+    answer: dict[str, Any] = json.loads(capsys.readouterr().out)
+    return answer
+
+
+def test_columns_that_are_named_are_read_whatever_their_header_says(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Without a unit they are by degrees, which is told; by time they want a speed, and are not left out in silence."""
+    path, by_degrees = tmp_path / "all.csv", PER_SECOND / (6.0 * RPM) ** 2
+    path.write_text(text(by_degrees, "angle [deg],one,two,three"))
+    answer = asked(path, capsys, *COLUMNS)
+    assert [each["unit"] for each in answer["columns"]] == ["mm", "mm/deg", "mm/deg2"]
+    assert "column 3 (two) is taken for mm/deg" in answer["notes"]
+    path.write_text(text(PER_SECOND))
+    answer = asked(path, capsys)
+    assert [each["quantity"] for each in answer["columns"]] == ["displacement", "velocity"]
+    assert any(note.startswith("column 4 (a [mm/s2]): counted by time; ") for note in answer["notes"])
+    assert main(["measured", str(path), *COLUMNS]) == 2
+    assert capsys.readouterr().err.endswith(
+        "column 4 (a [mm/s2]): counted by time; the shaft's speed is wanted to read them\n"
+    )
+
+
+def test_a_cell_of_another_column_that_is_no_number_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, lines = tmp_path / "all.csv", text(PER_SECOND).splitlines()
+    path.write_text("\n".join([*lines[:60], lines[60].rpartition(",")[0] + ",ERR", *lines[61:]]))
+    words = ["--speed", f"{RPM:g}"]
+    assert (
+        "column 4 (a [mm/s2]), line 61: 'ERR' is no number; the cell is left out"
+        in asked(path, capsys, *words)["notes"]
+    )
+    assert not any("ERR" in note for note in asked(path, capsys, *words, "--leave-out", "61")["notes"])
+
+
+def test_a_table_of_ten_thousand_columns_is_refused_in_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "wide.csv"
+    path.write_text("\n".join(",".join(f"{k + 10000 * row}" for k in range(10000)) for row in range(8)))
+    assert main(["measured", str(path)]) == 2
+    assert capsys.readouterr().err == "wide.csv: 10000 columns; wanted: at most 1000, and a row for each cam angle\n"
