@@ -679,6 +679,7 @@ __all__ = [
     "Structure",
     "SwitchError",
     "Switches",
+    "difference",
     "structured",
     "switchable",
 ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from math import sqrt
 from typing import Any
 
@@ -12,6 +13,7 @@ from core.measured import FoundSegment, MeasuredColumn, MotionFit, Worksheet
 from core.measured.columns import column_name
 from core.measured.event import Event, events, velocity_jumps
 from core.measured.fitting import EXACT, MOST, contradiction
+from core.measured.structure import DWELL, difference
 from core.output.lines import columns
 
 PLURALS = {"displacement": "displacements", "velocity": "velocities", "acceleration": "accelerations"}
@@ -147,10 +149,23 @@ def segment_fit(fit: MotionFit, segment: FoundSegment) -> tuple[float, float]:
     return (float(left.max()), sqrt(float(np.mean(left**2)))) if rows.size else (0.0, 0.0)
 
 
-def segment_lines(fit: MotionFit) -> list[str]:
+def from_zero(segments: Sequence[FoundSegment]) -> list[FoundSegment]:
+    """The segments as the motion has them, from cam angle 0 on: a dwell that passes it is two."""
+    told: list[FoundSegment] = []
+    for each in segments:
+        before = difference(360.0, each.start_deg)
+        if each.law == DWELL and 1e-9 < before < each.span_deg - 1e-9 and each.span_deg < 360.0:
+            behind = replace(each, start_deg=0.0, span_deg=difference(each.span_deg, before))
+            told = [behind, *told, replace(each, span_deg=before)]
+        else:
+            told.append(each)
+    return told
+
+
+def segment_lines(fit: MotionFit, segments: Sequence[FoundSegment]) -> list[str]:
     """A line for each segment: ``lines 36-77 (35 ... 76.5 deg) are modified-sine within 0.4 um: -150 mm``."""
     found = []
-    for segment in fit.found:
+    for segment in segments:
         rows, (most, _) = rows_of(fit, segment), segment_fit(fit, segment)
         lines = f"lines {fit.table.lines[rows[0]]}-{fit.table.lines[rows[-1]]}" if rows.size else "no line"
         where = f"{digits(segment.start_deg)} ... {digits(segment.start_deg + segment.span_deg)} deg"
@@ -240,7 +255,7 @@ def fit_text(sheet: Worksheet, fit: MotionFit, lifts: Sequence[float] = ()) -> s
     lines = [sheet.name, *columns(_padded(detected(sheet, fit)), left=2), ""]
     lines += columns(_padded(figures(fit)), left=2)
     parts = (
-        ("Segments", segment_lines(fit)),
+        ("Segments", segment_lines(fit, from_zero(fit.found))),
         ("Events", event_lines(fit, events(fit, lifts))),
         ("Notes", notes(fit)),
         ("Wrong rows", suspicions(fit)),
@@ -321,7 +336,7 @@ def fit_data(sheet: Worksheet, fit: MotionFit, lifts: Sequence[float] = ()) -> d
             }
             for each in fit.columns
         ],
-        "segments": [_segment_data(fit, each) for each in fit.found],
+        "segments": [_segment_data(fit, each) for each in from_zero(fit.found)],
         "events": [_event_data(each, fit.motion.unit) for each in events(fit, lifts)],
         "velocity_jumps": [
             {"cam_angle_deg": each.angle, "before": each.before, "after": each.after} for each in velocity_jumps(fit)

@@ -106,6 +106,9 @@ def test_the_lift_comes_back_as_five_segments(tmp_path: Path, capsys: pytest.Cap
     ]
     assert [s.span_deg for s in segments] == pytest.approx([35.0, 41.5, 207.0, 41.5, 35.0], abs=1e-6)
     assert [s.rise for s in segments] == pytest.approx([0.0, -150.0, 0.0, 150.0, 0.0], abs=1e-9)
+    assert [s["law"] for s in told["segments"]] == [s.curve.law for s in segments]
+    assert [s["span_deg"] for s in told["segments"]] == pytest.approx([s.span_deg for s in segments], abs=1e-6)
+    assert [s["start_deg"] for s in told["segments"]] == pytest.approx([0.0, 35.0, 76.5, 283.5, 325.0], abs=1e-6)
     by_law = {(s["law"], s["rise"] > 0.0): s for s in told["segments"]}
     assert by_law["modified-sine", False]["rows"] == [37, 78]
     assert by_law["modified-sine", True]["fit"]["max"] < 1e-9
@@ -168,7 +171,7 @@ def test_of_columns_that_contradict_each_other_the_user_chooses(
     assert motion is not None
     at = np.arange(0.0, 360.0, 7.0)
     assert np.abs(derivative(motion, at, 0) - derivative(BENT_LIFT, at, 0)).max() < 1e-3
-    laws = ["4-5-6-7", "dwell", "3-4-5", "dwell"]
+    laws = ["dwell", "4-5-6-7", "dwell", "3-4-5", "dwell"]
     assert [segment["law"] for segment in chosen["segments"]] == laws, "the dwells stand still"
     for words, said in (
         ("s,v", "times the derivative of the displacement: they contradict each other"),
@@ -360,4 +363,4 @@ def test_what_a_segment_cannot_be_is_told(tmp_path: Path, capsys: pytest.Capture
         assert told in capsys.readouterr().err
     assert main(["measured", str(path), "--switch", "100=table,250=cycloidal", "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
-    assert [each["law"] for each in answer["segments"]] == ["table", "dwell", "cycloidal", "dwell"]
+    assert [each["law"] for each in answer["segments"]] == ["dwell", "table", "dwell", "cycloidal", "dwell"]
