@@ -218,7 +218,8 @@ def test_each_task_shows_its_large_view_at_half_of_the_window_and_the_parameters
     reset moves nothing."""
     user = open_user(size=size, whole=True)
     wide, small = INSPECTOR, size == SMALL
-    for name in (*TASKS, "make", "kine"):
+    wide_page_goes = 2 * ("stability", "study") if small else ()
+    for name in (*wide_page_goes, *TASKS, "make", "kine"):
         press(user, name)
         box = user.window.docks["parameters"].geometry()
         if name != "stability" or not small:
