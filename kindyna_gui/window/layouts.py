@@ -134,8 +134,13 @@ class Layouts(QObject):
         self._suit_kinds()
 
     def _restore(self, layout: TaskLayout) -> bool:
-        """Docks and pages as they were left, the pages first: one that goes may be wider than what comes; False where broken."""
+        """Docks and pages as they were left; False where broken. What goes may be larger than what comes and would enlarge the
+        window: pages go first, and docks that have no place of their own here, which Qt counts until all are laid."""
         self._centre.lay(tuple(name for name in layout.pages if name in VIEWS), layout.front)
+        named = {name for group in self._row.groups for name in (*group.names, *group.more)}
+        for name, dock in self._docks.items():
+            if name not in named and not dock.isFloating():
+                dock.hide()
         return self._window.restoreState(layout.state, self._settings.VERSION)
 
     def reset(self) -> None:
