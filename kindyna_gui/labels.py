@@ -30,7 +30,7 @@ from core.laws import named_law
 from core.materials import MATERIALS
 from core.output.lines import shortest
 from core.output.load_text import row_name
-from kindyna_gui.preferences.units import in_units, number_text, size_of, symbol_of
+from kindyna_gui.preferences.units import in_units, number_text, point, size_of, symbol_of
 
 SECTION_NAMES: Mapping[str, str] = MappingProxyType(
     {
@@ -93,8 +93,8 @@ def rounded_to(value: float, fits: Callable[[str], bool]) -> str:
 
 def no_number(text: str) -> str:
     """The message for a text that is no number."""
-    point = ", with a decimal point and no comma," if "," in text else ","
-    return f"a number is wanted{point} such as 12.5"
+    comma = ", with a decimal point and no comma," if "," in text and point() != "," else ","
+    return f"a number is wanted{comma} such as 12{point()}5"
 
 
 def sentence(text: str) -> str:

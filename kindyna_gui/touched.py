@@ -17,10 +17,11 @@ from core.errors import NoAnswer
 from core.frozen import frozen
 from core.study import Study
 from kindyna_gui.labels import name_of
+from kindyna_gui.labels import value_text as shown_value
 from kindyna_gui.pictures.plots.curves import limits_on
 from kindyna_gui.pictures.plots.quantities import rows_of
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.pictures.units import digits, measure, with_unit
+from kindyna_gui.pictures.units import measure
 from kindyna_gui.saving import copy_picture
 from kindyna_gui.view import NumberAtHand, View, ViewHost
 
@@ -64,7 +65,7 @@ def value_text(design: Design, path: str) -> str:
         value = get(design, path)
     except KeyError:
         return ""
-    return with_unit(f"{value:.10g}", split_unit(path)[1].symbol) if isinstance(value, float | int) else ""
+    return shown_value(float(value), split_unit(path)[1]) if isinstance(value, float | int) else ""
 
 
 def search_for(design: Design, path: str) -> str:
@@ -244,7 +245,7 @@ def _radius(values: np.ndarray, limits: list[float]) -> Answer:
     top = float(values.max())
     if not limits or top <= 0.0:
         return "No undercut", False
-    text = f"Pitch radius {digits(1e3 / top)} mm, undercut below {digits(1e3 / min(limits))} mm"
+    text = f"Pitch radius {measure(1e3 / top, 'mm')}, undercut below {measure(1e3 / min(limits), 'mm')}"
     return text, top >= min(limits)
 
 

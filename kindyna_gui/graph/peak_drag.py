@@ -8,6 +8,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QKeyEvent
 
 from core.design import entries, get, put, split_unit
+from kindyna_gui.labels import no_number, sentence, value_text
 from kindyna_gui.pictures.units import measure
 from kindyna_gui.player import Player
 from kindyna_gui.view import View
@@ -71,7 +72,7 @@ class PeakDrag:
             self._answer(f"No {info.in_sentence} gives {measure(wanted, self._unit)}")
             return False
         done = self._session.put(put(self._session.design, held.path, value), f"Change {info.in_sentence}", held.path)
-        self._answer("" if done else f"{info.label} {value:g} is not possible")
+        self._answer("" if done else f"{info.label} {value_text(value, split_unit(held.path)[1])} is not possible")
         return done
 
     def _answer(self, why_not: str = "") -> None:
@@ -96,7 +97,7 @@ class PeakDrag:
 
             wanted = parsed(self._typed, split_unit(held.key.partition(":")[0])[1]) if self._typed else None
             if wanted is None:
-                self._answer(f"{self._typed or 'nothing'} is no number")
+                self._answer(sentence(no_number(self._typed)))
             elif self._put(held.exactly(wanted, self._present), wanted, 12):
                 self.drop()
             self._typed = ""

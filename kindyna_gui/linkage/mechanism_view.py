@@ -23,7 +23,7 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import misses
 from kindyna_gui.drives.rows import drive_rows
 from kindyna_gui.drives.strip import ON_SHAFT, ONE, DriveStrip
-from kindyna_gui.labels import reason
+from kindyna_gui.labels import allowed_text, no_number, reason, value_text
 from kindyna_gui.linkage.canvas import Canvas, rims_now
 from kindyna_gui.linkage.ghost import Ghost, paint_ghost
 from kindyna_gui.linkage.load_places import next_row, paint_row, rows_at
@@ -503,7 +503,7 @@ class MechanismView(View):
         info = next(row.info for row in entries(self.session.design, path.partition(".")[0]) if row.path == path)
         value = round(value, decimals) + 0.0
         if not info.admits(value):
-            self.session.refuse(path, f"{value:g} {unit.symbol} is not {info.allowed(unit)}")
+            self.session.refuse(path, f"{value_text(value, unit)} is not {allowed_text(info, unit)}")
             return False
         return self.session.put(put(self.session.design, path, value), f"Change {info.in_sentence}", path)
 
@@ -525,7 +525,7 @@ class MechanismView(View):
 
             value = parsed(hold.typed, split_unit(hold.field)[1]) if hold.typed else None
             if value is None:
-                self.session.refuse(hold.field, f"{hold.typed or 'nothing'} is no number")
+                self.session.refuse(hold.field, no_number(hold.typed))
             elif self._set_held(value, 12):
                 self._let_go()
         else:

@@ -101,6 +101,10 @@ class CentralPages(QWidget):
         for name, other in self._pages.items():
             if name not in names and name != "mechanism" and self.tabs.indexOf(other) >= 0:
                 self.tabs.removeTab(self.tabs.indexOf(other))
+        self.tabs.updateGeometry()  # at once: else the width that a page needed, which has gone, would widen the window
+        column = self.layout()
+        assert column is not None, "made with one"
+        column.activate()
 
     @property
     def current(self) -> View | None:

@@ -9,7 +9,7 @@ from functools import lru_cache, partial
 from types import MappingProxyType
 from typing import Any
 
-from PySide6.QtCore import QModelIndex, Qt
+from PySide6.QtCore import Qt
 from PySide6.QtGui import QFocusEvent, QKeyEvent, QKeySequence
 from PySide6.QtWidgets import QAbstractItemView, QFrame, QHeaderView, QLineEdit, QMenu, QTableView, QVBoxLayout, QWidget
 
@@ -23,7 +23,7 @@ from kindyna_gui.forms.form import rows_of
 from kindyna_gui.forms.tables import RowsModel, TableHeading, TableRow
 from kindyna_gui.forms.typed_number import parsed
 from kindyna_gui.help.window import sections
-from kindyna_gui.labels import allowed_text, choice_text, entry_name, sentence, step_text, value_text
+from kindyna_gui.labels import allowed_text, choice_text, entry_name, no_number, sentence, step_text, value_text
 from kindyna_gui.motion.head import stroke_entry
 from kindyna_gui.pictures.units import legible
 from kindyna_gui.preferences.units import symbol_of
@@ -32,13 +32,14 @@ from kindyna_gui.window.docks import VIEWS
 
 MOST = 40  # rows that are listed
 WIDTH, ROW, SHOWN = 620, 24, 14  # pixels of list and row; rows without rolling
+NOTHING = "Nothing is called"
 HINT = "Command, field, channel, example, help, finding; base radius 420 sets it"
 _MOVES = MappingProxyType(
     {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1, Qt.Key.Key_PageUp: -SHOWN, Qt.Key.Key_PageDown: SHOWN}
 )
-BY_WEIGHT = 0.2  # of a field's rank
+BY_WEIGHT, SYMBOL = 0.2, 3.0  # of a field's rank; less for one that is its symbol
 FIRST, BEHIND_NAMES = -100.0, 10.0  # of values that are set; of those refused: a name ``segment 2 span`` is no amount
-_AMOUNT = re.compile(r"[-+\u2212]?[\d.,]+\s*([^\W\d_]|[°%\"/]).*")
+_AMOUNT = re.compile(r"[-+\u2212]?[\d.,]+\s*([^\W\d_]|[°%\"/]).*|[-+\u2212]?\d+,\d+")
 _WORD = re.compile(r"[\w°%µ/|∠.+-]+")
 
 
@@ -93,21 +94,25 @@ def _commands(window: Window) -> Iterator[Found]:
         menu = top.menu()
         if isinstance(menu, QMenu):
             menu.aboutToShow.emit()
-            yield from _of_menu(menu, _plain(top.text()), "")
+            yield from _of_menu(window, menu, _plain(top.text()), "")
 
 
-def _of_menu(menu: QMenu, top: str, below: str) -> Iterator[Found]:
+def _of_menu(window: Window, menu: QMenu, top: str, below: str) -> Iterator[Found]:
     for action in menu.actions():
         text, inner = _plain(action.text()), action.menu()
         if not action.isVisible() or action.isSeparator() or action.objectName().startswith("show_help"):
             continue
         if isinstance(inner, QMenu):
-            yield from _of_menu(inner, top, text)
-        elif action.isEnabled():
+            yield from _of_menu(window, inner, top, text)
+        else:
             kind = "Example" if below == "Examples" else "Command"
             title = f"{below}: {text}" if below and kind == "Command" else text
             keys = action.shortcut().toString(QKeySequence.SequenceFormat.NativeText)
-            yield _found(kind, title, keys, action.statusTip(), action.trigger, top)
+            if action.isEnabled():
+                yield _found(kind, title, keys, action.statusTip(), action.trigger, top)
+            else:  # else another one would be first, and done in its place
+                say = partial(window.status.show_message, f"{title} cannot be done now")
+                yield _found(kind, title, "not now", action.statusTip(), say, top)
 
 
 def _plain(text: str) -> str:
@@ -207,6 +212,8 @@ def rank(found: Found, words: list[str]) -> float | None:
             return None
         begins = at == 0 or not found.words[at - 1].isalnum()
         cost += (0.0 if at == 0 else 1.0 if begins else 3.0) if at < found.own else 12.0
+        if len(word) == 1 and word in found.words[: found.own].split():  # a symbol, ``H``, before what begins with it
+            cost -= SYMBOL
     return cost + 0.02 * found.own
 
 
@@ -218,7 +225,7 @@ def splits(text: str) -> Iterator[tuple[list[str], str]]:
 
 
 def is_amount(text: str) -> bool:
-    """Whether a text is one number and one unit, of whatever kind."""
+    """Whether a text is one number and one unit, of whatever kind, or a number with a comma."""
     return _AMOUNT.fullmatch(text) is not None and len(text.split()) <= 2
 
 
@@ -267,7 +274,7 @@ class Finder(QFrame):
         self.list.setColumnWidth(0, 80)
         self.list.setColumnWidth(2, 150)
         self.list.horizontalHeader().setSectionResizeMode(1, QHeaderView.ResizeMode.Stretch)
-        self.list.clicked.connect(self._take)
+        self.list.clicked.connect(lambda _: self.take())
         column = QVBoxLayout(self)
         column.setContentsMargins(6, 6, 6, 6)
         column.addWidget(self.line)
@@ -304,7 +311,8 @@ class Finder(QFrame):
         ranked += self._settings(text, len(self.all))
         ranked.sort(key=lambda each: each[:2])
         self.shown = [found for _, _, found in ranked[:MOST]]
-        self.rows.show([TableRow((found.kind, found.title, found.beside), tip=found.tip) for found in self.shown])
+        rows = [TableRow((found.kind, found.title, found.beside), tip=found.tip) for found in self.shown]
+        self.rows.show(rows or [TableRow(("", f"{NOTHING} {text.strip()}", ""))])
         if self.shown:
             self.list.selectRow(0)
 
@@ -336,6 +344,8 @@ class Finder(QFrame):
             return None
         units = ", ".join(units_like(entry.unit.symbol))
         tip = f"its units are {units}" if units else "it has no unit"
+        if "," in typed and value_in(entry, typed.replace(",", ".")) is not None:
+            tip = no_number(typed)
         return _found("Refused", f"{found.title}: {typed} is none of its values; {tip}", "", tip, found.act)
 
     def _set(self, found: Found, value: Any) -> None:
@@ -347,15 +357,12 @@ class Finder(QFrame):
             self._window.status.show_message(text)
         session.end_gesture()
 
-    def _take(self, index: QModelIndex) -> None:
-        found = self.shown[index.row()]
-        self.leave()
-        found.act()
-
     def take(self) -> None:
         """Do what is chosen."""
         if self.shown:
-            self._take(self.list.currentIndex())
+            found = self.shown[self.list.currentIndex().row()]
+            self.leave()
+            found.act()
 
     def move_by(self, rows: int) -> None:
         """Choose another row."""

@@ -126,13 +126,22 @@ class Layouts(QObject):
         for dock in self._docks.values():
             dock.lift_limit()
         layout = self._left.get(self.current) or self._settings.layout(self.current)
-        if layout is None or not self._window.restoreState(layout.state, self._settings.VERSION):
+        if layout is None or not self._restore(layout):
             self._arrange()
         else:
             self._keep_width()
             self._kinds[self.current] = (layout.links, layout.several)
-            self._centre.lay(tuple(name for name in layout.pages if name in VIEWS), layout.front)
         self._suit_kinds()
+
+    def _restore(self, layout: TaskLayout) -> bool:
+        """Docks and pages as they were left; False where broken. What goes may be larger than what comes and would enlarge the
+        window: pages go first, and docks that have no place of their own here, which Qt counts until all are laid."""
+        self._centre.lay(tuple(name for name in layout.pages if name in VIEWS), layout.front)
+        named = {name for group in self._row.groups for name in (*group.names, *group.more)}
+        for name, dock in self._docks.items():
+            if name not in named and not dock.isFloating():
+                dock.hide()
+        return self._window.restoreState(layout.state, self._settings.VERSION)
 
     def reset(self) -> None:
         """The first layout of the task in place."""
@@ -155,7 +164,7 @@ class Layouts(QObject):
         if task not in TASKS:
             raise ValueError("of a task that is not here")
         self._leave()
-        sound = self._window.restoreState(layout.state, self._settings.VERSION)
+        sound = self._restore(layout)
         if sound:
             self._left[task], self.current, self._inspector = layout, task, 0
         self._lay()
@@ -175,6 +184,7 @@ class Layouts(QObject):
                 dock.setFloating(False)
             self._window.removeDockWidget(dock)
             dock.resize(SMALL)
+        self._centre.lay(row.pages, row.front)
         for group, names in row.places:
             self._window.addDockWidget(group.area, self._docks[names[0]], UPWARDS)
             for name in names[1:]:
@@ -183,7 +193,6 @@ class Layouts(QObject):
                 self._docks[name].setVisible(name in group.names)
         self._kinds[self.current] = (False, False)
         self._raise_fronts()
-        self._centre.lay(row.pages, row.front)
         self.proportion()
 
     def proportion(self) -> None:

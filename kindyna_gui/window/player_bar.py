@@ -80,7 +80,7 @@ class AngleSlider(QAbstractSlider):
         return QSize(240, 30)
 
     def minimumSizeHint(self) -> QSize:
-        return QSize(80, 30)
+        return QSize(32, 30)  # large letters beside it are not to be cut
 
     def place_of(self, angle: float) -> float:
         """Where an angle [deg] stands [pixels]."""

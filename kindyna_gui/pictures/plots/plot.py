@@ -365,6 +365,8 @@ class CurvePlot(FixedPlot):
 
     def _write(self) -> None:
         self._cursor.setVisible(self._with_cursor and bool(self._curves))
+        frame = self.frame()
+        written: list[QRectF] = []
         if not self._with_cursor:
             for reading in self._readings:
                 reading.hide()
@@ -375,7 +377,9 @@ class CurvePlot(FixedPlot):
                 0.0 if abs(value) <= curve.floor else value / self.rung.size
                 for value, curve in zip(known, self._curves, strict=True)
             ]
-            place_readouts(self._readings, degrees(self._angle), values, self.rung, self.frame(), self._boxes)
+            written = place_readouts(self._readings, degrees(self._angle), values, self.rung, frame, self._boxes)
+        for mark in self._extreme_marks:  # in a low plot there may be no other room for what is read at the cursor
+            mark.give_way(written, frame)
 
     # -- layout ---------------------------------------------------------------------------------------------
 

@@ -55,9 +55,10 @@ def place_readouts(
     rung: DisplayUnit,
     frame: Frame,
     others: Sequence[QRectF] = (),
-) -> None:
+) -> list[QRectF]:
     """Write the values beside the cursor at this place of the x axis: on its right, on its left where there is no room, one
-    above the other in their order, all within the frame and clear of other texts (boxes as of ``LimitLine.box``)."""
+    above the other in their order, all within the frame and, where there is room, clear of other texts (boxes as of
+    ``LimitLine.box``); the boxes that they take."""
     rows = []
     for reading, value in zip(readouts, values, strict=True):
         known = abs(value) < float("inf")
@@ -78,6 +79,11 @@ def place_readouts(
         tag.set_lean(0.0 if right else 1.0, 0.5)
         tag.shift(SIDE if right else -SIDE, 0.0)
         tag.setPos(at, frame.value(height))
+    lefts = [line + SIDE if right else line - SIDE - tag.size[0] for _, tag in rows]
+    return [
+        QRectF(left, height - tag.size[1] / 2.0, *tag.size)
+        for left, height, (_, tag) in zip(lefts, heights, rows, strict=True)
+    ]
 
 
 def beside(taken: Sequence[tuple[float, float]], middles: Sequence[float], height: float, room: float) -> list[float]:

@@ -1,6 +1,7 @@
 """kindyna_gui.linkage.touch: what the drawing's parts are, dragged, typed, clicked and asked what can be done with them."""
 
 import cmath
+import re
 
 import numpy as np
 import pytest
@@ -13,14 +14,17 @@ from window_user import Open, User, pixel, settle, wait_for
 
 from core.design import get
 from core.study import extremes_of
+from core.units import UNITS
 from kindyna_gui.drives.drives_view import DrivesView
 from kindyna_gui.graph.graph_view import GraphView
 from kindyna_gui.graph.live_plot import LivePlot
 from kindyna_gui.graph.plots_view import PlotView
+from kindyna_gui.labels import value_text
 from kindyna_gui.places import example
+from kindyna_gui.preferences import kept, units
 from kindyna_gui.timing.timing_view import TimingView
 
-LEFT = Qt.MouseButton.LeftButton
+LEFT, MM = Qt.MouseButton.LeftButton, UNITS["mm"]
 BASE, ROLLER = "cam.base_radius_mm", "cam.roller_radius_mm"
 
 
@@ -123,6 +127,28 @@ def test_a_value_is_typed_while_the_mouse_holds_it(rocker: User, thing: str, pat
     drop(rocker)
     assert get(rocker.design, path) == wanted
     assert len(rocker.steps) == 1
+
+
+def test_what_stands_beside_the_mouse_is_in_the_units_that_are_preferred(rocker: User) -> None:
+    units.choose(kept.INCH, True)
+    try:
+        start = place(rocker, "base circle")
+        hold(rocker, start, 0.9 * start)
+        base, _, pitch = (text for text, _ in beside(rocker)[:3])
+        assert base == f"Base radius Br {value_text(get(rocker.design, BASE), MM)}"
+        assert re.fullmatch(r"Pitch radius 2,\d+ in, undercut below 0,4724 in", pitch)
+        for typed, said in (("2,5 kg", "a number is wanted, such as 12,5"), ("-1", "-1 in is not above 0 ...")):
+            QTest.keyClicks(rocker.drawing().canvas, typed)
+            QTest.keyClick(rocker.drawing().canvas, Qt.Key.Key_Return)
+            assert f"Base radius Br: {said}" in rocker.window.status.currentMessage()
+            for _ in typed:
+                QTest.keyClick(rocker.drawing().canvas, Qt.Key.Key_Backspace)
+        QTest.keyClicks(rocker.drawing().canvas, "1,75")
+        QTest.keyClick(rocker.drawing().canvas, Qt.Key.Key_Return)
+        drop(rocker)
+        assert (get(rocker.design, BASE), rocker.steps) == (44.45, ["Change base radius Br"])
+    finally:
+        units.choose({}, False)
 
 
 def test_the_roller_grows_under_the_mouse(rocker: User) -> None:

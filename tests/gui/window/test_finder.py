@@ -67,6 +67,7 @@ def find(user: User, text: str) -> Finder:
         ("rotation clockwise", "shaft.rotation", "cw"),
         ("segment 2 span 40", "motion.segments[1].span_deg", 40.0),
         ("stroke 160", "motion.segments[1].rise_mm", -160.0),
+        ("H 1310", "follower.guide_height_mm", 1310.0),
     ],
 )
 def test_a_value_behind_a_name_sets_the_field_as_one_step(user: User, typed: str, path: str, value: object) -> None:
@@ -95,6 +96,7 @@ def test_a_value_that_cannot_be_says_what_is_allowed_and_changes_nothing(user: U
     [
         ("base radius 420 kg", "cam.base_radius_mm", "420 kg is none of its values; its units are mm, µm, cm, m, in"),
         ("speed 3 mm", "shaft.speed_rpm", "3 mm is none of its values; its units are °/s, rad/s, rpm, Hz"),
+        ("base radius 412,5", "cam.base_radius_mm", "a number is wanted, with a decimal point and no comma"),
         ("rod centre 3 furlongs", "loads.rod_centre", "3 furlongs is none of its values; it has no unit"),
     ],
 )
@@ -108,6 +110,25 @@ def test_a_unit_that_the_field_lacks_gives_one_line_and_sets_nothing(
     assert not finder.isVisible()
     assert user.steps == []
     wait_for(lambda: user.parameters().field(path).editor.hasFocus())
+
+
+def test_what_cannot_be_done_now_and_what_is_nothing_is_told_in_a_line(user: User) -> None:
+    """And nothing else is done in its place."""
+    user.enter("cam.base_radius_mm", "410")
+    for _ in range(2):
+        finder = find(user, "undo")
+        assert finder.shown[0].title.startswith("Undo")
+        user.press(Qt.Key.Key_Return)
+    assert user.window.status.currentMessage() == "Undo cannot be done now"
+    assert (len(user.steps), user.session.stack.index()) == (1, 0)
+    finder = find(user, "qwertz 3")
+    assert [finder.rows.data(finder.rows.index(0, 1)), finder.shown] == ["Nothing is called qwertz 3", []]
+    user.press(Qt.Key.Key_Return)
+    QTest.mouseClick(
+        finder.list.viewport(), Qt.MouseButton.LeftButton, pos=finder.list.visualRect(finder.rows.index(0, 1)).center()
+    )
+    assert finder.isVisible()
+    user.press(Qt.Key.Key_Escape)
 
 
 def test_a_name_with_a_number_in_it_is_no_refused_value(user: User) -> None:

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from math import degrees, pi, radians
 
 import pytest
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QToolButton
 from window_user import User, settle, wait_for
@@ -12,9 +12,12 @@ from window_user import User, settle, wait_for
 from core.project import load
 from core.study import evaluations
 from kindyna_gui.documents.session import Session
+from kindyna_gui.look import wear
 from kindyna_gui.places import example
 from kindyna_gui.player import Player, speeds, step_of, usual
+from kindyna_gui.preferences.kept import Preferences
 from kindyna_gui.window.player_bar import PlayerBar, speed_text
+from kindyna_gui.window.tasks import INSPECTOR
 
 NONE = Qt.KeyboardModifier.NoModifier
 SHIFT, CONTROL = Qt.KeyboardModifier.ShiftModifier, Qt.KeyboardModifier.ControlModifier
@@ -39,6 +42,18 @@ def click(button: QToolButton, modifier: Qt.KeyboardModifier = NONE) -> None:
 
 def angle(bar: PlayerBar) -> float:
     return degrees(bar.player.theta)
+
+
+def test_large_letters_are_not_cut_in_a_narrow_bar(bar: PlayerBar, app: QApplication) -> None:
+    wear(Preferences(font=125), app)
+    bar.resize(INSPECTOR, bar.height())
+    settle()
+    box = QRect(bar.speed.mapTo(bar, QPoint()), bar.speed.size())
+    try:
+        assert bar.rect().contains(box)
+        assert box.width() >= bar.speed.sizeHint().width()
+    finally:
+        wear(Preferences(), app)
 
 
 # -- buttons ----------------------------------------------------------------------------------------------

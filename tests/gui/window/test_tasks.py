@@ -11,9 +11,11 @@ from window_user import Open, User, answering, settle, wait_for
 from core.project import load
 from core.study import STAGES, clear_caches, evaluations
 from core.study.stages import memory
+from kindyna_gui.look import wear
 from kindyna_gui.motion.segments_model import SPAN
 from kindyna_gui.motion.segments_view import SegmentsView
 from kindyna_gui.places import example
+from kindyna_gui.preferences.kept import Preferences
 from kindyna_gui.view import View
 from kindyna_gui.window.docks import CENTRE, VIEWS
 from kindyna_gui.window.main_window import LARGEST, first_size
@@ -218,7 +220,8 @@ def test_each_task_shows_its_large_view_at_half_of_the_window_and_the_parameters
     reset moves nothing."""
     user = open_user(size=size, whole=True)
     wide, small = INSPECTOR, size == SMALL
-    for name in (*TASKS, "make", "kine"):
+    wide_page_goes = 2 * ("stability", "study") if small else ()
+    for name in (*wide_page_goes, *TASKS, "make", "kine"):
         press(user, name)
         box = user.window.docks["parameters"].geometry()
         if name != "stability" or not small:
@@ -250,6 +253,17 @@ def shows_half(user: User, name: str, size: tuple[int, int]) -> None:
         user.choose("View", "Reset layout")
         rest(user)
         assert places(user) == first, name
+
+
+def test_a_small_window_with_large_letters_keeps_its_size(open_user: Open, app: QApplication) -> None:
+    user = open_user(size=SMALL, whole=True)
+    wear(Preferences(font=125), app)
+    try:
+        for name in 2 * ("study", "kine"):
+            press(user, name)
+            assert user.window.size().toTuple() == SMALL, name
+    finally:
+        wear(Preferences(), app)
 
 
 def test_an_empty_list_of_findings_takes_a_line(open_user: Open) -> None:
