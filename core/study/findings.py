@@ -84,7 +84,8 @@ def _of_linkage(study: Study) -> list[Finding]:
 
 def _of_cam(study: Study) -> list[Finding]:
     drive, extremes = study.design.drive, cam_extremes(study)
-    there = study.at(piecewise_angles(study.program))  # where the search over the turn has solved it
+    # where the search over the turn has solved it; of a general linkage the study itself asks whether a cam can push it
+    there = study if study.mechanism.ranged else study.at(piecewise_angles(study.program))
     grounds = {flank.name: there.held_by(flank.body) for flank in there.cam.flanks}
 
     def least_at(name: str, base_radius_mm: float) -> float:

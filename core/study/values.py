@@ -22,7 +22,12 @@ OF_POINT: Mapping[str, tuple[int, Part]] = MappingProxyType(
      "speed": (1, np.abs)}
 )  # fmt: skip
 """Part of a point's motion -> order of its derivative, and what of the complex number."""
-OF_FORCE: Mapping[str, Part] = MappingProxyType({"x": np.real, "y": np.imag, "size": np.abs, "direction": np.angle})
+def _direction(force: np.ndarray) -> np.ndarray:
+    """0 of no force, whatever the signs of its zeros."""
+    return np.angle(force + 0.0)
+
+
+OF_FORCE: Mapping[str, Part] = MappingProxyType({"x": np.real, "y": np.imag, "size": np.abs, "direction": _direction})
 """Part of a force -> what of the complex number."""
 
 
