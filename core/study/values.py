@@ -22,6 +22,8 @@ OF_POINT: Mapping[str, tuple[int, Part]] = MappingProxyType(
      "speed": (1, np.abs)}
 )  # fmt: skip
 """Part of a point's motion -> order of its derivative, and what of the complex number."""
+
+
 def _direction(force: np.ndarray) -> np.ndarray:
     """0 of no force, whatever the signs of its zeros."""
     return np.angle(force + 0.0)

@@ -210,5 +210,5 @@ def test_one_command_prints_the_papers_claims_against_ours() -> None:
     assert "it leaves it from Q = 0.3 on" in plain
     assert "at most 0.0192 for" in plain
     assert "max|β| = 0.172438 in 30 turns" in plain
-    assert "(22) unstable, e^0.060 a turn; (21) stable; steady response contact lost" in plain
+    assert "approximate (22) unstable, e^0.060 a turn; exact (21) stable; steady response contact lost" in plain
     assert plain.count("steady response stable") == 3, "the last word"
