@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from PySide6.QtCore import QSize, Qt
-from PySide6.QtGui import QKeyEvent, QKeySequence
-from PySide6.QtWidgets import QHBoxLayout, QToolButton
+from PySide6.QtGui import QKeyEvent, QKeySequence, QResizeEvent
+from PySide6.QtWidgets import QBoxLayout, QHBoxLayout, QToolButton, QWidget
 
 from kindyna_gui.look import icon
 
@@ -57,4 +57,22 @@ def row_of_buttons(buttons: Iterable[QToolButton], above: int = 0) -> QHBoxLayou
     return row
 
 
-__all__ = ["list_button", "row_of_buttons", "taken_by_list"]
+class TwoGroups(QWidget):
+    """Two groups of buttons in a row, at the left and at the right; the second below the first where that has no room."""
+
+    def __init__(self, first: Iterable[QToolButton], second: Iterable[QToolButton], above: int = 0) -> None:
+        super().__init__()
+        self._line = QBoxLayout(QBoxLayout.Direction.LeftToRight, self)
+        self._line.setContentsMargins(0, above, 0, above)
+        self._line.setSpacing(0)
+        self._groups = [row_of_buttons(group) for group in (first, second)]
+        for stretch, group in zip((1, 0), self._groups, strict=True):
+            self._line.addLayout(group, stretch)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        beside = sum(group.sizeHint().width() for group in self._groups) <= event.size().width()
+        self._line.setDirection(QBoxLayout.Direction.LeftToRight if beside else QBoxLayout.Direction.TopToBottom)
+        super().resizeEvent(event)
+
+
+__all__ = ["TwoGroups", "list_button", "row_of_buttons", "taken_by_list"]

@@ -62,7 +62,7 @@ from kindyna_gui import dialogs
 from kindyna_gui.documents.bands import Bands
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.undo_steps import UndoStep
-from kindyna_gui.forms.list_parts import list_button
+from kindyna_gui.forms.list_parts import TwoGroups, list_button
 from kindyna_gui.graph.axes_form import AXES, AxesForm, AxisSays
 from kindyna_gui.graph.curve_form import CurveForm, name_of_row
 from kindyna_gui.graph.curve_rows import EMPTY, CurveRow, CurveRows
@@ -158,8 +158,7 @@ class CurvesView(View):
         column = QVBoxLayout(right)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(0)
-        tools = QWidget()
-        tools.setLayout(self._tools())
+        tools = self._tools()
         tools.setMinimumWidth(1)  # beside wide docks what is on the right is cut off rather than the docks pushed away
         column.addWidget(tools)
         column.addWidget(self._strip)
@@ -181,10 +180,7 @@ class CurvesView(View):
         self._strip.hide()
         return self._parted
 
-    def _tools(self) -> QHBoxLayout:
-        line = QHBoxLayout()
-        line.setContentsMargins(6, 3, 6, 3)
-        line.setSpacing(3)
+    def _tools(self) -> TwoGroups:
         self.open_button = list_button(
             "Files …", "open", "Draw tables (CSV, text) and other designs, too", self.open_files
         )
@@ -195,15 +191,11 @@ class CurvesView(View):
         self.ready_button = list_button("Ready graphs", "graph", tip, None)
         self.ready_button.setMenu(QMenu(self))
         self.ready_button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
-        for button in (self.open_button, self.ready_button, self.all_button, self.back_button):
-            line.addWidget(button)
-        line.addStretch(1)
-        for text, picture, tip, slot in (
+        writing = (
             ("Picture …", "export", "Write the graph as PNG, SVG or PDF", self.export_picture),
             ("Numbers …", "export", "Write the curves as a CSV table", self.export_numbers),
             ("Copy", "duplicate", "Picture and numbers to the clipboard", self.copy_to_clipboard),
-        ):
-            line.addWidget(list_button(text, picture, tip, slot))
+        )
         again = ("Read files again", "Also those whose reading was cancelled", self.sources.read_again)
         more = ("Save graph …", "Its curves and axes, to be opened again or drawn by the command line", self.save_graph)
         for text, tip, slot in (again, more, ("Open graph …", "One that was saved", self._open_graph)):
@@ -212,7 +204,8 @@ class CurvesView(View):
             action.triggered.connect(lambda _=False, slot=slot: slot())
             self.open_button.addAction(action)
         self.open_button.setPopupMode(QToolButton.ToolButtonPopupMode.MenuButtonPopup)
-        return line
+        seeing = (self.open_button, self.ready_button, self.all_button, self.back_button)
+        return TwoGroups(seeing, (list_button(*row) for row in writing), 3)
 
     # -- what is shown --------------------------------------------------------------------------------------
 

@@ -10,6 +10,7 @@ from types import MappingProxyType
 import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QPainter, QPen
+from PySide6.QtWidgets import QGraphicsItem
 
 from core.frozen import frozen
 from kindyna_gui.pictures.style import SMALL, TEXT, Theme, font
@@ -61,6 +62,7 @@ class Axis(pg.AxisItem):
             self._title = (text, colour)
             self.setLabel(re.sub(r"_(\w+)", r"<sub>\1</sub>", escape(text)), **style)
             self.resizeEvent()
+            _forget(self.label)
 
     def title_anew(self, colour: Callable[[str], str]) -> None:
         """The name, its colour and size as they are now."""
@@ -68,11 +70,9 @@ class Axis(pg.AxisItem):
         self.show_title(text, colour(before))
 
     def resizeEvent(self, event: object = None) -> None:
-        """On the right pyqtgraph would let the title hang over the end; of what is kept of the axis it would paint the rest only."""
+        """On the right pyqtgraph would let the title hang over the end."""
         super().resizeEvent(event)
-        kept = self.cacheMode()
-        self.setCacheMode(self.CacheMode.NoCache)
-        self.setCacheMode(kept)
+        _forget(self)
         if self.orientation == "right" and getattr(self, "label", None) is not None:
             self.label.moveBy(-sized(TITLE_BACK), 0.0)
 
@@ -102,6 +102,13 @@ class Axis(pg.AxisItem):
 
     def mouseDragEvent(self, event: object) -> None:
         """Left to the view around."""
+
+
+def _forget(item: QGraphicsItem) -> None:
+    """What is kept of an item as pixels: where its size changes Qt would paint the new part only."""
+    kept = item.cacheMode()
+    item.setCacheMode(item.CacheMode.NoCache)
+    item.setCacheMode(kept)
 
 
 def _size(painter: QPainter, text: str) -> tuple[float, float]:
