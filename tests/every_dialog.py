@@ -15,6 +15,7 @@ from window_user import User, plain, settle
 
 from core.__main__ import main
 from kindyna_gui import dialogs
+from kindyna_gui.background import Background
 from kindyna_gui.places import example
 
 NO_DIALOG = {"Find anything...", "New graph...", "Keep this layout..."}
@@ -97,7 +98,9 @@ def _meet(user: User, name: str, look: Callable[[str, QWidget], None]) -> str:
                 if each not in before and each.isVisible() and each.isWindow() and not isinstance(each, QMenu)
             ]
             front = next((each for each in opened if each is not user.window), None)
-        if front is not None and front.isVisible():
+        if front is not None and front.isModal() and any(each.busy for each in front.findChildren(Background)):
+            timer.start(5)  # what it computes may enable more of it
+        elif front is not None and front.isVisible():
             met.append(type(front).__name__)
             try:
                 look(name, front)
