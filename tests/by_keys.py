@@ -58,6 +58,8 @@ def go_round(root: QWidget, known: set[type]) -> Round:
             passed.wrong.append("the keys go nowhere")
             return passed
         if at in passed.stops:
+            left = [each for each in passed.stops[: passed.stops.index(at)] if each in list(stops(root))]
+            passed.wrong += [f"Tab does not come back to {way(each)} {each.accessibleName()}" for each in left]
             break
         passed.stops.append(at)
         if not in_sight(at):

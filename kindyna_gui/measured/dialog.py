@@ -149,6 +149,7 @@ class MeasuredDialog(PutDialog):
         self.figures.setVerticalSpacing(3)
         self._figures: dict[str, QLabel] = {}
         tabs = QTabWidget()
+        tabs.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # its bar stands in the order; itself it would lead back there
         tabs.addTab(self.sheet, "T&able")
         tabs.addTab(result, "Res&ult")
         left.addWidget(tabs, 1)
