@@ -30,7 +30,7 @@ from core.dynamics.walk import Walk, input_of
 from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE, Kinematics
 from core.numerics.lazy import Lazy, once
-from core.numerics.vectors import cross, dot, opposite, spread
+from core.numerics.vectors import cross, dot, finite, opposite, spread
 
 BEARING = "bearing"
 CAM_FACE = "cam_face"
@@ -171,8 +171,9 @@ def newton_euler(
         smooth = Walk(
             kinematics, [Load(kinematics.carrier, shape.flank.contact, opposite(shape.flank.normal))], places
         ).needed
-        contact_jam = spread(np.nan_to_num(1.0 - presses[0].needed / smooth, nan=0.0), n)
-        presses[0].needed = np.where(contact_jam < JAMS, presses[0].needed, smooth / JAMMED)
+        contact_jam = spread(finite(1.0 - presses[0].needed / smooth, nan=0.0), n)
+        if (jams := contact_jam >= JAMS).any():
+            presses[0].needed = np.where(jams, smooth / JAMMED, presses[0].needed)
     own = Walk(kinematics, [load for element in loading.elements for load in element.loads(kinematics, rate)], places)
     signs = {f.pair: _direction(kinematics, f.pair) * np.sign(omega) for f in loading.frictions}
     rubbing = {f.pair: Walk(kinematics, unit_friction(kinematics, f), places) for f in loading.frictions}

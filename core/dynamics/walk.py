@@ -203,12 +203,11 @@ def _total(loads: list[Load]) -> np.ndarray:
 
 
 def _moment(loads: list[Load], at: np.ndarray) -> np.ndarray:
-    moment: Any = 0.0
-    for load in loads:
-        moment = moment + load.couple
-    for load in loads:
-        if load.at is not at:
-            moment = moment + cross(load.at - at, load.force)
+    parts = [load.couple for load in loads if isinstance(load.couple, np.ndarray) or load.couple]
+    parts += [cross(load.at - at, load.force) for load in loads if load.at is not at]
+    moment: Any = parts[0] if parts else 0.0
+    for part in parts[1:]:
+        moment = moment + part
     return moment if isinstance(moment, np.ndarray) else np.array([moment])
 
 

@@ -50,6 +50,11 @@ def spread(row: np.ndarray, n: int) -> np.ndarray:
     return row if row.size == n or row.ndim > 1 else np.broadcast_to(row, n)
 
 
+def finite(row: np.ndarray, nan: float) -> np.ndarray:
+    """The same as ``np.nan_to_num``, in one pass where there is nothing to replace."""
+    return row if np.isfinite(row).all() else np.nan_to_num(row, nan=nan)
+
+
 def unit(angle: np.ndarray) -> np.ndarray:
     """e^{i angle}; the number nearest to a quarter turn is meant as that: exactly 1, i, -1 or -i."""
     out = np.empty(np.shape(angle), dtype=complex)

@@ -28,7 +28,7 @@ from core.motion.cuts import CutProgram
 from core.motion.extremes import Extreme, Range
 from core.numerics.columns import Take, at_angles_of, column, design_by_design, repeated, taken, taker
 from core.numerics.derivatives import Derivatives
-from core.numerics.vectors import cross
+from core.numerics.vectors import cross, finite
 from core.study.batches.asked import Asked, mean_of, of_range
 from core.study.extremes import PROFILE_CURVATURES
 from core.study.highest import Search, nodes_of, refined
@@ -486,7 +486,7 @@ class Together:
         design, top = np.arange(len(row)), np.where(np.isnan(row), -np.inf, row).argmax(axis=1)
         own = row[design, top]
         beside = np.minimum(row[design, np.maximum(top - 1, 0)], row[design, np.minimum(top + 1, last)])
-        return np.nan_to_num(own - beside, nan=np.inf) + DOUBT * np.abs(own)
+        return finite(own - beside, nan=np.inf) + DOUBT * np.abs(own)
 
     def _ranges_of(self, found: Extremes) -> dict[str, Range]:
         nothing = np.full(self.count, np.nan), np.full(self.count, np.nan)
