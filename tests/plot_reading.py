@@ -16,6 +16,12 @@ def tags(plot: CurvePlot) -> list[Tag]:
     return [item for item in plot.items() if isinstance(item, Tag) and item.text and item.isVisible()]
 
 
+def box_in_mm(tag: Tag, scale: float) -> QRectF:
+    """The box of a text in its scene, at so many pixels a millimetre [mm]."""
+    box, at = tag.pixel_box(), tag.scenePos()
+    return QRectF(at.x() + box.left() / scale, at.y() - box.bottom() / scale, box.width() / scale, box.height() / scale)
+
+
 def is_limit(tag: Tag) -> bool:
     """Written in the colour of limits."""
     letters = (child for child in tag.childItems() if isinstance(child, QGraphicsSimpleTextItem))

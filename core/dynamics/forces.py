@@ -276,9 +276,8 @@ def _pressing(flank: Flank, sense: float, friction: float) -> np.ndarray:
     rubs = sense * friction * np.sign(flank.sliding)
     turned = np.empty(np.shape(rubs), dtype=complex)
     turned.real, turned.imag = 1.0, rubs
-    return (
-        flank.normal * turned
-    )  # by a name: numpy turns round products with large nameless ones, which changes their last bits
+    # by a name: numpy turns round products with large nameless ones, which changes their last bits
+    return flank.normal * turned
 
 
 def unit_friction(kinematics: Kinematics, friction: Friction) -> list[Load]:

@@ -196,17 +196,12 @@ def fit(
     rows = _rows(table, errors, out, others)
     contradicted = tuple(disagreements(rows)) if rows is not None else ()
     compared = _compared(table, rows, contradicted)
-    made, offset, error_of_rows = None, 0.0, errors[table.layout.quantity]
+    made, offset = None, 0.0
     if rows is not None and (laws or dwells):
         moving, offset = integrated(rows.only(set(rows.values) - set(compared)))
         made = structured(moving, table.motion_unit, laws, dwells, switches)
-    missed = np.inf if made is None else _missed(table, made.motion, offset, out)
-    enough = max(MET * error_of_rows, NEAR * float(np.ptp(table.values[table.used(out)])) / abs(table.size))
-    if made is None or (table.layout.order and not switches and missed > enough):
-        solved = _solved(table, error_of_rows, out)
-        spline = _motion(table, solved)
-        if made is None or _missed(table, spline, solved.offset, out) < missed:
-            made, offset = Structure(spline, (), (), solved.freedom, solved.smoothing), solved.offset
+    if made is None or (table.layout.order and not switches):
+        made, offset = _nearer(table, errors[table.layout.quantity], out, made, offset)
     motion = made.motion
     compiled = program(motion)
     ends = compiled.state(Angles(compiled.starts, np.arange(compiled.starts.size))).displacement[0] / motion.scale
@@ -490,6 +485,21 @@ def _motion(table: MeasuredTable, solved: _Solved) -> Motion:
         for place, state in zip(solved.knots.tolist(), solved.at.tolist(), strict=True)
     )
     return Motion(start, (Segment(360.0, 0.0, SplineCurve(points)),), table.motion_unit)
+
+
+def _nearer(
+    table: MeasuredTable, error: float, out: tuple[int, ...], made: Structure | None, offset: float
+) -> tuple[Structure, float]:
+    """One spline and what the table adds to it, or the dwells and laws that were found with theirs, where these meet the rows as well."""
+    missed = np.inf if made is None else _missed(table, made.motion, offset, out)
+    enough = max(MET * error, NEAR * float(np.ptp(table.values[table.used(out)])) / abs(table.size))
+    if made is not None and missed <= enough:
+        return made, offset
+    solved = _solved(table, error, out)
+    spline = Structure(_motion(table, solved), (), (), solved.freedom, solved.smoothing)
+    if made is not None and missed <= _missed(table, spline.motion, solved.offset, out):
+        return made, offset
+    return spline, solved.offset
 
 
 def _missed(table: MeasuredTable, motion: Motion, offset: float, out: tuple[int, ...]) -> float:

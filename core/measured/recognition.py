@@ -34,10 +34,8 @@ HOPELESS = 25.0  # times the χ² that is refined: from another start no law com
 WELL = 10.0  # of χ²: a law that fits worse by no more fits as well
 MOST_TRIED, MOST_COMPARED, MOST_REFINED = 150, 2000, 20_000
 """Rows of a stroke that laws are tried on, that those near enough are fitted to, and that the one taken is refined on."""
-TRIED, STARTS = (
-    4.0,
-    2,
-)  # χ² a row of a law that may be taken once it is refined; estimates of a family that it is fitted from
+TRIED = 4.0  # χ² a row of a law that may be taken once it is refined
+STARTS = 2  # estimates of a family that it is fitted from
 APART = 0.05  # of a rise, that the level of a reversal may be off its row
 ALIKE = 5e-4  # of a rise: what is nearer to a law than that is no other curve
 SLOWEST = 1e-3  # s' of a law, at least, where it is turned round

@@ -6,14 +6,10 @@ from collections.abc import Sequence
 import pytest
 from mixed_tables import Verdict, mixed_table, verdict
 
-SEEDS, MANY = (
-    (10, 11, 34, 153, 336),
-    1000,
-)  # strokes and tips between rows, jumps of the velocity, runs at a dwell's end
-MOST_REFUSED, LEAST_RECOGNISED = (
-    0.02,
-    0.95,
-)  # of the tables; of those with errors below 1e-4 of the stroke that only one law fits
+SEEDS = (10, 11, 34, 153, 336)  # strokes and tips between rows, jumps of the velocity, runs at a dwell's end
+MANY = 1000
+MOST_REFUSED = 0.02  # of the tables
+LEAST_RECOGNISED = 0.95  # of those with errors below 1e-4 of the stroke that only one law fits
 
 
 def proved(seeds: Sequence[int]) -> None:

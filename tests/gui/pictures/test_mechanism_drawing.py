@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from mechanisms import LIFT, PUSHER, with_cam, with_drive, with_follower, with_loads, with_shaft
+from plot_reading import box_in_mm
 from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QFontMetricsF
 from PySide6.QtWidgets import QApplication, QGraphicsLineItem
@@ -448,12 +449,6 @@ def image(sheet: MechanismSheet) -> np.ndarray:
         return np.asarray(opened.convert("RGB")).astype(int)
 
 
-def seen(scene: MechanismScene, tag: Tag, scale: float) -> QRectF:
-    """The box of a text in the scene [mm]."""
-    box, at = tag.pixel_box(), tag.scenePos()
-    return QRectF(at.x() + box.left() / scale, at.y() - box.bottom() / scale, box.width() / scale, box.height() / scale)
-
-
 def distance(box: QRectF, z: complex) -> float:
     x = max(box.left() - z.real, 0.0, z.real - box.right())
     y = max(box.top() - z.imag, 0.0, z.imag - box.bottom())
@@ -477,7 +472,7 @@ def test_labels_cover_neither_the_part_they_name_nor_each_other_nor_the_edge(
         boxes = {}
         for name, item in parts.items():
             assert isinstance(item, Tag)
-            boxes[name] = box = seen(scene, item, scale)
+            boxes[name] = box = box_in_mm(item, scale)
             assert visible.contains(box), name
         assert distance(boxes["roller"], complex(reading.reference[i])) > reading.face_radius
         turn = np.exp(1j * np.deg2rad(reading.turned[i]))
@@ -511,7 +506,7 @@ def test_the_followers_name_keeps_clear_of_its_stem_bush_and_spring() -> None:
     rails = scene.item("rails.guide").sceneBoundingRect()
     for i in INDICES:
         scene.set_index(i)
-        box = seen(scene, label, scale)
+        box = box_in_mm(label, scale)
         stem = complex(reading.reference[i]) + guide.outwards * guide.line * np.linspace(
             0.0, rails.bottom() - rails.top(), 60
         )
@@ -532,7 +527,7 @@ def test_names_in_a_picture_that_stands_still_suit_its_angle() -> None:
         for name in ("A", "B"):
             label = scene.item(f"label.pin.{name}")
             assert isinstance(label, Tag)
-            box = seen(scene, label, scale)
+            box = box_in_mm(label, scale)
             for body in reading.moving.values():
                 ends = [complex(body.track(p)[i]) for p in body.nodes.values()]
                 for start, end in pairwise([*ends, ends[0]]):
@@ -656,7 +651,7 @@ def test_no_label_stands_on_hatching(design: Design, size: tuple[int, int]) -> N
         for key, part in scene.parts.items():
             if key.startswith("label."):
                 assert isinstance(part.item, Tag)
-                box = seen(scene, part.item, scale)
+                box = box_in_mm(part.item, scale)
                 assert not any(h.mapToScene(h.path()).intersects(box) for h in hatched), f"{key} at {i}"  # type: ignore[attr-defined]
 
 

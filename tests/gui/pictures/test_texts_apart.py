@@ -5,6 +5,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from plot_reading import box_in_mm
 from PySide6.QtCore import QRectF
 
 from core.project import load
@@ -29,10 +30,7 @@ def boxes(scene: MechanismScene, scale: float, prefix: str = "") -> dict[str, QR
     for key, part in scene.parts.items():
         tag = part.item
         if isinstance(tag, Tag) and tag.isVisible() and tag.opacity() > 0.5 and tag.text and key.startswith(prefix):
-            box, at = tag.pixel_box(), tag.scenePos()
-            found[key] = QRectF(
-                at.x() + box.left() / scale, at.y() - box.bottom() / scale, box.width() / scale, box.height() / scale
-            )
+            found[key] = box_in_mm(tag, scale)
     return found
 
 
