@@ -18,6 +18,7 @@ from core.design import (
     Unit,
     drive_at,
     entries,
+    entry_at,
     get,
     only,
     row_at,
@@ -276,7 +277,6 @@ def name_of(design: Design, path: str) -> str:
         return f"{design.drives[own[0]].name}: {name_of(only(design, own[0]), own[1])}"
     number = segment_of(path)
     prefix = "" if number is None else f"Segment {number + 1}"
-    top = path.partition(".")[0]
     if path in SECTION_NAMES:
         return SECTION_NAMES[path]
     inside = re.fullmatch(r"motion\.segments\[\d+\]\.(start|end|points)(?:\[(\d+)\])?(?:\.(\w+))?", path)
@@ -298,9 +298,8 @@ def name_of(design: Design, path: str) -> str:
             return f"New {_NEW[load[1]]}" if load[1] in _NEW else path
         if load.end() == len(path):
             return row_name(design, path)
-    for entry in entries(design, top):
-        if entry.path == path:
-            return entry_name(design, entry)
+    if (entry := entry_at(design, path)) is not None:
+        return entry_name(design, entry)
     if load is not None:
         part = path[load.end() + 1 :].partition(".")[0]
         return f"{row_name(design, load[0])}: {_HOLDS.get(part, part)}"

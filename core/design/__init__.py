@@ -151,6 +151,7 @@ from core.design.paths import (
     all_paths,
     by_weight,
     entries,
+    entry_at,
     get,
     is_assumed,
     names_a_link,

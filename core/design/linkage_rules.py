@@ -76,8 +76,8 @@ def _links(drive: Drive) -> Iterator[Fault]:
 
 def _pins_apart(linkage: Linkage) -> Iterator[Fault]:
     pinned = {pin.name for pin in pins(linkage)}
-    for i, link in enumerate(linkage.links):
-        places = link.places
+    all_places = [link.places for link in linkage.links]
+    for i, places in enumerate(all_places):
         for a, b in combinations([name for name in places if name in pinned], 2):
             if places[a] == places[b]:
                 yield Fault(
@@ -86,8 +86,8 @@ def _pins_apart(linkage: Linkage) -> Iterator[Fault]:
                     f"lies on {a}",
                     "pins of a link apart from each other; links on one pin share its name",
                 )
-    for one, other in combinations(linkage.links, 2):
-        shared = [name for name in one.places if name in other.places]
+    for (one, here), (other, there) in combinations(zip(linkage.links, all_places, strict=True), 2):
+        shared = [name for name in here if name in there]
         if len(shared) > 1 and one.number != other.number:
             i = linkage.links.index(other)
             value = f"{' and '.join(shared)} on links {one.number} and {other.number}"

@@ -75,6 +75,16 @@ def entries_of(part: Any, path: str) -> Iterator[Entry]:
     return (entry for _, entry in _walk(part, path, getattr(part, "unit", "")) if entry is not None)
 
 
+def entry_at(design: Design, path: str) -> Entry | None:
+    """The entry at a path; None where the design has none there."""
+    for name, part in design.tables.items():
+        if path.startswith(f"{name}."):
+            for at, entry in _walk(part, name, getattr(part, "unit", ""), path):
+                if at == path and entry is not None:
+                    return entry
+    return None
+
+
 def by_weight(rows: Iterable[Entry]) -> list[Entry]:
     """Entries with what matters most first: by their weight and order, else as they are; those of each row of a list stay together."""
     found, lists, ranks = list(rows), dict[str, int](), []
@@ -102,9 +112,9 @@ def in_order(part: Any, unit: str = "") -> list[FileEntry]:
     return sorted(slots_of(part, unit), key=lambda slot: slot.key != LAW)
 
 
-def _walk(part: Any, path: str, unit: str) -> Iterator[tuple[str, Entry | None]]:
+def _walk(part: Any, path: str, unit: str, to: str = "") -> Iterator[tuple[str, Entry | None]]:
     """Every path in a part that may be assumed, in the order of the file, with its entry; None of what is no single value:
-    a law, a pair, a list of points."""
+    a law, a pair, a list of points. to: a path; parts that it does not lead into are left out."""
     for slot in in_order(part, unit):
         holder = getattr(part, slot.within) if slot.within else part
         at, kind = f"{path}.{slot.key}", slot.placing.kind
@@ -123,9 +133,10 @@ def _walk(part: Any, path: str, unit: str) -> Iterator[tuple[str, Entry | None]]
                 yield from _values(row, only, row_at, row_at)
         elif isinstance(value, tuple):
             for i, row in enumerate(value):
-                yield from _walk(row, f"{at}[{i}]", unit)
-        else:
-            yield from _walk(value, at, unit)
+                if to.startswith(f"{at}[{i}]") or not to:
+                    yield from _walk(row, f"{at}[{i}]", unit, to)
+        elif to.startswith(at) or not to:
+            yield from _walk(value, at, unit, to)
 
 
 def _values(part: Any, slot: FileEntry, at: str, path: str) -> Iterator[tuple[str, Entry | None]]:

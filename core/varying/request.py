@@ -10,7 +10,7 @@ from typing import Any
 
 from core.design import Design, all_paths, part_faults
 from core.design.fields import FileLayout, Info, choice, flag, number, placed, whole
-from core.design.paths import entries
+from core.design.paths import entry_at
 from core.errors import MISSING, DesignError, Fault
 from core.frozen import frozen
 from core.laws import LAWS
@@ -240,12 +240,8 @@ def field_info(design: Design, path: str) -> Info | None:
     """What a field takes that can be varied: a number, or a word of some; None where there is none at the path."""
     if path.endswith(".law") and path in set(all_paths(design)):
         return Info("Law", choices=tuple(LAWS))
-    for name in design.tables:
-        if path.startswith(f"{name}."):
-            found = next((each.info for each in entries(design, name) if each.path == path), None)
-            if found is not None and not found.flag:
-                return found
-    return None
+    entry = entry_at(design, path)
+    return None if entry is None or entry.info.flag else entry.info
 
 
 def _field_faults(row: Vary, path: str, design: Design) -> Iterator[Fault]:

@@ -9,7 +9,7 @@ from html import escape
 from math import isfinite
 from types import MappingProxyType
 
-from core.design import NO_UNIT, Design, Info, Limits, Unit, entries, info_of, split_unit
+from core.design import NO_UNIT, Design, Info, Limits, Unit, entry_at, info_of, split_unit
 from core.find import (
     ANY_PRESSURE,
     EXTRA,
@@ -71,10 +71,8 @@ def _entry(design: Design, path: str) -> tuple[Info, Unit]:
     """Range and unit of a field of the design, or of what is none of its fields."""
     if path in EXTRA:
         return EXTRA[path], NO_UNIT
-    return next(
-        ((each.info, each.unit) for each in entries(design, path.partition(".")[0]) if each.path == path),
-        (Info(path), split_unit(path)[1]),
-    )
+    entry = entry_at(design, path)
+    return (Info(path), split_unit(path)[1]) if entry is None else (entry.info, entry.unit)
 
 
 def figure_of(design: Design, key: str) -> LimitText:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QKeyEvent
 
-from core.design import entries, get, put, split_unit
+from core.design import entry_at, get, put, split_unit
 from kindyna_gui.labels import no_number, sentence, value_text
 from kindyna_gui.pictures.units import measure
 from kindyna_gui.player import Player
@@ -66,7 +66,9 @@ class PeakDrag:
     def _put(self, value: float | None, wanted: float, decimals: int) -> bool:
         held = self._trade
         assert held is not None
-        info = next(row.info for row in entries(self._session.design, "cam") if row.path == held.path)
+        entry = entry_at(self._session.design, held.path)
+        assert entry is not None
+        info = entry.info
         value = None if value is None else round(value, decimals)
         if value is None or not info.admits(value):
             self._answer(f"No {info.in_sentence} gives {measure(wanted, self._unit)}")

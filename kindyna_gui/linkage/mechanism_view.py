@@ -13,7 +13,7 @@ from PySide6.QtCore import QCoreApplication, QEvent, QPoint, QPointF, Qt, Signal
 from PySide6.QtGui import QAction, QActionGroup, QColor, QKeyEvent, QKeySequence, QPainter, QShortcut
 from PySide6.QtWidgets import QStackedWidget, QVBoxLayout
 
-from core.design import AttachedEnd, Held, entries, put, split_unit, turns_on
+from core.design import AttachedEnd, Held, entry_at, put, split_unit, turns_on
 from core.errors import KindynaError, NoAnswer
 from core.instant_centres import CHAINS
 from core.numerics.cancellation import postponing
@@ -500,7 +500,9 @@ class MechanismView(View):
         assert self.held is not None
         path = self.held.field
         unit = split_unit(path)[1]
-        info = next(row.info for row in entries(self.session.design, path.partition(".")[0]) if row.path == path)
+        entry = entry_at(self.session.design, path)
+        assert entry is not None
+        info = entry.info
         value = round(value, decimals) + 0.0
         if not info.admits(value):
             self.session.refuse(path, f"{value_text(value, unit)} is not {allowed_text(info, unit)}")

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Callable, Sequence
 from functools import lru_cache
 
 import numpy as np
-from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QBrush, QColor, QFontMetricsF, QPainter, QPainterPath, QPen
 from PySide6.QtWidgets import (
     QGraphicsItem,
@@ -214,7 +215,8 @@ def riding(item: QGraphicsItem, z: np.ndarray, angle: np.ndarray) -> Move:
     """The item moves with a body: origin z (n,) [mm], angle (n,) [deg]."""
 
     def move(i: int) -> None:
-        item.setPos(QPointF(z.real[i], z.imag[i]))
+        place = complex(z[i])
+        item.setPos(place.real, place.imag)
         item.setRotation(float(angle[i]))
 
     return move
@@ -227,14 +229,18 @@ def turning(item: QGraphicsItem, angle: np.ndarray) -> Move:
 
 def pinned(item: QGraphicsItem, track: np.ndarray) -> Move:
     """The item stays upright at a moving place (n,) [mm]; it is not seen where the place is infinite."""
-    finite = np.isfinite(track)
-    if finite.all():
-        return lambda i: item.setPos(QPointF(track.real[i], track.imag[i]))
+    return standing_at(item, track.__getitem__)
+
+
+def standing_at(item: QGraphicsItem, place_at: Callable[[int], complex]) -> Move:
+    """The same of a place that is found for the sample of an index."""
 
     def move(i: int) -> None:
-        item.setOpacity(1.0 if finite[i] else 0.0)
-        if finite[i]:
-            item.setPos(QPointF(track.real[i], track.imag[i]))
+        place = complex(place_at(i))
+        seen = cmath.isfinite(place)
+        item.setOpacity(1.0 if seen else 0.0)
+        if seen:
+            item.setPos(place.real, place.imag)
 
     return move
 

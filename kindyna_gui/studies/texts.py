@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from html import escape
 from types import MappingProxyType
 
-from core.design import Design, Info, Unit, drive_at, entries, row_at, split_unit
+from core.design import Design, Info, Unit, drive_at, entry_at, row_at, split_unit
 from core.laws import LAWS
 from core.study import TOTALS, quantity
 from core.study.batches.asked import asked_of
@@ -52,11 +52,10 @@ def reason_text(code: str) -> str:
 
 def info_of(design: Design, path: str) -> tuple[Info, Unit]:
     """Range and unit of a number of the design."""
-    for name in design.tables:
-        for each in entries(design, name):
-            if each.path == path:
-                return each.info, each.unit
-    raise KeyError(path)
+    entry = entry_at(design, path)
+    if entry is None:
+        raise KeyError(path)
+    return entry.info, entry.unit
 
 
 def name_of(design: Design, path: str) -> str:

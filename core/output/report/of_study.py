@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from core.cam import SECOND
-from core.design import CRANK, FRAME_LINK, UNITS, Design, drive_at, entries, is_assumed, only
+from core.design import CRANK, FRAME_LINK, UNITS, Design, drive_at, entries, entry_at, is_assumed, only
 from core.findings import Residual
 from core.laws import find_law
 from core.output.contact_files import lift_off_lines
@@ -76,8 +76,8 @@ def _named(design: Design, path: str) -> str:
     """The label of a value, or its path where it is one of several rows."""
     own = drive_at(path)
     inside, drive = (path, "") if own is None else (own[1], f"{design.drives[own[0]].name}, ")
-    rows = (entry for entry in entries(only(design, own[0] if own else 0), inside.partition(".")[0].partition("[")[0]))
-    found = next((entry.info.label for entry in rows if entry.path == inside), inside.rpartition("].")[2])
+    entry = entry_at(only(design, own[0] if own else 0), inside)
+    found = inside.rpartition("].")[2] if entry is None else entry.info.label
     row = OF_ROW.search(inside)
     if row:
         found = f"{found.replace('.', ' ')} of {row[1]} {int(row[2]) + 1}"

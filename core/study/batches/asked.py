@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from core.design import Design, entries, only
+from core.design import Design, entry_at, only
 from core.design.camshaft import drive_at, path_of
 from core.study.contact_stress import roller_lives
 from core.study.quantities import names_of, quantity
@@ -96,11 +96,10 @@ def infos_of(design: Design, paths: Iterable[str]) -> dict[str, Any]:
 
 
 def _info(design: Design, path: str) -> Any:
-    for name in design.tables:
-        for entry in entries(design, name):
-            if entry.path == path:
-                return entry.info
-    raise ValueError(f"{path}: no such number in this design")
+    entry = entry_at(design, path)
+    if entry is None:
+        raise ValueError(f"{path}: no such number in this design")
+    return entry.info
 
 
 def mean_of(values: np.ndarray, weight: np.ndarray, of: str) -> Any:

@@ -6,7 +6,7 @@ far it may be the link's own side, which goes round with it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 from itertools import pairwise
 
@@ -28,7 +28,7 @@ from kindyna_gui.pictures.drawing.parts import (
     ground_direction,
     is_stem,
 )
-from kindyna_gui.pictures.items import DrawnPart, Move, Tag, pinned
+from kindyna_gui.pictures.items import DrawnPart, Move, Tag, pinned, standing_at
 from kindyna_gui.pictures.shapes import BAR, EYE
 from kindyna_gui.pictures.style import Theme
 
@@ -83,6 +83,23 @@ def _lean(outwards: np.ndarray, half: complex) -> np.ndarray:
 def _clear(outwards: np.ndarray, half: complex) -> np.ndarray:
     """The same, so far that the text lies outside of a line across the direction, such as a bar that it goes round with."""
     return np.asarray(outwards * (half.real * np.abs(outwards.real) + half.imag * np.abs(outwards.imag)))
+
+
+def _off(track: np.ndarray, by: complex) -> Callable[[int], complex]:
+    """The place at a sample, so far from a moving one: where the mouse drags something, it is seen at one sample alone."""
+    return lambda i: track[i] + by
+
+
+def _beside(label: Label, side: complex, gap: float, half: complex, scale: float) -> Callable[[int], complex]:
+    """The same of a text that goes round with its part, on a side of it."""
+    turn = label.turn
+    assert turn is not None
+
+    def place(i: int) -> complex:
+        around = side * turn[i]
+        return complex(label.track[i] + around * label.room + (around * gap + _clear(around, half)) / scale)
+
+    return place
 
 
 def _turn(geometry: Geometry, *bodies: str) -> np.ndarray | None:
@@ -274,8 +291,6 @@ class Labels:
         self._rows = [(label, tag) for label, (_, tag) in zip(rows, self._rows, strict=True)]
         for cached in ("samples", "_ink"):
             self.__dict__.pop(cached, None)
-        for _, tag in self._rows:
-            tag.setOpacity(1.0)
         return True
 
     @cached_property
@@ -329,18 +344,18 @@ class Labels:
             side, half = self.sides[label.key], complex(*tag.size) / 2
             gap = float(label.gaps[side])
             if side >= SIDES.size and label.turn is not None:
-                around = DIRECTIONS[side - SIDES.size] * label.turn
                 tag.shift(0.0, 0.0)
                 tag.lead(False)
-                place = label.track + around * label.room + (around * gap + _clear(around, half)) / scale
-                self._moves[label.key] = pinned(tag, place)
+                self._moves[label.key] = standing_at(
+                    tag, _beside(label, DIRECTIONS[side - SIDES.size], gap, half, scale)
+                )
                 continue
             outwards = complex(SIDES[side])
             start = label.room if label.foot is None else label.foot
             push = outwards * (gap + (label.room - start) * scale) + complex(_lean(SIDES[side], half))
             tag.shift(push.real, -push.imag)
             tag.lead(gap > GAPS[0] or label.foot is not None)
-            self._moves[label.key] = pinned(tag, label.track + outwards * start)
+            self._moves[label.key] = standing_at(tag, _off(label.track, outwards * start))
 
     def boxes(self, scale: float) -> list[QRectF]:
         """The texts that are shown, in pixels of the whole scene, y downwards; scale in pixels per mm."""
