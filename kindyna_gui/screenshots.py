@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterator
 from math import pi
 from typing import Any
 
-from PySide6.QtCore import QBuffer, QByteArray, QCoreApplication, QEvent, QIODevice, Qt
-from PySide6.QtGui import QImage, QImageWriter
+from PySide6.QtCore import QCoreApplication, QEvent, Qt
+from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QApplication, QTabWidget, QWidget
 
 from core.design import Design, only
@@ -18,6 +18,7 @@ from kindyna_gui.linkage.mechanism_view import MechanismView
 from kindyna_gui.look import dress
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.pictures.drawing.layers import TWIST, layers_of
+from kindyna_gui.pictures.paper import png_bytes
 from kindyna_gui.player import Player
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import View
@@ -94,12 +95,8 @@ def _catch_up(window: MainWindow) -> list[View]:
 
 def png(widget: QWidget, small: bool = False) -> bytes:
     """A widget as it stands on the screen; small: in 256 colours, a fifth of the bytes."""
-    data = QByteArray()
-    buffer = QBuffer(data)
-    buffer.open(QIODevice.OpenModeFlag.WriteOnly)
     image = widget.grab().toImage()
-    QImageWriter(buffer, b"PNG").write(image.convertToFormat(QImage.Format.Format_Indexed8, FLAT) if small else image)
-    return bytes(data.data())
+    return png_bytes(image.convertToFormat(QImage.Format.Format_Indexed8, FLAT) if small else image)
 
 
 def picture_angle(study: Study) -> float:

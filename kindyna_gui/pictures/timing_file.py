@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from PySide6.QtCore import QBuffer, QByteArray, QIODevice, QRectF, Qt
-from PySide6.QtGui import QColor, QImage, QImageWriter, QPainter
+from PySide6.QtCore import QRectF, Qt
+from PySide6.QtGui import QColor, QImage, QPainter
 
 from core.design import Design, together
 from core.output.timing import ENDINGS, events_csv
 from kindyna_gui.pictures.app import ensure_app
+from kindyna_gui.pictures.paper import png_bytes
 from kindyna_gui.pictures.sheet_file import FILES, UNITS
 from kindyna_gui.pictures.style import LIGHT, SMALL, TEXT, font
 from kindyna_gui.pictures.timing_chart import DEGREES, ChartHighlights, TimingChart, plain
@@ -44,11 +45,7 @@ def _png(height: float, paint: Callable[[QPainter], None]) -> bytes:
         paint(painter)
     finally:
         painter.end()
-    data = QByteArray()
-    buffer = QBuffer(data)
-    buffer.open(QIODevice.OpenModeFlag.WriteOnly)
-    QImageWriter(buffer, b"PNG").write(image)
-    return bytes(data.data())
+    return png_bytes(image)
 
 
 def _paint(painter: QPainter, design: Design, unit: str, pair: tuple[int, ...], scale: float) -> None:
