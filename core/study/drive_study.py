@@ -661,17 +661,20 @@ class DriveStudy:
 
     def depends_on(self, stage: str) -> tuple[Any, ...]:
         """The parts of the design that the quantities of a stage depend on."""
+        return self._depends_on[stage]
+
+    @cached_property
+    def _depends_on(self) -> Mapping[str, tuple[Any, ...]]:
         design = self.design
         drive = replace(design.drive, cam=design.drive.bare_cam, limits=NO_LIMITS)
         speed = (design.sense, design.speed_rpm)
-        parts: Mapping[str, tuple[Any, ...]] = {
+        return {
             "motion": (drive.motion, speed),
             "linkage": (drive.motion, speed, drive.mechanism, drive.cam),
             "cam": (drive.motion, drive.mechanism, drive.cam, design.sense),
             "dynamics": (drive, speed),
             "stability": (drive, speed, design.shaft),
         }
-        return parts[stage]
 
     # -- what is read of it ---------------------------------------------------------------------------------
 
