@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from html import escape
 from types import MappingProxyType
 
 import numpy as np
@@ -76,7 +75,11 @@ class StabilityPages(QTabWidget):
         self.chosen: ChartPoint | None = None
         self._drawn: set[int] = set()
         self.verdicts, self.speeds = _text(), _text()
-        self.addTab(_rolled(self.verdicts), "Verdicts")
+        self.steady = QLabel(
+            wordWrap=True, margin=8
+        )  # as long as there are drives: not beside the table, which must not wrap
+        self.steady.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.addTab(_rolled(self.verdicts, self.steady), "Verdicts")
         self.addTab(self._speeds_page(), "Speeds")
         self.plots: dict[str, tuple[XYPlot, ...]] = {}
         for name, row in PLOTS.items():
@@ -159,11 +162,10 @@ class StabilityPages(QTabWidget):
     def _show_verdicts(self, found: Stability, point: ChartPoint) -> None:
         verdicts = point.verdicts or found.linear_at(point.eta, point.q)
         where = "" if point.own else "the picked point, "
-        steady = f"<p>{escape(steady_text(point.steady[0]), quote=False)}</p>" if point.steady else ""
         wait = "" if point.verdicts else f"<p style='color:{SCREEN.quiet}'>The nonlinear models are still to come.</p>"
-        self.verdicts.setText(
-            f"<p>{where}η = {point.eta:.5g}, Q = {point.q:.5g}</p>{verdict_table(verdicts)}{wait}{steady}"
-        )
+        self.verdicts.setText(f"<p>{where}η = {point.eta:.5g}, Q = {point.q:.5g}</p>{verdict_table(verdicts)}{wait}")
+        self.steady.setText(steady_text(point.steady[0]) if point.steady else "")
+        self.steady.setVisible(bool(point.steady))
 
     def _show_speeds(self, found: Stability) -> None:
         if "bands" in vars(found):

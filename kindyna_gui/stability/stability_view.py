@@ -98,6 +98,7 @@ class StabilityView(View):
         tools.addWidget(self.fields)
         tools.addSpacing(8)
         tools.addWidget(self.head, 1)
+        tools.addSpacing(8)
         tools.addWidget(self.progress)
         tools.addWidget(self.use)
         for text, box in (("across", self.across), ("upwards", self.upwards)):

@@ -24,7 +24,7 @@ from core.stability import (
     Verdict,
 )
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.pictures.units import digits
+from kindyna_gui.pictures.units import digits, with_unit
 
 STEADY, FROM_REST = "steady", "from_rest"
 WORDS = {"model", "verdict"}  # columns that hold no numbers
@@ -176,7 +176,7 @@ def steady_text(turn: SteadyTurn) -> str:
         unit = UNITS[each.unit]
         size, at = digits(abs(worst.value) / unit.factor, 3), digits(degrees(worst.theta), 4)
         name = f"error of {each.name}" if each.name else "follower's error"
-        parts.append(f"{name} {size} {unit.symbol} at {at}°")
+        parts.append(f"{name} {with_unit(size, unit.symbol)} at {at}°")
     return f"Steady response: {'; '.join(parts)}"
 
 
@@ -191,11 +191,11 @@ def wanted_text(machine: Machine, eta: float, q: float) -> str:
 
 
 def machine_text(found: Stability) -> str:
-    """The machine in one line."""
+    """The machine in one line; the chart says its η and Q."""
     m = found.machine
     top = f"; above {speed(found.top_rpm)} rpm nothing holds" if isfinite(found.top_rpm) else ""
     damping = f", ζ = {m.damping:g}" if m.damping else ""
-    return f"{speed(m.rpm(m.eta))} rpm: η = {m.eta:.5g}, Q = {m.q:.5g}{damping}{top}"
+    return f"{speed(m.rpm(m.eta))} rpm{damping}{top}"
 
 
 __all__ = [

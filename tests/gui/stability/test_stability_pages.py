@@ -192,8 +192,8 @@ def test_a_typed_point_is_reached_exactly_and_its_steady_response_is_drawn(kim: 
     assert missed == pytest.approx(1e3 * turn.error(np.deg2rad(angle)), abs=1e-9)
     view.pages.show_page("Verdicts")
     settle()
-    text = view.pages.verdicts.text()
-    assert "η = 0.85, Q = 0.1<" in text
+    assert "η = 0.85, Q = 0.1<" in view.pages.verdicts.text()
+    text = view.pages.steady.text()
     assert f"torque in the shaft 0 ± {turn.torque_amplitude:.3g} N·m" in text
     assert f"follower's error {np.abs(missed).max():.3g} mm" in text
     view.pages.show_page("Harmonics")
