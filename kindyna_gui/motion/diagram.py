@@ -23,7 +23,7 @@ from kindyna_gui.pictures.plots.plot import NO_BANDS, Curve, CurvePlot
 from kindyna_gui.pictures.plots.ranges import peak, shown_range
 from kindyna_gui.pictures.style import DASHED, SCREEN, SMALL, THIN, brush, font
 from kindyna_gui.pictures.units import readable, short, with_unit
-from kindyna_gui.preferences.units import sized
+from kindyna_gui.preferences.units import point, sized, symbol_of
 
 FLAT = 50.0  # shown above and below a motion without any rise, in its unit
 ANGLES = 21  # height of the numbers below, pixels
@@ -62,6 +62,12 @@ class MotionDiagram(CurvePlot):
         self._held: tuple[float, float] | None = None
         self._now, self._was = self._curve(Z_CURVE), self._curve(Z_REFERENCE)
         self._was.setPen(self._theme.pen(self._theme.quiet, THIN, DASHED))
+        self._picture: tuple[object, ...] = ()
+        self._rows: tuple[np.ndarray, ...] = ()
+
+    def redress(self) -> None:
+        super().redress()
+        self._picture = ()
 
     def _curve(self, z: float) -> pg.PlotCurveItem:
         item = pg.PlotCurveItem(antialias=True)
@@ -84,9 +90,20 @@ class MotionDiagram(CurvePlot):
         self, study: Study, channel: Quantity, before: np.ndarray | None, bands: Mapping[str, np.ndarray] = NO_BANDS
     ) -> None:
         """Draw the displacement of a study; before: that of the motion before the last edit at as many equally spaced
-        cam angles (n,) [the channel's unit], None where there is none; bands: column -> percentiles, within which machines lie."""
+        cam angles (n,) [the channel's unit], None where there is none; bands: column -> percentiles, within which machines lie.
+
+        Where all would be drawn as it is nothing is touched, and so nothing painted."""
         values = channel.values(study)
         motion = require_motion(study.design)
+        picture = (motion, self.chosen, channel.slug, symbol_of(channel.unit.symbol), point(), before is None, *bands)
+        rows = (values, *(() if before is None else (before,)), *bands.values())
+        if (
+            self._held is None
+            and picture == self._picture
+            and all(a is b or np.array_equal(a, b) for a, b in zip(rows, self._rows, strict=True))
+        ):
+            return
+        self._picture, self._rows = picture if self._held is None else (), rows
         self._angles = np.append(np.rad2deg(study.theta), 360.0)
         curve = Curve(channel, values, self._theme.family(channel.family), gain=motion.gain)
         self._curves, self._theta, self._exact_values = [curve], study.theta, None
@@ -206,9 +223,9 @@ class MotionDiagram(CurvePlot):
         painter.setBrush(brush(self._theme.paper))
         begins, levels = join_angles(self.motion), join_levels(self.motion)
         for begin, level, segment in zip(begins, levels, self.motion.segments, strict=True):
-            for point in segment.curve.points if isinstance(segment.curve, SplineCurve) else ():
-                if point.value is not None:
-                    x, y = scale.x(begin + point.at_deg), scale.y(level + point.value)
+            for each in segment.curve.points if isinstance(segment.curve, SplineCurve) else ():
+                if each.value is not None:
+                    x, y = scale.x(begin + each.at_deg), scale.y(level + each.value)
                     painter.drawRect(QRectF(x - 2.5, y - 2.5, 5.0, 5.0))
 
     def _paint_marks(
