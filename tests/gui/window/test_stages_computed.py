@@ -15,6 +15,7 @@ from kindyna_gui.background import Worker
 from kindyna_gui.graph.extremes_search import marks_action
 from kindyna_gui.graph.graph_view import GraphView
 from kindyna_gui.graph.plots_view import PlotView
+from kindyna_gui.motion.segments_view import SegmentsView
 from kindyna_gui.pictures.plots.plot import CurvePlot
 from kindyna_gui.pictures.plots.quantities import stages_of
 from kindyna_gui.places import example
@@ -289,6 +290,24 @@ def test_a_dock_behind_another_neither_computes_nor_paints(user: User) -> None:
     settle()
     assert painted.widgets == []
     assert not behind.up_to_date
+
+
+def test_the_motion_is_not_painted_for_an_edit_of_another_part(whole: User) -> None:
+    whole.window.show_task("make")
+    settle()
+    view, painted = whole.window.view("motion"), Painted()
+    assert isinstance(view, SegmentsView)
+    assert view.on_screen()
+    for plot in (view.diagram, *view.derivatives.plots):
+        plot.viewport().installEventFilter(painted)
+    assert whole.session.edit("follower.rod_mm", 846.0, "Rod")
+    settle()
+    assert painted.widgets == []
+    assert view.up_to_date
+    assert whole.session.edit("motion.stroke", 160.0, "Stroke")
+    settle()
+    assert len(painted.widgets) >= 4
+    assert view.diagram.motion == whole.session.design.drive.motion
 
 
 class Painted(QObject):
