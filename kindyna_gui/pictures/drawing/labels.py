@@ -40,6 +40,7 @@ SIDES, SIDE_GAPS = np.tile(DIRECTIONS, len(GAPS)), np.repeat(GAPS, DIRECTIONS.si
 FAR_TURN = 90.0  # [deg] of a link over the turn, from which its own sides are tried too
 PAD = 3.0  # a text wants so much free paper around, pixels
 COVERS, LEAVES, FURTHER = 6.0, 6.0, 0.5  # costs: covering a label, leaving the picture, each longer gap
+FIRST = 0.25  # of all costs: those at the first sample
 APART = 9.0  # between two labels, pixels
 AROUND = 240  # dots of a curve around the cam
 STEM_ROOM = STEM * EYE + BUSH  # half the width of a stem with its bush or its spring, in units
@@ -380,7 +381,7 @@ class Labels:
                     np.abs((centre - other[:, None]).real) - a - half.real / scale,
                     np.abs((centre - other[:, None]).imag) - b - half.imag / scale,
                 )
-                cost += COVERS * (np.maximum(*apart) < APART / scale).mean(axis=0)
+                cost += COVERS * _over_turn(np.maximum(*apart) < APART / scale)
             best = self.sides[label.key] = int(np.argmin(cost))
             taken.append((centre[:, best], half.real / scale, half.imag / scale))
 
@@ -404,7 +405,7 @@ class Labels:
         covered /= -pad
         covered += 1.0
         np.clip(covered, 0.0, 1.0, out=covered)
-        return np.asarray((covered @ ink.weight[near]).mean(axis=0))
+        return _over_turn(covered @ ink.weight[near])
 
 
 def _leaving(centre: np.ndarray, half: complex, corners: tuple[complex, complex]) -> np.ndarray:
@@ -415,4 +416,9 @@ def _leaving(centre: np.ndarray, half: complex, corners: tuple[complex, complex]
         | (centre.imag - half.imag < low.imag)
         | (centre.imag + half.imag > high.imag)
     )
-    return np.asarray(out.mean(axis=0))
+    return _over_turn(out)
+
+
+def _over_turn(cost: np.ndarray) -> np.ndarray:
+    """Mean of costs (k, c) over the turn (c,); what is seen first, and longest, counts for a quarter."""
+    return np.asarray(cost.mean(axis=0) * (1.0 - FIRST) + cost[0] * FIRST)
