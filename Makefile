@@ -72,7 +72,7 @@ help:
 	make check    lint, import contracts, types
 	make bench    measure speed against error (out/bench; ARGS=--quick; ARGS=--readme: into help and README)
 	make bench-check  fail where a kernel is slower by its rival than its limit (tests/benchmarks/limits.json)
-	make stress   search for numerical breakdown (KINDYNA_STRESS_SECONDS, default 600)
+	make stress   the long tests, and a search for numerical breakdown (KINDYNA_STRESS_SECONDS, default 600)
 	make fuzz     use the window at random and kill it at random (KINDYNA_FUZZ_SECONDS, default 600); seek in 300 random designs, 3,000 at once
 	make soak     run the window for minutes and look for leaks
 	make wheel    build dist/kindyna-*.whl
@@ -146,8 +146,8 @@ test-web: .venv/.ready .venv/.test-packages
 	.venv/bin/python -m pytest -q tests/core/output/test_web.py $(ARGS)
 
 stress: export KINDYNA_STRESS_SECONDS ?= 600
-stress: .venv/.ready
-	@.venv/bin/python -m pytest -q -m stress $(ARGS)
+stress: .venv/.ready .venv/.test-packages
+	@.venv/bin/python -m pytest -q -m stress -n auto --maxprocesses 4 --dist worksteal $(ARGS)
 
 fuzz: export KINDYNA_FUZZ_SECONDS ?= 600
 fuzz: .venv/.ready

@@ -267,6 +267,7 @@ def test_the_picture_has_a_plot_for_each_kernel_that_was_measured(rows: list[Row
     assert picture.RATIO * 2 * picture.CELL[0] < two.width()
 
 
+@pytest.mark.stress
 def test_every_target_is_told_with_what_it_takes_and_what_is_missed_with_its_reason(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

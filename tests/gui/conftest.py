@@ -18,6 +18,7 @@ from PySide6.QtCore import (
     QtMsgType,
     qInstallMessageHandler,
 )
+from PySide6.QtGui import QCursor
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu, QWidget
 from window_user import Alone, Open, Shown, User, settle
@@ -34,6 +35,8 @@ from kindyna_gui.window.main_window import MainWindow, open_window
 from kindyna_gui.window.tasks import TASKS
 
 Kept = dict[MainWindow, dict[str, QByteArray]]
+AWAY = 5000, 5000
+"""Where the mouse rests at first: what comes to stand under it would speak in the status line."""
 HARMLESS = (
     "This plugin does not support propagateSizeHints()",
     "This plugin does not support raise()",
@@ -100,6 +103,7 @@ def open_user(app: QApplication, monkeypatch: pytest.MonkeyPatch) -> Iterator[Op
         whole   in the layout that a user finds at first
         size    None: in the layout and the size that the settings ask for
         """
+        QCursor.setPos(*AWAY)
         window = open_window(app, path)
         users.append(User(window, monkeypatch))
         if size is not None:
@@ -174,6 +178,7 @@ def begin_anew(
 ) -> None:
     """A design, at cam angle 0, and the first layout of its task, without docks if not ``whole``."""
     window, session = user.window, user.session
+    QCursor.setPos(*AWAY)
     if path is None:
         session.start(load(default_design()))
     else:

@@ -64,6 +64,7 @@ def test_every_view_is_painted(tmp_path: Path, capsys: pytest.CaptureFixture[str
         assert picture.std() > 2.0, f"{name} is empty"
 
 
+@pytest.mark.stress
 def test_the_page_of_stability_is_finished_before_its_picture_is_taken(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -87,6 +88,7 @@ def test_the_page_of_stability_is_finished_before_its_picture_is_taken(
     assert "still to come" not in text
 
 
+@pytest.mark.stress
 def test_a_picture_waits_no_longer_than_its_patience(monkeypatch: pytest.MonkeyPatch) -> None:
     window = screenshots.hidden_window(load(example("kim_1990")), (800, 600))
     view = window.show_view("stability")
@@ -169,6 +171,7 @@ def test_wrong_words_are_told(words: tuple[str, str], capsys: pytest.CaptureFixt
 KINDS = ("transfer_lift", "kim_1990", "four_bar_coupler_cam")
 
 
+@pytest.mark.stress
 @pytest.mark.parametrize("name", KINDS)
 def test_an_example_of_each_kind_passes(
     name: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch

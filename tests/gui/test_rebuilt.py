@@ -35,6 +35,7 @@ def left_behind(held: list[tuple[QLayoutItem, QWidget]]) -> list[str]:
     return [type(item).__name__ for item, widget in held if shiboken6.isValid(item) and not shiboken6.isValid(widget)]
 
 
+@pytest.mark.stress
 def test_examples_of_each_kind_in_turn_leave_no_item_of_a_layout_behind(user: User) -> None:
     for name in (
         "lecture_six_bar",

@@ -127,6 +127,7 @@ def test_a_reader_that_goes_away_is_no_fault(lift: Path, tmp_path: Path) -> None
 # -- headless ---------------------------------------------------------------------------------------------
 
 
+@pytest.mark.stress
 def test_headless_report_paints_pictures_which_are_the_same_with_and_without_a_display(
     started: tuple[Path, subprocess.CompletedProcess[str]], tmp_path: Path
 ) -> None:

@@ -5,6 +5,7 @@ from benchmarks import window
 from PySide6.QtWidgets import QApplication
 
 
+@pytest.mark.stress
 def test_edits_and_frames_are_measured_beside_a_bare_repaint(
     app: QApplication, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -265,6 +265,7 @@ def test_fig_11_loses_contact_again_and_again() -> None:
     assert force.min() < -0.4
 
 
+@pytest.mark.stress
 def test_averages_of_the_first_turn_fit_figures_6_and_7() -> None:
     """The mean wind-up stays within 0.02 for Q up to 0.1, and both means grow with Q and with speed; the follower stays on
     the cam as far as Q = 0.2, and leaves it at 0.5."""

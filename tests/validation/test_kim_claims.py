@@ -157,6 +157,7 @@ def test_a_point_of_the_chart_is_what_its_steady_response_is(start: str, stable:
     assert {turned(claim, models=(*others, each)) for each in (STABLE, UNSTABLE)} == {"agrees", "differs"}
 
 
+@pytest.mark.stress
 def test_fig_12_leaves_the_cam_in_every_turn_in_the_window_in_the_command_and_in_the_row(
     capsys: pytest.CaptureFixture[str],
 ) -> None:

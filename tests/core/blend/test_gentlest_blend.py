@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from blend_cases import as_motion, request
 from blends import SEQUENCES, Motion, check_joins, free_motion
+from sampled import spread
 
 from core.blend import GOALS, BlendError, Request, best, blend
 
@@ -44,8 +45,10 @@ def test_the_coefficients_of_this_file() -> None:
     assert cycloid.max() == pytest.approx(COEFFICIENTS["torque"]["C5"], rel=1e-7)
 
 
-@pytest.mark.parametrize("goal", GOALS)
-@pytest.mark.parametrize(("kind", "constant"), [k for k in SEQUENCES if k[1] in ("none", "rise")])
+SOUGHT = [(*each, goal) for each in SEQUENCES if each[1] in ("none", "rise") for goal in GOALS]
+
+
+@pytest.mark.parametrize(("kind", "constant", "goal"), spread(SOUGHT, 8))
 def test_the_best_is_no_worse_than_any_drawn(goal: str, kind: str, constant: str) -> None:
     """With at least 60 deg of constant velocity where it is asked for."""
     wanted = {"length": 60.0} if constant != "none" else {}

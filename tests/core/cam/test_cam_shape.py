@@ -22,6 +22,7 @@ from mechanisms import (
     with_shaft,
 )
 from references import EPS, MP, Series, Shape, Solved, cam_shape, off, placed, reach_of, sense_of, sensitivity, solved
+from sampled import spread
 from scipy.optimize import brentq, minimize_scalar
 
 from core.cam import CamShape, centre_residual, envelope, relative_motion, tangency_residual
@@ -82,8 +83,10 @@ def check_shape(design: Design, theta: float) -> None:
         assert off(value, reference) <= ROUNDINGS * EPS * (reach + floor), name
 
 
-@pytest.mark.parametrize("theta", [0.3, 1.1, 2.5, 3.4, 5.6])
-@pytest.mark.parametrize("name", [*DESIGNS, *TURNED])
+PLACES = [(name, theta) for name in (*DESIGNS, *TURNED) for theta in (0.3, 1.1, 2.5, 3.4, 5.6)]
+
+
+@pytest.mark.parametrize(("name", "theta"), spread(PLACES, 22))
 def test_profile_pressure_angle_and_curvatures_follow_from_the_pitch_curve(name: str, theta: float) -> None:
     check_shape({**DESIGNS, **TURNED}[name], theta)
 

@@ -14,6 +14,7 @@ from typing import Any
 
 import pytest
 from mechanisms import LAYOUT_DESIGNS, LIFT, PUSHER, levels, with_cam, with_drive, with_follower, with_loads
+from sampled import spread
 
 from core import project
 from core.__main__ import main
@@ -74,7 +75,7 @@ def check_refused(
 
 @pytest.mark.parametrize(
     ("command", "example"),
-    [("check", p) for p in EXAMPLES] + [("report", p) for p in EXAMPLES[1::3]],
+    spread([("check", p) for p in EXAMPLES] + [("report", p) for p in EXAMPLES[1::3]], 7),
     ids=lambda each: getattr(each, "stem", each),
 )
 def test_the_examples_are_checked_and_reported(tmp_path: Path, command: str, example: Path) -> None:
@@ -259,7 +260,7 @@ NO_ANSWER: dict[str, tuple[Design, tuple[str, ...]]] = {
 
 @pytest.mark.parametrize(
     ("command", "case"),
-    [*(("check", case) for case in NO_ANSWER), ("report", "stroke too long"), ("export", "radius used up")],
+    spread([*(("check", case) for case in NO_ANSWER), ("report", "stroke too long"), ("export", "radius used up")], 4),
 )
 def test_a_design_without_an_answer_is_one_line_with_field_and_cam_angles(
     tmp_path: Path, command: str, case: str
@@ -395,7 +396,7 @@ ONTO_INPUTS: dict[str, tuple[str, ...]] = {
 }
 
 
-@pytest.mark.parametrize("name", ONTO_INPUTS)
+@pytest.mark.parametrize("name", spread(list(ONTO_INPUTS), 4))
 def test_no_command_writes_onto_a_file_that_it_reads(tmp_path: Path, name: str) -> None:
     """Under whatever name: of a link, of the facts beside a profile."""
     text = saved(tmp_path, PUSHER).read_text("utf-8")

@@ -190,6 +190,7 @@ def test_the_painter_is_given_the_chart_and_the_figures_and_their_pictures_are_w
     assert capsys.readouterr().err == ""
 
 
+@pytest.mark.stress
 def test_the_papers_figures_come_out_of_its_example(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, few_averages: None
 ) -> None:
@@ -323,6 +324,7 @@ def test_wrong_words_are_refused_in_one_line(capsys: pytest.CaptureFixture[str],
     assert told.err.count("\n") == 1
 
 
+@pytest.mark.stress
 def test_the_same_design_gives_the_same_bytes(tmp_path: Path) -> None:
     """Whatever the process and its hash seed."""
     words = ["stability", str(EXAMPLE), "--periods", "1", "--eta-max", "0.6", "--out"]

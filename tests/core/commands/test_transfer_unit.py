@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from sampled import stressed
 
 from core.__main__ import main
 from core.design import only
@@ -79,7 +80,12 @@ def test_find_gives_the_flywheel_for_the_fluctuation_that_is_allowed(
 
 
 @pytest.mark.parametrize(
-    ("aim", "key"), [("peak", "peak_torque_nm"), ("rms", "rms_torque_nm"), ("fluctuation", "energy_swing_j")]
+    ("aim", "key"),
+    [
+        ("peak", "peak_torque_nm"),
+        stressed("rms", "rms_torque_nm"),
+        stressed("fluctuation", "energy_swing_j"),
+    ],
 )
 def test_find_gives_the_best_phases(
     aim: str, key: str, unit: Study, tmp_path: Path, capsys: pytest.CaptureFixture[str]
@@ -100,6 +106,7 @@ def test_find_gives_the_best_phases(
     assert {f.code for f in findings_of(turned)} <= {"speed-fluctuates"}, "the timing is kept"
 
 
+@pytest.mark.stress
 def test_find_gives_a_balance_cam_to_a_shaft_without_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     near = [f"{NEW_SPRING[0]}_min=110", f"{NEW_SPRING[0]}_max=118"]
     answer = found(

@@ -412,6 +412,7 @@ def test_the_command_joins_ends_over_the_gap_that_is_given(tmp_path: Path, capsy
     assert main([*command, "--gap", "0.01"]) == 0
 
 
+@pytest.mark.stress
 def test_a_groove_comes_in_again_by_the_wall_within(tmp_path: Path) -> None:
     groove = Path(__file__).parents[3] / "resources/examples/groove.toml"
     words = ["--as", "arcs", "--flank", "outer", "--tolerance", "1e-3"]

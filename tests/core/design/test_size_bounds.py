@@ -6,6 +6,7 @@ from pathlib import Path
 import large_designs
 import pytest
 from counting import calls, cost
+from sampled import stressed
 
 from core import project
 from core.design import NamedCurve, Segment, faults, with_drive
@@ -75,7 +76,11 @@ def test_an_edit_makes_no_design_that_no_file_may_hold() -> None:
     ]
 
 
-@pytest.mark.parametrize("case", large_designs.cases(segments=1000), ids=lambda case: case.what)
+@pytest.mark.parametrize(
+    "case",
+    [stressed(each) if "0.09" in each.what else each for each in large_designs.cases(segments=1000)],
+    ids=lambda case: case.what,
+)
 def test_what_is_large_or_odd_stays_within_its_counts(case: large_designs.Case) -> None:
     found = cost(case.fresh)
     assert found.calls <= case.calls

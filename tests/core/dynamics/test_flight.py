@@ -157,6 +157,7 @@ def test_friction_that_holds_the_follower_back_makes_it_leave_and_strike_harder(
     assert held.speed > 2.0 * free.speed
 
 
+@pytest.mark.stress
 def test_a_force_lifts_a_follower_that_stands_still() -> None:
     """m z'' + k z = P - F - μ m g: from rest, against gravity across the guide."""
     still = with_drive(load(EXAMPLES / "kim_1990.toml"), motion=Motion(0.0, (Segment(360.0, 0.0),)))

@@ -37,6 +37,7 @@ from references import (
     speed_of,
     torque_by_energy,
 )
+from sampled import spread
 from scipy.optimize import minimize_scalar
 
 from core.design import Design
@@ -113,7 +114,7 @@ PLACES = [(name, theta) for name in ALL for theta in (0.3, 1.5, 4.3) if name in 
 """A rise or return of each layout; a dwell and another of two of them."""
 
 
-@pytest.mark.parametrize(("name", "theta"), PLACES)
+@pytest.mark.parametrize(("name", "theta"), spread(PLACES, 7))
 def test_every_reaction_is_that_of_bodies_cut_free(name: str, theta: float) -> None:
     check_forces(ALL[name], theta)
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from sampled import spread
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
@@ -151,7 +152,7 @@ PAIR = load(EXAMPLES / "conjugate.toml")
 
 @pytest.mark.parametrize(
     ("design", "play", "rel"),
-    [(GROOVE, 0.05, 1e-4), (GROOVE, 0.5, 1e-3), (SPRUNG, 0.5, 1e-3), (PAIR, 0.05, 1e-4)],
+    spread([(GROOVE, 0.05, 1e-4), (GROOVE, 0.5, 1e-3), (SPRUNG, 0.5, 1e-3), (PAIR, 0.05, 1e-4)], 2),
     ids=["groove", "much play", "sprung groove", "conjugate pair"],
 )
 def test_the_impact_is_that_of_the_integrated_flight(design: Design, play: float, rel: float) -> None:

@@ -221,6 +221,7 @@ def test_the_lift_as_a_linkage_has_the_lifts_forces() -> None:
         assert np.abs(one - other).max() <= 1e-11 * np.abs(other).max()
 
 
+@pytest.mark.stress
 def test_the_lift_as_a_linkage_has_the_lifts_motor_flywheel_and_stability() -> None:
     """On a shaft with a flywheel too small for it, which twists."""
     plain, linkage = lift_twice()
@@ -239,6 +240,7 @@ def test_the_lift_as_a_linkage_has_the_lifts_motor_flywheel_and_stability() -> N
         assert mine.trace == pytest.approx(wanted.trace, rel=1e-9)
 
 
+@pytest.mark.stress
 def test_stability_of_a_linkage_asks_for_its_cam_on_a_shaft(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The command answers it as any cam's."""
     plain, linkage = lift_twice()

@@ -1,6 +1,7 @@
 """An answer of ``find`` passes ``check``: written into a file, it is complained of nothing that its design is not, whatever is sought."""
 
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -8,6 +9,7 @@ import numpy as np
 import pytest
 from face_cases import CASES, random_design
 from mechanisms import with_cam
+from sampled import stressed
 
 from core.__main__ import main
 from core.design import Design, edited, get, only
@@ -21,10 +23,15 @@ SPEED = "shaft.speed_rpm"
 RANDOM = 300
 
 
+@cache
+def example(name: str) -> Design:
+    return load(EXAMPLES / f"{name}.toml")
+
+
 def requests() -> Iterator[tuple[str, str, str]]:
     """Every example, each of its drives, and what is offered there."""
     for path in sorted(EXAMPLES.glob("*.toml")):
-        whole = load(path)
+        whole = example(path.stem)
         names = [drive.name or "" for drive in whole.drives]
         yield from ((path.stem, name, what) for i, name in enumerate(names) for what in offered(only(whole, i)))
         yield from ((path.stem, "", what) for what in offered_on_shaft(whole))
@@ -42,14 +49,17 @@ def parts(design: Design) -> tuple[type, ...]:
 
 
 def cases() -> Iterator[Any]:
-    """All requests; in every run each goal with each kind of follower, face and form once, and the first goal of each drive of
-    several."""
+    """All requests; in every run each goal once, and one of each kind of follower, face and form; under stress each goal with
+    each kind of these, and the first goal of each drive of several."""
     seen: set[tuple[Any, ...]] = set()
     for name, drive, what in requests():
-        whole = load(EXAMPLES / f"{name}.toml")
-        key = (name, drive or what) if len(whole.drives) > 1 else (what, *parts(whole))
-        yield pytest.param(name, drive, what, marks=[pytest.mark.fuzz] if key in seen else [])
-        seen.add(key)
+        whole = example(name)
+        several = len(whole.drives) > 1
+        key = (name, drive or what) if several else (what, *parts(whole))
+        first = {(what,)} if several else {(what,), parts(whole)}
+        marks = [pytest.mark.fuzz] if key in seen else [] if first - seen else [pytest.mark.stress]
+        yield pytest.param(name, drive, what, marks=marks)
+        seen |= {key, *first}
 
 
 def findings(design: Design) -> dict[tuple[str, str], str]:
@@ -88,7 +98,7 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize("rpm", [1500.0, 1762.0, 2293.0])
+@pytest.mark.parametrize("rpm", [stressed(1500.0), 1762.0, stressed(2293.0)])
 @pytest.mark.parametrize("what", ["spring", "preload"])
 def test_a_spring_for_more_speed_keeps_the_follower_at_that_speed(rpm: float, what: str) -> None:
     """By the force of 0, which rounding must not decide; and by the usual one, 2 % of the largest up to 1.1 times the speed."""

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from sampled import stressed
 
 from core.__main__ import main
 from core.design import edited
@@ -301,6 +302,7 @@ def test_arm_of_least_pressure_angle_against_a_scan(tmp_path: Path) -> None:
     assert data["answer"]["follower.arm_mm"] == pytest.approx(wanted, abs=1e-2)
 
 
+@pytest.mark.stress
 def test_pivot_of_least_pressure_angle_in_a_box_against_a_scan(tmp_path: Path) -> None:
     box = [
         f"follower.pivot_{axis}_mm_{end}={value}"
@@ -324,6 +326,7 @@ def test_pivot_of_least_pressure_angle_in_a_box_against_a_scan(tmp_path: Path) -
     assert min(swinging_worst(a, b, 70.0) for a, b in places) > data["reached"]["pressure_angle_deg"] - 1e-4
 
 
+@pytest.mark.stress
 def test_pivot_of_a_cam_slider_is_better_than_all_around_it() -> None:
     """There both coordinates count: the guide goes with the pivot."""
     path = EXAMPLES / "transfer_lift.toml"
@@ -346,11 +349,11 @@ def test_pivot_of_a_cam_slider_is_better_than_all_around_it() -> None:
     ("name", "what", "limits"),
     [
         ("transfer_lift", "base-radius", ("pressure_angle_return_deg=20",)),
-        ("transfer_lift", "base-radius", ()),
+        stressed("transfer_lift", "base-radius", ()),
         ("rocker_shoe", "base-radius", ("convex_radius_mm=12", "pressure_angle_rise_deg=40")),
-        ("conjugate", "base-radius", ("pressure_angle_deg=35", "cam.base_radius_mm_min=30")),
+        stressed("conjugate", "base-radius", ("pressure_angle_deg=35", "cam.base_radius_mm_min=30")),
         ("groove", "base-radius", ("pressure_angle_deg=20",)),
-        ("rocker_flat", "base-radius", ("convex_radius_mm=4",)),
+        stressed("rocker_flat", "base-radius", ("convex_radius_mm=4",)),
         ("four_bar_coupler_cam", "roller-radius", ()),
     ],
 )
@@ -393,6 +396,7 @@ def test_segments_that_go_on_into_each_other_change_their_spans_together(tmp_pat
     assert findings_of(Study(load(into)), ("motion",)) == ()
 
 
+@pytest.mark.stress
 def test_a_cam_that_must_stay_evenly_driven_gets_its_flywheel() -> None:
     """The load has grown: the flywheel goes along as far as half of it more will do, and holds the answer beyond."""
     design = load(EXAMPLES / "conjugate.toml")

@@ -161,6 +161,7 @@ def test_a_limit_of_the_balance_cam_that_is_taken_away_holds_no_more() -> None:
     assert free.answer[RATE] < 0.5 * usual.answer[RATE]
 
 
+@pytest.mark.stress
 def test_with_a_bounded_rate_find_balancer_gives_the_least_preload_by_a_scan() -> None:
     wish = {FORCE: 2000.0, f"{RATE}_max": 60.0, "pressure_angle_deg": 25.0}
     stiff = find(UNIT, "balancer", wish)

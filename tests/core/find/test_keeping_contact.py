@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from mechanisms import with_loads
+from sampled import stressed
 
 from core.__main__ import main
 from core.design import Design, edited, get
@@ -75,7 +76,7 @@ def test_at_the_speed_of_lift_off_the_least_force_is_the_one_that_was_to_be_kept
     )
 
 
-@pytest.mark.parametrize(("name", "rpm"), [("rocker_flat", 1500.0), ("tappet_knife", 2000.0)])
+@pytest.mark.parametrize(("name", "rpm"), [stressed("rocker_flat", 1500.0), ("tappet_knife", 2000.0)])
 @pytest.mark.parametrize("what", ["preload", "spring"])
 def test_the_spring_found_keeps_the_force_at_every_angle_and_speed(name: str, rpm: float, what: str) -> None:
     design = load(EXAMPLES / f"{name}.toml")

@@ -39,6 +39,7 @@ from references import (
     two_circles,
 )
 from rods import arm_and_rod, metres
+from sampled import spread
 
 from core.design import Design, si
 from core.errors import NoAssembly, NoCam
@@ -86,8 +87,10 @@ def check_everything(design: Design, theta: float) -> None:
         assert error <= EPS * (ROUNDINGS * reach + 2.0 * float(abs(reference)) + (name in ("phi", "beta"))), name
 
 
-@pytest.mark.parametrize("theta", [0.3, 1.1, 2.5, 3.4, 5.6])
-@pytest.mark.parametrize("name", DESIGNS)
+PLACES = [(name, theta) for name in DESIGNS for theta in (0.3, 1.1, 2.5, 3.4, 5.6)]
+
+
+@pytest.mark.parametrize(("name", "theta"), spread(PLACES, 17))
 def test_points_angles_and_three_derivatives_follow_from_the_circles(name: str, theta: float) -> None:
     check_everything(DESIGNS[name], theta)
 

@@ -110,6 +110,7 @@ def test_columns_and_their_errors_are_chosen_by_letter(tmp_path: Path, capsys: p
         assert capsys.readouterr().err.count("\n") == 1
 
 
+@pytest.mark.stress
 def test_a_long_table_is_read_at_once(tmp_path: Path) -> None:
     """150,000 rows: the laws, less than 300 MB, and a cell far down that is no number is named with its line."""
     angles = 360.0 * np.arange(150_000) / 150_000

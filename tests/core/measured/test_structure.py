@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from measured_tables import LAWS, position
 from mechanisms import levels
+from sampled import spread
 
 from core import project
 from core.__main__ import main
@@ -73,7 +74,7 @@ def rounded(motion: Motion, rows: int, step: float) -> str:
 @pytest.mark.parametrize(
     "rows", [360, pytest.param(3600, marks=pytest.mark.fuzz), pytest.param(36_000, marks=pytest.mark.fuzz)]
 )
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", spread(EXAMPLES, 6), ids=lambda path: path.stem)
 def test_the_table_of_an_example_comes_back(path: Path, rows: int) -> None:
     """Every row to 1e-9 of its channel, between rows to 1e-5 of the acceleration, and the very laws."""
     for design in driven(path):
@@ -331,6 +332,7 @@ def test_segments_are_switched_and_tables_that_follow_on_each_other_are_one(
     assert velocity_jumps(fit) == ()
 
 
+@pytest.mark.stress
 def test_a_stretch_that_wavers_is_made_a_dwell_and_a_stroke_another_law() -> None:
     angles = np.arange(0.0, 360.0)
     waver = np.where((angles > 150.0) & (angles < 190.0), 0.002 * np.sin(np.deg2rad(4.5 * (angles - 150.0))) ** 2, 0.0)

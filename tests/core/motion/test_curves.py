@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from sampled import spread
 
 from core.design import (
     Curve,
@@ -119,14 +120,17 @@ def scca_by_quadrature(curve: SccaCurve, u: float) -> tuple[mpmath.mpf, mpmath.m
 
 @pytest.mark.parametrize(
     "curve",
-    [
-        SccaCurve(),
-        SccaCurve(0.3, 0.25, 0.0),
-        SccaCurve(0.0, 0.125, 0.5),
-        SccaCurve(0.5, 0.4, 0.6),
-        SccaCurve(0.99, 0.3, 0.3),
-        SccaCurve(0.2, 0.0, 0.0),
-    ],
+    spread(
+        [
+            SccaCurve(),
+            SccaCurve(0.3, 0.25, 0.0),
+            SccaCurve(0.0, 0.125, 0.5),
+            SccaCurve(0.5, 0.4, 0.6),
+            SccaCurve(0.99, 0.3, 0.3),
+            SccaCurve(0.2, 0.0, 0.0),
+        ],
+        3,
+    ),
 )
 def test_the_sine_constant_cosine_family_is_its_acceleration_integrated(curve: SccaCurve) -> None:
     places = [0.07, 0.29, 0.5, 0.61, 0.93]

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mechanisms import LAYOUT_DESIGNS, LIFT, PUSHER, buildable, levels, with_drive
 from references import EPS, MP, Series, cam_shape, motion_series, placed, solved
+from sampled import stressed
 
 from core.design import Motion, PolynomialCurve, PolynomialEnd, Segment, SplineCurve, SplinePoint, edited, with_stroke
 from core.motion import TURN, Angles, Program
@@ -270,7 +271,7 @@ def test_the_largest_pressure_angle_of_a_rise_is_the_root_of_its_derivative(desi
     assert found.high.theta == pytest.approx(float(root), abs=1e-8)
 
 
-@pytest.mark.parametrize("segment", [1, 2, 3])
+@pytest.mark.parametrize("segment", [1, stressed(2), 3])
 @pytest.mark.parametrize("letter", ["b", "f"])
 def test_the_largest_velocity_of_a_segment_is_the_root_of_the_acceleration(letter: str, segment: int) -> None:
     motion = LAYOUT_DESIGNS[letter].drive.motion
@@ -312,6 +313,7 @@ def test_no_sample_of_any_quantity_passes_its_extremes(design: object) -> None:
             assert samples.min() >= found.low.value - slack, name
 
 
+@pytest.mark.stress
 def test_the_named_angle_has_the_named_value() -> None:
     for design in (LIFT, PUSHER, LAYOUT_DESIGNS["d"]):
         study = Study(design)

@@ -71,7 +71,7 @@ def test_a_design_is_the_same_as_itself_and_says_so(tmp_path: Path) -> None:
 PAIRS = [
     pytest.param(["transfer_lift", "four_bar"], id="cam and linkage"),
     pytest.param(["tappet_flat", "groove"], id="faces and forms"),
-    pytest.param(["transfer_unit", "transfer_lift"], id="camshaft and cam"),
+    pytest.param(["transfer_unit", "transfer_lift"], id="camshaft and cam", marks=pytest.mark.stress),
     pytest.param(sorted(EXAMPLES), id="all", marks=pytest.mark.fuzz),
 ]
 

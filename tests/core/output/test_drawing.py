@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from mechanisms import PUSHER, levels, with_cam, with_drive, with_shaft
 from PIL import Image
+from sampled import spread
 
 from core.design import Design
 from core.errors import KindynaError, NoCam
@@ -189,10 +190,10 @@ def check_page(sheet: DrawingSheet, paper: str) -> None:
             assert frame[1] - 1e-9 <= z.imag <= frame[3] + 1e-9
 
 
-@pytest.mark.parametrize("paper", PAPERS)
-@pytest.mark.parametrize(
-    "name", ["transfer_lift", "tappet_flat", "groove", "conjugate", "rocker_shoe", "four_bar_coupler_cam"]
-)
+DRAWN = ("transfer_lift", "tappet_flat", "groove", "conjugate", "rocker_shoe", "four_bar_coupler_cam")
+
+
+@pytest.mark.parametrize(("name", "paper"), spread([(name, paper) for name in DRAWN for paper in PAPERS], 4))
 def test_nothing_lies_over_anything(name: str, paper: str) -> None:
     check_page(drawing(Study(load(EXAMPLES / f"{name}.toml")), Request(paper=paper)), paper)
 

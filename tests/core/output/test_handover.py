@@ -8,6 +8,7 @@ from pathlib import Path
 import ezdxf
 import numpy as np
 import pytest
+from sampled import stressed
 
 from core.design import put
 from core.errors import KindynaError
@@ -63,12 +64,10 @@ def test_the_profile_of_the_folder_is_the_cams_to_its_stated_deviation(tmp_path:
     assert distance_from(exact, tmp_path / "out" / "profile.dxf") <= row["deviation"] + 1.1e-4
 
 
+@pytest.mark.stress
 def test_the_transfer_unit_leaves_as_four_folders_with_what_each_of_its_readers_asks_for(tmp_path: Path) -> None:
-    """The same bytes again; each file is the one that is listed, and a profile that was unpacked is the cam's."""
-    design, request = load(EXAMPLES / "transfer_unit.toml"), Request(controller="sew-tab")
-    for name in ("a.zip", "b.zip"):
-        handover(design, request).write(tmp_path / name)
-    assert (tmp_path / "a.zip").read_bytes() == (tmp_path / "b.zip").read_bytes()
+    """Each file is the one that is listed, and a profile that was unpacked is the cam's."""
+    handover(load(EXAMPLES / "transfer_unit.toml"), Request(controller="sew-tab")).write(tmp_path / "a.zip")
     with zipfile.ZipFile(tmp_path / "a.zip") as archive:
         archive.extractall(tmp_path / "out")
     listed = json.loads((tmp_path / "out" / CONTENTS).read_text("utf-8"))
@@ -88,6 +87,13 @@ def test_the_transfer_unit_leaves_as_four_folders_with_what_each_of_its_readers_
         distance_from(exact, tmp_path / "out" / "lift" / "profile.dxf")
         <= rows["lift/profile.dxf"]["deviation"] + 1.1e-4
     )
+
+
+@pytest.mark.parametrize("name", ["card_picker", stressed("transfer_unit")])
+def test_a_design_is_handed_over_in_the_same_bytes_each_time(tmp_path: Path, name: str) -> None:
+    for file in ("a.zip", "b.zip"):
+        handover(load(EXAMPLES / f"{name}.toml"), Request()).write(tmp_path / file)
+    assert (tmp_path / "a.zip").read_bytes() == (tmp_path / "b.zip").read_bytes()
 
 
 def test_what_cannot_be_made_is_said_and_the_rest_is_there() -> None:

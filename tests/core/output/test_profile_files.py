@@ -15,6 +15,7 @@ import ezdxf
 import numpy as np
 import pytest
 from mechanisms import LIFT, PUSHER, levels, with_cam, with_drive, with_shaft
+from sampled import spread, stressed
 from scipy.spatial import cKDTree
 
 from core import project
@@ -123,7 +124,7 @@ WISHES = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("ending", "words"), WISHES, ids=str)
+@pytest.mark.parametrize(("ending", "words"), spread(WISHES, 5), ids=str)
 def test_a_file_deviates_as_it_states(tmp_path: Path, ending: str, words: tuple[object, ...]) -> None:
     design = saved(tmp_path, TURNED)
     stated = written(design, tmp_path / f"cam{ending}", *words)
@@ -150,7 +151,7 @@ FORMS = {
 }
 
 
-@pytest.mark.parametrize("flank", FORMS)
+@pytest.mark.parametrize("flank", spread(list(FORMS), 1))
 def test_other_flanks_have_files(tmp_path: Path, flank: str) -> None:
     """The outer flank of a groove, and the path of a cutter that fills it, halfway between the flanks; the second cam of a pair. A
     drawing holds both, whichever is chosen, and says how far each is off."""
@@ -533,10 +534,10 @@ ARCS = ("--as", "arcs")
 @pytest.mark.parametrize(
     ("cut", "words"),
     [
-        ("lift", ()),
+        stressed("lift", ()),
         ("lift", ARCS),
-        ("hollow", ARCS),
-        ("clockwise", (*ARCS, "--conventional")),
+        stressed("hollow", ARCS),
+        stressed("clockwise", (*ARCS, "--conventional")),
         ("disk", ()),
         ("disk", ARCS),
     ],

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 from mechanisms import LIFT
+from sampled import stressed
 
 from core.output.web import web_page
 from core.project import load
@@ -61,7 +62,14 @@ def places(study: Study) -> dict[str, tuple[np.ndarray, np.ndarray]]:
 
 
 @pytest.mark.parametrize(
-    "name", ["transfer_lift", "tappet_flat", "conjugate", "lecture_six_bar", "four_bar_coupler_cam"]
+    "name",
+    [
+        "transfer_lift",
+        stressed("tappet_flat"),
+        stressed("conjugate"),
+        stressed("lecture_six_bar"),
+        "four_bar_coupler_cam",
+    ],
 )
 def test_the_page_holds_the_places_and_curves_of_the_study(name: str) -> None:
     design = load(EXAMPLES / f"{name}.toml")

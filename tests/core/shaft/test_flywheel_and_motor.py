@@ -20,6 +20,7 @@ from mechanisms import (
     with_shaft,
 )
 from references import EPS, MP
+from sampled import stressed
 from scipy.integrate import solve_ivp
 from scipy.optimize import bisect
 
@@ -286,7 +287,9 @@ def _integrated(study: Study, inertia: float, slope: float, theta: np.ndarray) -
     return mean - slope * (zero + begin * np.exp(-slope * theta / (inertia * omega)))
 
 
-@pytest.mark.parametrize(("design", "inertia"), [(FREE_PUSHER, 0.05), (LAYOUT_DESIGNS["f"], 0.4)], ids=["pusher", "f"])
+@pytest.mark.parametrize(
+    ("design", "inertia"), [stressed(FREE_PUSHER, 0.05), (LAYOUT_DESIGNS["f"], 0.4)], ids=["pusher", "f"]
+)
 def test_the_motor_torque_is_that_of_the_integrated_motor(design: Design, inertia: float) -> None:
     fitted = with_shaft(design, flywheel_inertia_kg_m2=inertia, motor_slope_nm_s_per_rad=2.0)
     study = Study(fitted, 48)

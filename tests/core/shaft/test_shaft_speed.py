@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from mechanisms import LAYOUT_DESIGNS, LIFT, PUSHER, levels, with_loads, with_shaft
 from numpy.polynomial import Chebyshev
+from sampled import stressed
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
@@ -199,7 +200,11 @@ class Integrated:
 
 @pytest.mark.parametrize(
     ("design", "flywheel", "slope"),
-    [(FREE_LIFT, 2000.0, 3000.0), (FREE_LIFT, 1000.0, 50.0), (with_loads(LAYOUT_DESIGNS["f"], friction=0.0), 0.2, 8.0)],
+    [
+        stressed(FREE_LIFT, 2000.0, 3000.0),
+        (FREE_LIFT, 1000.0, 50.0),
+        (with_loads(LAYOUT_DESIGNS["f"], friction=0.0), 0.2, 8.0),
+    ],
     ids=["lift", "lift near its stall", "f"],
 )
 def test_speed_and_motor_torque_are_those_of_the_integrated_shaft(
@@ -215,6 +220,7 @@ def test_speed_and_motor_torque_are_those_of_the_integrated_shaft(
     )
 
 
+@pytest.mark.stress
 def test_where_the_motor_stalls_the_integrated_shaft_stands_still_and_with_the_least_flywheel_it_does_not() -> None:
     stalling = with_shaft(FREE_LIFT, flywheel_inertia_kg_m2=500.0, motor_slope_nm_s_per_rad=50.0)
     wheel = Study(stalling).flywheel

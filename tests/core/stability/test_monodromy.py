@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from large_designs import short_fall
+from sampled import spread
 from scipy.integrate import solve_ivp
 from shafts import HARD, KIM, coefficients
 
@@ -69,8 +70,9 @@ def reference(eta: float, q: float, damping: float, equation: str, panels: int =
         return out
 
 
-@pytest.mark.parametrize("equation", [EXACT, APPROXIMATE])
-@pytest.mark.parametrize("point", POINTS)
+@pytest.mark.parametrize(
+    ("point", "equation"), spread([(point, each) for point in POINTS for each in (EXACT, APPROXIMATE)], 4)
+)
 def test_one_turn_is_that_of_thirty_digits(point: tuple[float, float, float], equation: str) -> None:
     eta, q, damping = point
     exact = reference(eta, q, damping, equation)

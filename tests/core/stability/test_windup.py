@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from references import MP
+from sampled import stressed
 from scipy.integrate import solve_ivp
 from shafts import HARD, KIM, by_runge_kutta, coefficients, kim, of
 
@@ -174,7 +175,7 @@ def test_a_history_satisfies_equation_13(eta: float, q: float, damping: float) -
 
 
 @pytest.mark.parametrize(
-    ("name", "damping"), [("kim", 0.0), ("parabolic", 0.05), ("high dwell", 0.0), ("layout c", 0.05)]
+    ("name", "damping"), [stressed("kim", 0.0), stressed("parabolic", 0.05), ("high dwell", 0.0), ("layout c", 0.05)]
 )
 def test_the_derivatives_of_a_turn_are_differences_of_turns(name: str, damping: float) -> None:
     """By the state at the start and by η, through joins at which C jumps."""
@@ -320,6 +321,7 @@ def test_damping_makes_the_steady_response_attract() -> None:
     assert abs(steady.state[0]) > 1e-3
 
 
+@pytest.mark.stress
 def test_the_branch_of_steady_responses_goes_through_its_fold() -> None:
     """Near η = 2 the resonance bends: along its arc η turns back, and the trace passes 2 there."""
     found = coefficients(KIM)

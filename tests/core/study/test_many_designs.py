@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from sampled import spread, stressed
 
 from core.design import ELEMENT_LISTS, FOLLOWER_KINDS, Design, edited, entries, get, put, row_at
 from core.design.edits import with_face, with_form
@@ -53,7 +54,7 @@ def one_of(design: Design, values: Mapping[str, np.ndarray], k: int) -> Design:
     return design
 
 
-@pytest.mark.parametrize(("kind", "face", "form"), CASES)
+@pytest.mark.parametrize(("kind", "face", "form"), spread(CASES, 7))
 def test_every_quantity_of_every_follower_is_that_of_each_design(kind: str, face: str, form: str) -> None:
     """Whatever stands in the tables of followers, faces and forms is computed at once, and as one by one."""
     design = with_form(with_face(example(EXAMPLE[kind]), face), form)
@@ -72,7 +73,7 @@ def test_every_force_element_is_taken_with_its_numbers(kind: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["inverted_slider_crank", "lecture_six_bar", "four_bar_coupler_cam", "rear_suspension"]
+    "name", [stressed("inverted_slider_crank"), stressed("lecture_six_bar"), "four_bar_coupler_cam", "rear_suspension"]
 )
 def test_every_quantity_of_linkages_of_dyads_is_that_of_each_design(name: str) -> None:
     """Cranks, those that cannot turn fully too, coupler cams, and a motion without a cam: reactions, points, angles of links."""
@@ -253,7 +254,7 @@ def test_what_cannot_be_asked_is_named_in_one_line(values: Any, asked: Any, word
     assert "\n" not in str(error.value)
 
 
-@pytest.mark.parametrize("name", ["transfer_lift", "tappet_knife", "tappet_flat", "rocker_cam"])
+@pytest.mark.parametrize("name", ["transfer_lift", stressed("tappet_knife"), stressed("tappet_flat"), "rocker_cam"])
 def test_spans_and_rises_are_varied_as_they_are_typed(name: str) -> None:
     """Each with its own pieces; what a segment gains is taken from one that is not varied."""
     design, rng = example(name), np.random.default_rng(5)

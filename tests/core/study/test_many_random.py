@@ -17,7 +17,7 @@ from core.output.channels import channels
 from core.study import Quantity, Study, extremes_of, findings_of, many
 
 OF_CAMS = ("pressure_angle", "contact_force", "drive_torque", "acceleration", "profile_curvature", "contact_x")
-SEEDS = [*range(20), *(pytest.param(seed, marks=pytest.mark.fuzz) for seed in range(20, 1000))]
+SEEDS = [*range(10), *(pytest.param(seed, marks=pytest.mark.fuzz) for seed in range(10, 1000))]
 OF_MOTIONS = [*range(4), *(pytest.param(seed, marks=pytest.mark.fuzz) for seed in range(4, 100))]
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from sampled import spread
 
 from core.design import Design, Entry, edited, entries, faults, get
 from core.project import load
@@ -119,7 +120,7 @@ def asked(design: Design) -> dict[str, int]:
     return dict(Counter(evaluations) - before)
 
 
-@pytest.mark.parametrize(("design", "changed", "path"), edits())
+@pytest.mark.parametrize(("design", "changed", "path"), spread(list(edits()), 70))
 def test_a_fields_edit_computes_its_stages_again_and_going_back_none(
     design: Design, changed: Design, path: str
 ) -> None:

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from sampled import stressed
 
 from core.__main__ import main
 from core.design import Tolerance, edited, get, put
@@ -52,7 +53,7 @@ def smallest_cam(design):
     return best(design, (Vary("cam.base_radius_mm", 5.0, 120.0),), limits, Goal("radius_mm", "max"))
 
 
-@pytest.mark.parametrize("offset", [0.0, 6.0])
+@pytest.mark.parametrize("offset", [stressed(0.0), 6.0])
 def test_the_base_radius_for_a_pressure_angle_is_that_of_the_closed_form(offset):
     """tan ψ = (s' - e)/(s0 + s), s0² = (Rb + Rr)² - e²; on the return -s' - e stands for s' - e."""
     design = put(translating(), "follower.offset_mm", offset)
@@ -94,6 +95,7 @@ def test_the_spring_preload_is_that_of_the_closed_form():
     assert found.answer["loads.preload_n"] == pytest.approx(exact, rel=1e-7)
 
 
+@pytest.mark.stress
 @pytest.mark.parametrize("least", [30.0, 5.0])
 def test_the_longest_crank_is_that_of_the_closed_form_close_to_the_edge_of_grashof(least):
     """(d + a)² = b² + c² + 2 b c cos μ stretched, (d - a)² = b² + c² - 2 b c cos μ folded; d + a = b + c is the edge of Grashof."""
@@ -139,6 +141,7 @@ def test_the_largest_of_several_functions_is_made_least():
     assert np.abs(a @ found + c).max() == pytest.approx(1.0, abs=1e-9)
 
 
+@pytest.mark.stress
 def test_all_lengths_of_the_lift_lower_its_contact_force_by_two_fifths():
     study = load_study(resources() / "studies" / "lift_all_lengths.toml")
     found = optimise(study, starts=1)
@@ -170,6 +173,7 @@ def test_all_lengths_of_the_lift_lower_its_contact_force_by_two_fifths():
     assert near.value[key][within].min() >= found.goals[key] * (1.0 - 1e-7)
 
 
+@pytest.mark.stress
 def test_of_the_least_peak_torque_is_said_what_the_force_fixes_and_which_law_gives_more():
     """At the answer the force on the guide changes its sign between two peaks of the same height: with both the multipliers are right."""
     study = load_study(resources() / "studies" / "lift_least_torque.toml")
@@ -221,6 +225,7 @@ def dominated(points, grid):
     return [(grid < point * (1.0 - 1e-9)).all(axis=1).any() for point in points]
 
 
+@pytest.mark.stress
 def test_two_goals_give_a_front_none_of_whose_points_is_dominated():
     points, grid = front_and_grid(30)
     assert len(points) >= 20

@@ -44,6 +44,7 @@ def give(dialog: SequenceDialog, **settings: str) -> None:
         over(dialog, row.box, text)
 
 
+@pytest.mark.stress
 def test_curves_that_are_typed_and_set_become_the_motion(user: User, dialog: SequenceDialog) -> None:
     over(dialog, dialog.curves, "c1-h2")
     offered = [dialog.add.itemText(i) for i in range(dialog.add.count())]

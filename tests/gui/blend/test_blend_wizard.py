@@ -637,6 +637,7 @@ def test_the_return_may_differ(ask: Ask) -> None:
     assert [row[1] for row in wizard.table] == ["20.0000", "20.0000"]
 
 
+@pytest.mark.stress
 def test_precision_points(ask: Ask) -> None:
     wizard = ask(PICKER, ranges=True)
     settings = wizard.questions.settings

@@ -396,6 +396,7 @@ def test_designs_come_together_on_a_shaft(unit: User, monkeypatch: pytest.Monkey
     assert not unit.drawing().strip.isVisible()
 
 
+@pytest.mark.stress
 def test_a_plot_of_all_drives_lies_over_the_machine_angle(unit: User) -> None:
     view = unit.see("torque")
     assert isinstance(view, PlotView)

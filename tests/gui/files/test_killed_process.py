@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from sampled import stressed
 
 from core.project import load
 from core.project.recovery import find
@@ -151,8 +152,10 @@ def kill_many(folder: Path, number: int, seed: int) -> list[str]:
     return failures
 
 
-def test_nothing_is_lost_by_a_kill(tmp_path: Path) -> None:
-    assert kill_many(tmp_path, KILLS, 20) == []
+@pytest.mark.parametrize("kills", [1, stressed(KILLS)])
+def test_nothing_is_lost_by_a_kill(tmp_path: Path, kills: int) -> None:
+    """SIGKILL first."""
+    assert kill_many(tmp_path, kills, 20) == []
 
 
 @pytest.mark.fuzz

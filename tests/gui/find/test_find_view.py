@@ -189,6 +189,7 @@ def test_a_flywheel_that_is_not_needed_says_what_is_reached_without_and_what_is_
     ]
 
 
+@pytest.mark.stress
 def test_where_no_value_serves_the_best_is_shown_with_what_stands_against_it(open_user: Open) -> None:
     user = open_user(example("rocker_cam"))
     view = see(user)
@@ -271,6 +272,7 @@ def test_the_list_of_the_design_before_asks_nothing_of_the_next(open_user: Open)
     assert view.answer.text()
 
 
+@pytest.mark.stress
 @pytest.mark.parametrize("name", ["rocker_cam", "four_bar_coupler_cam"])
 def test_a_small_window_keeps_its_size_when_find_opens(open_user: Open, name: str) -> None:
     """The reasons of the limits would not fit."""

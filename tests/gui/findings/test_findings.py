@@ -6,6 +6,7 @@ import pytest
 from PySide6.QtCore import QEvent, QObject, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractButton, QApplication, QPushButton
+from sampled import stressed
 from window_user import Open, User, settle, wait_for
 
 from core.design import Motion, NamedCurve, Segment, edited, with_drive
@@ -95,9 +96,9 @@ def found_by(user: User, what: str) -> FindView:
     ("name", "path", "value", "code", "label", "what"),
     [
         ("rocker_cam", "shaft.speed_rpm", "1400", "separation", "Find spring", "spring"),
-        ("card_picker", "cam.base_radius_mm", "12", "pressure-angle", "Find base radius", "base-radius"),
-        ("rocker_cam", "shaft.flywheel_inertia_kg_m2", "0.2", "speed-fluctuates", "Find flywheel", "flywheel"),
-        ("transfer_lift", "shaft.flywheel_inertia_kg_m2", "500", "motor-stalls", "Find flywheel", "flywheel"),
+        stressed("card_picker", "cam.base_radius_mm", "12", "pressure-angle", "Find base radius", "base-radius"),
+        stressed("rocker_cam", "shaft.flywheel_inertia_kg_m2", "0.2", "speed-fluctuates", "Find flywheel", "flywheel"),
+        stressed("transfer_lift", "shaft.flywheel_inertia_kg_m2", "500", "motor-stalls", "Find flywheel", "flywheel"),
         ("tappet_flat", "follower.face_half_width_mm", "8", "face-too-narrow", "Find face width", "face-width"),
     ],
 )
@@ -113,6 +114,7 @@ def test_the_button_of_a_finding_seeks_what_mends_it_and_taken_over_it_is_mended
     assert code not in [f.code for f in findings(user).findings]
 
 
+@pytest.mark.stress
 def test_the_search_of_a_finding_forgets_limits_typed_before(open_user: Open) -> None:
     user = open_user(example("card_picker"))
     user.window.show_search("base-radius")

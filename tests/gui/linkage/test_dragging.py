@@ -34,6 +34,7 @@ def user(open_user: Open) -> User:
     return open_user()
 
 
+@pytest.mark.stress
 def test_every_joint_of_a_layout_follows_the_mouse_in_one_step(user: User) -> None:
     """At a cam angle within the motion; the joint lands under the mouse, the drawing shows it, Undo brings it back."""
     view = user.drawing()

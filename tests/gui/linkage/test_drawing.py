@@ -15,6 +15,7 @@ from counting import calls
 from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QInputDialog, QLineEdit
+from sampled import stressed
 from window_user import Open, User, answering, pixel, plain, settle
 
 from core.design import Design, faults, only
@@ -254,6 +255,7 @@ free_length_mm = 80.0
 """
 
 
+@pytest.mark.stress
 def test_a_slider_crank_with_a_spring_is_drawn(open_user: Open) -> None:
     pen = start(open_user)
     pen.key(Key.Key_G)
@@ -280,6 +282,7 @@ def test_a_slider_crank_with_a_spring_is_drawn(open_user: Open) -> None:
     assert pen.places == {}
 
 
+@pytest.mark.stress
 def test_the_six_bar_of_the_lecture_is_drawn(open_user: Open) -> None:
     pen, file = start(open_user), load(example("lecture_six_bar"))
     pen.key(Key.Key_G)
@@ -346,9 +349,9 @@ points = { B = [0.0, 0.0], C = [45.0, 0.0] }
 @pytest.mark.parametrize(
     ("typed", "row", "turns"),
     [
-        (("1",), "ratio = 1.0\noffset_deg = 30.0", 1),
-        (("2",), "ratio = 2.0\noffset_deg = -30.0", 1),
-        (("-.5", "100"), "ratio = -0.5\noffset_deg = 100.0", 2),
+        stressed(("1",), "ratio = 1.0\noffset_deg = 30.0", 1),
+        stressed(("2",), "ratio = 2.0\noffset_deg = -30.0", 1),
+        stressed(("-.5", "100"), "ratio = -0.5\noffset_deg = 100.0", 2),
         (
             ("", "", "18", "36", "2.5", "gear"),
             'offset_deg = 120.0\nkind = "gear"\nteeth = [18, 36]\nmodule_mm = 2.5',
@@ -389,6 +392,7 @@ def test_a_geared_five_bar_is_drawn(open_user: Open, typed: tuple[str, ...], row
     assert offset == pytest.approx(90.0 - angle, abs=1e-8)
 
 
+@pytest.mark.stress
 def test_a_rack_is_drawn_and_stays_where_it_is(open_user: Open) -> None:
     """Its pinion's radius is typed, and 0 for the rack; a typed offset moves it."""
     pen = start(open_user)
@@ -459,6 +463,7 @@ y_n = -85.5
 """
 
 
+@pytest.mark.stress
 def test_watt_ii_with_masses_and_a_load_is_drawn(open_user: Open) -> None:
     pen = start(open_user)
     pen.key(Key.Key_G)
@@ -551,6 +556,7 @@ def test_the_part_that_is_led_moves_and_the_rest_hangs_on_it(open_user: Open) ->
     assert pen.design.drive.linkage.drawn.driver_deg == pytest.approx(90.0)
 
 
+@pytest.mark.stress
 def test_another_circuit_is_chosen_by_its_picture_and_saved_as_signs(open_user: Open) -> None:
     pen = four_bar(open_user)
     pen.key(Key.Key_Escape)
@@ -651,6 +657,7 @@ def test_pins_are_joined_grounded_renamed_and_locked(open_user: Open) -> None:
     assert pen.user.steps[-1] == "Rename D to Tip"
 
 
+@pytest.mark.stress
 def test_links_are_pasted_into_another_design(open_user: Open) -> None:
     pen = four_bar(open_user)
     pen.key(Key.Key_A, CTRL)
@@ -665,6 +672,7 @@ def test_links_are_pasted_into_another_design(open_user: Open) -> None:
     assert math.isclose(abs(other.places["O2"] - other.places["O1"]), 100.0)
 
 
+@pytest.mark.stress
 def test_outside_of_drawing_a_link_that_is_dragged_runs_the_machine(open_user: Open) -> None:
     """The grip stays under the mouse, no length changes; Esc and D leave and begin to draw."""
     pen = four_bar(open_user)
@@ -707,6 +715,7 @@ def test_drawing_adds_nothing_to_a_frame_while_it_is_not_used(open_user: Open) -
     assert frame() <= before
 
 
+@pytest.mark.stress
 def test_a_point_on_the_line_of_a_bar_leaves_its_face(open_user: Open) -> None:
     """A link is hit anywhere on its face, also where its three points lie in line."""
     pen = four_bar(open_user)
@@ -767,6 +776,7 @@ def test_while_a_line_is_drawn_the_mouse_is_drawn_to_what_is_there(open_user: Op
     assert math.degrees(cmath.phase(marks["angle"].at - 60)) == pytest.approx(-30.0)
 
 
+@pytest.mark.stress
 def test_any_order_of_tools_keys_and_undo_is_borne(open_user: Open) -> None:
     """Nothing fails, whatever is drawn, split, welded, deleted, pasted and undone; all of it can be undone to the empty sheet."""
     pen, dice = start(open_user), random.Random(7)
@@ -794,6 +804,7 @@ def test_any_order_of_tools_keys_and_undo_is_borne(open_user: Open) -> None:
     assert pen.places == {}
 
 
+@pytest.mark.stress
 def test_the_feed_of_the_transfer_unit_is_drawn(open_user: Open) -> None:
     """An arm with its roller under a cam, from an empty sheet: the same cam as the file's."""
     unit = load(example("transfer_unit"))

@@ -10,6 +10,7 @@ from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QContextMenuEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu, QWidget
+from sampled import spread, stressed
 from window_user import Open, User, pixel, settle, wait_for
 
 from core.design import get
@@ -116,7 +117,9 @@ def test_escape_takes_a_drag_back(rocker: User) -> None:
     assert rocker.design == before
 
 
-@pytest.mark.parametrize(("thing", "path"), [("base circle", BASE), ("rim", ROLLER), ("pivot", "follower.pivot_x_mm")])
+@pytest.mark.parametrize(
+    ("thing", "path"), spread([("base circle", BASE), ("rim", ROLLER), ("pivot", "follower.pivot_x_mm")], 1)
+)
 def test_a_value_is_typed_while_the_mouse_holds_it(rocker: User, thing: str, path: str) -> None:
     start, wanted = place(rocker, thing), round(1.1 * get(rocker.design, path), 1)
     hold(rocker, start, start + 2.0 * cmath.exp(1.2j))
@@ -165,7 +168,7 @@ def test_the_roller_grows_under_the_mouse(rocker: User) -> None:
 
 @pytest.mark.parametrize(
     ("thing", "path"),
-    [("cam", BASE), ("roller", ROLLER), ("arm", "follower.arm_mm")],
+    spread([("cam", BASE), ("roller", ROLLER), ("arm", "follower.arm_mm")], 1),
 )
 def test_a_click_opens_the_fields_of_what_is_drawn(rocker: User, thing: str, path: str) -> None:
     QTest.mouseClick(rocker.drawing().canvas.viewport(), LEFT, pos=pixel(rocker.drawing().canvas, place(rocker, thing)))
@@ -198,8 +201,8 @@ def texts(menu: QMenu) -> list[str]:
     [
         ("cam", ["Edit Base radius Br", "Find Base radius Br...", "Vary Base radius Br", "Explain pitch curvature here",
                  "Copy 45 mm", "Export profile...", "Copy picture", "Fit"]),
-        ("arm", ["Edit Arm", "Find Arm...", "Vary Arm", "Copy 90 mm", "Copy picture", "Fit"]),
-        ("pivot", ["Edit Pivot x", "Vary Pivot x", "Explain pressure angle here", "Copy 95 mm", "Copy picture", "Fit"]),
+        stressed("arm", ["Edit Arm", "Find Arm...", "Vary Arm", "Copy 90 mm", "Copy picture", "Fit"]),
+        stressed("pivot", ["Edit Pivot x", "Vary Pivot x", "Explain pressure angle here", "Copy 95 mm", "Copy picture", "Fit"]),
     ],
 )  # fmt: skip
 def test_what_is_drawn_has_a_menu_of_what_can_be_done_with_it(rocker: User, thing: str, entries: list[str]) -> None:
@@ -260,6 +263,7 @@ def highest(user: User) -> float:
     return float(np.rad2deg(user.session.study.cam.flank.pressure_angle.max()))
 
 
+@pytest.mark.stress
 def test_a_peak_of_the_pressure_angle_is_drawn_and_the_base_radius_follows(rocker: User) -> None:
     assert rocker.session.edit("limits.pressure_angle_rise_deg", 34.0, "Limit")
     before = rocker.design

@@ -308,6 +308,7 @@ def test_the_file_is_asked_for_where_the_last_one_was(
 # -- the error, live --------------------------------------------------------------------------------------
 
 
+@pytest.mark.stress
 def test_every_step_of_the_error_is_fitted_and_drawn_at_once(lift: User, imports: Import) -> None:
     dialog = imports(table())
     click(dialog.laws)
@@ -335,6 +336,7 @@ def test_every_step_of_the_error_is_fitted_and_drawn_at_once(lift: User, imports
     assert dialog.error.value == pytest.approx(0.05, rel=0.2)
 
 
+@pytest.mark.stress
 @pytest.mark.parametrize(("text", "words"), [("99", "allowed: 0 ... 53."), ("-1", "allowed: 0 or more"), ("much", "")])
 def test_an_error_that_cannot_be_is_told_and_the_last_curve_stays(
     text: str, words: str, lift: User, imports: Import
@@ -382,6 +384,7 @@ def test_the_stroke_of_an_imported_motion_is_that_of_its_curve(lift: User, impor
 # -- corrections ------------------------------------------------------------------------------------------
 
 
+@pytest.mark.stress
 def test_units_and_columns_can_be_corrected(lift: User, imports: Import) -> None:
     other = np.rad2deg(np.deg2rad(ANGLES))
     text = "a,b,c\n" + "".join(f"{a:g},{i},{v / 25.4:.5f}\n" for i, (a, v) in enumerate(zip(other, LIFT, strict=True)))
@@ -480,6 +483,7 @@ def test_a_wrong_run_is_listed_row_by_row_and_left_out(lift: User, imports: Impo
     assert dialog.answer.fit.stroke == pytest.approx(150.0, abs=0.2)
 
 
+@pytest.mark.stress
 def test_rows_that_contradict_each_other_are_shown_but_not_put(lift: User, imports: Import) -> None:
     """A third of the table stands 4 mm high: either side may be the wrong one."""
     before = lift.design
@@ -876,6 +880,7 @@ def test_nothing_is_cut_off_at_the_smallest_size(lift: User, imports: Import) ->
     assert QApplication.focusWidget() is not None
 
 
+@pytest.mark.stress
 def test_of_two_readings_of_the_rows_one_is_chosen(imports: Import) -> None:
     """Twenty rows lie half a millimetre high, or all others low: the table does not say which, the user does."""
     values = 4.5 * (1.0 - np.cos(np.deg2rad(ANGLES))) + 0.003 * np.random.default_rng(4).normal(size=ANGLES.size)

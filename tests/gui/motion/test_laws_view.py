@@ -206,6 +206,7 @@ def test_a_stroke_stays_with_its_law_and_is_free_after_it(laws: LawsView) -> Non
     assert all(after[slug] == before[LAWS[slug]] for slug in FIRST[1:])
 
 
+@pytest.mark.stress
 def test_all_laws_can_be_drawn_at_once_and_none(laws: LawsView) -> None:
     for slug in LAWS:
         laws.model.tick(slug, True)

@@ -109,6 +109,7 @@ def test_files_are_picked_that_the_motion_follows_from(user: User, same_window: 
     assert user.steps == ["Follow a.toml, b.toml"]
 
 
+@pytest.mark.stress
 def test_a_crank_does_what_is_typed_of_its_slider(same_window: Open, tmp_path: Path) -> None:
     (tmp_path / "press.toml").write_text(SLIDER_CRANK, encoding="utf-8")
     (tmp_path / "stroke.toml").write_text(STROKE, encoding="utf-8")

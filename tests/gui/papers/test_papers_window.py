@@ -10,6 +10,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QTreeWidgetItem
+from sampled import spread
 from window_user import Open, User, wait_for
 
 from core.output.paper_files import table_text
@@ -55,6 +56,7 @@ def choose(figures: FiguresWindow, start: str) -> None:
     wait_for(lambda: not figures.busy)
 
 
+@pytest.mark.stress
 def test_the_list_has_every_verdict_and_their_count_before_a_row_is_opened(
     user: User, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -130,7 +132,7 @@ DRAWN = {
 """A row of each kind of drawing: what its picture says somewhere."""
 
 
-@pytest.mark.parametrize(("place", "words"), DRAWN.items())
+@pytest.mark.parametrize(("place", "words"), spread(list(DRAWN.items()), 1))
 def test_every_kind_of_figure_is_painted_as_png_and_as_svg(place: tuple[str, str], words: str) -> None:
     pictures = {name.rpartition(".")[2]: data for name, data in paint(at(*place).drawing).items()}
     assert set(pictures) == {"png", "svg"}

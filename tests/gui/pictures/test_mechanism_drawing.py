@@ -12,6 +12,7 @@ from plot_reading import box_in_mm
 from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QFontMetricsF
 from PySide6.QtWidgets import QApplication, QGraphicsLineItem
+from sampled import stressed
 
 from core.design import Design, Motion, Translating, edited
 from core.dynamics import Loading
@@ -456,7 +457,7 @@ def distance(box: QRectF, z: complex) -> float:
 
 
 @designs
-@pytest.mark.parametrize("size", [(1200, 900), (640, 480), (360, 300)])
+@pytest.mark.parametrize("size", [stressed((1200, 900)), (640, 480), stressed((360, 300))])
 def test_labels_cover_neither_the_part_they_name_nor_each_other_nor_the_edge(
     design: Design, size: tuple[int, int]
 ) -> None:

@@ -13,6 +13,7 @@ from plot_reading import box_of, cursor, curves, limits, readouts
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QFontMetricsF
 from PySide6.QtSvg import QSvgRenderer
+from sampled import spread
 
 from core.design import Design, Motion, NamedCurve, Segment, edited
 from core.output.channels import channel, channels
@@ -125,7 +126,7 @@ def test_steps_are_round() -> None:
 # -- curves -----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("slug", [row.slug for row in channels(LIFT)])
+@pytest.mark.parametrize("slug", spread([row.slug for row in channels(LIFT)], 20))
 def test_a_curve_is_its_channel(slug: str) -> None:
     row, study = channel(LIFT, slug), Study(LIFT, SAMPLES)
     plot = plot_of(LIFT, slug, size=(700, 400))
@@ -440,7 +441,7 @@ def test_the_cursor_tells_the_value_beside_its_line() -> None:
     assert cursor(plot).value() == pytest.approx(180.0)
 
 
-@pytest.mark.parametrize("degrees", [0.0, 1.0, 58.0, 90.0, 180.0, 304.0, 340.0, 355.0, 360.0])
+@pytest.mark.parametrize("degrees", spread([0.0, 1.0, 58.0, 90.0, 180.0, 304.0, 340.0, 355.0, 360.0], 4))
 @pytest.mark.parametrize("slugs", [("velocity_mm_s",), ("slider_pin_n", "arm_pin_n", "pivot_n", "bearing_n")])
 @pytest.mark.parametrize("size", [(700, 240), (320, 150)])
 def test_the_cursors_values_stay_inside_the_plot_and_apart(

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from plot_reading import box_in_mm
 from PySide6.QtCore import QRectF
+from sampled import stressed
 
 from core.project import load
 from core.study import Study
@@ -34,7 +35,7 @@ def boxes(scene: MechanismScene, scale: float, prefix: str = "") -> dict[str, QR
     return found
 
 
-@pytest.mark.parametrize("size", [(1200, 900), (640, 480)])
+@pytest.mark.parametrize("size", [(1200, 900), stressed((640, 480))])
 def test_no_text_stands_over_another(size: tuple[int, int]) -> None:
     over, count = [], 0
     for study in STUDIES:
@@ -53,7 +54,7 @@ def test_no_text_stands_over_another(size: tuple[int, int]) -> None:
     assert [row for row in over if not row[1]] == [], "where the drawing begins"
 
 
-@pytest.mark.parametrize("size", [(1200, 900), (640, 480)])
+@pytest.mark.parametrize("size", [stressed((1200, 900)), (640, 480)])
 def test_names_keep_clear_of_coupler_curves(size: tuple[int, int]) -> None:
     over, count = 0, 0
     for study in (each for each in STUDIES if lists_links(each.design)):

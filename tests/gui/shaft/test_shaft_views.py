@@ -92,6 +92,7 @@ def test_torque_flywheel_and_stability_are_those_of_all_drives(unit: User, monke
     assert chart.found.machine.q == whole.flexible_shaft().machine.q
 
 
+@pytest.mark.stress
 def test_against_speed_computes_nothing_while_it_cannot_be_seen(unit: User) -> None:
     before, window = evaluations["against speed"], unit.window
     unit.see("shaft_torque")

@@ -57,6 +57,7 @@ def shown(view: StabilityView) -> History:
     return view.chosen.history
 
 
+@pytest.mark.stress
 def test_averages_are_followed_when_their_page_comes_to_the_front(kim: User, monkeypatch: pytest.MonkeyPatch) -> None:
     """Kim1990 Figs. 6 and 7: mean wind-up and mean rate of the first turn by η, a row for each Q."""
     monkeypatch.setattr("core.stability.stage.etas", lambda eta_max: FEW)
@@ -121,6 +122,7 @@ def test_the_forbidden_speeds_and_the_shaft_for_a_speed(kim: User) -> None:
     assert "at least" in view.pages.needed.text()
 
 
+@pytest.mark.stress
 def test_the_chart_and_the_other_figures_as_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = ["--q", "0.05", "--eta-max", "2.2", "--periods", "2"]
     assert main(["--headless", "stability", str(KIM), "--out", str(tmp_path), *words]) == 0

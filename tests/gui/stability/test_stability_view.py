@@ -264,6 +264,7 @@ def tallied(counts: Counter[str], name: str, done: Callable[..., object], *words
     return done(*words)
 
 
+@pytest.mark.stress
 def test_a_page_left_unchanged_while_it_computes_goes_on_when_it_returns(kim: User) -> None:
     view = page(kim, rest=False)
     with unhurried(view):

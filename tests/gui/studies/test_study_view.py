@@ -121,6 +121,7 @@ def test_f1_opens_the_page_on_studies(user: User) -> None:
     pages.close()
 
 
+@pytest.mark.stress
 def test_teeth_are_varied_by_right_click_and_stand_as_steps(open_user: Open, tmp_path: Path) -> None:
     save(geared(kind="gear", teeth_first=18, teeth_second=12, module_mm=4.0), tmp_path / "geared.toml")
     user = open_user(tmp_path / "geared.toml", whole=True, size=(1280, 720))
@@ -145,6 +146,7 @@ def test_teeth_are_varied_by_right_click_and_stand_as_steps(open_user: Open, tmp
     assert "must be a whole number; allowed: 0 ... 100000" in view.rows.message.text()
 
 
+@pytest.mark.stress
 def test_two_fields_by_right_click_then_the_cross_is_drawn_through_what_cannot_be_built_and_back(user: User) -> None:
     before = user.design
     view = vary(user, X)
@@ -206,6 +208,7 @@ def test_two_fields_by_right_click_then_the_cross_is_drawn_through_what_cannot_b
     let_go(view.map, (700.0, 0.0))
 
 
+@pytest.mark.stress
 def test_the_map_is_computed_anew_for_other_numbers_only_and_never_while_it_is_hidden(user: User) -> None:
     view = vary(user, X)
     vary(user, Y)
@@ -254,6 +257,7 @@ def test_one_number_is_drawn_along_its_curves(user: User) -> None:
     assert view.asks.values[PRESSURE].text().startswith(f"{y[abs(x - 450.0).argmin()]:.1f}"[:3])
 
 
+@pytest.mark.stress
 def test_more_numbers_are_brushed_and_a_line_taken_over(user: User) -> None:
     view = vary(user, X)
     for path in (Y, BASE):
@@ -323,6 +327,7 @@ def test_designs_are_kept_as_cards_sorted_and_reopened(user: User) -> None:
     assert [table.item(row, column).text() for row in range(3)] == ["400 mm", "340 mm (−60)", "460 mm (+60)"]
 
 
+@pytest.mark.stress
 def test_the_board_is_there_again_when_the_design_is_opened_again(open_user: Open, tmp_path: Path) -> None:
     own = tmp_path / "lift.toml"
     own.write_bytes(example("transfer_lift").read_bytes())
@@ -379,6 +384,7 @@ def test_what_is_typed_wrong_stays_and_says_what_is_allowed(user: User) -> None:
     assert "Vary this" in view.map.message
 
 
+@pytest.mark.stress
 def test_the_share_of_machines_within_the_limits_stands_in_the_same_dock(user: User) -> None:
     view = vary(user, X)
     ask_alone(view, PRESSURE)
@@ -480,6 +486,7 @@ def test_a_cell_of_the_motion_and_a_word_are_varied_by_right_click(user: User) -
     assert "Vary this" in [plain(each.text()) for each in menu_of(layout).actions()]
 
 
+@pytest.mark.stress
 def test_bands_of_machines_are_shaded_in_the_plots_once_they_are_asked_for(user: User) -> None:
     view = vary(user, X)
     ask_alone(view, PRESSURE)
@@ -533,6 +540,7 @@ def test_bands_of_machines_are_shaded_in_the_plots_once_they_are_asked_for(user:
         assert picture.count(b"<path") > each.picture(".svg").count(b"<path"), "shaded on paper, too"
 
 
+@pytest.mark.stress
 def test_which_tolerance_to_tighten_is_told_where_too_few_machines_keep_the_limits(user: User) -> None:
     view = vary(user, X)
     ask_alone(view, PRESSURE)
@@ -598,6 +606,7 @@ def test_a_ready_study_finds_the_smallest_cam_with_its_path_and_is_taken_over(us
     assert user.design == before
 
 
+@pytest.mark.stress
 def test_a_search_is_stopped_and_words_are_tried(user: User) -> None:
     user.window.show_task("study")
     view = user.window.view("study")

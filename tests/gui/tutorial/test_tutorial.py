@@ -8,6 +8,7 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QMenu
+from sampled import spread, stressed
 from window_user import Open, plain, settle, wait_for
 
 from kindyna_gui.__main__ import main
@@ -23,7 +24,7 @@ def play(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, list
     return code, (out.out + out.err).splitlines()
 
 
-@pytest.mark.parametrize("name", STEPS)
+@pytest.mark.parametrize("name", spread(list(STEPS), 1))
 def test_a_lesson_plays_to_its_end_with_mouse_and_keys(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     code, lines = play(capsys, name, "--play")
     assert code == 0, lines
@@ -45,9 +46,9 @@ RADIUS = 'path = ["cam.base_radius_mm", 410.0]'
     ("do", "until", "said"),
     [
         ('field = "cam.base_radius_mm", keys = ["409", "Return"]', RADIUS, "step 1 of 1: what must be so"),
-        ('menu = "Kine > Fly"', RADIUS, "Fly: no such entry"),
+        stressed('menu = "Kine > Fly"', RADIUS, "Fly: no such entry"),
         ('field = "cam.nowhere"', 'path = ["cam.base_radius_mm", 400.0]', "is so before it is done"),
-        ('drag = ["Z9"]', RADIUS, "Z9: the drawing has no such point"),
+        stressed('drag = ["Z9"]', RADIUS, "Z9: the drawing has no such point"),
     ],
 )
 def test_a_step_that_fails_is_named(
@@ -82,6 +83,7 @@ def test_a_file_that_is_no_lesson_is_refused(
     assert "there is none of this name" in play(capsys, "kite", "--play")[1][-1]
 
 
+@pytest.mark.stress
 def test_who_does_what_a_step_says_is_led_on(open_user: Open) -> None:
     """By the menu into the lesson; each step at the window itself; a mark where; Do it for me; Leave."""
     user = open_user(size=(1280, 720), whole=True)

@@ -55,6 +55,7 @@ def type_limit(view: FindView, key: str, text: str) -> None:
     rested(view)
 
 
+@pytest.mark.stress
 def test_a_swinging_roller_gets_its_spring_up_to_600_rpm_and_its_rate_is_changed_in_sight_of_what_it_costs(
     open_user: Open,
 ) -> None:

@@ -167,6 +167,7 @@ def test_the_lift_is_laid_out_by_mouse(open_user: Open, tmp_path: Path, monkeypa
     assert saved(user, tmp_path / "lift.toml", monkeypatch, mouse) == dumps(wanted)
 
 
+@pytest.mark.stress
 def test_the_card_picker_is_blended_by_mouse(open_user: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     user = open_user(size=(1440, 900))
     mouse = Mouse(user)
@@ -251,6 +252,7 @@ def begin_by_picture(mouse: Mouse, group: str, caption: str) -> None:
     settle()
 
 
+@pytest.mark.stress
 @pytest.mark.parametrize("group", FACES_AND_FORMS)
 def test_every_face_and_form_comes_to_its_profile_and_its_torque_by_mouse(group: str, open_user: Open) -> None:
     user = open_user(size=(1440, 900), whole=True)
@@ -354,6 +356,7 @@ def highest(design: Any, name: str) -> float:
     return float(limits[name].high.value)
 
 
+@pytest.mark.stress
 def test_a_cam_goes_from_nothing_to_its_limit_and_to_a_dxf_in_twelve_actions(open_user: Open, tmp_path: Path) -> None:
     """A stroke of 40 mm; a pressure angle of 30° under a roller, a least radius of 25 mm under a flat face. The way to the file is
     the same of all, so that it is gone once and counted each time."""

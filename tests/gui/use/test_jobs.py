@@ -209,6 +209,7 @@ class Counted:
         return act
 
 
+@pytest.mark.stress
 @pytest.mark.parametrize("size", SIZES)
 def test_a_flat_cam_that_begins_with_a_dwell_goes_from_new_to_its_dxf(
     open_user: Open, size: tuple[int, int], tmp_path: Path
@@ -272,6 +273,7 @@ def test_the_pressure_of_a_rocker_with_its_spring_and_material_is_read(open_user
     assert hand.actions <= 12, hand.actions
 
 
+@pytest.mark.stress
 @pytest.mark.parametrize("size", SIZES)
 def test_the_drives_of_a_transfer_unit_come_onto_a_new_shaft_with_the_values_that_are_offered(
     open_user: Open, size: tuple[int, int]
@@ -314,6 +316,7 @@ def test_the_drives_of_a_transfer_unit_come_onto_a_new_shaft_with_the_values_tha
     assert hand.actions <= 15, hand.actions
 
 
+@pytest.mark.stress
 @pytest.mark.parametrize("size", SIZES)
 def test_the_forbidden_speeds_of_a_shaft_just_made_elastic_are_read(open_user: Open, size: tuple[int, int]) -> None:
     user = open_user(size=size, whole=True)

@@ -8,6 +8,7 @@ import re
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QTableView
+from sampled import spread, stressed
 from window_user import Open, User, settle, wait_for
 
 from kindyna_gui.linkage.centres_view import CentresView
@@ -145,7 +146,7 @@ def test_the_sliders_velocity_on_page_10_is_a_distance_times_the_cranks(open_use
     assert distance(user, "I12", "I24") * crank == pytest.approx(speed, rel=1e-6)
 
 
-@pytest.mark.parametrize("name", FIGURES)
+@pytest.mark.parametrize("name", spread(FIGURES, 2))
 def test_centres_stand_where_the_lecture_constructs_them(name: str, open_user: Open) -> None:
     """Each that is not known at sight lies on the two lines that its row names."""
     user = opened(open_user, name)
@@ -174,7 +175,7 @@ def test_the_suspension_on_page_12_steers_by_what_the_screen_says(open_user: Ope
     assert abs(velocity.real) > 1.0
 
 
-@pytest.mark.parametrize("name", FIGURES)
+@pytest.mark.parametrize("name", spread(FIGURES, 1))
 def test_each_figure_moves_with_all_that_is_drawn_on_it(name: str, open_user: Open) -> None:
     """Space plays; drawing, table and construction go along, and Space stops."""
     user = opened(open_user, name)
@@ -207,7 +208,13 @@ def test_each_figure_moves_with_all_that_is_drawn_on_it(name: str, open_user: Op
 
 
 @pytest.mark.parametrize(
-    ("name", "steps"), [("Four bar", 2), ("Slider crank", 2), ("Lecture six bar", 8), ("Rear suspension", 2)]
+    ("name", "steps"),
+    [
+        ("Four bar", 2),
+        stressed("Slider crank", 2),
+        stressed("Lecture six bar", 8),
+        ("Rear suspension", 2),
+    ],
 )
 def test_the_circle_diagram_is_played_to_its_end(name: str, steps: int, open_user: Open) -> None:
     """After the last step every line is solid but the one just found; in the drawing all centres are there."""

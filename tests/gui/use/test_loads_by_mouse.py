@@ -171,6 +171,7 @@ def test_escape_adds_nothing_and_pick_attaches_elsewhere(same_window: Open) -> N
     assert user.steps[-1] == "Spring 1: second end C of link 3"
 
 
+@pytest.mark.stress
 def test_rows_are_copied_moved_removed_and_come_back(same_window: Open) -> None:
     user = same_window(example("rocker_cam"))
     for entry in ("Friction", "Spring and damper", "Spring and damper"):

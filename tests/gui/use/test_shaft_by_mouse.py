@@ -131,6 +131,7 @@ def sums(view: ShaftTorqueView) -> np.ndarray:
     return np.asarray(view.sums.lines[line][1][:-1] * view.sums.rung.size)
 
 
+@pytest.mark.stress
 def test_the_transfer_unit_is_worked_through_with_the_mouse(open_user: Open) -> None:
     user = open_user(size=(1280, 720), whole=True)
     hand, session, player = Hand(user), user.session, user.window.player

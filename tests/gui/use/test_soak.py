@@ -55,6 +55,7 @@ def watch(user: User, frames: int, most_growth: int) -> None:
     assert memory() - bytes_before < most_growth
 
 
+@pytest.mark.stress
 def test_some_frames_lose_nothing(user: User) -> None:
     watch(user, 60, 12_000_000)
 

@@ -11,6 +11,7 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
+from sampled import spread, stressed
 from window_user import Open, User, settle
 
 from core.design import (
@@ -90,7 +91,9 @@ def undo_all(user: User, steps: int) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "values", "waits"), [("transfer_lift", TENTH, 7), ("four_bar", FOUR_BAR, 2)], ids=["lift", "four-bar"]
+    ("name", "values", "waits"),
+    [stressed("transfer_lift", TENTH, 7), ("four_bar", FOUR_BAR, 2)],
+    ids=["lift", "four-bar"],
 )
 def test_a_machine_of_another_size_is_typed(same_window: Open, name: str, values: Values, waits: int) -> None:
     user = same_window(example(name))
@@ -105,6 +108,7 @@ def test_a_machine_of_another_size_is_typed(same_window: Open, name: str, values
     assert not user.session.modified
 
 
+@pytest.mark.stress
 def test_the_last_machine_that_fits_is_pale_and_a_line_says_what_does_not(same_window: Open) -> None:
     user = same_window()
     view = user.drawing()
@@ -175,7 +179,7 @@ def test_a_stroke_and_a_segment_wait_for_the_lengths(same_window: Open) -> None:
 # -- layouts ----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("letter", LAYOUTS)
+@pytest.mark.parametrize("letter", spread(list(LAYOUTS), 3))
 def test_every_layout_is_chosen_from_the_papers_lift(same_window: Open, letter: str) -> None:
     """In the menu and in the field as in the pictures of mechanisms."""
     user = same_window()
@@ -248,7 +252,7 @@ def type_in(session: Session, values: Values, order: Sequence[str]) -> int:
     return waited
 
 
-@pytest.mark.parametrize("path", sorted(example("").parent.glob("*.toml")), ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", spread(sorted(example("").parent.glob("*.toml")), 5), ids=lambda path: path.stem)
 def test_every_example_is_typed_into_another_design_in_any_order(app: object, path: Path) -> None:
     """Lengths, masses, points of links, spans, rises and laws of segments, of every drive."""
     first = load(path)
@@ -331,6 +335,7 @@ def test_an_answer_of_another_view_leaves_what_waits(app: object) -> None:
     assert session.draft is None, "the later of two counts"
 
 
+@pytest.mark.stress
 def test_a_tab_is_marked_for_its_own_drive(same_window: Open) -> None:
     user = same_window(example("transfer_unit"))
     lift = next(i for i, drive in enumerate(user.session.whole.drives) if drive.kind == "cam-slider")

@@ -35,6 +35,7 @@ def near(one: dict[str, tuple[int, int]], other: dict[str, tuple[int, int]]) -> 
     return all(abs(a - b) <= 2 for name in NAMES for a, b in zip(one[name], other[name], strict=True))
 
 
+@pytest.mark.stress
 def test_a_window_that_shrinks_and_grows_again_looks_as_before(user: User) -> None:
     before = sizes(user)
     for way in ([(1024, 640)], [(1280, 720), (1000, 700)], [(1800, 1000), (1000, 640), (1300, 800)]):
@@ -75,6 +76,7 @@ def test_a_width_that_the_user_has_drawn_is_kept(user: User) -> None:
     assert dock.width() == pytest.approx(drawn, abs=2)
 
 
+@pytest.mark.stress
 def test_another_dock_is_no_reason_to_move_the_others(user: User) -> None:
     resize(user, 1200, 760)
     before = sizes(user)["parameters"][0]
@@ -86,6 +88,7 @@ def test_another_dock_is_no_reason_to_move_the_others(user: User) -> None:
     assert sizes(user)["parameters"][0] == before
 
 
+@pytest.mark.stress
 def test_the_first_layout_comes_back_from_the_menu(user: User) -> None:
     names = ("displacement", "pressure_angle", "findings")
     user.choose("View", "Kine")

@@ -2,6 +2,7 @@
 
 import pytest
 from PySide6.QtCore import Qt
+from sampled import spread
 from window_user import Open, settle
 
 from core.project import load
@@ -13,7 +14,7 @@ SIDES = sorted({row.area for row in VIEWS.values()}, key=lambda area: area.name)
 AREAS = {area: [name for name, row in VIEWS.items() if row.area == area] for area in SIDES}
 
 
-@pytest.mark.parametrize("area", AREAS, ids=lambda area: area.name)
+@pytest.mark.parametrize("area", spread(list(AREAS), 1), ids=lambda area: area.name)
 def test_views_follow_from_kind_to_kind(open_user: Open, area: Qt.DockWidgetArea) -> None:
     """Those of one side of the window, one after the other; where they stand in front of each other, those behind catch up."""
     user = open_user()

@@ -18,6 +18,7 @@ from PySide6.QtWidgets import (
     QPushButton,
     QTableView,
 )
+from sampled import stressed
 from window_user import Open, User, plain, settle, wait_for
 
 from core.__main__ import parser
@@ -60,14 +61,14 @@ def find(user: User, text: str) -> Finder:
 @pytest.mark.parametrize(
     ("typed", "path", "value"),
     [
-        ("base radius 420", "cam.base_radius_mm", 420.0),
+        stressed("base radius 420", "cam.base_radius_mm", 420.0),
         ("base rad 16.5 in", "cam.base_radius_mm", 419.1),
         ("rod l2 84 cm", "follower.rod_mm", 840.0),
-        ("speed 0.5 Hz", "shaft.speed_rpm", 30.0),
-        ("rotation clockwise", "shaft.rotation", "cw"),
+        stressed("speed 0.5 Hz", "shaft.speed_rpm", 30.0),
+        stressed("rotation clockwise", "shaft.rotation", "cw"),
         ("segment 2 span 40", "motion.segments[1].span_deg", 40.0),
         ("stroke 160", "motion.segments[1].rise_mm", -160.0),
-        ("H 1310", "follower.guide_height_mm", 1310.0),
+        stressed("H 1310", "follower.guide_height_mm", 1310.0),
     ],
 )
 def test_a_value_behind_a_name_sets_the_field_as_one_step(user: User, typed: str, path: str, value: object) -> None:
@@ -328,6 +329,7 @@ def test_every_way_is_an_entry_of_the_menus(user: User) -> None:
     assert [sentence for sentence in WAYS if " > " in sentence] == []
 
 
+@pytest.mark.stress
 @pytest.mark.parametrize("name", ["four_bar", "four_bar_coupler_cam", "card_picker"])
 def test_no_view_names_a_way_through_menus_and_every_table_is_copied(same_window: Open, name: str) -> None:
     """A reason says what is missing; the way there is a button."""

@@ -9,6 +9,7 @@ import pytest
 from PySide6.QtCore import QSize, Qt, QTimer
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLabel, QWidget
+from sampled import spread
 from window_user import Open, User, settle
 
 from core.design import LAYOUTS, faults
@@ -51,7 +52,7 @@ def test_the_gallery_has_every_follower_with_every_face_and_form_and_the_linkage
 
 
 @pytest.mark.parametrize(
-    "choice", [each for _, choices in gallery.kinds() for each in choices], ids=lambda each: each.called
+    "choice", spread([each for _, choices in gallery.kinds() for each in choices], 8), ids=lambda each: each.called
 )
 def test_each_picture_of_a_follower_begins_a_design_without_faults_or_findings(choice: gallery.GalleryChoice) -> None:
     design = choice.design()
@@ -75,6 +76,7 @@ def test_the_roller_of_each_layout_stays_on_the_cam(letter: str) -> None:
     assert Study(gallery.layout_design(letter), 720).dynamics.contact.min() > 0.0
 
 
+@pytest.mark.stress
 def test_whatever_is_chosen_begins_and_undo_brings_the_design_before_back(
     open_user: Open, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -115,6 +117,7 @@ def test_a_file_comes_back_with_its_name(open_user: Open, tmp_path: Path, monkey
     assert user.session.path is None
 
 
+@pytest.mark.stress
 @pytest.mark.parametrize("room", [QSize(1420, 860), QSize(1260, 680)])
 def test_all_pictures_of_a_group_are_seen_at_once(room: QSize, user: User) -> None:
     dialog = gallery.Gallery(user.window, room)

@@ -88,6 +88,7 @@ def texts_of_file(view: View) -> list[str]:
         return re.findall(r"<text.*?</text>", view.picture(".svg").decode(), flags=re.DOTALL)
 
 
+@pytest.mark.stress
 def test_the_theme_changes_where_the_window_stands(open_user: Open) -> None:
     user = open_user(whole=True)
     tasks(user.window)  # from now on each has been seen, and its section of the parameters
@@ -134,6 +135,7 @@ def test_as_the_desktop_follows_the_desktop(app: QApplication, user: User) -> No
     assert bright(user.window.grab().toImage()) > 0.8, "who chose a theme keeps it"
 
 
+@pytest.mark.stress
 @pytest.mark.parametrize(
     ("name", "views"),
     [

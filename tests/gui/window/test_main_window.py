@@ -42,6 +42,7 @@ def test_views_are_made_when_they_are_first_seen(whole: User) -> None:
     assert made == {"mechanism", "motion", "parameters", "findings"}
 
 
+@pytest.mark.stress
 def test_no_other_window_flashes_up(whole: User) -> None:
     """A widget that is shown before it has its place is a window for a moment."""
     seen: list[str] = []
@@ -352,6 +353,7 @@ def test_the_layout_is_kept_and_can_be_reset(open_user: Open, whole: User) -> No
     wait_for(lambda: again.window.view("findings") is not None)
 
 
+@pytest.mark.stress
 def test_a_layout_of_another_version_is_forgotten(open_user: Open, whole: User) -> None:
     first = shown(whole.window)
     whole.window.docks["motion"].close()

@@ -4,6 +4,7 @@ table."""
 import pytest
 from PySide6.QtCore import QRect, Qt
 from PySide6.QtWidgets import QLabel, QScrollArea, QTableView, QWidget
+from sampled import spread
 from window_user import Open, User, settle, wait_for
 
 from core.design import edited
@@ -41,7 +42,7 @@ def test_a_refusal_longer_than_the_status_line_grows_over_what_stands_there(open
     assert not label.isVisible()
 
 
-@pytest.mark.parametrize("name", ["mechanism", "displacement", "findings"])
+@pytest.mark.parametrize("name", spread(["mechanism", "displacement", "findings"], 1))
 def test_a_reason_is_rolled_where_a_view_has_no_room(name: str, open_user: Open) -> None:
     user: User = open_user(example("lecture_six_bar"), size=(800, 560), whole=True)
     user.session.start(edited(load(example("lecture_six_bar")), "linkage.links[1].points.A.x_mm", 200.0))
@@ -63,6 +64,7 @@ def test_a_reason_is_rolled_where_a_view_has_no_room(name: str, open_user: Open)
     assert room_for(bar), "of one line"
 
 
+@pytest.mark.stress
 def test_a_law_that_a_design_does_not_take_says_why_in_as_many_lines_as_it_needs(open_user: Open) -> None:
     user: User = open_user(example("card_picker"), size=(1280, 720), whole=True)
     user.choose("Make", "Law table")

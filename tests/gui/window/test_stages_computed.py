@@ -5,6 +5,7 @@ from threading import enumerate as enumerate_threads
 import pytest
 from PySide6.QtCore import QEvent, QObject, Qt
 from PySide6.QtWidgets import QApplication, QWidget
+from sampled import stressed
 from window_user import Open, User, settle, wait_for
 
 from core.design import Design
@@ -112,6 +113,7 @@ def test_an_edit_lays_out_nothing_anew_and_paints_only_what_changes(user: User, 
     }
 
 
+@pytest.mark.stress
 def test_a_view_reads_the_stages_of_what_it_shows(user: User) -> None:
     shown = views(user)
     for name in PLOTS:
@@ -147,9 +149,10 @@ BESIDE_STAGES = {"centres": {"cam centres"}, "against_speed": {"against speed"},
 """What a view computes that is none of its stages: Find the torque that its usual limit of the shaft asks for."""
 
 
-def test_each_view_alone_computes_its_stages_and_no_others(alone: User) -> None:
+@pytest.mark.parametrize("names", [[*VIEWS][::4], stressed([*VIEWS])], ids=["some", "all"])
+def test_each_view_alone_computes_its_stages_and_no_others(alone: User, names: list[str]) -> None:
     design = load(example("transfer_lift"))
-    for name in VIEWS:
+    for name in names:
         view = opened_alone(alone, name, design)
         # a cam has no linkage of its own for those that show linkages
         wanted = set() if view.not_here else closure(view.stages)
@@ -159,6 +162,7 @@ def test_each_view_alone_computes_its_stages_and_no_others(alone: User) -> None:
 LINKAGE_VIEWS = ("mechanism", "graph", "motion", "centres", "circle", "polygon", "torque")
 
 
+@pytest.mark.stress
 def test_each_view_alone_computes_no_more_of_a_linkage(alone: User) -> None:
     """Of one that a cam drives, which has every stage but that of the shaft."""
     design = load(example("four_bar_coupler_cam"))
@@ -171,6 +175,7 @@ def test_each_view_alone_computes_no_more_of_a_linkage(alone: User) -> None:
         assert computed() == wanted | more.get(name, set()), name
 
 
+@pytest.mark.stress
 def test_a_flexible_shaft_is_computed_for_its_own_view_alone(alone: User) -> None:
     design = load(example("kim_1990"))
     for name in ("mechanism", "torque", "parameters", "stability"):

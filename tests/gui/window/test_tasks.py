@@ -173,6 +173,7 @@ class Painted(QObject):
         return False
 
 
+@pytest.mark.stress
 def test_what_another_task_shows_rests(whole: User) -> None:
     """It is neither painted nor computed while the design changes and the cam turns."""
     press(whole, "dyna")
@@ -192,6 +193,7 @@ def test_what_another_task_shows_rests(whole: User) -> None:
     assert not any(view.up_to_date for view in views if view is not None)
 
 
+@pytest.mark.stress
 def test_forces_are_drawn_where_they_are_read_and_each_task_keeps_what_was_shown_in_it(whole: User) -> None:
     drawn = whole.window.view("mechanism").scene.layer_wanted  # type: ignore[union-attr]
     assert not drawn("forces")
@@ -212,6 +214,7 @@ def test_forces_are_drawn_where_they_are_read_and_each_task_keeps_what_was_shown
 # -- layouts ------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.stress
 @pytest.mark.parametrize("size", [SMALL, USUAL, (1920, 1080)])
 def test_each_task_shows_its_large_view_at_half_of_the_window_and_the_parameters_in_one_corner(
     open_user: Open, size: tuple[int, int]
@@ -255,6 +258,7 @@ def shows_half(user: User, name: str, size: tuple[int, int]) -> None:
         assert places(user) == first, name
 
 
+@pytest.mark.stress
 def test_a_small_window_with_large_letters_keeps_its_size(open_user: Open, app: QApplication) -> None:
     user = open_user(size=SMALL, whole=True)
     wear(Preferences(font=125), app)
@@ -293,6 +297,7 @@ def test_a_wide_window_stacks_motion_and_pressure_angle_on_one_axis(open_user: O
     assert len({plot.angle for plot in plots}) == 1
 
 
+@pytest.mark.stress
 def test_sections_and_scroll_are_remembered_for_each_drive(open_user: Open) -> None:
     user = open_user(example("transfer_unit"), size=SMALL, whole=True)
     view = user.parameters()
@@ -313,6 +318,7 @@ def test_sections_and_scroll_are_remembered_for_each_drive(open_user: Open) -> N
     assert view.tabs.currentWidget() is view.pages["shaft"]
 
 
+@pytest.mark.stress
 def test_figures_of_a_shaft_are_read_in_a_small_window(open_user: Open) -> None:
     user = open_user(example("transfer_unit"), size=SMALL, whole=True)
     press(user, "dyna")
@@ -329,6 +335,7 @@ def test_figures_of_a_shaft_are_read_in_a_small_window(open_user: Open) -> None:
         assert user.window.view(name).on_screen(), name  # type: ignore[union-attr]
 
 
+@pytest.mark.stress
 def test_the_chart_of_stability_has_half_of_the_window(open_user: Open) -> None:
     user = open_user(example("kim_1990"), size=SMALL, whole=True)
     press(user, "stability")
@@ -347,6 +354,7 @@ def test_a_first_window_uses_the_screen() -> None:
     assert first_size(QSize(3840, 2160)) == LARGEST
 
 
+@pytest.mark.stress
 def test_each_task_is_found_as_it_was_left_also_in_the_next_session(open_user: Open) -> None:
     user = open_user(size=USUAL, whole=True)
     left: dict[str, dict[str, QRect]] = {}
@@ -380,6 +388,7 @@ def test_each_task_is_found_as_it_was_left_also_in_the_next_session(open_user: O
     assert again.window.view("graph") is None
 
 
+@pytest.mark.stress
 def test_settings_that_make_no_sense_are_passed_over(open_user: Open, whole: User) -> None:
     whole.window.close()
     kept = QSettings("KINDYNA", "KINDYNA")
@@ -406,6 +415,7 @@ def rows_in_sight(view: SegmentsView) -> int:
     return view.table.viewport().height() // view.table.verticalHeader().defaultSectionSize()
 
 
+@pytest.mark.stress
 @pytest.mark.parametrize("size", [SMALL, USUAL])
 def test_the_motion_table_shows_its_rows_in_every_task(open_user: Open, size: tuple[int, int]) -> None:
     """With a message below it, and without; a rise that does not come back leaves the motion unfinished."""
@@ -434,6 +444,7 @@ def where(view: SegmentsView) -> list[QPoint]:
     return [*at, *sizes, QPoint(0, view.table.verticalScrollBar().value())]
 
 
+@pytest.mark.stress
 @pytest.mark.parametrize("task", ["make", "compo"])
 def test_no_text_moves_what_is_under_the_mouse(open_user: Open, task: str) -> None:
     user = open_user(size=SMALL, whole=True)
@@ -521,6 +532,7 @@ def test_velocity_acceleration_and_jerk_stand_below_the_displacement_on_one_axis
     assert view.diagram.angle == user.window.player.theta
 
 
+@pytest.mark.stress
 def test_the_certificate_shows_more_than_three_rows(open_user: Open) -> None:
     user = open_user(size=SMALL, whole=True)
     table = user.see("certificate").table  # type: ignore[attr-defined]
@@ -530,6 +542,7 @@ def test_the_certificate_shows_more_than_three_rows(open_user: Open) -> None:
     assert sum(heights[:4]) <= table.viewport().height()
 
 
+@pytest.mark.stress
 def test_a_long_name_is_not_cut(open_user: Open) -> None:
     user = open_user(size=SMALL, whole=True)
     press(user, "compo")

@@ -49,7 +49,7 @@ def _shows_its_text(button: QAbstractButton) -> bool:
     )
 
 
-@pytest.mark.parametrize(("name", "font"), [("transfer_lift", 100), ("lecture_six_bar", 125), *EVERY])
+@pytest.mark.parametrize(("name", "font"), [("lecture_six_bar", 125), *EVERY])
 def test_no_text_is_cut_in_any_task(app: QApplication, open_user: Open, name: str, font: int) -> None:
     wear(kept.Preferences(font=font), app)
     window = open_user(example(name), size=SMALL, whole=True).window

@@ -6,6 +6,7 @@ from random import Random
 import numpy as np
 import pytest
 from controller_reader import path, rows_of
+from sampled import spread
 
 from core.__main__ import main
 from core.output.controllers.row import settings_folder
@@ -343,7 +344,7 @@ def check_random(tmp_path, capsys, seed, slug, kind):
             assert value >= 0.95 * certificate - 1e-9, (seed, slug, kind)
 
 
-@pytest.mark.parametrize(("slug", "kind"), CASES)
+@pytest.mark.parametrize(("slug", "kind"), spread(CASES, 5))
 def test_of_random_motions_the_certificate_is_the_true_error(tmp_path, capsys, slug, kind):
     for seed in range(3):
         check_random(tmp_path, capsys, seed, slug, kind)
