@@ -5,13 +5,10 @@ import subprocess
 import sys
 from pathlib import Path
 
-import pytest
-
 HERE = Path(__file__).parent
 PATIENCE = 120  # seconds
 
 
-@pytest.mark.stress
 def test_one_row_is_all_that_a_law_a_unit_a_quantity_or_a_limit_needs() -> None:
     words = ["-q", "-p", "no:cacheprovider", "-p", "no:xdist", "-p", "strangers", str(HERE / "strange_rows.py")]
     environment = os.environ | {"PYTHONPATH": os.pathsep.join((str(HERE.parent), str(HERE.parents[1])))}

@@ -61,7 +61,6 @@ def test_what_is_feasible_is_solved(case: Case, pick: random.Random) -> None:
     assert got.acceleration <= made.acceleration * (1.0 + 1e-9)
 
 
-@pytest.mark.stress
 @settings(max_examples=25)
 @given(cases(), st.randoms(use_true_random=False), st.lists(st.floats(0.05, 0.95), min_size=1, max_size=2))
 def test_points_are_passed(case: Case, pick: random.Random, shares: list[float]) -> None:
@@ -232,7 +231,6 @@ def test_whatever_is_typed_within_the_ranges_shown_is_blended(case: Case, order:
     check_motion(got, case)
 
 
-@pytest.mark.stress
 @settings(max_examples=30)
 @given(cases(), st.randoms(use_true_random=False))
 def test_no_motion_lies_outside_the_range_of_what_is_still_to_come(case: Case, pick: random.Random) -> None:

@@ -51,7 +51,6 @@ def test_of_sides_that_are_given_no_digit_is_lost_at_a_dead_centre(name: str) ->
         assert NAMED[name].look(value).error <= GIVEN[name] * EPS, value
 
 
-@pytest.mark.stress
 def test_a_thousand_segments_keep_motion_linkage_and_forces_in_balance() -> None:
     study = Study(many_segments(1000))
     proof = certificate_of(study)

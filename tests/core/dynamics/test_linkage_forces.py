@@ -240,7 +240,6 @@ def test_the_lift_as_a_linkage_has_the_lifts_motor_flywheel_and_stability() -> N
         assert mine.trace == pytest.approx(wanted.trace, rel=1e-9)
 
 
-@pytest.mark.stress
 def test_stability_of_a_linkage_asks_for_its_cam_on_a_shaft(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The command answers it as any cam's."""
     plain, linkage = lift_twice()

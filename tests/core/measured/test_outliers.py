@@ -89,7 +89,6 @@ def test_right_rows_between_two_wrong_places_are_not_named(seed: int) -> None:
     assert faults(table, outliers(read(table.text(table.values)), table.error)) == []
 
 
-@pytest.mark.stress
 def test_two_zeros_side_by_side_are_named_and_the_stroke_is_right(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -159,7 +158,6 @@ def test_a_step_with_no_wrong_side_is_refused(case: str, tmp_path: Path, capsys:
     assert (told.out, told.err.count("\n")) == ("", 1)
 
 
-@pytest.mark.stress
 def test_both_readings_of_two_steps_are_shown_and_either_can_be_chosen(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -225,7 +225,6 @@ def dominated(points, grid):
     return [(grid < point * (1.0 - 1e-9)).all(axis=1).any() for point in points]
 
 
-@pytest.mark.stress
 def test_two_goals_give_a_front_none_of_whose_points_is_dominated():
     points, grid = front_and_grid(30)
     assert len(points) >= 20

@@ -134,7 +134,6 @@ def test_frames_go_into_a_folder_and_a_film_by_ffmpeg(
         shoot(LIFT, replace(SMALL, ending=".mp4"))
 
 
-@pytest.mark.stress
 def test_the_hand_over_is_one_archive_of_all_files(user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(handover_dialog, "handover_wanted", lambda *_: Request(controller="codesys-xyva"))
     user.picks("handover_to_save", tmp_path / "lift.zip")

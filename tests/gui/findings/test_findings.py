@@ -114,7 +114,6 @@ def test_the_button_of_a_finding_seeks_what_mends_it_and_taken_over_it_is_mended
     assert code not in [f.code for f in findings(user).findings]
 
 
-@pytest.mark.stress
 def test_the_search_of_a_finding_forgets_limits_typed_before(open_user: Open) -> None:
     user = open_user(example("card_picker"))
     user.window.show_search("base-radius")

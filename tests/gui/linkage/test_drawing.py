@@ -255,7 +255,6 @@ free_length_mm = 80.0
 """
 
 
-@pytest.mark.stress
 def test_a_slider_crank_with_a_spring_is_drawn(open_user: Open) -> None:
     pen = start(open_user)
     pen.key(Key.Key_G)
@@ -282,7 +281,6 @@ def test_a_slider_crank_with_a_spring_is_drawn(open_user: Open) -> None:
     assert pen.places == {}
 
 
-@pytest.mark.stress
 def test_the_six_bar_of_the_lecture_is_drawn(open_user: Open) -> None:
     pen, file = start(open_user), load(example("lecture_six_bar"))
     pen.key(Key.Key_G)
@@ -392,7 +390,6 @@ def test_a_geared_five_bar_is_drawn(open_user: Open, typed: tuple[str, ...], row
     assert offset == pytest.approx(90.0 - angle, abs=1e-8)
 
 
-@pytest.mark.stress
 def test_a_rack_is_drawn_and_stays_where_it_is(open_user: Open) -> None:
     """Its pinion's radius is typed, and 0 for the rack; a typed offset moves it."""
     pen = start(open_user)
@@ -556,7 +553,6 @@ def test_the_part_that_is_led_moves_and_the_rest_hangs_on_it(open_user: Open) ->
     assert pen.design.drive.linkage.drawn.driver_deg == pytest.approx(90.0)
 
 
-@pytest.mark.stress
 def test_another_circuit_is_chosen_by_its_picture_and_saved_as_signs(open_user: Open) -> None:
     pen = four_bar(open_user)
     pen.key(Key.Key_Escape)
@@ -657,7 +653,6 @@ def test_pins_are_joined_grounded_renamed_and_locked(open_user: Open) -> None:
     assert pen.user.steps[-1] == "Rename D to Tip"
 
 
-@pytest.mark.stress
 def test_links_are_pasted_into_another_design(open_user: Open) -> None:
     pen = four_bar(open_user)
     pen.key(Key.Key_A, CTRL)
@@ -672,7 +667,6 @@ def test_links_are_pasted_into_another_design(open_user: Open) -> None:
     assert math.isclose(abs(other.places["O2"] - other.places["O1"]), 100.0)
 
 
-@pytest.mark.stress
 def test_outside_of_drawing_a_link_that_is_dragged_runs_the_machine(open_user: Open) -> None:
     """The grip stays under the mouse, no length changes; Esc and D leave and begin to draw."""
     pen = four_bar(open_user)
@@ -715,7 +709,6 @@ def test_drawing_adds_nothing_to_a_frame_while_it_is_not_used(open_user: Open) -
     assert frame() <= before
 
 
-@pytest.mark.stress
 def test_a_point_on_the_line_of_a_bar_leaves_its_face(open_user: Open) -> None:
     """A link is hit anywhere on its face, also where its three points lie in line."""
     pen = four_bar(open_user)
@@ -804,7 +797,6 @@ def test_any_order_of_tools_keys_and_undo_is_borne(open_user: Open) -> None:
     assert pen.places == {}
 
 
-@pytest.mark.stress
 def test_the_feed_of_the_transfer_unit_is_drawn(open_user: Open) -> None:
     """An arm with its roller under a cam, from an empty sheet: the same cam as the file's."""
     unit = load(example("transfer_unit"))

@@ -184,7 +184,6 @@ def test_empty_plots_name_the_angle_too(same_window: Open) -> None:
     assert graph.panels[-1].plot.getAxis("bottom").labelText == "Driver angle, °"  # type: ignore[attr-defined]
 
 
-@pytest.mark.stress
 def test_docks_are_called_after_what_they_show(open_user: Open) -> None:
     """Titles, tabs, the menu of docks and that of pictures alike; a cam has its own names back."""
     user = open_user(example("four_bar"), whole=True)
@@ -215,7 +214,6 @@ def test_a_linkage_is_drawn_where_its_cam_cannot_be(same_window: Open, tmp_path:
     assert drawing.note.text().startswith("No cam: Cam roller: the roller covers the cam centre")
 
 
-@pytest.mark.stress
 def test_a_linkage_without_a_cam_is_not_told_of_contact(open_user: Open) -> None:
     user = open_user(example("four_bar"), size=(1440, 900), whole=True)
     for task in ("Compo", "Kine", "Dyna", "Graph"):

@@ -263,7 +263,6 @@ def highest(user: User) -> float:
     return float(np.rad2deg(user.session.study.cam.flank.pressure_angle.max()))
 
 
-@pytest.mark.stress
 def test_a_peak_of_the_pressure_angle_is_drawn_and_the_base_radius_follows(rocker: User) -> None:
     assert rocker.session.edit("limits.pressure_angle_rise_deg", 34.0, "Limit")
     before = rocker.design

@@ -308,7 +308,6 @@ def test_the_file_is_asked_for_where_the_last_one_was(
 # -- the error, live --------------------------------------------------------------------------------------
 
 
-@pytest.mark.stress
 def test_every_step_of_the_error_is_fitted_and_drawn_at_once(lift: User, imports: Import) -> None:
     dialog = imports(table())
     click(dialog.laws)
@@ -880,7 +879,6 @@ def test_nothing_is_cut_off_at_the_smallest_size(lift: User, imports: Import) ->
     assert QApplication.focusWidget() is not None
 
 
-@pytest.mark.stress
 def test_of_two_readings_of_the_rows_one_is_chosen(imports: Import) -> None:
     """Twenty rows lie half a millimetre high, or all others low: the table does not say which, the user does."""
     values = 4.5 * (1.0 - np.cos(np.deg2rad(ANGLES))) + 0.003 * np.random.default_rng(4).normal(size=ANGLES.size)

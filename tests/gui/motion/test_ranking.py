@@ -1,6 +1,5 @@
 """Make > Law table and Make > Blend: what each law and blend costs in this design, computed while it is seen, sorted by a click."""
 
-import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QWidget
@@ -148,7 +147,6 @@ def test_the_ranking_is_cancelled_and_goes_on(open_user: Open) -> None:
     assert (panel.text.text(), panel.busy) == (linked(NO_RANKING), False)
 
 
-@pytest.mark.stress
 def test_blends_are_ranked_in_the_wizard(open_user: Open) -> None:
     user = open_user(example("rocker_cam"))
     user.choose("Make", "Blend...")

@@ -122,7 +122,6 @@ def test_the_forbidden_speeds_and_the_shaft_for_a_speed(kim: User) -> None:
     assert "at least" in view.pages.needed.text()
 
 
-@pytest.mark.stress
 def test_the_chart_and_the_other_figures_as_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = ["--q", "0.05", "--eta-max", "2.2", "--periods", "2"]
     assert main(["--headless", "stability", str(KIM), "--out", str(tmp_path), *words]) == 0

@@ -356,7 +356,6 @@ def highest(design: Any, name: str) -> float:
     return float(limits[name].high.value)
 
 
-@pytest.mark.stress
 def test_a_cam_goes_from_nothing_to_its_limit_and_to_a_dxf_in_twelve_actions(open_user: Open, tmp_path: Path) -> None:
     """A stroke of 40 mm; a pressure angle of 30° under a roller, a least radius of 25 mm under a flat face. The way to the file is
     the same of all, so that it is gone once and counted each time."""

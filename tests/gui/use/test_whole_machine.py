@@ -335,7 +335,6 @@ def test_an_answer_of_another_view_leaves_what_waits(app: object) -> None:
     assert session.draft is None, "the later of two counts"
 
 
-@pytest.mark.stress
 def test_a_tab_is_marked_for_its_own_drive(same_window: Open) -> None:
     user = same_window(example("transfer_unit"))
     lift = next(i for i, drive in enumerate(user.session.whole.drives) if drive.kind == "cam-slider")

@@ -113,7 +113,6 @@ def test_an_edit_lays_out_nothing_anew_and_paints_only_what_changes(user: User, 
     }
 
 
-@pytest.mark.stress
 def test_a_view_reads_the_stages_of_what_it_shows(user: User) -> None:
     shown = views(user)
     for name in PLOTS:
@@ -162,7 +161,6 @@ def test_each_view_alone_computes_its_stages_and_no_others(alone: User, names: l
 LINKAGE_VIEWS = ("mechanism", "graph", "motion", "centres", "circle", "polygon", "torque")
 
 
-@pytest.mark.stress
 def test_each_view_alone_computes_no_more_of_a_linkage(alone: User) -> None:
     """Of one that a cam drives, which has every stage but that of the shaft."""
     design = load(example("four_bar_coupler_cam"))
@@ -175,7 +173,6 @@ def test_each_view_alone_computes_no_more_of_a_linkage(alone: User) -> None:
         assert computed() == wanted | more.get(name, set()), name
 
 
-@pytest.mark.stress
 def test_a_flexible_shaft_is_computed_for_its_own_view_alone(alone: User) -> None:
     design = load(example("kim_1990"))
     for name in ("mechanism", "torque", "parameters", "stability"):

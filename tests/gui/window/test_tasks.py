@@ -173,7 +173,6 @@ class Painted(QObject):
         return False
 
 
-@pytest.mark.stress
 def test_what_another_task_shows_rests(whole: User) -> None:
     """It is neither painted nor computed while the design changes and the cam turns."""
     press(whole, "dyna")
