@@ -27,6 +27,7 @@ from core.design import (
 from core.errors import DesignError, Fault
 from core.frozen import frozen
 from core.laws import Piece, PieceTable, asymmetric, find_law, hermite, least_jerk, moved, scca
+from core.numerics.columns import taker
 
 
 @frozen
@@ -183,8 +184,21 @@ SHAPES: Mapping[type, Callable[[Any, Segment, bool, str], CurveShape]] = Mapping
 )
 
 
-ONLY_STRETCHED = frozenset({NamedCurve, SccaCurve})
+_ONLY_STRETCHED = frozenset({NamedCurve, SccaCurve})
 """Curves whose pieces stay the same over any span and to any rise."""
+
+
+def only_stretched(motion: Motion) -> bool:
+    """Whether the motions of many designs, whose numbers are columns, have the same pieces, which spans and rises stretch: no curve has
+    numbers of its own in each, and nothing rises in a dwell."""
+    return all(taker(segment) is None or _stretches(segment) for segment in motion.segments)
+
+
+def _stretches(segment: Segment) -> bool:
+    curve = segment.curve
+    law = find_law(curve.law) if isinstance(curve, NamedCurve) else None
+    rises_in_a_dwell = law is not None and law.is_dwell and taker(segment.rise) is not None
+    return type(curve) in _ONLY_STRETCHED and taker(curve) is None and not rises_in_a_dwell
 
 
 def shape_of(segment: Segment, whole_turn: bool, path: str) -> CurveShape:
