@@ -76,6 +76,7 @@ def together(design: Design, paths: Sequence[str], asked: Asked) -> bool:
     )
 
 
+@np.errstate(invalid="ignore", over="ignore", divide="ignore")  # infinite values of some, as rates at dead centres
 def block(
     design: Design, infos: Mapping[str, Any], asked: tuple[Asked, ...], polish: bool, rows: np.ndarray
 ) -> Results:

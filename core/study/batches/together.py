@@ -211,7 +211,7 @@ class Together:
         if not lost.any():
             return
         which = self.nobody.copy()
-        if self._owner is None or lost.size == 1:
+        if self._owner is None:
             which |= lost
         elif self._owner.ndim > 1:
             which[self._owner[:, 0]] = np.broadcast_to(lost, np.broadcast(lost, self._owner).shape).any(axis=1)

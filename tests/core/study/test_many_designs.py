@@ -304,3 +304,12 @@ def test_what_a_dwell_cannot_have_has_no_value(field: str) -> None:
     found = many(design, {path: [get(design, path), 0.3]}, ["acceleration_mm_s2:max"])
     assert found.reason.tolist() == ["", "design-fault"]
     assert np.isfinite(found.value["acceleration_mm_s2:max"]).tolist() == [True, False]
+
+
+def test_energy_stays_with_the_designs_that_have_a_cam() -> None:
+    """The second lift of the groove has no cam, which is met where friction turns round: at a single angle of it."""
+    design, path = example("groove"), "motion.segments[3].rise_mm"
+    found = many(design, {path: [-40.0, 92.0]}, ["energy_j"])
+    alone = many(design, {path: [-40.0]}, ["energy_j"])
+    assert found.reason.tolist() == ["", "no-cam"]
+    assert found.value["energy_j"][0] == alone.value["energy_j"][0] > 0.0
