@@ -321,12 +321,14 @@ def asked_of_study(study: Study, asked: Sequence[Asked]) -> tuple[list[float], l
             reasons.append(error.code)
         except _NoValue as error:
             reasons.append(str(error))
-    shaped = any(a.name and a.drive is None and quantity(a.name).stage in ("cam", "dynamics") for a in asked)
-    if not reasons and shaped and "cam" in study.stages:
-        try:
-            reasons += [UNDERCUT for flank in study.cam.flanks if undercut_on(study, flank.name)]
-        except NoAnswer as error:  # at no single angle, but over the turn
-            reasons.append(error.code)
+    if not reasons:
+        drives = list(study.drives.values())
+        shaped = {a.drive or 0: None for a in asked if a.name and quantity(a.name).stage in ("cam", "dynamics")}
+        for drive in (drives[number] for number in shaped if "cam" in drives[number].stages):
+            try:
+                reasons += [UNDERCUT for flank in drive.cam.flanks if undercut_on(drive, flank.name)]
+            except NoAnswer as error:  # at no single angle, but over the turn
+                reasons.append(error.code)
     return values, thetas, reasons[0] if reasons else ""
 
 
