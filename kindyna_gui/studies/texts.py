@@ -39,6 +39,7 @@ _REASONS: Mapping[str, str] = MappingProxyType(
         "no-assembly": "the links do not reach: it cannot be assembled over the whole turn",
         "undercut": "the profile is undercut",
         "out-of-range": "a number lies outside the range of its field",
+        "design-fault": "these values do not go together in a design",
         "no-value": "it has no such value",
         "no-cam": "no cam moves the follower so",
     }

@@ -22,8 +22,8 @@ from core.mechanism.change_points import Branch
 from core.mechanism.driver_ranges import PATH, SIDED, near_zero
 from core.mechanism.driving import with_room
 from core.mechanism.solving import solve
-from core.motion import TURN, Angles, MotionState, Program
-from core.motion.curves import only_stretched
+from core.motion import TURN, Angles, MotionState, Program, program
+from core.motion.curves import only_stretched, with_all_pieces
 from core.motion.cuts import CutProgram
 from core.motion.extremes import Extreme, Range
 from core.numerics.columns import Take, at_angles_of, column, design_by_design, repeated, taken, taker
@@ -193,6 +193,8 @@ class Together:
             design = put(design, path, column(numbers))
         self.design, drive = design, design.drive
         uncut: Any = CrankProgram(_WHOLE) if design.by_crank else Study(self.plain).uncut
+        if motion is not None:
+            uncut = program(with_all_pieces(uncut.motion, motion))
         self.motions = None if motion is None else Motions(uncut, motion, count)
         switches = tuple(sorted(Study(self.plain).loading.cuts(uncut).tolist()))
         self.program: Any = CutProgram(uncut, switches) if switches else uncut
