@@ -72,6 +72,11 @@ DIGITS = 17
 """No number has more that count."""
 
 
+def thousands(count: int) -> str:
+    """A count, its thousands apart."""
+    return f"{count:,}".replace(",", "\u202f")
+
+
 def grouped(value: float, figures: int = 4) -> str:
     """A number of so many figures, its thousands apart: ``113 100 000``."""
     text = shortest(float(f"{value:.{figures}g}"))

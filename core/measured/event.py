@@ -78,7 +78,8 @@ def events(fit: MotionFit, lifts: Sequence[float] = ()) -> tuple[Event, ...]:
     found = []
     for (_, start), (end, _) in pairwise([*rests, (rests[0][0] + 360.0, 0.0)]):
         if end - start > 1e-9:
-            found.append(_event(fit, lowest, start, end, lifts or USUAL_LIFTS.get(motion.unit, ())))
+            turn = 360.0 if start >= 360.0 - 1e-9 else 0.0  # the last rest ends with the turn
+            found.append(_event(fit, lowest, start - turn, end - turn, lifts or USUAL_LIFTS.get(motion.unit, ())))
     return tuple(found)
 
 

@@ -15,6 +15,7 @@ from core.design import (
     AT_REST,
     JOINED,
     ComputedCurve,
+    Curve,
     Motion,
     NamedCurve,
     PolynomialCurve,
@@ -27,6 +28,7 @@ from core.design import (
 from core.errors import DesignError, Fault
 from core.frozen import frozen
 from core.laws import Piece, PieceTable, asymmetric, find_law, hermite, least_jerk, moved, scca
+from core.numerics.columns import taker
 
 
 @frozen
@@ -183,8 +185,43 @@ SHAPES: Mapping[type, Callable[[Any, Segment, bool, str], CurveShape]] = Mapping
 )
 
 
-ONLY_STRETCHED = frozenset({NamedCurve, SccaCurve})
+_ONLY_STRETCHED = frozenset({NamedCurve, SccaCurve})
 """Curves whose pieces stay the same over any span and to any rise."""
+
+
+def only_stretched(motion: Motion) -> bool:
+    """Whether the motions of many designs, whose numbers are columns, have the same pieces, which spans and rises stretch: no curve has
+    numbers of its own in each, and nothing rises in a dwell."""
+    return all(taker(segment) is None or _stretches(segment) for segment in motion.segments)
+
+
+def _stretches(segment: Segment) -> bool:
+    curve = segment.curve
+    law = find_law(curve.law) if isinstance(curve, NamedCurve) else None
+    rises_in_a_dwell = law is not None and law.is_dwell and taker(segment.rise) is not None
+    return type(curve) in _ONLY_STRETCHED and taker(curve) is None and not rises_in_a_dwell
+
+
+_OFF: Mapping[str, tuple[float, float]] = MappingProxyType(
+    {"crossover": (0.5, 0.45), "flat_fraction": (0.0, 0.05), "cv_fraction": (0.0, 0.05), "ramp_fraction": (0.0, 0.05)}
+)
+"""Number of a law -> where it leaves out a piece, and a value where it does not."""
+
+
+def with_all_pieces(plain: Motion, motion: Motion) -> Motion:
+    """A motion with the pieces that most of many designs have, whose numbers are columns in the other: where a number of a law is varied,
+    the piece that the plain one leaves out is there."""
+    rows = zip(plain.segments, motion.segments, strict=True)
+    return replace(plain, segments=tuple(replace(own, curve=_whole(own.curve, varied.curve)) for own, varied in rows))
+
+
+def _whole(curve: Curve, varied: Curve) -> Curve:
+    if type(curve) not in _ONLY_STRETCHED or taker(varied) is None:
+        return curve
+    numbers = [(name, *row) for name, row in _OFF.items() if taker(getattr(varied, name, None)) is not None]
+    moved_off: Any = {name: other for name, without, other in numbers if getattr(curve, name) == without}
+    made: Any = replace(curve, **moved_off)
+    return made if getattr(made, "ramp_fraction", 0.0) + made.flat_fraction <= 1.0 else curve
 
 
 def shape_of(segment: Segment, whole_turn: bool, path: str) -> CurveShape:

@@ -53,11 +53,16 @@ class Difference:
 
     @property
     def texts(self) -> tuple[str, str, str]:
-        """a, b and change for reading: what was typed as it was typed."""
+        """a, b and change for reading: what was typed as it was typed, of a result nothing of rounding."""
         change: Any = self.change
-        if change is not None and self.typed:
-            change = float(Decimal(repr(self.b)) - Decimal(repr(self.a)))  # of what was typed: nothing of rounding
-        return _shown(self.a, self.typed), _shown(self.b, self.typed), _shown(change, self.typed)
+        if self.typed:
+            if change is not None:
+                change = float(Decimal(repr(self.b)) - Decimal(repr(self.a)))  # of what was typed: nothing of rounding
+            return _shown(self.a, True), _shown(self.b, True), _shown(change, True)
+        small = SAME * self.size
+        values = (0.0 if _is_number(each) and abs(each) <= small else each for each in (self.a, self.b, change))
+        a, b, moved = (_shown(each, False) for each in values)
+        return a, b, moved
 
 
 @frozen

@@ -18,10 +18,11 @@ from core.find.checked import FindingsCheck, uneven
 from core.find.on_shaft import with_least_flywheel
 from core.frozen import frozen
 from core.study import many
+from core.study.batches.batch import FAULTY
 from core.study.limits import ANY_PRESSURE, CONVEX, LIMITS
 from core.varying.descent import Descent, Held, Tell, Term, side_of
 from core.varying.request import Goal, StudyFile, StudyOfMany
-from core.varying.space import FAULTY, Axis, Space, apart, as_it_is, none_built, sobol, with_words
+from core.varying.space import Axis, Space, apart, as_it_is, none_built, sobol, with_words
 from core.varying.tolerances import ONE_SIDED, Scatter, Share
 
 FIRST, OF_NONE = 1024, 64  # designs by Sobol's points, at most; twice as many for each number that is varied

@@ -13,11 +13,9 @@ import numpy as np
 from core.design import Design, Info, edited, faults
 from core.errors import KindynaError
 from core.frozen import frozen
+from core.study.batches.batch import FAULTY
 from core.study.many import many
 from core.varying.request import CURVE, GRID, POINTS, StudyOfMany, Vary
-
-FAULTY = "design-fault"
-"""Reason beside those of ``many``: these words do not go together in a design, as a law that only falls with a rise."""
 
 Column = np.ndarray
 """(m,) numbers of a field, or words (dtype object)."""

@@ -154,9 +154,8 @@ class SequenceDialog(PutDialog):
         grid.setColumnStretch(4, 1)
         for i, name in enumerate(request.names):
             kind = name.rstrip("0123456789")
-            setting = Setting(
-                name, name, name, request.unit_of(name), SHARES.get(kind, 0.5), KINDS[kind][1].capitalize()
-            )
+            unit = request.unit_of(name).replace("deg", "°").replace("^2", "²")
+            setting = Setting(name, name, name, unit, SHARES.get(kind, 0.5), KINDS[kind][1].capitalize())
             row = SettingRow(setting, Unit(setting.per, 1.0))
             row.setParent(paper)
             row.add_to(grid, 2 * i)

@@ -207,7 +207,7 @@ class Session(QObject):
 
     @property
     def before(self) -> Design | None:
-        """The design before the last step, or before the gesture that runs; None after undo, redo or another file."""
+        """The design before the last step, or before the gesture that runs; None after undo, redo, another drive or another file."""
         return self._before
 
     @property
@@ -544,6 +544,7 @@ class Session(QObject):
         if begun or stepped or _segments(self.typed_whole) != _segments(whole if draft is None else draft.whole):
             self._cells.clear()
         rechosen = begun or chosen != self.chosen or whole.listed != self.whole.listed
+        recounted = len(whole.drives) != len(self.whole.drives)
         if not rechosen and design == self.design:
             design = self.design  # what is of this drive stays as it is
         another = rechosen or design is not self.design
@@ -557,8 +558,9 @@ class Session(QObject):
         if another:
             self._study = self._at = None
             self.awaited.drop()
-        if restored:
+        if restored or rechosen or recounted:
             self._before = None
+        if restored:
             self.end_gesture()
             self.restored.emit()
         if redrafted:

@@ -132,14 +132,14 @@ class ControllerDialog(ComputedDialog):
             plot.show_lines([*kept, line], dots=[rows])
 
     def _show_curve(self, made: Ecam, curve: Mapping[str, np.ndarray]) -> None:
-        unit = "µm" if made.slave.unit == "mm" else "0.001°"
+        unit, times = ("µm", "") if made.slave.unit == "mm" else ("0.001°", "× ")
         self.curve.name_axes("Rows", f"Largest error, {unit}")
         seen = curve["deviation"] > 0.0
         x, y = np.log10(curve["rows"][seen]), np.log10(1e3 * curve["deviation"][seen])
         assert made.deviation is not None
         here = np.log10([made.rows, max(1e3 * made.deviation.values[0], 1e-12)])
         dots = Dots(here[:1], here[1:], SCREEN.limit, 9.0)
-        rule = Rule(float(here[0]), f"{made.rows} rows: {1e3 * made.deviation.values[0]:.3g} {unit}", SCREEN.ink)
+        rule = Rule(float(here[0]), f"{made.rows} rows: {1e3 * made.deviation.values[0]:.3g} {times}{unit}", SCREEN.ink)
         self.curve.show_lines([Line(x, y, SCREEN.family("displacement"))], fit=True, dots=[dots], rules=[rule])
         low, high = int(np.ceil(y.min())), int(np.floor(y.max()))
         decades = range(low, high + 1, 1 + (high - low) // MOST_DECADES)

@@ -64,7 +64,7 @@ from kindyna_gui.background import Background
 from kindyna_gui.background_view import BackgroundView
 from kindyna_gui.documents.bands import Bands, scatters
 from kindyna_gui.documents.session import Refusal, Session
-from kindyna_gui.labels import in_sentence, reason
+from kindyna_gui.labels import in_sentence, reason, thousands
 from kindyna_gui.player import Player
 from kindyna_gui.studies.best_page import BestPage
 from kindyna_gui.studies.board import Board, Card
@@ -490,11 +490,11 @@ class StudyView(BackgroundView):
     def _tell(self, found: Survey) -> None:
         """How many designs there are, and why some cannot be built."""
         lost = found.reason[found.reason != ""]
-        text = f"{found.reason.size:,} designs".replace(",", "\u202f")
+        text = f"{thousands(found.reason.size)} designs"
         if lost.size:
             codes, counts = np.unique(lost.astype(str), return_counts=True)
             most = codes[counts.argmax()]
-            text += f", {lost.size} without an answer, most: {in_sentence(reason_text(str(most)))}"
+            text += f", {thousands(lost.size)} without an answer, most: {in_sentence(reason_text(str(most)))}"
         self._say(f"{text}{'' if not self._surveys.busy else ' …'}")
 
     def _say(self, text: str) -> None:

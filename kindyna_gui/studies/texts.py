@@ -13,7 +13,7 @@ from core.study.batches.asked import asked_of
 from core.varying import Made, Optimum, StudyOfMany
 from core.varying.tolerances import SHARE
 from kindyna_gui import labels
-from kindyna_gui.labels import SECTION_NAMES, in_sentence, sentence
+from kindyna_gui.labels import SECTION_NAMES, in_sentence, sentence, thousands
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import short, with_unit
 from kindyna_gui.studies.plots import Measured
@@ -39,6 +39,7 @@ _REASONS: Mapping[str, str] = MappingProxyType(
         "no-assembly": "the links do not reach: it cannot be assembled over the whole turn",
         "undercut": "the profile is undercut",
         "out-of-range": "a number lies outside the range of its field",
+        "design-fault": "these values do not go together in a design",
         "no-value": "it has no such value",
         "no-cam": "no cam moves the follower so",
     }
@@ -234,8 +235,3 @@ def answer_html(design: Design, study: StudyOfMany, found: Optimum) -> str:
     if found.against:
         lines.append(f"A better one was refused: {escape(found.against)}")
     return "<br>".join(lines)
-
-
-def thousands(count: int) -> str:
-    """A count, its thousands apart."""
-    return f"{count:,}".replace(",", "\u202f")

@@ -10,13 +10,14 @@ from typing import Any
 import numpy as np
 
 from core import dynamics
-from core.design import Design, Motion, Shaft, edited, only, path_of, put, row_at, with_only
+from core.design import Design, Motion, Shaft, edited, only, part_faults, path_of, put, row_at, with_only
 from core.design.camshaft import drive_at
 from core.design.topology import GROUP, INPUT
 from core.errors import NoAnswer
 from core.mechanism import plan_of
+from core.motion.curves import only_stretched
 from core.motion.turn import ShaftPosition
-from core.numerics.columns import at_angles_of, column, taken
+from core.numerics.columns import at_angles_of, column, design_by_design, taken
 from core.shaft import LoadCurve, combined
 from core.study.batches.asked import ENERGY, LIFE, TOTALS, Asked, infos_of, mean_of, of_range
 from core.study.batches.together import NO_VALUE, UNDERCUT, Results, Together
@@ -28,6 +29,8 @@ from core.study.study import Study
 
 OUT_OF_RANGE = "out-of-range"
 """Reason beside the codes of errors and findings: a number lies outside the range of its field."""
+FAULTY = "design-fault"
+"""The same: these values do not go together in a design, as a law that only falls with a rise."""
 
 POINTS = 240_000  # nodes of a block, which takes far less than 256 MiB
 
@@ -73,6 +76,7 @@ def together(design: Design, paths: Sequence[str], asked: Asked) -> bool:
     )
 
 
+@np.errstate(invalid="ignore", over="ignore", divide="ignore")  # infinite values of some, as rates at dead centres
 def block(
     design: Design, infos: Mapping[str, Any], asked: tuple[Asked, ...], polish: bool, rows: np.ndarray
 ) -> Results:
@@ -90,8 +94,12 @@ def block(
         motion = _own_motion(own, tuple(here), rows[[paths.index(path) for path in here.values()]])
         for segment in () if motion is None else motion.segments:
             inside &= np.asarray(segment.span_deg > 0.0)
+        if motion is not None and not only_stretched(motion):
+            for k in np.flatnonzero(inside).tolist():
+                if part_faults(taken(motion, design_by_design(k)), "motion"):
+                    found.reason[k] = FAULTY
     found.reason[~inside] = OUT_OF_RANGE
-    good = np.flatnonzero(inside)
+    good = np.flatnonzero(found.reason == "")
     if not good.size:
         return found
     if good.size == 1:  # of a single number numpy takes products in another order, with other last bits
@@ -313,12 +321,14 @@ def asked_of_study(study: Study, asked: Sequence[Asked]) -> tuple[list[float], l
             reasons.append(error.code)
         except _NoValue as error:
             reasons.append(str(error))
-    shaped = any(a.name and a.drive is None and quantity(a.name).stage in ("cam", "dynamics") for a in asked)
-    if not reasons and shaped and "cam" in study.stages:
-        try:
-            reasons += [UNDERCUT for flank in study.cam.flanks if undercut_on(study, flank.name)]
-        except NoAnswer as error:  # at no single angle, but over the turn
-            reasons.append(error.code)
+    if not reasons:
+        drives = list(study.drives.values())
+        shaped = {a.drive or 0: None for a in asked if a.name and quantity(a.name).stage in ("cam", "dynamics")}
+        for drive in (drives[number] for number in shaped if "cam" in drives[number].stages):
+            try:
+                reasons += [UNDERCUT for flank in drive.cam.flanks if undercut_on(drive, flank.name)]
+            except NoAnswer as error:  # at no single angle, but over the turn
+                reasons.append(error.code)
     return values, thetas, reasons[0] if reasons else ""
 
 

@@ -22,8 +22,8 @@ from core.mechanism.change_points import Branch
 from core.mechanism.driver_ranges import PATH, SIDED, near_zero
 from core.mechanism.driving import with_room
 from core.mechanism.solving import solve
-from core.motion import TURN, Angles, MotionState, Program
-from core.motion.curves import ONLY_STRETCHED
+from core.motion import TURN, Angles, MotionState, Program, program
+from core.motion.curves import only_stretched, with_all_pieces
 from core.motion.cuts import CutProgram
 from core.motion.extremes import Extreme, Range
 from core.numerics.columns import Take, at_angles_of, column, design_by_design, repeated, taken, taker
@@ -63,25 +63,25 @@ class Results(NamedTuple):
 class Motions:
     """The motions of m designs, of as many pieces each as the plain one: one after the other in one table.
 
-    other  (m,) designs whose motion has another number of pieces; in their place stands that of the first that has not
+    other  (m,) designs whose motion has another number of pieces; in their place stands the plain one
     """
 
     def __init__(self, plain: Program, motion: Motion, count: int) -> None:
         """motion: with a column (count,) for each number that is varied."""
         self._plain, self.other = plain, np.zeros(count, dtype=bool)
-        self._alike = all(type(s.curve) in ONLY_STRETCHED or taker(s) is None for s in motion.segments)
+        self._alike = only_stretched(motion)
         if self._alike:
             self._stacked = Program.of_columns(motion, count)
-        else:  # their pieces depend on span and rise
+        else:  # their pieces depend on span and rise, or on a number of the curve
             self._stacked = self._one_by_one([Program(taken(motion, design_by_design(k))) for k in range(count)])
         self.starts, self.ends = (each.reshape(count, -1) for each in (self._stacked.starts, self._stacked.ends))
         self.pieces = self.starts.shape[1]
 
     def _one_by_one(self, programs: Sequence[Program]) -> Program:
-        count = np.array([each.starts.size for each in programs])
-        self.other = count != np.bincount(count).argmax()
-        first = programs[int(np.argmin(self.other))]
-        return Program.stacked([first if o else each for each, o in zip(programs, self.other.tolist(), strict=True)])
+        self.other = np.array([each.starts.size != self._plain.starts.size for each in programs])
+        return Program.stacked(
+            [self._plain if o else each for each, o in zip(programs, self.other.tolist(), strict=True)]
+        )
 
     @property
     def corners(self) -> np.ndarray:
@@ -193,6 +193,8 @@ class Together:
             design = put(design, path, column(numbers))
         self.design, drive = design, design.drive
         uncut: Any = CrankProgram(_WHOLE) if design.by_crank else Study(self.plain).uncut
+        if motion is not None:
+            uncut = program(with_all_pieces(uncut.motion, motion))
         self.motions = None if motion is None else Motions(uncut, motion, count)
         switches = tuple(sorted(Study(self.plain).loading.cuts(uncut).tolist()))
         self.program: Any = CutProgram(uncut, switches) if switches else uncut
@@ -211,7 +213,7 @@ class Together:
         if not lost.any():
             return
         which = self.nobody.copy()
-        if self._owner is None or lost.size == 1:
+        if self._owner is None:
             which |= lost
         elif self._owner.ndim > 1:
             which[self._owner[:, 0]] = np.broadcast_to(lost, np.broadcast(lost, self._owner).shape).any(axis=1)

@@ -40,6 +40,15 @@ def test_durations_of_an_event_that_passes_cam_angle_0(tmp_path: Path, capsys: p
     assert "120 deg off the base circle, lift 9 mm" in text
 
 
+def test_an_event_that_begins_with_the_turn_is_told_from_cam_angle_0(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    values = np.where(ANGLES < 120.0, 4.5 * (1.0 - np.cos(np.deg2rad(3.0 * ANGLES))), 0.0)
+    (event,) = answer(tmp_path / "cam.csv", values, capsys)["events"]  # type: ignore[misc]
+    assert (event["start_deg"], event["end_deg"]) == pytest.approx((0.0, 120.0), abs=1e-3)
+    assert 0.0 < event["durations"][0]["start_deg"] < 30.0
+
+
 def test_a_ramp_and_the_jumps_of_velocity_at_its_ends_are_named(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

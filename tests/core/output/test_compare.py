@@ -51,6 +51,16 @@ def test_a_wider_cam_differs_in_one_input_and_the_results_are_those_of_either_de
     assert ("displacement_mm", "max") not in {(row.quantity, row.of) for row in found.changed}
 
 
+def test_a_result_that_is_rounding_beside_its_size_is_shown_as_0() -> None:
+    """The pressure angle of the rocker passes 0, but not on the wider cam."""
+    rocker = project.load(EXAMPLES["rocker_cam"])
+    found = held(rocker, with_cam(rocker, base_radius_mm=70.0))
+    least = next(row for row in found.results if (row.quantity, row.of) == ("pressure_angle_deg", "min"))
+    a, b, change = least.texts
+    assert (a, b == change) == ("0", True)
+    assert float(b) > 10.0
+
+
 def test_findings_that_come_and_go_are_told_apart() -> None:
     sharp = with_cam(LIFT, base_radius_mm=150.0)
     there, back = held(LIFT, sharp), held(sharp, LIFT)

@@ -276,3 +276,41 @@ def test_spans_and_rises_are_varied_as_they_are_typed(name: str) -> None:
         assert [found.angle_deg[key][k] for key in ASKED[:2]] == pytest.approx(
             [own.angle_deg[key][0] for key in ASKED[:2]], abs=1e-3
         )
+
+
+@pytest.mark.parametrize(
+    ("name", "field", "numbers"),
+    [("transfer_lift", "crossover", [0.35, 0.5, 0.6]), ("dwell_rise_dwell", "flat_fraction", [0.0, 0.1, 0.4])],
+)
+def test_numbers_of_a_law_are_varied_though_they_cut_it_elsewhere(name: str, field: str, numbers: list[float]) -> None:
+    design = example(name)
+    moving = next(i for i, each in enumerate(design.drive.motion.segments) if each.rise > 0.0)
+    values = {f"motion.segments[{moving}].{field}": np.array(numbers)}
+    keys = ["acceleration_mm_s2:max", "pressure_angle_deg:max"]
+    found, last = many(design, values, keys), many(design, {path: row[2:] for path, row in values.items()}, keys)
+    for k in range(3):
+        study = Study(one_of(design, values, k))
+        own = [
+            extremes_of(study, "motion", ("acceleration",))["acceleration"].high.value * 1e3,
+            np.rad2deg(extremes_of(study, "cam", ("pressure_angle",))["pressure_angle"].high.value),
+        ]
+        assert [found.value[key][k] for key in keys] == pytest.approx(own, rel=1e-6)
+    assert [last.value[key][0] for key in keys] == [found.value[key][2] for key in keys]
+
+
+@pytest.mark.parametrize("field", ["rise_mm", "crossover", "flat_fraction"])
+def test_what_a_dwell_cannot_have_has_no_value(field: str) -> None:
+    path = f"motion.segments[0].{field}"
+    design = example("dwell_rise_dwell")
+    found = many(design, {path: [get(design, path), 0.3]}, ["acceleration_mm_s2:max"])
+    assert found.reason.tolist() == ["", "design-fault"]
+    assert np.isfinite(found.value["acceleration_mm_s2:max"]).tolist() == [True, False]
+
+
+def test_energy_stays_with_the_designs_that_have_a_cam() -> None:
+    """The second lift of the groove has no cam, which is met where friction turns round: at a single angle of it."""
+    design, path = example("groove"), "motion.segments[3].rise_mm"
+    found = many(design, {path: [-40.0, 92.0]}, ["energy_j"])
+    alone = many(design, {path: [-40.0]}, ["energy_j"])
+    assert found.reason.tolist() == ["", "no-cam"]
+    assert found.value["energy_j"][0] == alone.value["energy_j"][0] > 0.0

@@ -44,6 +44,15 @@ def give(dialog: SequenceDialog, **settings: str) -> None:
         over(dialog, row.box, text)
 
 
+def test_units_are_those_that_the_window_shows_elsewhere(user: User, dialog: SequenceDialog) -> None:
+    """Written so that they are known, and follow the preferences."""
+    over(dialog, dialog.curves, "c1-c2-c3-c4")
+    assert [dialog.rows[name].unit.text() for name in ("h1", "span1", "v1", "a1", "end1")] == [
+        "mm", "°", "mm/°", "mm/°²", "°",
+    ]  # fmt: skip
+    dialog.reject()
+
+
 @pytest.mark.stress
 def test_curves_that_are_typed_and_set_become_the_motion(user: User, dialog: SequenceDialog) -> None:
     over(dialog, dialog.curves, "c1-h2")

@@ -186,6 +186,17 @@ def test_the_list_of_drives(unit: User) -> None:
     assert column(view, NAME) == ["Feed", "Clamp", "Lift", "Torque"]
 
 
+@pytest.mark.parametrize("deed", ["copy", "remove"])
+def test_what_was_before_is_never_another_drive(unit: User, deed: str) -> None:
+    """Neither is it pinned in place of the drive that has come to hand, nor drawn dashed behind its motion."""
+    click_row(unit, 0)
+    listed(unit).buttons[deed].click()
+    settle()
+    assert unit.session.before is None
+    unit.choose("Edit", "Pin what was before")
+    assert unit.window.status.currentMessage() == "Nothing was changed yet"
+
+
 def test_torques_that_wait_for_a_pause_are_not_of_the_design_before(unit: User) -> None:
     view = listed(unit)
     menu = view.buttons["add"].menu()
