@@ -110,7 +110,11 @@ class Program:
         pieces, rows = _rows_of(motion)
         made = cls.__new__(cls)
         made._table, made._copies = PieceTable(pieces), count
-        made._set(motion, np.array([[np.broadcast_to(x, count) for x in row] for row in rows]).transpose(1, 2, 0))
+        columns = np.empty((len(rows[0]), count, len(rows)))
+        for piece, row in enumerate(rows):
+            for k, each in enumerate(row):
+                columns[k, :, piece] = each
+        made._set(motion, columns)
         made._gains = np.broadcast_to(motion.gain * motion.scale, count)
         return made
 
