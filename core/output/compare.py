@@ -25,6 +25,8 @@ LONGEST = 32
 """Letters of a word or list that stands in a column of the terminal; what is longer stands on lines of its own."""
 SAME = 1e-12
 """Of the size of a result: a smaller change is rounding."""
+MEANS = {"mean_torque_nm": ("torque_nm", "drive_torque_nm"), "torque_mean_nm": ("torque_rms_nm",)}
+"""Means that may be rounding alone, beside what they are the means of."""
 
 
 @frozen
@@ -158,6 +160,9 @@ def _sizes(*found: Results) -> dict[str, float]:
     for results in found:
         for (quantity, _), value in results.items():
             sizes[quantity] = max(sizes.get(quantity, 0.0), abs(value or 0.0))
+    for mean, whole in MEANS.items():
+        if mean in sizes:
+            sizes[mean] = max(sizes[mean], *(sizes.get(each, 0.0) for each in whole))
     return sizes
 
 

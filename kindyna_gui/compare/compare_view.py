@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from PySide6.QtWidgets import QComboBox, QHBoxLayout, QPushButton, QSizePolicy
 
 from core.output.compare import Comparison, Side, as_csv, as_document, compared, side_of
-from core.output.explain import explainable
+from core.output.explain import explainable, labels_of
 from core.study import STAGES, Study
+from core.units import split_unit
 from kindyna_gui import dialogs
 from kindyna_gui.documents.pins import Pins
 from kindyna_gui.documents.session import Session
@@ -111,14 +114,23 @@ def _rows(found: Comparison, session: Session) -> list[TableRow]:
             TableRow((sentence(each.message), mark, "", "", ""), icon)
             for each, icon in zip(findings, icons, strict=True)
         ]
-    known = set(explainable(session.study))
+    known, labels = set(explainable(session.study)), labels_of(session.study)
     rows += [
         TableRow(
-            (row.quantity, row.of, *row.texts), number=NumberAtHand(row.quantity) if row.quantity in known else None
+            (_in_words(row.quantity, labels), row.of, *row.texts),
+            tip=f"{_in_words(row.quantity, labels)} ({row.quantity})",
+            number=NumberAtHand(row.quantity) if row.quantity in known else None,
         )
         for row in found.changed
     ]
     return rows or [TableRow(("The design and its results are as pinned.", "", "", "", ""))]
+
+
+def _in_words(quantity: str, labels: Mapping[str, str]) -> str:
+    """``Contact force, N`` of a column, ``feed: Contact force, N`` of one of a drive; the column itself where nobody has a word for it."""
+    drive, dot, column = quantity.rpartition(".")
+    label, unit = labels.get(column), split_unit(column)[1].symbol
+    return quantity if label is None else f"{drive}{': ' if dot else ''}{label}{', ' if unit else ''}{unit}"
 
 
 __all__ = ["CompareView"]

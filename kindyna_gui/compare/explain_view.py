@@ -9,9 +9,7 @@ from PySide6.QtCore import QModelIndex, Qt, Signal
 from PySide6.QtWidgets import QCheckBox, QComboBox, QCompleter, QHBoxLayout, QLabel, QSizePolicy
 
 from core.errors import KindynaError, NotYet
-from core.output.channels import channels
-from core.output.explain import explainable, explained
-from core.output.explain.figures import FIGURES
+from core.output.explain import explainable, explained, labels_of
 from core.output.explain.letters import DYNAMICS, LINKAGE
 from core.output.lines import digits
 from core.study import STAGES, Study
@@ -103,9 +101,7 @@ class ExplainView(View):
             return []
 
     def refresh(self, study: Study) -> None:
-        labels = {row.slug: row.label for row in channels(study.design)} | {
-            name: row.label for name, row in FIGURES.items()
-        }
+        labels = labels_of(study)
         self._whole = frozenset(self._of_whole())
         names = [name for name in explainable(study) if name not in self._whole] + sorted(self._whole)
         if names != self._names:

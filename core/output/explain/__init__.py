@@ -101,6 +101,12 @@ def explainable(study: Study) -> list[str]:
     return [*rows, *(name for name, figure in FIGURES.items() if figure.exists(study))]
 
 
+def labels_of(study: Study) -> dict[str, str]:
+    """What columns and figures of this design are called."""
+    columns = {row.slug: row.label for row in channels(study.design)}
+    return columns | {name: figure.label for name, figure in FIGURES.items()}
+
+
 def _of_shaft(study: Study, name: str, at_deg: float | None) -> Explanation:
     """The torque of all that turns on one shaft by the machine's angle, and that of one drive."""
     camshaft = study.camshaft
@@ -237,4 +243,4 @@ def as_text(made: Explanation) -> str:
     return "\n".join((*head, f"  after {made.source}", *(columns(rows, left=1) if rows else ()), *proof)) + "\n"
 
 
-__all__ = ["Explanation", "as_row", "as_text", "explainable", "explained"]
+__all__ = ["Explanation", "as_row", "as_text", "explainable", "explained", "labels_of"]

@@ -61,6 +61,14 @@ def test_a_result_that_is_rounding_beside_its_size_is_shown_as_0() -> None:
     assert float(b) > 10.0
 
 
+def test_a_mean_torque_that_is_rounding_has_not_changed() -> None:
+    """Without friction the mean over the turn is 0, in digits that another base radius rounds otherwise."""
+    rocker = project.load(EXAMPLES["rocker_cam"])
+    for radius in (47.0, 50.0, 55.0):
+        found = held(rocker, with_cam(rocker, base_radius_mm=radius))
+        assert "mean_torque_nm" not in {row.quantity for row in found.changed}
+
+
 def test_findings_that_come_and_go_are_told_apart() -> None:
     sharp = with_cam(LIFT, base_radius_mm=150.0)
     there, back = held(LIFT, sharp), held(sharp, LIFT)

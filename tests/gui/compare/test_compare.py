@@ -40,8 +40,8 @@ def test_two_base_radii_are_compared_in_every_plot_after_one_pin_and_one_edit(us
     inputs = [row for row in rows if row[1] == "input"]
     assert [row[2:] for row in inputs] == [("400", "420", "20")]
     changed = {(row[0], row[1]) for row in rows}
-    assert ("radius_mm", "min") in changed
-    assert ("displacement_mm", "max") not in changed
+    assert ("Cam radius, mm", "min") in changed
+    assert ("Displacement, mm", "max") not in changed
     user.choose("Edit", "Unpin")
     user.window.show_view("pressure_angle")
     wait_for(lambda: plot.up_to_date)
