@@ -115,14 +115,10 @@ def _rows(found: Comparison, session: Session) -> list[TableRow]:
             for each, icon in zip(findings, icons, strict=True)
         ]
     known, labels = set(explainable(session.study)), labels_of(session.study)
-    rows += [
-        TableRow(
-            (_in_words(row.quantity, labels), row.of, *row.texts),
-            tip=f"{_in_words(row.quantity, labels)} ({row.quantity})",
-            number=NumberAtHand(row.quantity) if row.quantity in known else None,
-        )
-        for row in found.changed
-    ]
+    for row in found.changed:
+        words = _in_words(row.quantity, labels)
+        number = NumberAtHand(row.quantity) if row.quantity in known else None
+        rows.append(TableRow((words, row.of, *row.texts), tip=f"{words} ({row.quantity})", number=number))
     return rows or [TableRow(("The design and its results are as pinned.", "", "", "", ""))]
 
 

@@ -75,9 +75,8 @@ class StabilityPages(QTabWidget):
         self.chosen: ChartPoint | None = None
         self._drawn: set[int] = set()
         self.verdicts, self.speeds = _text(), _text()
-        self.steady = QLabel(
-            wordWrap=True, margin=8
-        )  # as long as there are drives: not beside the table, which must not wrap
+        # as long as there are drives, so that it must wrap, which the table above must not
+        self.steady = QLabel(wordWrap=True, margin=8)
         self.steady.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.addTab(_rolled(self.verdicts, self.steady), "Verdicts")
         self.addTab(self._speeds_page(), "Speeds")

@@ -8,7 +8,7 @@ from PySide6.QtCore import QSize, Signal
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
 
-from core.design import UNITS, Design, TimingRow, entries, events, named_event
+from core.design import UNITS, Design, TimingRow, entry_at, events, named_event
 from kindyna_gui.forms.field_parts import UnitLabel
 from kindyna_gui.forms.list_parts import list_button, taken_by_list
 from kindyna_gui.forms.number_box import NumberBox, WordBox
@@ -160,8 +160,9 @@ class TimingRows(QWidget):
                     box.addItem(plain(name), name)
             box.setCurrentIndex(names.index(named_event(design, event)))
         if self.least is None:
-            info = next(entry.info for entry in entries(design, f"timing[{row}]") if entry.path.endswith("least_deg"))
-            self.least = NumberBox(info, UNITS["deg"])
+            entry = entry_at(design, f"timing[{row}].least_deg")
+            assert entry is not None
+            self.least = NumberBox(entry.info, UNITS["deg"])
             self.least.setAccessibleName("at least")
             self.least.setMaximumWidth(90)
             self.least.entered.connect(self._least_entered)

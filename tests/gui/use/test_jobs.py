@@ -25,6 +25,7 @@ from PySide6.QtWidgets import (
     QToolBar,
     QWidget,
 )
+from sampled import stressed
 from window_user import Open, User, pixel, plain, settle, wait_for
 
 from core.design import get
@@ -38,7 +39,7 @@ from kindyna_gui.window.gallery import DWELL, Gallery
 
 LEFT, RIGHT = Qt.MouseButton.LeftButton, Qt.MouseButton.RightButton
 SMALL = (1280, 720)
-LARGER = [pytest.param(size, marks=pytest.mark.stress) for size in ((1440, 900), (1920, 1080))]
+LARGER = [stressed(size) for size in ((1440, 900), (1920, 1080))]
 SIZES = [SMALL, *LARGER]
 
 

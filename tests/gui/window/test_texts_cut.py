@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import pytest
 from PySide6.QtWidgets import QAbstractButton, QApplication, QCheckBox, QLabel, QRadioButton, QToolButton, QWidget
+from sampled import stressed
 from window_user import Open
 
 from kindyna_gui.look import wear
@@ -14,7 +15,7 @@ from kindyna_gui.window.tasks import TASKS
 
 SMALL = (1280, 720)
 ROOM = 8  # pixels that a button has beside its text at the least
-EVERY = [pytest.param(path.stem, font, marks=pytest.mark.stress) for _, path in examples() for font in (100, 125)]
+EVERY = [stressed(path.stem, font) for _, path in examples() for font in (100, 125)]
 
 
 @pytest.fixture(autouse=True)

@@ -22,6 +22,7 @@ from PySide6.QtWidgets import (
     QTableView,
     QWidget,
 )
+from sampled import spread, stressed
 from window_user import Open, settle
 
 from core.__main__ import parser
@@ -38,7 +39,6 @@ NO_COMMAND = {
     "New...", "Shaft of cams...", "Add this design to a shaft...", "Preferences...", "Underlay...", "Choose a mechanism...", "Welcome",
 }  # fmt: skip
 """Dialogs of which there is nothing for the command line."""
-rest_too = pytest.mark.stress
 
 
 @pytest.fixture(autouse=True)
@@ -101,8 +101,7 @@ def uncopied(name: str, root: QWidget) -> list[str]:
     return [] if (program, headless) == ("kindyna", "--headless") else [f"copies {program}"]
 
 
-@rest_too
-@pytest.mark.parametrize("name", ["transfer_lift", "lecture_six_bar", "transfer_unit"])
+@pytest.mark.parametrize("name", spread(["transfer_lift", "lecture_six_bar", "transfer_unit"], 1))
 def test_every_dialog(open_user: Open, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, name: str) -> None:
     user = open_user(example(name))
     wrong, known = {}, set()
@@ -128,10 +127,7 @@ def test_every_dialog(open_user: Open, monkeypatch: pytest.MonkeyPatch, tmp_path
     ("name", "tasks", "least"),
     [
         ("transfer_lift", ("make", "dyna"), 10),
-        *(
-            pytest.param(n, TASKS, 20, marks=rest_too)
-            for n in ("transfer_lift", "lecture_six_bar", "transfer_unit", "four_bar")
-        ),
+        *(stressed(n, TASKS, 20) for n in ("transfer_lift", "lecture_six_bar", "transfer_unit", "four_bar")),
     ],
 )
 def test_every_task(open_user: Open, name: str, tasks: Iterable[str], least: int) -> None:
