@@ -35,7 +35,7 @@ from core.study.highest import Search, nodes_of, refined
 from core.study.quantities import quantity
 from core.study.study import Study
 
-POINTS = 120_000
+POINTS = 180_000
 """Positions at a time: fewer cost more calls of numpy, more leave the memory that a process keeps."""
 THROUGH, CLEAR = (
     97,
