@@ -73,7 +73,7 @@ class ExtremeMark:
         self._theme = theme
         self.extreme = Extreme(0.0, 0.0, True, theme.quiet)
         self.above = self.outside = False  # its value lies above what the axis shows, or above or below it
-        self.laid = False  # its text has a place
+        self._letters: QRectF | None = None  # where its text stands, if it has a place
         self._sign = Outline(QPainterPath())
         self._sign.setFlag(self._sign.GraphicsItemFlag.ItemIgnoresTransformations)
         self.tag = MarkText("", theme.quiet, theme, SMALL, backing=True)
@@ -111,7 +111,7 @@ class ExtremeMark:
         room = QRectF(0.0, -LEADING, frame.width, frame.height + 2.0 * LEADING)
         own = self.sign_box(frame)
         if not self.tag.text:
-            self.show_text(False)
+            self.show_text(None)
             return own
         for clear, (x, y) in product((True, False), self._leans()):
             self.tag.set_lean(x, y)
@@ -127,20 +127,20 @@ class ExtremeMark:
             ):
                 if not clear and not self.outside:
                     break
-                self.show_text(True)
+                self.show_text(letters)
                 return box.united(own)
-        self.show_text(False)
+        self.show_text(None)
         return own
 
-    def show_text(self, laid: bool) -> None:
-        """Whether the text has a place."""
-        self.laid = laid
-        self.tag.setVisible(laid)
+    def show_text(self, letters: QRectF | None) -> None:
+        """letters: the text's place in the frame; None where it has none."""
+        self._letters = letters
+        self.tag.setVisible(letters is not None)
 
-    def give_way(self, boxes: Sequence[QRectF], frame: Frame) -> None:
+    def give_way(self, boxes: Sequence[QRectF]) -> None:
         """Show the text where it has a place and none of these boxes covers it."""
-        letters = self.box(frame).adjusted(0.0, LEADING, 0.0, -LEADING) if self.laid else QRectF()
-        self.tag.setVisible(self.laid and not any(letters.intersects(box) for box in boxes))
+        letters = self._letters
+        self.tag.setVisible(letters is not None and not any(letters.intersects(box) for box in boxes))
 
     def _leans(self) -> Sequence[tuple[float, float]]:
         if self.outside:  # inwards, beside its arrow
@@ -170,7 +170,7 @@ def lay_marks(
     for mark in sorted(marks, key=lambda mark: not mark.outside):
         own, text = mark.sign_box(frame), (mark.tag.x(), mark.tag.y(), mark.tag.text)
         if text in texts:  # several curves that leave the axis at a dead centre
-            mark.show_text(False)
+            mark.show_text(None)
             continue
         texts.add(text)
         laid.append(mark.lay(frame, [box for box in boxes if box != own], curves))

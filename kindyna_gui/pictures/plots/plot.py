@@ -379,7 +379,7 @@ class CurvePlot(FixedPlot):
             ]
             written = place_readouts(self._readings, degrees(self._angle), values, self.rung, frame, self._boxes)
         for mark in self._extreme_marks:  # in a low plot there may be no other room for what is read at the cursor
-            mark.give_way(written, frame)
+            mark.give_way(written)
 
     # -- layout ---------------------------------------------------------------------------------------------
 
