@@ -19,7 +19,7 @@ from core.mechanism.continuation import follow, merged
 from core.mechanism.drawn import choose_side, drawn_place
 from core.mechanism.dyads import DyadSolution
 from core.mechanism.plan import SolutionPlan, plan_of
-from core.mechanism.ranges import minima, ranges_where
+from core.mechanism.ranges import ranges_where, touched
 from core.mechanism.solving import Solved, at_driver, solve
 from core.numerics.derivatives import Derivatives
 from core.numerics.lazy import once
@@ -318,8 +318,8 @@ def _changes(
     for r in ranges:
         at, left = sampled.gaps(index, r, beyond=True)
         closed = left < -_TOUCH * plan.size  # beside it the gap is crossed, not touched
-        places, values = minima(lambda q: np.abs(gap(q)), at, np.where(closed, np.inf, np.abs(left)))
-        low = places[values <= _TOUCH * plan.size]
+        room = np.where(closed, np.inf, np.abs(left))
+        low = touched(lambda q: np.abs(gap(q)), at, room, _TOUCH * plan.size)
         if not low.size:
             continue
         beside = gap(np.concatenate((low - scale * _BESIDE, low + scale * _BESIDE))).reshape(2, -1)

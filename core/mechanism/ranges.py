@@ -10,6 +10,7 @@ Function = Callable[[np.ndarray], np.ndarray]
 
 _CUTS = 257  # samples of a bracket of a minimum: so many cost hardly more than a few
 _ROUNDS = 3  # each makes it 128 times narrower; what is lowest is flat there
+_BESIDES = np.array([-3, -2, -1, 1, 2, 3])[:, None]  # samples around a lowest one
 _PARTS = np.linspace(0.0, 1.0, 9)[1:-1, None]  # of a bracket of a change of sign
 _DECADES = 10.0 ** -np.arange(1.0, 17.0)[:, None]
 _ABOUT = np.concatenate((-_DECADES, _DECADES))  # of it, from where a straight line through its ends changes its sign
@@ -39,10 +40,31 @@ def ranges_where(function: Function, at: np.ndarray, value: np.ndarray) -> list[
     return found
 
 
-def minima(function: Function, at: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Where the function (n,) -> (n,), known at samples (n,), is lowest between its neighbours and may come near to zero: places and
-    values."""
-    return _lowest(function, at, _nan_is_negative(value), 1.0)
+def touched(function: Function, at: np.ndarray, value: np.ndarray, least: float) -> np.ndarray:
+    """Where the function (n,) -> (n,), known at samples (n,), comes down to no more than ``least`` and goes up again: places (k,).
+
+    Beside zero its root goes through as smoothly as a line: by the samples around that is known at once; else it is narrowed down.
+    """
+    value = _nan_is_negative(value)
+    around = _may_reach_zero(value, value) + _BESIDES
+    if around.size and around.min() >= 0 and around.max() < at.size:
+        with np.errstate(invalid="ignore", divide="ignore"):
+            root = np.sign(_BESIDES) * np.sqrt(value[around])
+            places = _at_zero(at[around], root)
+        near = (at[around[2]] < places) & (places < at[around[3]])
+        if near.all() and (function(places) <= least).all():
+            return places
+    places, values = _lowest(function, at, value, 1.0)
+    return places[values <= least]
+
+
+def _at_zero(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """x (k,) where y is 0, by Lagrange's polynomial in y through points (m, k)."""
+    others = y[:, None] - y  # of each point those that the others are away
+    own = np.arange(len(y))
+    parts = y[:, None] / others
+    parts[own, own] = 1.0
+    return np.asarray((x * parts.prod(axis=0)).sum(axis=0))
 
 
 def _nan_is_negative(value: np.ndarray) -> np.ndarray:
@@ -57,14 +79,8 @@ def _with_minima(function: Function, at: np.ndarray, value: np.ndarray, sign: fl
 
 
 def _lowest(function: Function, at: np.ndarray, value: np.ndarray, sign: float) -> tuple[np.ndarray, np.ndarray]:
-    v = sign * value
-    left, middle, right = v[:-2], v[1:-1], v[2:]
-    with np.errstate(invalid="ignore"):
-        steepest = np.maximum(left - middle, right - middle)
-        may = (middle >= 0.0) & (middle <= left) & (middle <= right) & (middle <= steepest) & np.isfinite(middle)
-        may &= (value[:-2] < np.inf) & (value[2:] < np.inf)
-    spots = np.flatnonzero(may)
-    low, high = at[spots], at[spots + 2]
+    spots = _may_reach_zero(value, sign * value)
+    low, high = at[spots - 1], at[spots + 1]
     if not spots.size:
         return low, low
     share = np.linspace(0.0, 1.0, _CUTS)[:, None]
@@ -80,6 +96,16 @@ def _lowest(function: Function, at: np.ndarray, value: np.ndarray, sign: float) 
     there = sign * _nan_is_negative(function(corner))
     lower = there < value
     return np.where(lower, corner, place), sign * np.where(lower, there, value)
+
+
+def _may_reach_zero(value: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Samples (k,) of v, the value (n,) or its opposite, between which and their neighbours it may be 0: beside nothing infinite."""
+    left, middle, right = v[:-2], v[1:-1], v[2:]
+    with np.errstate(invalid="ignore"):
+        steepest = np.maximum(left - middle, right - middle)
+        may = (middle >= 0.0) & (middle <= left) & (middle <= right) & (middle <= steepest) & np.isfinite(middle)
+        may &= (value[:-2] < np.inf) & (value[2:] < np.inf)
+    return np.flatnonzero(may) + 1
 
 
 def _corner(low: np.ndarray, left: np.ndarray, high: np.ndarray, right: np.ndarray) -> np.ndarray:

@@ -147,6 +147,14 @@ def test_change_points_are_told_where_the_circuits_meet() -> None:
     assert [f.cam_angle_deg for f in changes] == pytest.approx([0.0, 180.0], abs=1e-5)
 
 
+@pytest.mark.parametrize(("crank", "rod"), [(40.0, 60.0), (33.3, 57.7)])
+def test_a_rod_that_is_just_long_enough_has_its_change_point_to_the_last_digits(crank: float, rod: float) -> None:
+    """A slider-crank whose rod is as long as crank and offset: at 270 deg it stands square to the slider's line."""
+    found = driver_ranges_of(slider_crank(crank, rod, rod - crank).drive.linkage)
+    assert [math.degrees(change.at) for change in found.changes] == pytest.approx([270.0], abs=1e-9)
+    assert [r.free for r in found.ranges] == [True]
+
+
 @pytest.mark.parametrize(("on_crank", "on_frame"), [(20.0, 65.0), (13.7, 65.1), (1.234, 147.9), (100.3, 31.7)])
 def test_guides_that_turn_parallel_are_a_dead_centre_with_its_angle(on_crank: float, on_frame: float) -> None:
     """A block on a guide of the crank and on one of the frame: where both are parallel it runs off to infinity."""
