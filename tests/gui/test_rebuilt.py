@@ -51,6 +51,7 @@ def test_examples_of_each_kind_in_turn_leave_no_item_of_a_layout_behind(user: Us
         assert left_behind(held) == [], name
 
 
+@pytest.mark.stress
 def test_what_a_user_opens_and_takes_away_leaves_no_item_behind(user: User) -> None:
     graph = user.see("graph")
     kinds = [text for text in user.entries("File", "New of a kind") if not text.endswith("...")]

@@ -68,7 +68,7 @@ def places(study: Study) -> dict[str, tuple[np.ndarray, np.ndarray]]:
         stressed("tappet_flat"),
         stressed("conjugate"),
         stressed("lecture_six_bar"),
-        "four_bar_coupler_cam",
+        stressed("four_bar_coupler_cam"),
     ],
 )
 def test_the_page_holds_the_places_and_curves_of_the_study(name: str) -> None:

@@ -203,7 +203,7 @@ class Integrated:
     [
         stressed(FREE_LIFT, 2000.0, 3000.0),
         (FREE_LIFT, 1000.0, 50.0),
-        (with_loads(LAYOUT_DESIGNS["f"], friction=0.0), 0.2, 8.0),
+        stressed(with_loads(LAYOUT_DESIGNS["f"], friction=0.0), 0.2, 8.0),
     ],
     ids=["lift", "lift near its stall", "f"],
 )

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mechanisms import LIFT, SMOOTH, with_drive, with_loads
+from sampled import spread
 from shafts import HARD, KIM, coefficients, moved, of, with_elastic
 
 from core.design import Design, Motion
@@ -40,7 +41,7 @@ def agree(one: Tongues, other: Tongues) -> None:
 # -- two ways ---------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", spread(MODELS, 5))
 @pytest.mark.parametrize("name", HARD)
 def test_harmonic_balance_and_monodromy_agree_within_their_stated_errors(name: str, model: str) -> None:
     found = coefficients(HARD[name])

@@ -12,6 +12,7 @@ import pytest
 from PySide6.QtCore import QPoint, QRectF, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QLabel, QLineEdit, QToolButton
+from sampled import spread
 from window_user import Open, User, end_pauses, pixel, settle, wait_for
 
 from core.design import drive_names, only, phase_room
@@ -271,7 +272,7 @@ def direction(view: MechanismView, number: int) -> float:
     return degrees(phase(-own.conjugate() if figure.mirrored else own))
 
 
-@pytest.mark.parametrize("arrangement", [BESIDE, ON_SHAFT])
+@pytest.mark.parametrize("arrangement", spread([BESIDE, ON_SHAFT], 1))
 def test_the_cam_of_a_drive_is_turned_by_hand_among_the_others(unit: User, arrangement: str) -> None:
     view = unit.drawing()
     click_drive(unit, 1)
@@ -442,6 +443,7 @@ def test_a_plot_of_all_drives_lies_over_the_machine_angle(unit: User) -> None:
     assert view.plot.isVisible()
 
 
+@pytest.mark.stress
 def test_tables_of_the_shaft_and_the_profile_of_the_chosen_drive(
     unit: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -165,6 +165,7 @@ def test_qt_reads_the_svg_at_its_size(tmp_path: Path) -> None:
     assert all(word in text for word in ("Flat tappet", "2:1", "R 30", "counter-clockwise", "clockwise"))
 
 
+@pytest.mark.stress
 @pytest.mark.parametrize("ending", spread(list(READERS), 1))
 def test_the_same_design_gives_the_same_bytes_and_no_time(ending: str, tmp_path: Path) -> None:
     """In another process too."""

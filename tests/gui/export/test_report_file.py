@@ -84,6 +84,7 @@ def _ink(text: str) -> np.ndarray:
     )
 
 
+@pytest.mark.stress
 def test_the_text_of_the_pdf_can_be_searched(lift: Study, written: bytes) -> None:
     texts = page_texts(written)
     whole, figures = "\n".join(texts), summary(lift, ("cam", "dynamics"))
@@ -173,6 +174,7 @@ def elsewhere(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     time.tzset()
 
 
+@pytest.mark.stress
 def test_the_same_design_gives_the_same_bytes_at_any_time_and_place(
     written: bytes, tmp_path: Path, elsewhere: None
 ) -> None:
@@ -203,6 +205,7 @@ def test_a_page_does_not_end_with_a_heading(lift: Study, app: QApplication) -> N
     ]
 
 
+@pytest.mark.stress
 def test_a_picture_is_drawn_lower_rather_than_leaving_half_a_page_empty(app: QApplication) -> None:
     """No page but the last ends in its upper half, and a picture keeps its letters and most of its height."""
     made = document(Study(load(example("groove"))), ["inputs", "pictures"])

@@ -9,6 +9,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QContextMenuEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu
+from sampled import spread
 from window_user import Open, User, settle, wait_for
 
 from core.design import CamSlider, entries, get
@@ -364,7 +365,7 @@ OWN_FIELDS = {
 """Kind and face or form -> the fields that no other face or form has."""
 
 
-@pytest.mark.parametrize("kind", ["translating", "oscillating"])
+@pytest.mark.parametrize("kind", spread(["translating", "oscillating"], 1))
 def test_the_form_has_the_fields_of_its_face_and_form_and_no_others(kind: str, user: User) -> None:
     known = set().union(*FACE_FIELDS.values(), *FORM_FIELDS.values(), *OWN_FIELDS.values())
     choices = [("roller", form) for form in FORM_FIELDS] + [(face, "open") for face in FACE_FIELDS if face != "roller"]
@@ -425,7 +426,7 @@ def test_a_name_that_is_dragged_while_another_design_takes_its_field_away_change
     assert user.design == begun
 
 
-@pytest.mark.parametrize("name", ["card_picker", "rocker_cam"])
+@pytest.mark.parametrize("name", spread(["card_picker", "rocker_cam"], 1))
 def test_another_face_brings_its_own_fields(user: User, name: str) -> None:
     user.window.documents.open_example(example(name))
     before = user.design

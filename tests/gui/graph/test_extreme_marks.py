@@ -91,6 +91,7 @@ def test_the_marks_stand_at_the_true_extremes(open_user: Open) -> None:
     assert float(said.split()[-1][:-1]) == pytest.approx(largest.angle, rel=1e-3)
 
 
+@pytest.mark.stress
 def test_the_texts_cover_neither_curves_nor_each_other(open_user: Open) -> None:
     user = open_user(LIFT, size=(1440, 900), whole=True)
     user.choose("View", "Dyna")  # where plots are high enough for their marks

@@ -8,7 +8,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor, QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
-from window_user import User, answering, wait_for
+from window_user import Open, User, answering, wait_for
 
 from core.__main__ import main
 from core.project import load, save
@@ -88,6 +88,12 @@ def exact(tmp_path_factory: pytest.TempPathFactory) -> np.ndarray:
     path = tmp_path_factory.mktemp("exact") / "exact.csv"
     main(["inspection", str(example("tappet_knife")), "--out", str(path), "--samples", "180"])
     return np.genfromtxt(path, delimiter=",", names=True)
+
+
+@pytest.fixture
+def user(open_user: Open) -> User:
+    """The dialogs go with the window."""
+    return open_user()
 
 
 @pytest.fixture

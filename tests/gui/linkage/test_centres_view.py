@@ -146,8 +146,10 @@ def test_layers_of_linkages_go_on_and_off(open_user: Open) -> None:
         assert not view.scene.item(key).isVisible()
 
 
-def test_the_circle_diagram_finds_one_centre_after_the_other(six_bar: User) -> None:
+def test_the_circle_diagram_finds_one_centre_after_the_other(open_user: Open) -> None:
     """Known ones solid, wanted dotted, each from its two triangles, whose lines are drawn in the mechanism."""
+    six_bar = open_user(example("lecture_six_bar"))
+    six_bar.turn(45.0)
     view = circle(six_bar)
     plan = six_bar.session.study.centres.construction
     assert len(view.diagram.solid) == 7

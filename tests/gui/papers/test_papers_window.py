@@ -102,6 +102,7 @@ def test_the_design_behind_a_figure_is_opened(user: User, figures: FiguresWindow
     assert user.design.name == "Card picker"
 
 
+@pytest.mark.stress
 def test_the_star_of_an_assumed_value_says_why(user: User) -> None:
     user.choose("View", "Docks", "Parameters")
     field = user.field("loads.arm_inertia_kg_m2")

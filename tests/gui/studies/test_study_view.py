@@ -34,6 +34,11 @@ FORCE = "contact_force_n:abs"
 PRESSURE, TORQUE = "pressure_angle_deg:abs", "drive_torque_nm:abs"
 
 
+@pytest.fixture
+def open_user(same_window: Open) -> Open:
+    return same_window
+
+
 def menu_of(widget: QWidget) -> QMenu:
     """What opens at a right click."""
     at = widget.rect().center()
@@ -101,14 +106,15 @@ def let_go(plot: SurveyPlot, at: tuple[float, float]) -> None:
 
 
 @pytest.fixture
-def user(open_user: Open) -> User:
-    return open_user(example("transfer_lift"), whole=True, size=(1440, 900))
+def user(same_window: Open) -> User:
+    return same_window(example("transfer_lift"), whole=True, size=(1440, 900))
 
 
 def pivot(user: User) -> tuple[float, float]:
     return get(user.design, X), get(user.design, Y)
 
 
+@pytest.mark.stress
 def test_f1_opens_the_page_on_studies(user: User) -> None:
     user.window.show_task("study")
     view = user.window.view("study")
@@ -465,6 +471,7 @@ def test_right_clicks_and_a_drag_lead_to_the_share_of_machines_in_twelve_actions
     assert actions <= 12
 
 
+@pytest.mark.stress
 def test_a_cell_of_the_motion_and_a_word_are_varied_by_right_click(user: User) -> None:
     motion = user.motion()
     user.see("motion")
@@ -578,6 +585,7 @@ def study_entry(view: StudyView, text: str) -> QAction:
     return next(each for each in menu.actions() if text in each.text())
 
 
+@pytest.mark.stress
 def test_a_ready_study_finds_the_smallest_cam_with_its_path_and_is_taken_over(user: User) -> None:
     user.window.show_task("study")
     view = user.window.view("study")

@@ -120,6 +120,7 @@ def seen(user: User) -> dict[str, Any]:
     return told
 
 
+@pytest.mark.stress
 def test_the_first_five_minutes(user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     play, lift = Replay(user), load(example("transfer_lift"))
     longer = edited(lift, "motion.stroke", 160.0)

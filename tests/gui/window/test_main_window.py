@@ -10,6 +10,7 @@ import pytest
 from PySide6.QtCore import QCoreApplication, QEvent, QMimeData, QPoint, QPointF, QSettings, Qt, QTimer, QUrl
 from PySide6.QtGui import QColor, QDragEnterEvent, QDropEvent, QPalette
 from PySide6.QtWidgets import QApplication, QFileDialog, QMessageBox, QWidget
+from sampled import spread
 from window_user import Open, User, settle, wait_for
 
 from core.project import load
@@ -60,7 +61,7 @@ def test_no_other_window_flashes_up(whole: User) -> None:
     assert seen == []
 
 
-@pytest.mark.parametrize("waited", [True, False], ids=["at rest", "at once"])
+@pytest.mark.parametrize("waited", spread([True, False], 1), ids=["at rest", "at once"])
 def test_a_closed_window_leaves_nothing_behind(app: QApplication, waited: bool) -> None:
     window = open_window(app)
     window.show()
@@ -374,6 +375,7 @@ def test_a_layout_of_another_version_is_forgotten(open_user: Open, whole: User) 
     assert shown(open_user(size=None).window) == first
 
 
+@pytest.mark.stress
 def test_tabs_need_no_titles(whole: User) -> None:
     whole.press(Qt.Key.Key_3, modifier=Qt.KeyboardModifier.ControlModifier)
 
