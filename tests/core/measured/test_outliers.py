@@ -15,7 +15,7 @@ from core.design import Motion
 from core.measured import FitError, MeasuredTable, Outliers, fit, layout, outliers, read_sheet, read_table
 from core.output.measured_text import notes
 
-SEEDED, MANY = 20, 1000
+SEEDED, MANY = 10, 1000
 MOST_REFUSED = 0.02  # of the tables
 LIFT = levels(
     0.0, (60.0, 0.0, "dwell"), (80.0, 9.0, "cycloidal"), (60.0, 9.0, "dwell"), (100.0, 0.0, "modified-sine"), (60.0, 0.0, "dwell")

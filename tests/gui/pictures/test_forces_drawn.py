@@ -24,11 +24,6 @@ pytestmark = pytest.mark.usefixtures("app")
 ANGLES = (20.0, 55.0, 300.0)
 
 
-@pytest.fixture
-def open_user(same_window: Open) -> Open:
-    return same_window
-
-
 def of(study: Study, *slugs: str) -> complex:
     """Two channels of a study of one angle as x and y."""
     x, y = (float(channel(study.design, slug).values(study)[0]) for slug in slugs)

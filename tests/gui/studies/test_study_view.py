@@ -34,11 +34,6 @@ FORCE = "contact_force_n:abs"
 PRESSURE, TORQUE = "pressure_angle_deg:abs", "drive_torque_nm:abs"
 
 
-@pytest.fixture
-def open_user(same_window: Open) -> Open:
-    return same_window
-
-
 def menu_of(widget: QWidget) -> QMenu:
     """What opens at a right click."""
     at = widget.rect().center()

@@ -304,7 +304,8 @@ def test_without_changes_nothing_is_asked(user: User) -> None:
 # -- recent files -----------------------------------------------------------------------------------------
 
 
-def test_recent_files_are_offered_the_latest_first(open_user: Open, user: User, tmp_path: Path) -> None:
+def test_recent_files_are_offered_the_latest_first(open_user: Open, tmp_path: Path) -> None:
+    user = open_user()
     assert not user.action("File", "Open recent").isEnabled()
     paths = [tmp_path / f"design{i}.toml" for i in range(10)]
     for path in paths:
@@ -323,7 +324,8 @@ def test_recent_files_are_offered_the_latest_first(open_user: Open, user: User, 
     assert not user.action("File", "Open recent").isEnabled()
 
 
-def test_a_recent_file_that_has_gone_is_told_and_dropped(user: User, mine: Path) -> None:
+def test_a_recent_file_that_has_gone_is_told_and_dropped(open_user: Open, mine: Path) -> None:
+    user = open_user()
     user.window.documents.open_path(mine)
     mine.unlink()
     asked = user.answers(SaveAnswer.DISCARD)
@@ -340,7 +342,8 @@ def shown(window: MainWindow) -> set[str]:
     return {name for name, dock in window.docks.items() if not dock.isHidden()}
 
 
-def test_the_layout_is_kept_and_can_be_reset(open_user: Open, whole: User) -> None:
+def test_the_layout_is_kept_and_can_be_reset(open_user: Open) -> None:
+    whole = open_user(whole=True)
     first = shown(whole.window)
     whole.window.docks["findings"].close()
     whole.window.show_view("certificate")

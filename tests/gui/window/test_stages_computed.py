@@ -32,6 +32,12 @@ ALL = ("motion", "linkage", "cam", "dynamics")
 
 
 @pytest.fixture
+def whole(open_user: Open) -> User:
+    """Nothing has been seen in it before."""
+    return open_user(whole=True)
+
+
+@pytest.fixture
 def user(whole: User) -> User:
     """At a window where every stage is in sight, and a form."""
     whole.choose("View", "Dyna")
