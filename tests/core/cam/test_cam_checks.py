@@ -372,7 +372,7 @@ def test_crossings_of_many_lobes() -> None:
     assert outcome.count("crosses") >= 50
 
 
-@pytest.mark.parametrize("side", ["left", "right"])
+@pytest.mark.parametrize("side", spread(["left", "right"], 1))
 def test_a_profile_that_crosses_itself_far_apart_is_found(side: str) -> None:
     design = arm(side, 60.0)
     assert check_crossing(design, 3600) == "crosses"

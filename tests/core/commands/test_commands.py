@@ -548,6 +548,7 @@ def test_a_file_in_the_folders_place_is_refused(tmp_path: Path) -> None:
     check_refused(core(tmp_path, "export", LIFT_FILE, "--out", tmp_path / "dir", "--samples", "8"), tmp_path, before)
 
 
+@pytest.mark.stress
 def test_a_reader_that_goes_away_is_no_fault(tmp_path: Path) -> None:
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     command = f"{sys.executable} -m core report {LIFT_FILE} | head -n 1"

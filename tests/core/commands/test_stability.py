@@ -97,6 +97,7 @@ def test_the_tables_hold_what_their_columns_say() -> None:
     )
 
 
+@pytest.mark.stress
 def test_the_shaft_that_a_speed_needs_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     found = Study(KIM).flexible_shaft()
     band = found.bands[1]

@@ -373,6 +373,7 @@ def test_the_answer_just_keeps_what_the_next_value_does_not(
     assert len(pinned["against"]) == 1
 
 
+@pytest.mark.stress
 def test_what_check_would_find_holds_an_answer_as_a_limit_does(tmp_path: Path) -> None:
     """The hub with room beside it; without that limit the hub itself, since a smaller cam is an error; so is the speed's evenness."""
     into = tmp_path / "small.toml"

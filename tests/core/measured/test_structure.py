@@ -316,13 +316,16 @@ TWO_DWELLS = levels(
 
 @pytest.mark.parametrize(
     ("switches", "found"),
-    [
-        ([(100.0, "table")], ["60 table 80", "140 dwell 60", "200 modified-sine 100", "300 dwell 120"]),
-        ([(170.0, "table")], ["60 modified-sine 80", "140 table 60", "200 modified-sine 100", "300 dwell 120"]),
-        ([(0.0, "table"), (100.0, "table")], ["140 dwell 60", "200 modified-sine 100", "300 table 200"]),
-        ([(170.0, "table"), (100.0, "table")], ["60 table 140", "200 modified-sine 100", "300 dwell 120"]),
-        ([(0.0, "table"), (100.0, "table"), (170.0, "table"), (250.0, "table")], []),
-    ],
+    spread(
+        [
+            ([(100.0, "table")], ["60 table 80", "140 dwell 60", "200 modified-sine 100", "300 dwell 120"]),
+            ([(170.0, "table")], ["60 modified-sine 80", "140 table 60", "200 modified-sine 100", "300 dwell 120"]),
+            ([(0.0, "table"), (100.0, "table")], ["140 dwell 60", "200 modified-sine 100", "300 table 200"]),
+            ([(170.0, "table"), (100.0, "table")], ["60 table 140", "200 modified-sine 100", "300 dwell 120"]),
+            ([(0.0, "table"), (100.0, "table"), (170.0, "table"), (250.0, "table")], []),
+        ],
+        2,
+    ),
 )
 def test_segments_are_switched_and_tables_that_follow_on_each_other_are_one(
     switches: list[tuple[float, str]], found: list[str]

@@ -135,6 +135,7 @@ def test_the_drawing_of_one_drive_of_several_names_machine_and_drive() -> None:
     assert sheet.title == field(sheet, "Title") == "Transfer unit, drive Lift"
 
 
+@pytest.mark.stress
 def test_the_other_flanks_have_drawings() -> None:
     groove, pair = (Study(load(EXAMPLES / f"{name}.toml")) for name in ("groove", "conjugate"))
     assert field(drawing(groove, Request(flank="outer")), "Face") == "Roller, radius 16 mm", (

@@ -293,6 +293,7 @@ def pair_deviation(p: complex, q: complex, start: complex, end: complex, z: np.n
 # -- tangent arcs -----------------------------------------------------------------------------------------
 
 
+@pytest.mark.stress
 def test_tangent_arcs_have_no_break_anywhere(tmp_path: Path) -> None:
     """The closure included; and turn about once in all."""
     for words in (("--tolerance", 0.01), ("--samples", 24)):

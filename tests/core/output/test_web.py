@@ -100,6 +100,7 @@ def test_the_page_opens_with_curves_that_say_something() -> None:
     assert "At a glance" not in text, "no heading without anything below"
 
 
+@pytest.mark.stress
 def test_drives_of_a_shaft_stand_side_by_side_each_with_its_phase() -> None:
     design = load(EXAMPLES / "transfer_unit.toml")
     data = Page(web_page(Study(design))).data

@@ -287,6 +287,7 @@ def _integrated(study: Study, inertia: float, slope: float, theta: np.ndarray) -
     return mean - slope * (zero + begin * np.exp(-slope * theta / (inertia * omega)))
 
 
+@pytest.mark.stress
 @pytest.mark.parametrize(
     ("design", "inertia"), [stressed(FREE_PUSHER, 0.05), (LAYOUT_DESIGNS["f"], 0.4)], ids=["pusher", "f"]
 )

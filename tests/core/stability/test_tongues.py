@@ -299,6 +299,7 @@ def test_q_far_beyond_one_says_how_well_it_is_known() -> None:
     assert np.abs(np.abs(turn.trace) - 2.0).max() < 1e-6
 
 
+@pytest.mark.stress
 def test_edges_at_the_largest_q_are_found_from_more_harmonics() -> None:
     """Between two wide tongues the shaft is stable for 1e-4 of η only: forty harmonics begin too far from it."""
     found, far = coefficients(HARD["lift"]), np.array([100.0])

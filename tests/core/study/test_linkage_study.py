@@ -257,6 +257,7 @@ def test_change_points_are_warnings_with_their_angles() -> None:
     ]
 
 
+@pytest.mark.stress
 def test_a_group_is_shown_with_its_residual() -> None:
     study = study_of(INSIDE_OUT, 90)
     assert [f.code for f in findings_of(study, ("linkage",))] == ["crank-cannot-turn"]

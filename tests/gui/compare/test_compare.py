@@ -204,6 +204,7 @@ def test_shift_f1_explains_what_is_chosen_where_the_focus_is(user: User) -> None
     assert shown.head.text().startswith("Cam torque at")
 
 
+@pytest.mark.stress
 def test_the_peak_of_a_shaft_is_explained_at_its_machine_angle(open_user: Open) -> None:
     user = open_user(example("transfer_unit"))
     figures = user.window.show_view("shaft_figures")

@@ -280,6 +280,7 @@ def user(same_window: Open) -> User:
     return same_window()
 
 
+@pytest.mark.stress
 def test_a_new_design_to_which_segments_are_added_keeps_what_is_typed(user: User) -> None:
     """As the program begins it: insert three times, a law and 40 mm for segment 2."""
     user.choose("File", "New of a kind", "Translating follower")
@@ -380,6 +381,7 @@ def test_save_offers_to_close_it_or_to_save_the_last_whole_motion(
     assert column(user, RISE)[1] == "40"
 
 
+@pytest.mark.stress
 def test_save_may_be_called_off(user: User, tmp_path: Path) -> None:
     user.picks("design_to_save", tmp_path / "own.toml")
     rise_alone(user)

@@ -187,7 +187,7 @@ def test_the_list_of_drives(unit: User) -> None:
     assert column(view, NAME) == ["Feed", "Clamp", "Lift", "Torque"]
 
 
-@pytest.mark.parametrize("deed", ["copy", "remove"])
+@pytest.mark.parametrize("deed", spread(["copy", "remove"], 1))
 def test_what_was_before_is_never_another_drive(unit: User, deed: str) -> None:
     """Neither is it pinned in place of the drive that has come to hand, nor drawn dashed behind its motion."""
     click_row(unit, 0)

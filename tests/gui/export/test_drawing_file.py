@@ -146,7 +146,7 @@ def check_profile(file: Path, design: Path, scale: float, size: tuple[float, flo
     assert back.max() < 0.05 + 0.5 * np.abs(np.diff(drawn)).max()
 
 
-@pytest.mark.parametrize("ending", READERS)
+@pytest.mark.parametrize("ending", spread(READERS, 1))
 def test_a_drawing_is_true_to_scale(ending: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / f"cam{ending}"
     assert run(example("tappet_flat"), "--out", file) == 0

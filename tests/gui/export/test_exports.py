@@ -64,7 +64,7 @@ def test_file_export_offers_everything(user: User) -> None:
 # -- tables and report ------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("samples", [72, 3600])
+@pytest.mark.parametrize("samples", spread([72, 3600], 1))
 def test_the_tables_are_the_cores(samples: int, user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = tmp_path / "new" / "tables"
     monkeypatch.setattr(export_dialogs, "tables_wanted", lambda *_: TablesWanted(folder, samples))
@@ -331,7 +331,7 @@ def test_a_cancelled_animation_writes_nothing(user: User, tmp_path: Path, monkey
     assert "cancelled" in user.window.status.currentMessage()
 
 
-@pytest.mark.parametrize("ending", [".gif", ".webp"])
+@pytest.mark.parametrize("ending", spread([".gif", ".webp"], 1))
 def test_an_animation_is_given_up_while_it_is_encoded_too(ending: str) -> None:
     """Each frame is encoded before the next is drawn, or the writing asks between its parts."""
     film, looks = Film(ending, 12, 320, 240, 1.0), []

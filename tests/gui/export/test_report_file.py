@@ -136,6 +136,7 @@ def test_the_first_page_says_for_whom_and_what_matters_on_either_paper(tmp_path:
 SVG = '<svg xmlns="http://www.w3.org/2000/svg" width="40" height="20"><circle cx="10" cy="10" r="9" fill="#123456"/></svg>'
 
 
+@pytest.mark.stress
 def test_company_and_logo_stand_on_the_first_page_and_a_broken_logo_stops_nothing(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

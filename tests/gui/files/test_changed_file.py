@@ -170,6 +170,7 @@ def test_a_file_that_is_gone_is_written_again(open_user: Open, mine: Path) -> No
     assert user.window.disk.isHidden()
 
 
+@pytest.mark.stress
 def test_save_does_not_bring_a_file_back_that_is_gone_without_a_word(
     open_user: Open, mine: Path, tmp_path: Path
 ) -> None:

@@ -191,6 +191,7 @@ def test_what_the_file_holds_already_is_not_offered(open_user: Open, mine: Path,
     assert kept() == []
 
 
+@pytest.mark.stress
 def test_of_another_window_nothing_is_offered(open_user: Open, mine: Path) -> None:
     first: User = open_user(mine)
     first.enter("follower.rod_mm", "850")

@@ -378,6 +378,7 @@ def test_the_certificate_can_be_read_in_a_small_window(open_user: Open) -> None:
         assert table.rowHeight(row) < 2 * table.fontMetrics().height() + 6
 
 
+@pytest.mark.stress
 def test_where_there_is_no_shaft_no_flywheel_can_be_fitted(user: User) -> None:
     user.choose("View", "Kine")
     user.choose("Dyna", "Flywheel")

@@ -40,7 +40,7 @@ def follower(user: User) -> CamSlider:
 # -- what is shown ----------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["transfer_lift", "card_picker"])
+@pytest.mark.parametrize("name", spread(["transfer_lift", "card_picker"], 1))
 def test_every_entry_has_its_row_what_matters_most_first_else_in_the_order_of_the_file(
     open_user: Open, name: str
 ) -> None:
@@ -387,7 +387,7 @@ def test_the_form_has_the_fields_of_its_face_and_form_and_no_others(kind: str, u
         assert ("follower.arm_mm" in shown) == (kind == "oscillating" and face != "flat")
 
 
-@pytest.mark.parametrize("path", [ROD, "follower.layout"])
+@pytest.mark.parametrize("path", spread([ROD, "follower.layout"], 1))
 def test_the_keys_mark_as_assumed_by_the_menu_of_a_field(user: User, path: str) -> None:
     box = user.field(path).editor
     before = path in user.design.assumed

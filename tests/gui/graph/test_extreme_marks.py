@@ -211,6 +211,7 @@ def test_extremes_are_refined_for_plots_in_sight_alone_and_never_by_a_frame_or_a
     assert view.plot.marked() != before
 
 
+@pytest.mark.stress
 def test_one_switch_hides_the_marks_of_all_plots(open_user: Open) -> None:
     user = open_user(LIFT, size=(1440, 900), whole=True)
     user.choose("View", "Dyna")  # where plots are high enough for their marks
@@ -311,6 +312,7 @@ def test_polar_plots_mark_what_straight_ones_do(polar: GraphView) -> None:
     assert [panel.plot.marked() for panel in polar.panels] == found
 
 
+@pytest.mark.stress
 def test_the_texts_of_polar_marks_stand_beside_their_places_and_cover_nothing(polar: GraphView) -> None:
     laid = 0
     for plot in polar_plots(polar):

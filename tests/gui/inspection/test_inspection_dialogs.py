@@ -163,6 +163,7 @@ def test_a_bump_is_shown_with_its_place_and_verdict(
     assert "Fitted: cam angle = angle +10°, lift = measured -1 mm." in opened.notes.text()
 
 
+@pytest.mark.stress
 def test_what_cannot_be_read_is_one_line_and_nothing_is_lost(opened: MeasuredCamDialog, tmp_path: Path) -> None:
     path, shown = tmp_path / "cut.csv", opened.picture.shown
     whole = path.read_bytes()

@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 from PySide6.QtCore import QModelIndex, Qt
 from PySide6.QtWidgets import QApplication
+from sampled import spread
 from window_user import Open, User, settle, wait_for
 
 from kindyna_gui.forms.tables import RowsModel, RowsTable
@@ -231,7 +232,7 @@ def texts(table: RowsTable) -> dict[tuple[int, int], str]:
     return {(i, j): text for i, row in enumerate(table.rows.rows) for j, text in enumerate(row.cells)}
 
 
-@pytest.mark.parametrize("name", ["lecture_six_bar", "stephenson_six_bar"])
+@pytest.mark.parametrize("name", spread(["lecture_six_bar", "stephenson_six_bar"], 1))
 def test_a_frame_asks_only_for_cells_in_sight_whose_text_changes(
     name: str, open_user: Open, monkeypatch: pytest.MonkeyPatch
 ) -> None:

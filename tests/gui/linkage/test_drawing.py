@@ -557,6 +557,7 @@ def test_the_part_that_is_led_moves_and_the_rest_hangs_on_it(open_user: Open) ->
     assert pen.design.drive.linkage.drawn.driver_deg == pytest.approx(90.0)
 
 
+@pytest.mark.stress
 def test_another_circuit_is_chosen_by_its_picture_and_saved_as_signs(open_user: Open) -> None:
     pen = four_bar(open_user)
     pen.key(Key.Key_Escape)
@@ -672,6 +673,7 @@ def test_links_are_pasted_into_another_design(open_user: Open) -> None:
     assert math.isclose(abs(other.places["O2"] - other.places["O1"]), 100.0)
 
 
+@pytest.mark.stress
 def test_outside_of_drawing_a_link_that_is_dragged_runs_the_machine(open_user: Open) -> None:
     """The grip stays under the mouse, no length changes; Esc and D leave and begin to draw."""
     pen = four_bar(open_user)
@@ -753,6 +755,7 @@ def test_every_tool_and_deed_has_its_entry_and_its_menu(open_user: Open) -> None
     assert pen.user.steps[-1] == "Point C on link 3"
 
 
+@pytest.mark.stress
 def test_while_a_line_is_drawn_the_mouse_is_drawn_to_what_is_there(open_user: Open) -> None:
     """Points, lines, perpendiculars, 15° steps, the grid; Ctrl frees it."""
     pen = four_bar(open_user)

@@ -206,6 +206,7 @@ def test_docks_are_called_after_what_they_show(open_user: Open) -> None:
         assert f"{titles[0]}..." in user.entries("Graph", "Export picture")
 
 
+@pytest.mark.stress
 def test_a_linkage_is_drawn_where_its_cam_cannot_be(same_window: Open, tmp_path: Path) -> None:
     text = example("cam_slider_linkage").read_text("utf-8")
     (tmp_path / "wide.toml").write_text(text.replace("roller_radius_mm = 150.0", "roller_radius_mm = 600.0"), "utf-8")

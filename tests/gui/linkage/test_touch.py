@@ -221,6 +221,7 @@ def test_what_is_drawn_has_a_menu_of_what_can_be_done_with_it(rocker: User, thin
     menu.close()
 
 
+@pytest.mark.stress
 def test_a_plot_has_the_same_menu_before_its_own_entries(rocker: User) -> None:
     view = rocker.see("pressure_angle")
     assert isinstance(view, PlotView)

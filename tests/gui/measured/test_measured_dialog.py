@@ -513,6 +513,7 @@ def test_rows_that_contradict_each_other_are_shown_but_not_put(lift: User, impor
     assert lift.steps == ["Import lift.csv"]
 
 
+@pytest.mark.stress
 def test_a_motion_that_the_mechanism_cannot_follow_is_refused_and_the_dialog_stays(lift: User, imports: Import) -> None:
     before = lift.design
     dialog = imports(table(values=1500.0 - 1500.0 * np.cos(np.deg2rad(ANGLES))))
@@ -549,6 +550,7 @@ def test_a_column_that_scatters_more_than_it_moves_is_told_in_a_line(
     assert dialog.put_button.isEnabled()
 
 
+@pytest.mark.stress
 def test_what_takes_long_is_computed_beside_the_window_and_given_up_by_cancel(
     lift: User, imports: Import, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -277,10 +277,13 @@ Step = Callable[[User], None]
 
 @pytest.mark.parametrize(
     ("name", "driver", "roller"),
-    [
-        ("watt_six_bar", "Link 6 follows a motion", "C on link 4"),
-        ("slider_crank", "Link 4 follows a motion", "B on link 3"),
-    ],
+    spread(
+        [
+            ("watt_six_bar", "Link 6 follows a motion", "C on link 4"),
+            ("slider_crank", "Link 4 follows a motion", "B on link 3"),
+        ],
+        1,
+    ),
 )
 def test_a_roller_rides_on_any_link_of_any_linkage(name: str, driver: str, roller: str, same_window: Open) -> None:
     user = same_window(example(name))

@@ -607,6 +607,7 @@ def test_what_does_not_fit_is_told_below_the_table(user: User) -> None:
 # -- from nothing -----------------------------------------------------------------------------------------
 
 
+@pytest.mark.stress
 def test_a_rise_and_its_return_are_laid_out_by_the_mouse_alone(user: User) -> None:
     """From a dwell over the whole turn: cut where the mouse points, pick laws, draw the level, mirror."""
     user.session.put(edited_to_stand(user), "Lay out")

@@ -96,6 +96,7 @@ def test_a_row_that_is_chosen_shows_its_picture_its_words_and_its_verdict(figure
     assert not figures.picture.empty
 
 
+@pytest.mark.stress
 def test_the_design_behind_a_figure_is_opened(user: User, figures: FiguresWindow) -> None:
     choose(figures, "Yang and Shon: Fig. 4")
     QTest.mouseClick(figures.open_button, Qt.MouseButton.LeftButton)

@@ -99,6 +99,7 @@ def test_the_terms_of_the_equation_are_drawn_by_cam_angle(kim: User) -> None:
     assert np.abs(psi - kims).max() < 1e-12
 
 
+@pytest.mark.stress
 def test_only_the_page_in_front_is_drawn(kim: User) -> None:
     view = page(kim)
     plots = {name: group[0] for name, group in view.pages.plots.items()}

@@ -99,6 +99,7 @@ def test_the_machines_point_is_drawn_to_the_shaft_it_would_need(kim: User) -> No
     assert kim.design == before
 
 
+@pytest.mark.stress
 def test_a_rigid_shaft_is_told_and_can_be_made_flexible(open_user: Open) -> None:
     user = open_user(size=(1440, 900))
     lift = user.design

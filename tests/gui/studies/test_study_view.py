@@ -635,6 +635,7 @@ def test_a_search_is_stopped_and_words_are_tried(user: User) -> None:
     assert [segment.curve.law for segment in user.design.drive.motion.segments][1::2] == ["cycloidal", "cycloidal"]
 
 
+@pytest.mark.stress
 def test_a_study_file_is_opened_with_its_design(open_user: Open, tmp_path: Path) -> None:
     own = tmp_path / "lift.toml"
     own.write_bytes(example("transfer_lift").read_bytes())

@@ -140,6 +140,7 @@ def darkest(image: Any) -> int:
     )
 
 
+@pytest.mark.stress
 def test_what_is_impossible_by_itself_is_refused_beside_what_waits(same_window: Open) -> None:
     user = same_window()
     user.enter("follower.slider_arm_mm", "130.2")

@@ -61,6 +61,7 @@ def test_friction_that_is_there_already_is_named_as_the_form_does(same_window: O
     assert "has its friction already, in another row" in user.window.status.currentMessage()
 
 
+@pytest.mark.stress
 def test_the_form_shows_what_can_be_given(same_window: Open) -> None:
     user = same_window(example("slider_crank"))
     for _ in range(4):

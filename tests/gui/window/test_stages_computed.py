@@ -119,6 +119,7 @@ def test_an_edit_lays_out_nothing_anew_and_paints_only_what_changes(user: User, 
     }
 
 
+@pytest.mark.stress
 def test_a_view_reads_the_stages_of_what_it_shows(user: User) -> None:
     shown = views(user)
     for name in PLOTS:
