@@ -5,10 +5,16 @@ import shiboken6
 from PySide6.QtCore import QCoreApplication, QEvent, QObject, Qt, Signal
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QLayoutItem, QLineEdit, QPushButton, QVBoxLayout, QWidget
-from window_user import Alone, User, settle, wait_for
+from window_user import Alone, Open, User, settle, wait_for
 
 from kindyna_gui.places import example
 from kindyna_gui.rebuilt import Rebuilt
+
+
+@pytest.fixture
+def whole(open_user: Open) -> User:
+    """Nothing has been done in it before."""
+    return open_user(whole=True)
 
 
 @pytest.fixture

@@ -101,8 +101,8 @@ def let_go(plot: SurveyPlot, at: tuple[float, float]) -> None:
 
 
 @pytest.fixture
-def user(same_window: Open) -> User:
-    return same_window(example("transfer_lift"), whole=True, size=(1440, 900))
+def user(open_user: Open) -> User:
+    return open_user(example("transfer_lift"), whole=True, size=(1440, 900))
 
 
 def pivot(user: User) -> tuple[float, float]:
