@@ -19,7 +19,11 @@ from PySide6.QtGui import QImage
 from core.errors import KindynaError
 
 KERNELS = {kernel.name: kernel for kernel in kernels()}
-OURS_AND_OTHERS = [pytest.param(k, m, id=f"{k.name}: {m.name}") for k in KERNELS.values() for m in k.methods]
+OURS_AND_OTHERS = [
+    pytest.param(k, m, id=f"{k.name}: {m.name}", marks=[pytest.mark.stress] if m.lacks or "numba" in m.name else [])
+    for k in KERNELS.values()
+    for m in k.methods
+]  # to compile one takes seconds
 
 
 # -- the rows ---------------------------------------------------------------------------------------------

@@ -218,21 +218,21 @@ def end(user: User) -> None:
 
 
 @pytest.fixture
-def user(open_user: Open) -> User:
+def user(same_window: Open) -> User:
     """A user at a window that shows the lift example, its drawing alone."""
-    return open_user()
+    return same_window()
 
 
 @pytest.fixture
-def whole(open_user: Open) -> User:
+def whole(same_window: Open) -> User:
     """A user at a window that shows the lift example in the layout that it has at first."""
-    return open_user(whole=True)
+    return same_window(whole=True)
 
 
 @pytest.fixture
-def six_bar(open_user: Open) -> User:
+def six_bar(same_window: Open) -> User:
     """A user at the lecture's six-bar, its crank at 45 degrees."""
-    user: User = open_user(example("lecture_six_bar"))
+    user: User = same_window(example("lecture_six_bar"))
     user.turn(45.0)
     return user
 

@@ -12,6 +12,7 @@ from mechanisms import LIFT, with_follower
 from PIL import Image
 from PySide6.QtCore import QSettings
 from PySide6.QtWidgets import QApplication, QWidget
+from sampled import stressed
 
 from core.__main__ import main as core_main
 from core.design import Design
@@ -43,7 +44,18 @@ def run(*words: object) -> int:
 # -- screenshots ------------------------------------------------------------------------------------------
 
 
-def test_every_view_is_painted(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize(
+    ("views", "tasks"), [([*VIEWS][::6], [*TASKS][::3]), stressed([*VIEWS], [*TASKS])], ids=["some", "all"]
+)
+def test_every_view_is_painted(
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    views: list[str],
+    tasks: list[str],
+) -> None:
+    monkeypatch.setattr(screenshots, "VIEWS", {name: VIEWS[name] for name in views})
+    monkeypatch.setattr(screenshots, "TASKS", {name: TASKS[name] for name in tasks})
     assert run("screenshots", PICKER, "--out", tmp_path / "shots", "--size", "1024x700") == 0
     told = capsys.readouterr()
     made = {path.name: path for path in (tmp_path / "shots").iterdir()}
@@ -51,9 +63,14 @@ def test_every_view_is_painted(tmp_path: Path, capsys: pytest.CaptureFixture[str
         str(tmp_path / "shots" / name) for name in map(os.path.basename, told.out.split("\n")) if name
     ]
     assert told.err == ""
-    wanted = {"window", *(f"window_{task}" for task in TASKS), "mechanism_vectors", "graph_polar", *VIEWS}
-    wanted |= {f"parameters_{name}" for name in ("follower", "cam", "shaft", "loads", "limits")}
-    wanted |= {f"centres_{name}" for name in ("links", "points", "differences")}
+    wanted = {"window", *(f"window_{task}" for task in tasks), *views}
+    pages = {
+        "mechanism": ("vectors",),
+        "graph": ("polar",),
+        "parameters": ("follower", "cam", "shaft", "loads", "limits"),
+        "centres": ("links", "points", "differences"),
+    }
+    wanted |= {f"{view}_{name}" for view, names in pages.items() if view in views for name in names}
     assert set(made) == {f"{name}.png" for name in wanted}
     for name, path in made.items():
         with Image.open(path) as opened:

@@ -5,10 +5,16 @@ import shiboken6
 from PySide6.QtCore import QCoreApplication, QEvent, QObject, Qt, Signal
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QLayoutItem, QLineEdit, QPushButton, QVBoxLayout, QWidget
-from window_user import Alone, User, settle, wait_for
+from window_user import Alone, Open, User, settle, wait_for
 
 from kindyna_gui.places import example
 from kindyna_gui.rebuilt import Rebuilt
+
+
+@pytest.fixture
+def whole(open_user: Open) -> User:
+    """Nothing has been done in it before."""
+    return open_user(whole=True)
 
 
 @pytest.fixture
@@ -51,6 +57,7 @@ def test_examples_of_each_kind_in_turn_leave_no_item_of_a_layout_behind(user: Us
         assert left_behind(held) == [], name
 
 
+@pytest.mark.stress
 def test_what_a_user_opens_and_takes_away_leaves_no_item_behind(user: User) -> None:
     graph = user.see("graph")
     kinds = [text for text in user.entries("File", "New of a kind") if not text.endswith("...")]

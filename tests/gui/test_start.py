@@ -67,6 +67,7 @@ def test_without_a_display_the_main_job_is_done(started: tuple[Path, subprocess.
     assert len((folder / "out" / "profile.csv").read_text().splitlines()) == 3601
 
 
+@pytest.mark.stress
 def test_a_design_with_an_error_is_written_whole_and_answers_1(tmp_path: Path) -> None:
     """And a display that does not answer is none."""
     path = tmp_path / "pusher.toml"
@@ -96,6 +97,7 @@ def test_a_bad_file_leaves_nothing_behind(text: str | None, tmp_path: Path, caps
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.stress
 @pytest.mark.usefixtures("without_display")
 def test_a_place_that_cannot_be_written_leaves_nothing_behind(
     lift: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
@@ -211,6 +213,7 @@ sys.exit(main(sys.argv[1:]))
 """
 
 
+@pytest.mark.stress
 def test_without_the_libraries_of_qt_report_and_tables_are_made(lift: Path, tmp_path: Path) -> None:
     done = run(str(lift), folder=tmp_path, code=NO_QT)
     assert done.returncode == 0
@@ -220,6 +223,7 @@ def test_without_the_libraries_of_qt_report_and_tables_are_made(lift: Path, tmp_
     assert {path.name for path in (tmp_path / "out").iterdir()} == TABLES | {"report.txt"}
 
 
+@pytest.mark.stress
 def test_a_window_without_the_libraries_of_qt_is_replaced_by_the_report(lift: Path, tmp_path: Path) -> None:
     done = run(str(lift), folder=tmp_path, code=NO_QT, QT_QPA_PLATFORM="xcb")
     assert done.returncode == 0

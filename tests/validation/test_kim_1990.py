@@ -11,6 +11,7 @@ import mpmath
 import numpy as np
 import pytest
 from paper_claims import EXAMPLES
+from sampled import spread
 from shafts import kim, kim_table, leaves_cam
 
 from core.papers.kim1990.chart import averages, runs, shaft_of
@@ -106,7 +107,7 @@ def integrals() -> list[mpmath.mpc]:
         ]
 
 
-@pytest.mark.parametrize("half", [False, True])
+@pytest.mark.parametrize("half", spread([False, True], 1))
 def test_the_eleven_by_eleven_matrix_is_the_papers(half: bool) -> None:
     """Its entries from the integrals (24), its determinant (32) zero at the edges it gives."""
     with mpmath.workdps(30):

@@ -11,6 +11,7 @@ import mpmath as mp
 import pytest
 from blends import FREEDOM, SEQUENCES, free_motion
 from mpmath import mpf, pi, sin, sqrt
+from sampled import spread
 
 from core.blend import ELEMENTS, BlendError, CurveSequence, Request, blend, sequences
 
@@ -240,7 +241,7 @@ def measures(curves: tuple[str, ...], z: list[Any], span: Any) -> dict[str, Any]
 TABLE = [n for names in SEQUENCES.values() for n in names if n in RELATIONS or n in BACKWARDS]
 
 
-@pytest.mark.parametrize("name", TABLE)
+@pytest.mark.parametrize("name", spread(TABLE, 8))
 @pytest.mark.parametrize("seed", [1, 2])
 def test_the_relations_of_every_sequence(name: str, seed: int) -> None:
     """Against the joining conditions solved with as many heights given as are free; and blending gives that motion."""

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from blends import CURVES, NEXT, PEAKS, Motion, same
-from sampled import stressed
+from sampled import spread, stressed
 
 from core.__main__ import main
 from core.blend import (
@@ -132,7 +132,7 @@ def check(seed: int) -> None:
     assert answer.solution.peak_acceleration <= gentle * (1.0 + 1e-9), (seed, "another motion is gentler")
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", spread(range(12), 3))
 def test_any_sequence_is_solved_from_its_own_figures(seed: int) -> None:
     check(seed)
 
@@ -213,6 +213,7 @@ def test_an_infeasible_setting_says_its_range() -> None:
     assert caught.value.allowed == pytest.approx((0.0, 300.0), rel=1e-9)
 
 
+@pytest.mark.stress
 def test_a_longer_blend_goes_into_a_design_and_is_ranked_there(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:

@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 from blend_cases import request, solves
+from sampled import spread
 
 from core.blend import BlendError, Request, blend, feasible_ranges
 
@@ -214,7 +215,7 @@ def test_a_constant_velocity_may_vanish_whatever_is_still_to_come(
     assert (found.low, found.low_open) == (0.0, False)
 
 
-@pytest.mark.parametrize("level", [7.0, 12.6])
+@pytest.mark.parametrize("level", spread([7.0, 12.6], 1))
 def test_an_acceleration_beside_a_point_has_a_least_value(level: float) -> None:
     wish = request("DRD-return", "return", {}, points=((165.0, level),))
     (found,) = feasible_ranges(wish, "acceleration")

@@ -48,7 +48,7 @@ def test_the_coefficients_of_this_file() -> None:
 SOUGHT = [(*each, goal) for each in SEQUENCES if each[1] in ("none", "rise") for goal in GOALS]
 
 
-@pytest.mark.parametrize(("kind", "constant", "goal"), spread(SOUGHT, 8))
+@pytest.mark.parametrize(("kind", "constant", "goal"), spread(SOUGHT, 2))
 def test_the_best_is_no_worse_than_any_drawn(goal: str, kind: str, constant: str) -> None:
     """With at least 60 deg of constant velocity where it is asked for."""
     wanted = {"length": 60.0} if constant != "none" else {}

@@ -231,7 +231,7 @@ def test_whatever_is_typed_within_the_ranges_shown_is_blended(case: Case, order:
     check_motion(got, case)
 
 
-@settings(max_examples=30)
+@settings(max_examples=10)
 @given(cases(), st.randoms(use_true_random=False))
 def test_no_motion_lies_outside_the_range_of_what_is_still_to_come(case: Case, pick: random.Random) -> None:
     """Motions drawn freely, and those that have what is set, keep to every range."""

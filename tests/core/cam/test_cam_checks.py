@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import tomli_w
 from mechanisms import PUSHER, levels
+from sampled import spread
 
 from core.__main__ import main
 from core.design import (
@@ -84,7 +85,7 @@ def limit_rows(design: Design) -> dict[str, dict[str, float]]:
 # -- figures against a dense scan --------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", FAMILIES)
+@pytest.mark.parametrize("name", spread(FAMILIES, 2))
 def test_pressure_angles_of_rise_and_return_are_those_of_a_dense_scan(name: str) -> None:
     design = FAMILIES[name]
     study, rows = dense(design), limit_rows(design)
@@ -104,7 +105,7 @@ def test_pressure_angles_of_rise_and_return_are_those_of_a_dense_scan(name: str)
         )
 
 
-@pytest.mark.parametrize("name", FAMILIES)
+@pytest.mark.parametrize("name", spread(FAMILIES, 2))
 def test_the_smallest_radii_are_those_of_a_dense_scan(name: str) -> None:
     design = FAMILIES[name]
     study, rows = dense(design), limit_rows(design)
@@ -143,7 +144,7 @@ OWN = [
 ]
 
 
-@pytest.mark.parametrize(("key", "code", "stage", "side"), OWN)
+@pytest.mark.parametrize(("key", "code", "stage", "side"), spread(OWN, 2))
 def test_an_own_limit_is_exceeded_just_beyond_it_and_not_before(key: str, code: str, stage: str, side: float) -> None:
     wide = edited(LIFT, f"limits.{key}", 80.0 if side > 0.0 else 1e9)
     reached = limit_rows(wide)[key]
@@ -371,7 +372,7 @@ def test_crossings_of_many_lobes() -> None:
     assert outcome.count("crosses") >= 50
 
 
-@pytest.mark.parametrize("side", ["left", "right"])
+@pytest.mark.parametrize("side", spread(["left", "right"], 1))
 def test_a_profile_that_crosses_itself_far_apart_is_found(side: str) -> None:
     design = arm(side, 60.0)
     assert check_crossing(design, 3600) == "crosses"
@@ -387,6 +388,7 @@ def test_crossings_are_those_of_a_dense_polyline_and_no_others() -> None:
     assert outcome.count("plain") >= 5
 
 
+@pytest.mark.stress
 def test_a_neck_that_just_holds_does_not_cross() -> None:
     """Between the largest roller that leaves a neck and the smallest that does not."""
 

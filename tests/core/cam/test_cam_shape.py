@@ -86,7 +86,7 @@ def check_shape(design: Design, theta: float) -> None:
 PLACES = [(name, theta) for name in (*DESIGNS, *TURNED) for theta in (0.3, 1.1, 2.5, 3.4, 5.6)]
 
 
-@pytest.mark.parametrize(("name", "theta"), spread(PLACES, 22))
+@pytest.mark.parametrize(("name", "theta"), spread(PLACES, 4))
 def test_profile_pressure_angle_and_curvatures_follow_from_the_pitch_curve(name: str, theta: float) -> None:
     check_shape({**DESIGNS, **TURNED}[name], theta)
 
@@ -118,7 +118,7 @@ def test_the_relative_motion_is_the_pitch_curves_own_derivatives(name: str) -> N
 # -- the roller touches, and enters nowhere ---------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", [*DESIGNS, *TURNED])
+@pytest.mark.parametrize("name", spread([*DESIGNS, *TURNED], 3))
 def test_the_least_distance_from_roller_centre_to_profile_is_the_roller_radius(name: str) -> None:
     """By search: the profile's nearest point, wherever it is, from 12 positions of the roller."""
     design = {**DESIGNS, **TURNED}[name]
@@ -186,7 +186,7 @@ def check_centre(design: Design, theta: float) -> None:
     assert lever <= 16 * EPS * float(kinematics.condition.max()) * (abs(q) + abs(body.z[0, 0])) / abs(centre.weight[0])
 
 
-@pytest.mark.parametrize("name", [*DESIGNS, *TURNED])
+@pytest.mark.parametrize("name", spread([*DESIGNS, *TURNED], 3))
 def test_cam_and_follower_move_alike_at_their_instant_centre(name: str) -> None:
     for theta in np.linspace(0.05, 6.2, 29):
         check_centre({**DESIGNS, **TURNED}[name], float(theta))

@@ -13,6 +13,7 @@ import tomli_w
 from face_cases import CASES, placed, random_design
 from mechanisms import levels
 from references import MP, Series, motion_series, segment_at, turn
+from sampled import spread
 
 from core import project
 from core.cam import envelope
@@ -310,7 +311,7 @@ def test_the_torque_of_a_flat_rocker_by_hand(side: str) -> None:
     assert np.abs(study.dynamics.torque - torque).max() <= 1e-11 * np.abs(torque).max()
 
 
-@pytest.mark.parametrize(("follower", "face", "sense"), [case for case in CASES if case[1] != "roller"])
+@pytest.mark.parametrize(("follower", "face", "sense"), spread([case for case in CASES if case[1] != "roller"], 5))
 def test_power_and_momentum_balance_with_sliding_friction(follower: str, face: str, sense: str) -> None:
     """The friction's power from the velocities of the two bodies where they touch."""
     rng, held = np.random.default_rng(7), 0

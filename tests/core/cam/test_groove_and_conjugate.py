@@ -15,6 +15,7 @@ import tomli_w
 from face_cases import random_design
 from mechanisms import levels
 from references import MP
+from sampled import spread
 
 from core import project
 from core.__main__ import main
@@ -318,7 +319,9 @@ def test_a_flywheel_behind_a_rubbing_groove_takes_the_energy_of_a_dense_sum() ->
 # -- changes of flank ----------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("design", [GROOVE, PAIR, pushed(form=Groove())], ids=["groove", "pair", "weightless"])
+@pytest.mark.parametrize(
+    "design", spread([GROOVE, PAIR, pushed(form=Groove())], 1), ids=["groove", "pair", "weightless"]
+)
 def test_changes_of_flank_stand_where_a_dense_scan_has_them(design: Design) -> None:
     study = Study(design, 72)
     theta = np.deg2rad(np.arange(0.005, 360.0, 0.01))

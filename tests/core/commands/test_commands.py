@@ -75,7 +75,7 @@ def check_refused(
 
 @pytest.mark.parametrize(
     ("command", "example"),
-    spread([("check", p) for p in EXAMPLES] + [("report", p) for p in EXAMPLES[1::3]], 7),
+    spread([("check", p) for p in EXAMPLES] + [("report", p) for p in EXAMPLES[1::3]], 3),
     ids=lambda each: getattr(each, "stem", each),
 )
 def test_the_examples_are_checked_and_reported(tmp_path: Path, command: str, example: Path) -> None:
@@ -124,6 +124,7 @@ def test_a_report_with_a_folder_is_written_and_printed(tmp_path: Path) -> None:
     assert content(tmp_path)["r/report.txt"].decode() == printed.stdout
 
 
+@pytest.mark.stress
 def test_the_same_design_gives_the_same_bytes(tmp_path: Path) -> None:
     """Whatever the process, the hash seed, the folder, the time and the language."""
     one, other = tmp_path / "one", tmp_path / "other"
@@ -260,7 +261,7 @@ NO_ANSWER: dict[str, tuple[Design, tuple[str, ...]]] = {
 
 @pytest.mark.parametrize(
     ("command", "case"),
-    spread([*(("check", case) for case in NO_ANSWER), ("report", "stroke too long"), ("export", "radius used up")], 4),
+    spread([*(("check", case) for case in NO_ANSWER), ("report", "stroke too long"), ("export", "radius used up")], 1),
 )
 def test_a_design_without_an_answer_is_one_line_with_field_and_cam_angles(
     tmp_path: Path, command: str, case: str
@@ -358,8 +359,8 @@ def _utf16(folder: Path) -> Path:
 
 @pytest.mark.parametrize(
     ("place", "phrase", "lines"),
-    [(_not_there, "no such file", 1), (_folder, "folder", 1), (_no_toml, "not TOML", 1), (_empty, "format", None),
-     (_binary, "not UTF-8", 1), (_huge, "larger than", 1), (_pipe, "not an ordinary file", 1), (_utf16, "not UTF-8", 1)],
+    spread([(_not_there, "no such file", 1), (_folder, "folder", 1), (_no_toml, "not TOML", 1), (_empty, "format", None),
+     (_binary, "not UTF-8", 1), (_huge, "larger than", 1), (_pipe, "not an ordinary file", 1), (_utf16, "not UTF-8", 1)], 1),
 )  # fmt: skip
 def test_what_is_no_design_file_is_refused_in_one_line(
     tmp_path: Path, place: Any, phrase: str, lines: int | None
@@ -547,6 +548,7 @@ def test_a_file_in_the_folders_place_is_refused(tmp_path: Path) -> None:
     check_refused(core(tmp_path, "export", LIFT_FILE, "--out", tmp_path / "dir", "--samples", "8"), tmp_path, before)
 
 
+@pytest.mark.stress
 def test_a_reader_that_goes_away_is_no_fault(tmp_path: Path) -> None:
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     command = f"{sys.executable} -m core report {LIFT_FILE} | head -n 1"
@@ -593,13 +595,16 @@ runpy.run_module(package, run_name="__main__", alter_sys=True)
 
 @pytest.mark.parametrize(
     ("module", "command", "code", "line"),
-    [
-        ("numpy", ["core", "report", str(LIFT_FILE)], 130, ""),
-        ("core.study", ["core", "report", str(LIFT_FILE)], 2, "interrupted\n"),
-        ("numpy", ["kindyna_gui", "--headless", "laws"], 130, ""),
-        ("PySide6", ["kindyna_gui", "--headless", "selftest"], 130, ""),
-        ("PySide6", ["kindyna_gui"], 130, ""),
-    ],
+    spread(
+        [
+            ("numpy", ["core", "report", str(LIFT_FILE)], 130, ""),
+            ("core.study", ["core", "report", str(LIFT_FILE)], 2, "interrupted\n"),
+            ("numpy", ["kindyna_gui", "--headless", "laws"], 130, ""),
+            ("PySide6", ["kindyna_gui", "--headless", "selftest"], 130, ""),
+            ("PySide6", ["kindyna_gui"], 130, ""),
+        ],
+        1,
+    ),
 )
 def test_an_interrupt_while_the_program_starts_ends_it_without_a_traceback(
     module: str, command: list[str], code: int, line: str, tmp_path: Path

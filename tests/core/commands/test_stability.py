@@ -97,6 +97,7 @@ def test_the_tables_hold_what_their_columns_say() -> None:
     )
 
 
+@pytest.mark.stress
 def test_the_shaft_that_a_speed_needs_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     found = Study(KIM).flexible_shaft()
     band = found.bands[1]
@@ -112,6 +113,7 @@ def test_the_shaft_that_a_speed_needs_is_told(capsys: pytest.CaptureFixture[str]
     assert clear == "At 6000 rpm the present 85 N·m/rad keeps clear of every forbidden band."
 
 
+@pytest.mark.stress
 def test_the_lift_has_a_chart_of_its_own(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], few_averages: None
 ) -> None:

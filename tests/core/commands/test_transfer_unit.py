@@ -122,6 +122,7 @@ def test_find_gives_a_balance_cam_to_a_shaft_without_one(tmp_path: Path, capsys:
     assert [path for path in balanced.design.assumed if path.startswith("balancer.")]
 
 
+@pytest.mark.stress
 def test_stability_prints_the_forbidden_speeds(unit: Study, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["stability", FILE]) == 0
     printed = capsys.readouterr().out

@@ -11,6 +11,7 @@ import pytest
 from drawn_cams import NosedCam, drawn
 from face_cases import FACES, random_design
 from mechanisms import PUSHER, levels, with_cam, with_follower, with_shaft
+from sampled import spread
 
 from core.__main__ import main
 from core.contour import DrawingError, TracedMotion, read_contour, trace
@@ -136,7 +137,9 @@ def test_a_flat_face_turns_over_on_a_straight_flank() -> None:
     assert [f.code for f in findings_of(Study(result.design), ("motion",))] == ["jump-velocity", "jump-velocity"]
 
 
-@pytest.mark.parametrize(("follower", "face"), [(a, b) for a, faces in FACES.items() if a != "linkage" for b in faces])
+@pytest.mark.parametrize(
+    ("follower", "face"), spread([(a, b) for a, faces in FACES.items() if a != "linkage" for b in faces], 3)
+)
 def test_in_and_out_again(follower: str, face: str) -> None:
     """The envelope of the motion is the drawing again."""
     rng = np.random.default_rng(3)

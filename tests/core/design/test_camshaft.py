@@ -312,6 +312,7 @@ def test_one_drive_in_a_list_has_the_numbers_that_it_has_alone(tmp_path: Path) -
         assert (several / "lift" / name).read_bytes() == (one / name).read_bytes()
 
 
+@pytest.mark.stress
 def test_a_crank_alone_has_the_flexible_shaft_that_it_has_in_a_list_either_way_round() -> None:
     """The machine turned over: mirrored, a clockwise crank is a counter-clockwise one."""
     masses = (LinkMass(link=2, mass_kg=1.0, inertia_kg_m2=2e-3), LinkMass(link=4, mass_kg=3.0))

@@ -6,7 +6,7 @@ from pathlib import Path
 import large_designs
 import pytest
 from counting import calls, cost
-from sampled import stressed
+from sampled import spread, stressed
 
 from core import project
 from core.design import NamedCurve, Segment, faults, with_drive
@@ -52,7 +52,7 @@ LOTS = {
 }
 
 
-@pytest.mark.parametrize("name", LOTS)
+@pytest.mark.parametrize("name", spread(LOTS, 1))
 def test_what_is_larger_than_any_design_is_refused_in_one_line_before_it_is_read(name: str) -> None:
     text, line = LOTS[name]
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from face_cases import CASES, random_design
 from mechanisms import with_cam
-from sampled import stressed
+from sampled import spread, stressed
 
 from core.__main__ import main
 from core.design import Design, edited, get, only
@@ -76,7 +76,7 @@ def test_every_goal_is_sought_somewhere() -> None:
     assert sought == SEARCHES.keys() == {*WANTED, *ON_SHAFT}
 
 
-@pytest.mark.parametrize(("name", "drive", "what"), list(cases()))
+@pytest.mark.parametrize(("name", "drive", "what"), spread(list(cases()), 4))
 def test_an_answer_adds_nothing_to_what_check_finds(
     name: str, drive: str, what: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -118,7 +118,9 @@ def test_a_spring_for_more_speed_keeps_the_follower_at_that_speed(rpm: float, wh
     assert faster.low.value >= 0.02 * faster.high.value * (1.0 - 1e-12)
 
 
-@pytest.mark.parametrize("name", ["rocker_cam", "rocker_flat", "tappet_knife", "transfer_lift", "four_bar_coupler_cam"])
+@pytest.mark.parametrize(
+    "name", spread(["rocker_cam", "rocker_flat", "tappet_knife", "transfer_lift", "four_bar_coupler_cam"], 2)
+)
 def test_the_speed_of_lift_off_is_a_fact_and_one_below_it_is_taken_over(name: str) -> None:
     design = load(EXAMPLES / f"{name}.toml")
     solution = find(design, "lift-off-speed", {})

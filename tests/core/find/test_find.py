@@ -133,6 +133,7 @@ def test_a_cam_sized_to_30_degrees_gives_30_degrees(tmp_path: Path) -> None:
 OPEN = ("pressure_angle_rise_deg=none", "pressure_angle_return_deg=none", "cam.base_radius_mm_min=none")
 
 
+@pytest.mark.stress
 def test_a_limit_that_is_stated_takes_the_place_of_the_same_one_only(tmp_path: Path) -> None:
     """The design's own ones and the usual ones hold besides; one that is taken away does not; that of the whole turn stands for both."""
     path = file(tmp_path, more="[limits]\npressure_angle_rise_deg = 25.0\nconvex_radius_mm = 2.0\n")
@@ -352,9 +353,9 @@ def test_pivot_of_a_cam_slider_is_better_than_all_around_it() -> None:
         stressed("transfer_lift", "base-radius", ()),
         ("rocker_shoe", "base-radius", ("convex_radius_mm=12", "pressure_angle_rise_deg=40")),
         stressed("conjugate", "base-radius", ("pressure_angle_deg=35", "cam.base_radius_mm_min=30")),
-        ("groove", "base-radius", ("pressure_angle_deg=20",)),
+        stressed("groove", "base-radius", ("pressure_angle_deg=20",)),
         stressed("rocker_flat", "base-radius", ("convex_radius_mm=4",)),
-        ("four_bar_coupler_cam", "roller-radius", ()),
+        stressed("four_bar_coupler_cam", "roller-radius", ()),
     ],
 )
 def test_the_answer_just_keeps_what_the_next_value_does_not(
@@ -372,6 +373,7 @@ def test_the_answer_just_keeps_what_the_next_value_does_not(
     assert len(pinned["against"]) == 1
 
 
+@pytest.mark.stress
 def test_what_check_would_find_holds_an_answer_as_a_limit_does(tmp_path: Path) -> None:
     """The hub with room beside it; without that limit the hub itself, since a smaller cam is an error; so is the speed's evenness."""
     into = tmp_path / "small.toml"

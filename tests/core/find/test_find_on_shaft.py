@@ -35,6 +35,7 @@ UNIT = Design(
 )  # fmt: skip
 
 
+@pytest.mark.stress
 def test_the_least_flywheel_of_a_motor_that_stalls_with_less() -> None:
     """Where so large a fluctuation is allowed that the motor would stall first, the answer is where it just runs."""
     wide = replace(LIFT, shaft=replace(LIFT.shaft, speed_fluctuation=1.9))
@@ -119,6 +120,7 @@ def test_find_balancer_is_the_softest_spring_of_the_least_preload_by_a_scan() ->
         assert pressure(float(softer), preload) > 25.0
 
 
+@pytest.mark.stress
 def test_find_balancer_comes_to_the_same_spring_from_a_far_too_soft_one() -> None:
     wish = {FORCE: 2000.0, "pressure_angle_deg": 25.0, "balancer.spring_rate_n_per_mm_min": 2.0}
     soft = find(replace(UNIT, balancer=replace(UNIT.balancer, spring_rate_n_per_mm=2.0)), "balancer", wish)
@@ -126,6 +128,7 @@ def test_find_balancer_comes_to_the_same_spring_from_a_far_too_soft_one() -> Non
     assert pressure(soft.answer[RATE], 2000.0) == pytest.approx(25.0, abs=1e-3)
 
 
+@pytest.mark.stress
 def test_the_softest_spring_is_the_same_from_any_rate_and_its_force_grows_by_a_quarter(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -150,6 +153,7 @@ def test_the_softest_spring_is_the_same_from_any_rate_and_its_force_grows_by_a_q
     assert part.preload_n / part.spring_rate_n_per_mm == pytest.approx(4.0 * stroke, rel=1e-9)
 
 
+@pytest.mark.stress
 def test_a_limit_of_the_balance_cam_that_is_taken_away_holds_no_more() -> None:
     """Without a least growth of its force any softer spring serves, down to none that would push at all."""
     soft = replace(UNIT, balancer=replace(UNIT.balancer, preload_n=80_000.0))

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from mechanisms import with_loads
-from sampled import stressed
+from sampled import spread, stressed
 
 from core.__main__ import main
 from core.design import Design, edited, get
@@ -60,7 +60,7 @@ def test_lift_off_speed_of_a_harmonic_follower_in_closed_form() -> None:
             assert f"from {omega / RPM:.6g} rpm on" in f.message
 
 
-@pytest.mark.parametrize("name", ["rocker_cam", "tappet_flat", "transfer_lift"])
+@pytest.mark.parametrize("name", spread(["rocker_cam", "tappet_flat", "transfer_lift"], 1))
 def test_at_the_speed_of_lift_off_the_least_force_is_the_one_that_was_to_be_kept(name: str) -> None:
     design = load(EXAMPLES / f"{name}.toml")
     solution = find(design, "lift-off-speed", {f"{FORCE}_min": 5.0})
@@ -97,7 +97,7 @@ def test_the_spring_found_keeps_the_force_at_every_angle_and_speed(name: str, rp
     assert again == pytest.approx(get(design, path), rel=1e-6)
 
 
-@pytest.mark.parametrize("rubs", [False, True])
+@pytest.mark.parametrize("rubs", spread([False, True], 1))
 def test_dampers_process_forces_and_friction_of_pins_count(rubs: bool) -> None:
     table = tomllib.loads((EXAMPLES / "rocker_cam.toml").read_text(encoding="utf-8"))
     table["loads"]["torsion_springs"] = [
@@ -154,6 +154,7 @@ def test_what_cannot_be_kept_is_refused_with_what_stands_against_it() -> None:
         find(design, "spring", {f"{FORCE}_min": -1.0})
 
 
+@pytest.mark.stress
 def test_where_a_rate_serves_nothing_the_angle_is_one_where_it_adds_nothing() -> None:
     """With friction too: what stands against it is the force that stays however stiff the spring is, and not that of the present one."""
     table = tomllib.loads((EXAMPLES / "rocker_cam.toml").read_text(encoding="utf-8"))
@@ -193,6 +194,7 @@ def test_the_design_states_the_force_that_must_be_kept(tmp_path: Path) -> None:
     assert not [f for f in findings_of(Study(solution.design), ("dynamics",)) if f.code == "contact-force-low"]
 
 
+@pytest.mark.stress
 def test_the_command_prints_the_answer(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     file = str(EXAMPLES / "rocker_cam.toml")
     assert main(["find", file, "lift-off-speed", "--json"]) == 0

@@ -41,11 +41,11 @@ def _same(one: Outcome, other: Outcome, slack: float) -> bool:
         ("transfer_lift", "base-radius", {}, 1e-12),  # a slider, some of whose rods do not reach
         ("transfer_lift", "base-radius", FORCES, 1e-12),
         stressed("tappet_flat", "base-radius", {}, 1e-12),
-        ("card_picker", "roller-radius", {}, 1e-12),
+        stressed("card_picker", "roller-radius", {}, 1e-12),
         stressed("groove", "offset", {}, 1e-12),
-        ("conjugate", "pivot", {}, 1e-12),
-        ("cam_slider_linkage", "roller-radius", {}, 1e-12),  # a linkage of dyads
-        ("rocker_cam", "span", {}, 2e-3),  # samples go with the span
+        stressed("conjugate", "pivot", {}, 1e-12),
+        stressed("cam_slider_linkage", "roller-radius", {}, 1e-12),  # a linkage of dyads
+        stressed("rocker_cam", "span", {}, 2e-3),  # samples go with the span
     ],
 )
 def test_samples_looked_at_together_are_those_of_each_by_itself(

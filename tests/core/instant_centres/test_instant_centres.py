@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from assembled import SIZE, cases
 from linkages import INSIDE_OUT, KINDS, four_bar, link, slider_crank
+from sampled import spread
 
 from core.design import Design, LinkPoint, with_drive
 from core.instant_centres import (
@@ -29,7 +30,7 @@ def at(design: Design, *angles: float) -> tuple[Kinematics, CentreTable]:
     return kinematics, all_centres(kinematics, SIZE)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", spread(KINDS, 2))
 def test_any_three_bodies_centres_lie_on_one_line(kind: str) -> None:
     for case in cases(kind, 3):
         n = len(case.kinematics.bodies)
@@ -100,6 +101,7 @@ def constructed(table: CentreTable) -> None:
             assert abs(unit(line / scale) @ unit(other.homogeneous[:, 0] * scale)) <= 1e-9 / sharp
 
 
+@pytest.mark.stress
 def test_a_linkage_beyond_the_construction_still_has_all_its_centres() -> None:
     """The six-bar driven inside has the same links and pins, and the same fifteen centres."""
     (only,) = driver_ranges_of(INSIDE_OUT.drive.mechanism).ranges

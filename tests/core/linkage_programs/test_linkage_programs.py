@@ -8,6 +8,7 @@ from pathlib import Path
 import ezdxf
 import numpy as np
 import pytest
+from sampled import spread
 
 from core.__main__ import main
 from core.design import faults
@@ -39,7 +40,7 @@ def expression(joints: list[list[str]]) -> str:
     return f"M[{', '.join(texts)},]"
 
 
-@pytest.mark.parametrize("name", [name for name in EXAMPLES if name != "Arm"])
+@pytest.mark.parametrize("name", spread([name for name in EXAMPLES if name != "Arm"], 4))
 def test_pyslvs_joints_stand_as_read_and_every_link_stays_rigid(name: str) -> None:
     joints = EXAMPLES[name]
     made = read_linkage(expression(joints), name=name)

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from mechanisms import LIFT, PUSHER, levels
 from references import EPS
+from sampled import spread
 
 from core import project
 from core.__main__ import main
@@ -173,6 +174,7 @@ DETECTED: dict[str, Read] = {
 }  # fmt: skip
 
 
+@pytest.mark.stress
 def test_many_rows_are_fitted_without_a_table_of_rows_by_knots() -> None:
     """8,000 rows that are exact, 720 knots: together 46 MB, several times over."""
     angles = np.arange(8000) * (360.0 / 8000)
@@ -398,16 +400,19 @@ def size(order: int) -> float:
 
 @pytest.mark.parametrize(
     ("count", "error", "order"),
-    [
-        (36, 0.2, 0),
-        (180, 0.02, 0),
-        (360, 0.02, 0),
-        (720, 0.02, 0),
-        (720, 5e-4, 0),
-        (3600, 0.2, 0),
-        (360, 1e-3, 1),
-        (360, 5e-4, 2),
-    ],
+    spread(
+        [
+            (36, 0.2, 0),
+            (180, 0.02, 0),
+            (360, 0.02, 0),
+            (720, 0.02, 0),
+            (720, 5e-4, 0),
+            (3600, 0.2, 0),
+            (360, 1e-3, 1),
+            (360, 5e-4, 2),
+        ],
+        2,
+    ),
 )
 def test_a_noisy_table_gives_its_motion_back(count: int, error: float, order: int) -> None:
     """The rows are missed by their error, the motion by less, and its derivatives are still those of a motion."""
@@ -562,7 +567,7 @@ def test_a_typing_error_is_named_and_left_out() -> None:
     assert np.abs(through.residuals).max() < 1e-12
 
 
-@pytest.mark.parametrize("law", ["parabolic", "simple-harmonic", "modified-trapezoid", "cycloidal"])
+@pytest.mark.parametrize("law", spread(["parabolic", "simple-harmonic", "modified-trapezoid", "cycloidal"], 2))
 @pytest.mark.parametrize("count", [24, 120, 720])
 def test_a_coarse_table_of_any_law_holds_no_typing_errors(law: str, count: int) -> None:
     angles = 360.0 * (np.arange(count) + 0.3) / count
@@ -583,6 +588,7 @@ def test_a_finer_error_takes_more_points_and_a_coarser_one_fewer() -> None:
     assert any("a smaller error would keep it" in note for note in notes(found[0]))
 
 
+@pytest.mark.stress
 def test_a_table_of_more_rows_than_points_is_followed_as_near_as_points_can() -> None:
     found = spline(noisy(1440, 1e-3), 0.0)
     assert 180 < len(found.points) < 1440

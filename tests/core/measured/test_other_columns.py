@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from mechanisms import levels
+from sampled import spread
 
 from core.__main__ import main
 from core.measured import MotionFit, fit, layout, read_sheet, read_table
@@ -53,7 +54,7 @@ LIFTED = levels(
 OFFSETS = {"v": 0.05, "a": 0.02}  # mm/deg, mm/deg²
 
 
-@pytest.mark.parametrize("letter", OFFSETS)
+@pytest.mark.parametrize("letter", spread(OFFSETS, 2))
 @pytest.mark.parametrize(("first", "count"), [(100, 2), (243, 5), (352, 13), (133, 13)])
 def test_a_run_of_spoiled_rows_is_named_and_the_laws_stay(letter: str, first: int, count: int) -> None:
     """Inside the strokes, over the end of one, and over cam angle 0; no other row is named."""

@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 from measured_tables import LAWS, WrongTable, position, wrong_table
 from mechanisms import levels
+from sampled import spread
 
 from core.__main__ import main
 from core.design import Motion
 from core.measured import FitError, MeasuredTable, Outliers, fit, layout, outliers, read_sheet, read_table
 from core.output.measured_text import notes
 
-SEEDED, MANY = 20, 1000
+SEEDED, MANY = 10, 1000
 MOST_REFUSED = 0.02  # of the tables
 LIFT = levels(
     0.0, (60.0, 0.0, "dwell"), (80.0, 9.0, "cycloidal"), (60.0, 9.0, "dwell"), (100.0, 0.0, "modified-sine"), (60.0, 0.0, "dwell")
@@ -104,7 +105,7 @@ def test_two_zeros_side_by_side_are_named_and_the_stroke_is_right(
     assert "lines 102-103: wrong, no smooth curve joins them" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("rows", [48, 120, 3600])
+@pytest.mark.parametrize("rows", spread([48, 120, 3600], 1))
 def test_tables_of_other_lengths_have_their_wrong_runs_named(rows: int) -> None:
     angles, values = lift(rows)
     start, length = rows // 4, 1 if rows < 100 else rows // 60
@@ -125,7 +126,7 @@ def test_rows_in_any_order_and_turns_laid_over_each_other_are_judged_too() -> No
 
 
 @pytest.mark.parametrize("rows", [24, 120, 360])
-@pytest.mark.parametrize("law", [*LAWS, "constant-velocity", "double-harmonic"])
+@pytest.mark.parametrize("law", spread([*LAWS, "constant-velocity", "double-harmonic"], 5))
 def test_the_joins_of_a_law_are_no_wrong_rows(law: str, rows: int) -> None:
     motion = levels(0.0, (100.0, 0.0, "dwell"), (35.0, 20.0, law), (80.0, 20.0, "dwell"), (145.0, 0.0, law))
     angles = 360.0 * (np.arange(rows) + 0.3) / rows
@@ -142,7 +143,7 @@ STEPS = {
 }
 
 
-@pytest.mark.parametrize("case", STEPS)
+@pytest.mark.parametrize("case", spread(STEPS, 1))
 def test_a_step_with_no_wrong_side_is_refused(case: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     where, by, lines = STEPS[case]
     angles, values = lift()
@@ -158,6 +159,7 @@ def test_a_step_with_no_wrong_side_is_refused(case: str, tmp_path: Path, capsys:
     assert (told.out, told.err.count("\n")) == ("", 1)
 
 
+@pytest.mark.stress
 def test_both_readings_of_two_steps_are_shown_and_either_can_be_chosen(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

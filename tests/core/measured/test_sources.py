@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from measured_tables import position, workbook
 from mechanisms import levels
+from sampled import spread
 
 from core.__main__ import main
 from core.measured import TableError, fit, layout, read_sheet, read_table
@@ -47,7 +48,7 @@ SOURCES = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("case", SOURCES)
+@pytest.mark.parametrize("case", spread(SOURCES, 3))
 def test_the_same_lift_is_read_from_every_source(case: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     content, words = SOURCES[case]
     path = tmp_path / "lift.txt"

@@ -25,6 +25,7 @@ from linkages import (
     slider_crank,
 )
 from references import EPS, MP
+from sampled import spread
 
 from core.design import CRANK, Design, Drive, Driver, Linkage, LinkageLoads, Slider, put, with_drive
 from core.design.topology import mobility, solving_order
@@ -105,7 +106,7 @@ def test_three_links_on_one_pin_are_two_pairs() -> None:
 # -- positions and derivatives ----------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", spread(KINDS, 2))
 def test_any_linkage_closes_and_stands_where_it_was_drawn(kind: str) -> None:
     for case in cases(kind):
         assert case.kinematics.residual.max() <= 1e-13, case.name
@@ -122,7 +123,7 @@ def test_velocities_are_complex_step_derivatives(kind: str) -> None:
         assert np.abs((rates - expected) / scale).max() <= 1e-12, case.name
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", spread(KINDS, 2))
 def test_three_derivatives_are_those_of_a_power_series(kind: str) -> None:
     """To 50 digits, for a driver that does not run evenly."""
     for case in cases(kind)[1::4]:
@@ -138,7 +139,7 @@ def test_three_derivatives_are_those_of_a_power_series(kind: str) -> None:
                     assert abs(float(MP.mpf(float(value)) - exact)) <= 1e-11 * size, case.name
 
 
-@pytest.mark.parametrize("design", [INSIDE_OUT, SLIDING_GROUP], ids=lambda design: design.name)
+@pytest.mark.parametrize("design", spread([INSIDE_OUT, SLIDING_GROUP], 1), ids=lambda design: design.name)
 def test_a_group_is_solved_like_the_others(design: Design) -> None:
     """Positions close, velocities are complex steps, third derivatives those of a power series."""
     driver_ranges = driver_ranges_of(design.drive.mechanism)
@@ -177,7 +178,7 @@ def started(side: int) -> tuple[Kinematics, np.ndarray]:
     return unit_speed_kinematics(linkage, inside, driver_ranges_of(linkage)), inside
 
 
-@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("side", spread([1, -1], 1))
 def test_the_stated_side_chooses_where_a_group_starts(side: int) -> None:
     """A left or right of the line from O2 to B, at the first driver angle tried that has such an assembly."""
     kinematics, _ = started(side)
@@ -195,7 +196,7 @@ def test_the_two_sides_of_a_group_are_two_assemblies() -> None:
     assert max(abs(one[at] - other[at]) for at in both) > 0.1
 
 
-@pytest.mark.parametrize(("side", "stands"), [(1, False), (-1, True)])
+@pytest.mark.parametrize(("side", "stands"), spread([(1, False), (-1, True)], 1))
 def test_a_side_on_which_a_group_never_stands_has_no_range(side: int, stands: bool) -> None:
     assert bool(driver_ranges_of(replace(INSIDE_OUT.drive.mechanism, branch=sides(B=side))).ranges) == stands
 
@@ -393,7 +394,7 @@ def test_near_a_dead_centre_a_slider_keeps_its_digits(away: float) -> None:
     )
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", spread(KINDS, 2))
 def test_the_stated_condition_bounds_the_error(kind: str) -> None:
     for case in cases(kind):
         exact = in_digits(case.design, case.q, case.x)

@@ -99,6 +99,7 @@ def test_a_boom_is_where_the_cosine_rule_has_it_and_the_cylinder_does_its_work(t
     assert abs((push * along.conjugate()).real) < 1e-9 * abs(push)  # the slide itself pushes across only
 
 
+@pytest.mark.stress
 def test_many_booms_are_as_each_alone() -> None:
     """Some whose cylinder does not reach give the reason that each alone gives."""
     design, path = boom(), "linkage.links[1].points.B.x_mm"

@@ -129,7 +129,7 @@ def scca_by_quadrature(curve: SccaCurve, u: float) -> tuple[mpmath.mpf, mpmath.m
             SccaCurve(0.99, 0.3, 0.3),
             SccaCurve(0.2, 0.0, 0.0),
         ],
-        3,
+        1,
     ),
 )
 def test_the_sine_constant_cosine_family_is_its_acceleration_integrated(curve: SccaCurve) -> None:

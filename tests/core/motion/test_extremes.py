@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mechanisms import LAYOUT_DESIGNS, LIFT, PUSHER, buildable, levels, with_drive
 from references import EPS, MP, Series, cam_shape, motion_series, placed, solved
-from sampled import stressed
+from sampled import spread, stressed
 
 from core.design import Motion, PolynomialCurve, PolynomialEnd, Segment, SplineCurve, SplinePoint, edited, with_stroke
 from core.motion import TURN, Angles, Program
@@ -243,7 +243,7 @@ def _pressure(design: object, theta: object) -> object:
 
 
 @pytest.mark.parametrize(
-    ("design", "segment"), [(LIFT, 1), (PUSHER, 1), (LAYOUT_DESIGNS["c"], 1)], ids=["lift", "pusher", "c"]
+    ("design", "segment"), spread([(LIFT, 1), (PUSHER, 1), (LAYOUT_DESIGNS["c"], 1)], 1), ids=["lift", "pusher", "c"]
 )
 def test_the_largest_pressure_angle_of_a_rise_is_the_root_of_its_derivative(design: object, segment: int) -> None:
     """The other segments are made dwells' equals by looking at this one only: its pieces, its root."""
@@ -271,7 +271,7 @@ def test_the_largest_pressure_angle_of_a_rise_is_the_root_of_its_derivative(desi
     assert found.high.theta == pytest.approx(float(root), abs=1e-8)
 
 
-@pytest.mark.parametrize("segment", [1, stressed(2), 3])
+@pytest.mark.parametrize("segment", [1, stressed(2), stressed(3)])
 @pytest.mark.parametrize("letter", ["b", "f"])
 def test_the_largest_velocity_of_a_segment_is_the_root_of_the_acceleration(letter: str, segment: int) -> None:
     motion = LAYOUT_DESIGNS[letter].drive.motion

@@ -11,6 +11,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from mechanisms import LIFT, PUSHER, SMOOTH, levels, motions
 from references import EPS, LAW_TERMS, MP, joins_of, motion_series, segment_at
+from sampled import spread
 
 from core.design import Motion, NamedCurve, SccaCurve, Segment
 from core.design.edits import with_rise, with_span
@@ -294,7 +295,7 @@ def test_an_unknown_law_is_named_with_its_place() -> None:
     assert "motion.segments[1].law" in str(caught.value)
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", spread(range(10), 3))
 def test_many_motions_in_one_table_are_those_of_each_to_the_last_bit(seed: int) -> None:
     """Spans and rises typed as columns: what the others gain, starts, ends, positions with their derivatives; jumps to their rounding."""
     rng, count = np.random.default_rng(seed), 40

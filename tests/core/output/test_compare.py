@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from mechanisms import LIFT, with_cam, with_follower
+from sampled import spread
 
 from core import project
 from core.__main__ import main
@@ -94,7 +95,7 @@ PAIRS = [
 ]
 
 
-@pytest.mark.parametrize("names", PAIRS)
+@pytest.mark.parametrize("names", spread(PAIRS, 1))
 def test_any_two_examples_are_compared_by_what_both_have(names: list[str]) -> None:
     sides = [side_of(Study(project.load(EXAMPLES[name]))) for name in names]
     for one, other in combinations(sides, 2):

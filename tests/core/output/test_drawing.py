@@ -135,6 +135,7 @@ def test_the_drawing_of_one_drive_of_several_names_machine_and_drive() -> None:
     assert sheet.title == field(sheet, "Title") == "Transfer unit, drive Lift"
 
 
+@pytest.mark.stress
 def test_the_other_flanks_have_drawings() -> None:
     groove, pair = (Study(load(EXAMPLES / f"{name}.toml")) for name in ("groove", "conjugate"))
     assert field(drawing(groove, Request(flank="outer")), "Face") == "Roller, radius 16 mm", (
@@ -193,11 +194,12 @@ def check_page(sheet: DrawingSheet, paper: str) -> None:
 DRAWN = ("transfer_lift", "tappet_flat", "groove", "conjugate", "rocker_shoe", "four_bar_coupler_cam")
 
 
-@pytest.mark.parametrize(("name", "paper"), spread([(name, paper) for name in DRAWN for paper in PAPERS], 4))
+@pytest.mark.parametrize(("name", "paper"), spread([(name, paper) for name in DRAWN for paper in PAPERS], 2))
 def test_nothing_lies_over_anything(name: str, paper: str) -> None:
     check_page(drawing(Study(load(EXAMPLES / f"{name}.toml")), Request(paper=paper)), paper)
 
 
+@pytest.mark.stress
 def test_a_full_page_has_room_for_all(tmp_path: Path) -> None:
     check_page(drawing(Study(KEYED)), "A4")
     Image.new("RGB", (300, 80), "navy").save(tmp_path / "logo.png")

@@ -266,6 +266,7 @@ def test_a_name_that_a_spreadsheet_would_compute_is_read_back_as_it_was(tmp_path
     )
 
 
+@pytest.mark.stress
 def test_of_very_many_columns_those_that_are_named_are_drawn(tmp_path: Path) -> None:
     wide = file(
         tmp_path,

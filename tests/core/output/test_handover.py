@@ -13,13 +13,19 @@ from sampled import stressed
 from core.design import put
 from core.errors import KindynaError
 from core.output.controllers.row import controller
-from core.output.handover import CONTENTS, HandoverFile, Request, handover
+from core.output.handover import CONTENTS, Handover, HandoverFile, Request, handover
 from core.project import load, load_one, loads
 from core.study import Study
 from kindyna_gui.__main__ import main
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
 PICKER = EXAMPLES / "card_picker.toml"
+
+
+@pytest.fixture(scope="module")
+def made() -> Handover:
+    """The picker's, as it is without further words."""
+    return handover(load(PICKER), Request())
 
 
 def test_each_file_is_listed_with_its_deviation_and_its_hash(tmp_path: Path) -> None:
@@ -56,8 +62,7 @@ def distance_from(exact: np.ndarray, dxf: Path, layer: str = "PROFILE") -> float
     return float(np.minimum(*sides).max())
 
 
-def test_the_profile_of_the_folder_is_the_cams_to_its_stated_deviation(tmp_path: Path) -> None:
-    made = handover(load(PICKER), Request())
+def test_the_profile_of_the_folder_is_the_cams_to_its_stated_deviation(made: Handover, tmp_path: Path) -> None:
     made.write(tmp_path / "out")
     (row,) = [each for each in made.contents["files"] if each["name"] == "profile.dxf"]
     exact = 1e3 * Study(load(PICKER), 18000).cam.flank.profile
@@ -89,6 +94,7 @@ def test_the_transfer_unit_leaves_as_four_folders_with_what_each_of_its_readers_
     )
 
 
+@pytest.mark.stress
 @pytest.mark.parametrize("name", ["card_picker", stressed("transfer_unit")])
 def test_a_design_is_handed_over_in_the_same_bytes_each_time(tmp_path: Path, name: str) -> None:
     for file in ("a.zip", "b.zip"):
@@ -105,8 +111,9 @@ def test_what_cannot_be_made_is_said_and_the_rest_is_there() -> None:
     assert {"design.toml", "machine.html"} <= {each.name for each in made.files}
 
 
-def test_an_archive_is_replaced_by_a_later_one_and_a_file_that_is_none_is_left_alone(tmp_path: Path) -> None:
-    made = handover(load(PICKER), Request())
+def test_an_archive_is_replaced_by_a_later_one_and_a_file_that_is_none_is_left_alone(
+    made: Handover, tmp_path: Path
+) -> None:
     (tmp_path / "mine.zip").write_bytes(b"my own")
     with pytest.raises(KindynaError, match="is no hand-over; allowed: another name"):
         made.write(tmp_path / "mine.zip")
@@ -116,10 +123,12 @@ def test_an_archive_is_replaced_by_a_later_one_and_a_file_that_is_none_is_left_a
     assert "old.txt" not in zipfile.ZipFile(tmp_path / "x.zip").namelist()
 
 
-def test_a_folder_that_is_not_empty_is_left_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_folder_that_is_not_empty_is_left_alone(
+    made: Handover, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     (tmp_path / "mine.txt").write_text("mine")
-    assert main(["--headless", "handover", str(PICKER), "--out", str(tmp_path)]) == 2
-    assert "this folder is not empty" in capsys.readouterr().err
+    with pytest.raises(KindynaError, match="this folder is not empty"):
+        made.write(tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == ["mine.txt"]
     assert main(["--headless", "handover", str(PICKER), "--out", str(tmp_path / "x.zip"), "--controller", "nix"]) == 2
     assert "nix" in capsys.readouterr().err

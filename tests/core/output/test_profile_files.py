@@ -124,7 +124,7 @@ WISHES = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("ending", "words"), spread(WISHES, 5), ids=str)
+@pytest.mark.parametrize(("ending", "words"), spread(WISHES, 2), ids=str)
 def test_a_file_deviates_as_it_states(tmp_path: Path, ending: str, words: tuple[object, ...]) -> None:
     design = saved(tmp_path, TURNED)
     stated = written(design, tmp_path / f"cam{ending}", *words)
@@ -133,7 +133,7 @@ def test_a_file_deviates_as_it_states(tmp_path: Path, ending: str, words: tuple[
         assert stated["deviation_mm"] <= words[words.index("--tolerance") + 1]
 
 
-@pytest.mark.parametrize(("fit", "face"), [("spline", "knife"), ("arcs", "roller")])
+@pytest.mark.parametrize(("fit", "face"), spread([("spline", "knife"), ("arcs", "roller")], 1))
 def test_other_followers_files_deviate_as_they_state(tmp_path: Path, fit: str, face: str) -> None:
     path = saved(tmp_path, LIFT if face == "roller" else HOLLOW)
     text = path.read_text("utf-8")
@@ -197,6 +197,7 @@ def test_other_flanks_have_files(tmp_path: Path, flank: str) -> None:
         )
 
 
+@pytest.mark.stress
 def test_a_cam_under_a_linkage_and_the_path_of_a_cutter(tmp_path: Path) -> None:
     """Beside the profile by its radius, where the roller runs."""
     stated = written(COUPLER, tmp_path / "cam.dxf", "--cutter", 8, "--as", "arcs", "--tolerance", 0.01)
@@ -245,6 +246,7 @@ def least_count(deviates: np.ndarray, tolerance: float) -> int:
     return int(fewest[-1])
 
 
+@pytest.mark.stress
 def test_no_choice_of_points_takes_fewer(tmp_path: Path) -> None:
     """No choice among 240 places, by brute force, needs fewer chords, or pairs of tangent arcs; and with as much more tolerance as
     makes up for the distance of these places none needs fewer by more than one."""
@@ -291,6 +293,7 @@ def pair_deviation(p: complex, q: complex, start: complex, end: complex, z: np.n
 # -- tangent arcs -----------------------------------------------------------------------------------------
 
 
+@pytest.mark.stress
 def test_tangent_arcs_have_no_break_anywhere(tmp_path: Path) -> None:
     """The closure included; and turn about once in all."""
     for words in (("--tolerance", 0.01), ("--samples", 24)):
@@ -398,7 +401,7 @@ def test_the_facts_stand_beside_the_file_under_its_name(tmp_path: Path) -> None:
         ]
 
 
-@pytest.mark.parametrize("name", ["cam.csv", "cam.dxf", "cam.svg", "cam.nc"])
+@pytest.mark.parametrize("name", spread(["cam.csv", "cam.dxf", "cam.svg", "cam.nc"], 1))
 def test_a_file_of_one_drive_of_several_names_machine_and_drive(tmp_path: Path, name: str) -> None:
     stated = written(
         ROOT / "resources/examples/transfer_unit.toml",
@@ -415,6 +418,7 @@ def test_a_file_of_one_drive_of_several_names_machine_and_drive(tmp_path: Path, 
         assert "Design: Transfer unit, drive Lift" in (tmp_path / name).read_text("utf-8")
 
 
+@pytest.mark.stress
 def test_the_same_design_gives_the_same_bytes(tmp_path: Path) -> None:
     """In another process, too, which says so in words."""
     design = saved(tmp_path, PUSHER)
@@ -538,8 +542,8 @@ ARCS = ("--as", "arcs")
         ("lift", ARCS),
         stressed("hollow", ARCS),
         stressed("clockwise", (*ARCS, "--conventional")),
-        ("disk", ()),
-        ("disk", ARCS),
+        stressed("disk", ()),
+        stressed("disk", ARCS),
     ],
     ids=str,
 )
@@ -582,6 +586,7 @@ def test_a_program_read_back_is_the_cutters_path(tmp_path: Path, cut: str, words
     assert any(f"tolerance {tolerance!r} mm" in line for line in remarks)
 
 
+@pytest.mark.stress
 def test_an_arc_too_flat_for_machines_is_cut_by_chords(tmp_path: Path) -> None:
     """A cam of a radius of 15 m."""
     flat = with_cam(
@@ -607,6 +612,7 @@ def test_comments_of_a_program_hold_what_every_machine_reads(tmp_path: Path, nam
     assert remarks[0] == f"Design: {NAMES[name]}"
 
 
+@pytest.mark.stress
 def test_passes_go_down_in_equal_steps_and_conventional_milling_goes_the_other_way(tmp_path: Path) -> None:
     file = saved(tmp_path, with_cam(HOLLOW, thickness_mm=14.0))
     moves, remarks, _ = paths(file, tmp_path, 8.0, "--tolerance", 0.05, "--step", 5, "--conventional")

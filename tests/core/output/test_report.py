@@ -11,6 +11,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from sampled import spread
 
 from core.__main__ import main
 from core.design import Balancer, edited, entries, put
@@ -191,6 +192,7 @@ def test_a_drive_without_an_answer_is_told_and_the_others_have_their_chapters(un
     assert not {"Flywheel", "Balance cam"} & {row.name for row in equations_of(study)}
 
 
+@pytest.mark.stress
 def test_chapters_stand_in_one_order_for_one_drive_all_and_each(lift: Study, unit: Study) -> None:
     order = (
         "At a glance", "Drives", "Main figures", "Inputs", "Inputs of the shaft", "Timing", "Motion", "Mechanism and cam", "Mechanism",
@@ -368,7 +370,7 @@ def test_pictures_keep_their_names_apart() -> None:
 NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?![\w.])")
 
 
-@pytest.mark.parametrize("name", ["transfer_lift", "rocker_cam", "kim_1990", "conjugate"])
+@pytest.mark.parametrize("name", spread(["transfer_lift", "rocker_cam", "kim_1990", "conjugate"], 1))
 def test_a_number_that_was_computed_stands_once(name: str) -> None:
     """No row of a table repeats all figures of another, be it in other digits; figures of five digits and more."""
     study = Study(

@@ -15,7 +15,7 @@ import pytest
 from counting import peak
 from mechanisms import LAYOUT_DESIGNS, LIFT, PUSHER, levels, with_drive, with_follower, with_loads, with_shaft
 from references import MP, Solved, cam_shape, free_bodies, sense_of, solved, speed_of
-from sampled import stressed
+from sampled import spread, stressed
 
 from core.design import FOLLOWER_KINDS, UNITS, Design, kind_of
 from core.errors import KindynaError, NoSuchStage
@@ -89,7 +89,7 @@ def test_an_unknown_channel_is_told_with_those_there_are() -> None:
 # -- the files --------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", DESIGNS)
+@pytest.mark.parametrize("name", spread(DESIGNS, 3))
 @pytest.mark.parametrize("samples", [4, 7])
 def test_tables_have_the_contracts_columns_and_one_row_for_each_cam_angle(name: str, samples: int) -> None:
     kind = kind_of(DESIGNS[name].drive.mechanism)
@@ -103,7 +103,7 @@ def test_tables_have_the_contracts_columns_and_one_row_for_each_cam_angle(name: 
         assert len(set(head)) == len(head)
 
 
-@pytest.mark.parametrize("name", DESIGNS)
+@pytest.mark.parametrize("name", spread(DESIGNS, 2))
 def test_a_quantity_that_does_not_exist_is_an_absent_column(name: str) -> None:
     names = {column for head, _ in tables(DESIGNS[name], 4).values() for column in head}
     has_slider = kind_of(DESIGNS[name].drive.mechanism) == "cam-slider"
@@ -144,6 +144,7 @@ def test_a_large_table_is_made_in_blocks_that_fit_together(tmp_path: Path) -> No
     assert json.loads((tmp_path / "summary.json").read_text())
 
 
+@pytest.mark.stress
 @pytest.mark.parametrize("name", ["transfer_lift", stressed("transfer_unit")])
 def test_twice_as_many_angles_hold_no_more_memory(name: str, tmp_path: Path) -> None:
     design = load(EXAMPLES / f"{name}.toml")
@@ -243,7 +244,7 @@ def _exact(design: Design, here: Solved, way: int) -> dict[str, Any]:
     return told
 
 
-@pytest.mark.parametrize("name", DESIGNS)
+@pytest.mark.parametrize("name", spread(DESIGNS, 2))
 def test_every_column_holds_what_its_name_says(name: str) -> None:
     """In its own unit, to 1e-11 of the column's largest value: rates by time, forces by the body that the contract
     names, angles 0 ... 360 or modulo 360."""
@@ -306,7 +307,7 @@ def test_the_motor_torque_with_a_flywheel_is_another_column_of_the_same_mean() -
 # -- the summary ------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", DESIGNS)
+@pytest.mark.parametrize("name", spread(DESIGNS, 2))
 def test_the_summary_has_the_contracts_entries(name: str) -> None:
     design = DESIGNS[name]
     study = Study(design, 36)
@@ -379,7 +380,7 @@ def test_units_of_columns_are_those_of_their_endings() -> None:
 QUARTERS, HALVES = (90.0, 270.0), (0.0, 180.0)
 
 
-@pytest.mark.parametrize(("name", "table", "columns", "at"), [
+@pytest.mark.parametrize(("name", "table", "columns", "at"), spread([
     ("four_bar", "linkage.csv", ("A_x_mm", "A_vy_mm_s", "A_ax_mm_s2"), QUARTERS),
     ("four_bar", "linkage.csv", ("A_y_mm", "A_vx_mm_s", "A_ay_mm_s2"), HALVES),
     ("slider_crank", "linkage.csv", ("link3_deg", "link4_slide_mm_s", "B_vx_mm_s"), HALVES),
@@ -387,7 +388,7 @@ QUARTERS, HALVES = (90.0, 270.0), (0.0, 180.0)
     ("card_picker", "profile.csv", ("x_mm", "pitch_x_mm", "pressure_angle_deg"), (0.0,)),
     ("kim_1990", "kinematics.csv", ("velocity_mm_s", "jerk_mm_s3"), (0.0, 90.0)),
     ("kim_1990", "dynamics.csv", ("drive_torque_nm", "guide_force_n", "bearing_x_n"), (0.0, 90.0)),
-])  # fmt: skip
+], 3))  # fmt: skip
 def test_what_is_zero_by_construction_is_exported_as_zero(
     name: str, table: str, columns: tuple[str, ...], at: tuple[float, ...]
 ) -> None:

@@ -68,7 +68,7 @@ def places(study: Study) -> dict[str, tuple[np.ndarray, np.ndarray]]:
         stressed("tappet_flat"),
         stressed("conjugate"),
         stressed("lecture_six_bar"),
-        "four_bar_coupler_cam",
+        stressed("four_bar_coupler_cam"),
     ],
 )
 def test_the_page_holds_the_places_and_curves_of_the_study(name: str) -> None:
@@ -100,6 +100,7 @@ def test_the_page_opens_with_curves_that_say_something() -> None:
     assert "At a glance" not in text, "no heading without anything below"
 
 
+@pytest.mark.stress
 def test_drives_of_a_shaft_stand_side_by_side_each_with_its_phase() -> None:
     design = load(EXAMPLES / "transfer_unit.toml")
     data = Page(web_page(Study(design))).data

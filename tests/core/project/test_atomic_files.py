@@ -17,6 +17,7 @@ from types import FrameType
 from typing import Any
 
 import pytest
+from sampled import spread
 
 from core.errors import FileError, KindynaError
 from core.project import files
@@ -474,7 +475,7 @@ def sweeping(frame: FrameType | None) -> bool:
     return False
 
 
-@pytest.mark.parametrize("folder", [".", "new/folder"])
+@pytest.mark.parametrize("folder", spread([".", "new/folder"], 1))
 def test_interrupted_at_any_line(out: Path, folder: str) -> None:
     """Ctrl-C before any line of core.project.files that does not itself sweep up: all old or all new, nothing else."""
     below = {f"{folder}/{name}": data for name, data in WRITTEN.items()}
@@ -538,7 +539,7 @@ def writing(folder: Path, call: str, stop: str) -> "subprocess.Popen[str]":
 
 
 @posix
-@pytest.mark.parametrize("call", WRITES)
+@pytest.mark.parametrize("call", spread(WRITES, 1))
 def test_the_next_write_sweeps_up_what_a_killed_one_left(out: Path, call: str) -> None:
     (out / "sub").mkdir()
     (out / ".0123456789abcdef.tmp").write_text("of another program")
@@ -552,7 +553,7 @@ def test_the_next_write_sweeps_up_what_a_killed_one_left(out: Path, call: str) -
 
 
 @posix
-@pytest.mark.parametrize("call", WRITES)
+@pytest.mark.parametrize("call", spread(WRITES, 1))
 def test_a_write_that_runs_is_not_swept_up(out: Path, call: str) -> None:
     (out / "sub").mkdir()
     other = writing(out, call, "print('here', flush=True); sys.stdin.readline()")

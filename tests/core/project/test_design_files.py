@@ -13,6 +13,7 @@ import tomli_w
 from damage import GONE, changed, damage, told, told_or_sound
 from hypothesis import given
 from hypothesis import strategies as st
+from sampled import spread
 
 from core import project
 from core.design import (
@@ -314,7 +315,7 @@ def test_fault(path: str, value: Any, phrase: str) -> None:
 
 
 @pytest.mark.parametrize("section", ["follower", "cam", "shaft", "loads", "motion"])
-@pytest.mark.parametrize("example", sorted(TABLES))
+@pytest.mark.parametrize("example", spread(sorted(TABLES), 3))
 def test_every_number_is_guarded(section: str, example: str) -> None:
     for key, value in TABLES[example][section].items():
         if isinstance(value, float):
@@ -629,6 +630,7 @@ def many_segments(number: int, law: str = "dwell") -> str:
     return head + segment * number + tail[tail.index("[follower]") :]
 
 
+@pytest.mark.stress
 def test_many_segments() -> None:
     design = project.loads(many_segments(3_600))
     assert design.drive.motion.segments[-1] == Segment(0.1, 0.0, NamedCurve("dwell"))

@@ -100,6 +100,7 @@ def test_an_inverse_that_meets_a_dead_centre_is_refused_with_the_angle(tmp_path,
     assert "motion.inverse.output = '7'" in capsys.readouterr().err
 
 
+@pytest.mark.stress
 def test_a_crank_goes_on_turn_by_turn_where_its_output_does(tmp_path, capsys):
     double_crank = FOUR_BAR.replace("[100.0, 0.0]", "[20.0, 0.0]", 1).replace("A = [20.0", "A = [60.0")
     path = inverse(tmp_path, double_crank, "4", 100.0, 0.0, "deg")

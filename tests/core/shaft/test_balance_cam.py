@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from mechanisms import LIFT, levels
+from sampled import spread
 
 from core.design import Balancer, Design, Shaft, part_faults
 from core.errors import NoAnswer
@@ -69,7 +70,7 @@ def test_a_spring_without_preload_is_refused_by_its_field() -> None:
         balance_drive(curve_of(lambda angles: np.sin(angles.theta)), replace(SPRING, preload_n=1e-30), 6.0)
 
 
-@pytest.mark.parametrize("mass", [0.5, 2.0, 200.0])
+@pytest.mark.parametrize("mass", spread([0.5, 2.0, 200.0], 1))
 def test_a_follower_with_a_mass_takes_part(mass: float) -> None:
     """Its inertia at the lift's speed, by the forces on the follower."""
     lift = Study(LIFT)

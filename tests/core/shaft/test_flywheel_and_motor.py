@@ -20,7 +20,7 @@ from mechanisms import (
     with_shaft,
 )
 from references import EPS, MP
-from sampled import stressed
+from sampled import spread, stressed
 from scipy.integrate import solve_ivp
 from scipy.optimize import bisect
 
@@ -287,6 +287,7 @@ def _integrated(study: Study, inertia: float, slope: float, theta: np.ndarray) -
     return mean - slope * (zero + begin * np.exp(-slope * theta / (inertia * omega)))
 
 
+@pytest.mark.stress
 @pytest.mark.parametrize(
     ("design", "inertia"), [stressed(FREE_PUSHER, 0.05), (LAYOUT_DESIGNS["f"], 0.4)], ids=["pusher", "f"]
 )
@@ -412,7 +413,9 @@ def test_what_the_motor_does_not_give_the_flywheel_does() -> None:
 # -- digits, and nothing for nobody -----------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("z", [1e-300, 1e-12, 1e-3, 0.4, 1.0, 1.0 + 1e-9, 2.7, 4.0, 4.0 + 1e-9, 8.5, 30.0, 240.0, 1e5])
+@pytest.mark.parametrize(
+    "z", spread([1e-300, 1e-12, 1e-3, 0.4, 1.0, 1.0 + 1e-9, 2.7, 4.0, 4.0 + 1e-9, 8.5, 30.0, 240.0, 1e5], 3)
+)
 def test_what_the_flywheel_does_within_a_panel_keeps_its_digits(z: float) -> None:
     """∫ e^{-z(1-s)} s^k ds over 0 ... 1 = e^{-z} Σ z^n/(n! (n+k+1)). Three roundings a step, which the recurrence carries on
     as it is told there."""

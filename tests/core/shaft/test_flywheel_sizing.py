@@ -31,6 +31,7 @@ def test_the_flywheel_of_a_sine_by_the_closed_form_of_small_fluctuations() -> No
     assert inertia_for(sine(a, bodies=3.0), SHAFT, share) == pytest.approx(wanted - 3.0, rel=1e-5)
 
 
+@pytest.mark.stress
 def test_the_flywheel_of_a_large_fluctuation_by_an_integrated_motor() -> None:
     found = inertia_for(sine(300.0), SHAFT, 0.3)
 

@@ -203,7 +203,7 @@ class Integrated:
     [
         stressed(FREE_LIFT, 2000.0, 3000.0),
         (FREE_LIFT, 1000.0, 50.0),
-        (with_loads(LAYOUT_DESIGNS["f"], friction=0.0), 0.2, 8.0),
+        stressed(with_loads(LAYOUT_DESIGNS["f"], friction=0.0), 0.2, 8.0),
     ],
     ids=["lift", "lift near its stall", "f"],
 )
@@ -308,6 +308,7 @@ def rocker() -> Design:
     return with_shaft(load(EXAMPLES / "rocker_cam.toml"), flywheel_inertia_kg_m2=0.3)
 
 
+@pytest.mark.stress
 def test_the_least_flywheel_is_that_of_the_integrated_shaft(rocker: Design) -> None:
     """With 0.3298 kg m² the true speed keeps 2 %; ΔE/(C_s ω̄²), 0.297, makes it 2.2 %."""
     wheel = Study(rocker, 72).flywheel

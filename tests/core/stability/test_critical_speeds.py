@@ -9,6 +9,7 @@ from threading import Event
 import numpy as np
 import pytest
 from mechanisms import LAYOUT_DESIGNS, LIFT, PUSHER, with_cam, with_loads, with_shaft
+from sampled import spread
 from shafts import HARD, KIM, KIM_SHAFT, coefficients, of, with_elastic
 
 from core.design import Design, ElasticShaft, entries, faults, get, put
@@ -51,7 +52,7 @@ def test_a_machine_knows_its_place_in_the_chart() -> None:
     assert (there.eta, there.q) == (pytest.approx(2.1, rel=1e-13), pytest.approx(0.1, rel=1e-13))
 
 
-@pytest.mark.parametrize("name", ["kim", "layout c"])
+@pytest.mark.parametrize("name", spread(["kim", "layout c"], 1))
 def test_bands_are_tongues_as_speeds_with_their_largest_growth(name: str) -> None:
     found = of(HARD[name])
     row = tongues(found.coefficients, np.array([found.machine.q]), 6)
@@ -143,6 +144,7 @@ def test_far_beyond_the_chart_the_growth_of_the_own_point_decides() -> None:
 # -- verdicts ---------------------------------------------------------------------------------------------
 
 
+@pytest.mark.stress
 def test_verdicts_stand_side_by_side() -> None:
     found = of(KIM)
     told = found.verdicts(2.1, 0.05)
@@ -185,7 +187,7 @@ def test_a_damped_chart_has_no_tips_at_zero() -> None:
     assert outline[:, 1].min() > 0.0
 
 
-@pytest.mark.parametrize("eta", [1.02, 2.53, 14.03])
+@pytest.mark.parametrize("eta", spread([1.02, 2.53, 14.03], 1))
 def test_the_bands_near_the_machine_are_those_of_all_that_are(eta: float) -> None:
     found = of(at_eta(eta))
     rpm = found.machine.rpm(eta)
@@ -281,6 +283,7 @@ def test_the_certificate_is_kept(name: str) -> None:
     assert all(residual.kept for residual in proof.values()), proof
 
 
+@pytest.mark.stress
 def test_the_report_and_the_summary_tell_of_the_shaft_where_it_bends() -> None:
     text = report(Study(at_eta(0.5), 36))
     section = text.split("Stability of the flexible shaft\n")[1].split("\nFindings\n")[0]

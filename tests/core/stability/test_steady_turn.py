@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from sampled import spread
 from scipy.integrate import solve_ivp
 from shafts import HARD, KIM, by_runge_kutta, coefficients, kim, of, with_elastic
 
@@ -130,7 +131,7 @@ def test_the_linear_harmonics_are_those_of_the_periodic_solution(equation: str, 
     assert np.abs(dense).max() > 1e-4
 
 
-@pytest.mark.parametrize("name", ["parabolic", "fixed"])
+@pytest.mark.parametrize("name", spread(["parabolic", "fixed"], 1))
 def test_as_the_load_vanishes_the_true_harmonics_become_the_linear_ones(name: str) -> None:
     """Where C jumps in the middle of a rise, and where the spring is the same at all speeds: what is left, Qβ², falls as Q³."""
     left = []
@@ -141,6 +142,7 @@ def test_as_the_load_vanishes_the_true_harmonics_become_the_linear_ones(name: st
     assert left[1] == pytest.approx(left[0], rel=0.1)
 
 
+@pytest.mark.stress
 def test_every_drive_of_a_shaft_has_its_error(tmp_path: Path) -> None:
     """Two of Kim's cams, the second a quarter of a turn behind."""
     two = with_phase(copy_drive(as_list(DAMPED, "Inlet"), 0), 1, 90.0)

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mechanisms import LIFT, SMOOTH, with_drive, with_loads
+from sampled import spread
 from shafts import HARD, KIM, coefficients, moved, of, with_elastic
 
 from core.design import Design, Motion
@@ -40,7 +41,7 @@ def agree(one: Tongues, other: Tongues) -> None:
 # -- two ways ---------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", spread(MODELS, 5))
 @pytest.mark.parametrize("name", HARD)
 def test_harmonic_balance_and_monodromy_agree_within_their_stated_errors(name: str, model: str) -> None:
     found = coefficients(HARD[name])
@@ -298,6 +299,7 @@ def test_q_far_beyond_one_says_how_well_it_is_known() -> None:
     assert np.abs(np.abs(turn.trace) - 2.0).max() < 1e-6
 
 
+@pytest.mark.stress
 def test_edges_at_the_largest_q_are_found_from_more_harmonics() -> None:
     """Between two wide tongues the shaft is stable for 1e-4 of η only: forty harmonics begin too far from it."""
     found, far = coefficients(HARD["lift"]), np.array([100.0])

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from references import MP
-from sampled import stressed
+from sampled import spread, stressed
 from scipy.integrate import solve_ivp
 from shafts import HARD, KIM, by_runge_kutta, coefficients, kim, of
 
@@ -21,7 +21,7 @@ TAU = 2.0 * np.pi
 
 @pytest.mark.parametrize(
     ("eta", "q", "damping", "periods"),
-    [(0.85, 0.1, 0.0, 6.0), (2.0, 0.05, 0.0, 12.0), (1.3, 0.3, 0.03, 4.0), (0.9, 0.4, 0.0, 3.0)],
+    spread([(0.85, 0.1, 0.0, 6.0), (2.0, 0.05, 0.0, 12.0), (1.3, 0.3, 0.03, 4.0), (0.9, 0.4, 0.0, 3.0)], 1),
 )
 def test_the_wind_up_is_that_of_another_integrator(eta: float, q: float, damping: float, periods: float) -> None:
     """At η = 2 the cam turns back eight times and passes joins the wrong way; at Q = 0.4 it rushes through them."""
@@ -44,10 +44,10 @@ def test_a_cam_that_stands_thrice_at_an_angle_is_followed_through_all() -> None:
     assert all(np.abs(a - b).max() < 1e-11 for a, b in zip(ends, before, strict=True)), "no jump from step to step"
 
 
-@pytest.mark.parametrize(("name", "eta", "q", "damping", "room"), [
+@pytest.mark.parametrize(("name", "eta", "q", "damping", "room"), spread([
     ("kim", 1.3, 0.3, 0.0, 1e-11), ("kim", 1.3, 0.3, 0.03, 1e-11), ("parabolic", 2.4, 0.05, 0.0, 1e-12),
     ("high dwell", 0.9, 0.2, 0.0, 1e-12), ("layout c", 5.1, 0.4, 0.0, 1e-8),
-])  # fmt: skip
+], 2))  # fmt: skip
 def test_a_history_goes_on_from_any_of_its_states(name: str, eta: float, q: float, damping: float, room: float) -> None:
     """After a whole turn of the input, where the cam stands within a piece: every later step then lies elsewhere. The last is a
     shaft of five swings in a turn of a slow cam, in which neighbouring histories soon part."""
@@ -119,7 +119,7 @@ def test_the_wind_up_is_that_of_dop853(name: str, eta: float, q: float) -> None:
 # -- accuracy ---------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("eta", "turns"), [(3.3, 10.0), (41.7, 2.0)])
+@pytest.mark.parametrize(("eta", "turns"), spread([(3.3, 10.0), (41.7, 2.0)], 1))
 def test_a_bare_shaft_swings_as_in_closed_form_to_the_last_turn(eta: float, turns: float) -> None:
     """At Q = 0, cos 2πηy: what each of hundreds of steps is off by adds up."""
     y = np.linspace(0.0, turns, 301)
@@ -175,7 +175,8 @@ def test_a_history_satisfies_equation_13(eta: float, q: float, damping: float) -
 
 
 @pytest.mark.parametrize(
-    ("name", "damping"), [stressed("kim", 0.0), stressed("parabolic", 0.05), ("high dwell", 0.0), ("layout c", 0.05)]
+    ("name", "damping"),
+    [stressed("kim", 0.0), stressed("parabolic", 0.05), ("high dwell", 0.0), stressed("layout c", 0.05)],
 )
 def test_the_derivatives_of_a_turn_are_differences_of_turns(name: str, damping: float) -> None:
     """By the state at the start and by η, through joins at which C jumps."""
@@ -282,7 +283,7 @@ def test_a_history_that_cannot_be_followed_ends_early_and_says_so() -> None:
 # -- steady response --------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("eta", "q"), [(0.85, 0.1), (1.5, 0.05), (2.1, 0.05), (5.25, 0.2)])
+@pytest.mark.parametrize(("eta", "q"), spread([(0.85, 0.1), (1.5, 0.05), (2.1, 0.05), (5.25, 0.2)], 2))
 def test_a_steady_response_repeats_and_its_matrix_is_its_stability(eta: float, q: float) -> None:
     found = coefficients(KIM)
     steady = steady_response(found, eta, q)

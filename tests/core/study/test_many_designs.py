@@ -54,14 +54,14 @@ def one_of(design: Design, values: Mapping[str, np.ndarray], k: int) -> Design:
     return design
 
 
-@pytest.mark.parametrize(("kind", "face", "form"), spread(CASES, 7))
+@pytest.mark.parametrize(("kind", "face", "form"), spread(CASES, 2))
 def test_every_quantity_of_every_follower_is_that_of_each_design(kind: str, face: str, form: str) -> None:
     """Whatever stands in the tables of followers, faces and forms is computed at once, and as one by one."""
     design = with_form(with_face(example(EXAMPLE[kind]), face), form)
     assert_as_one_by_one(design, varied(design, 3, 0.02, 7))
 
 
-@pytest.mark.parametrize("kind", EXAMPLE)
+@pytest.mark.parametrize("kind", spread(EXAMPLE, 1))
 def test_every_force_element_is_taken_with_its_numbers(kind: str) -> None:
     """Springs, friction in pairs and process forces, of which each number is varied."""
     design = example(EXAMPLE[kind])
@@ -136,7 +136,7 @@ def test_lengths_speeds_masses_and_friction_of_a_follower_are_taken_at_once() ->
     assert all(together(design, paths, asked_of(design, key)) for key in ASKED)
 
 
-@pytest.mark.parametrize("name", ["transfer_lift", "tappet_flat", "groove", "four_bar_coupler_cam"])
+@pytest.mark.parametrize("name", spread(["transfer_lift", "tappet_flat", "groove", "four_bar_coupler_cam"], 2))
 def test_no_design_depends_on_the_others(name: str) -> None:
     """Shuffled, split, and by any executor: the same bits; of friction in pairs, of spans, and of linkages too."""
     design, rng = example(name), np.random.default_rng(3)
@@ -164,6 +164,7 @@ def test_no_design_depends_on_the_others(name: str) -> None:
         assert whole.value[key].tobytes() == threaded.value[key].tobytes()
 
 
+@pytest.mark.stress
 def test_a_block_takes_little_memory() -> None:
     """At most 256 MiB, of the dearest followers and all that is asked."""
     design = put(example("transfer_lift"), "loads.friction", 0.05)
@@ -254,7 +255,9 @@ def test_what_cannot_be_asked_is_named_in_one_line(values: Any, asked: Any, word
     assert "\n" not in str(error.value)
 
 
-@pytest.mark.parametrize("name", ["transfer_lift", stressed("tappet_knife"), stressed("tappet_flat"), "rocker_cam"])
+@pytest.mark.parametrize(
+    "name", ["transfer_lift", stressed("tappet_knife"), stressed("tappet_flat"), stressed("rocker_cam")]
+)
 def test_spans_and_rises_are_varied_as_they_are_typed(name: str) -> None:
     """Each with its own pieces; what a segment gains is taken from one that is not varied."""
     design, rng = example(name), np.random.default_rng(5)

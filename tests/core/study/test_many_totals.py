@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from sampled import spread
 
 from core.design import Design, edited, get, only, put, row_at, with_only
 from core.design.camshaft import drive_at
@@ -41,11 +42,14 @@ def one_of(design: Design, values: Mapping[str, np.ndarray], k: int) -> Design:
 
 @pytest.mark.parametrize(
     ("name", "paths"),
-    [
-        ("dwell_rise_dwell", ("cam.base_radius_mm", "loads.friction", "motion.segments[1].span_deg")),
-        ("transfer_lift", ("cam.base_radius_mm", "shaft.speed_rpm", "shaft.speed_fluctuation")),
-        ("groove", ("cam.base_radius_mm", "shaft.speed_rpm")),
-    ],
+    spread(
+        [
+            ("dwell_rise_dwell", ("cam.base_radius_mm", "loads.friction", "motion.segments[1].span_deg")),
+            ("transfer_lift", ("cam.base_radius_mm", "shaft.speed_rpm", "shaft.speed_fluctuation")),
+            ("groove", ("cam.base_radius_mm", "shaft.speed_rpm")),
+        ],
+        1,
+    ),
 )
 def test_energy_and_flywheel_are_those_of_each_study(name: str, paths: tuple[str, ...]) -> None:
     """Where friction turns round in the guide, and where spans differ, too."""

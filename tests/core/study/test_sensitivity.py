@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from sampled import spread
 
 from core.design import Design, edited, get, put, row_at
 from core.project import load
@@ -37,11 +38,14 @@ def refined_difference(design: Design, path: str, quantity: str, of: str) -> flo
 
 @pytest.mark.parametrize(
     ("name", "paths"),
-    [
-        ("transfer_lift", ("cam.base_radius_mm", "follower.pivot_x_mm", "shaft.speed_rpm", "loads.friction")),
-        ("rocker_cam", ("follower.arm_mm", "cam.roller_radius_mm", "motion.segments[1].span_deg")),
-        ("tappet_knife", ("cam.base_radius_mm", "motion.segments[1].span_deg", "motion.segments[1].rise_mm")),
-    ],
+    spread(
+        [
+            ("transfer_lift", ("cam.base_radius_mm", "follower.pivot_x_mm", "shaft.speed_rpm", "loads.friction")),
+            ("rocker_cam", ("follower.arm_mm", "cam.roller_radius_mm", "motion.segments[1].span_deg")),
+            ("tappet_knife", ("cam.base_radius_mm", "motion.segments[1].span_deg", "motion.segments[1].rise_mm")),
+        ],
+        1,
+    ),
 )
 def test_derivatives_are_those_of_refined_extremes(name: str, paths: tuple[str, ...]) -> None:
     """In the middle of pieces, and at their ends, which go with the spans."""

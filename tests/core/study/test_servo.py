@@ -195,6 +195,7 @@ def test_its_table_and_its_ranks(tmp_path, capsys):
     assert {"peak_power_w", "energy_j"} <= set(rows[0])
 
 
+@pytest.mark.stress
 def test_blends_are_ranked_by_what_they_ask_of_the_servo(tmp_path, capsys):
     """Up and down by 30° in 90° each: of the law 3-4-5 rms and energy by closed form, peak power at many places."""
     design = tmp_path / "servo.toml"

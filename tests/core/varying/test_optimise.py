@@ -78,6 +78,7 @@ def test_the_base_radius_for_a_pressure_angle_is_that_of_the_closed_form(offset)
     assert again.design == found.design
 
 
+@pytest.mark.stress
 def test_the_spring_preload_is_that_of_the_closed_form():
     """F = (P + c s + m g + m ω² s'')/cos ψ >= 30 N, without friction: P = max(30 cos ψ - c s - m g - m ω² s'')."""
     design = put(translating(), "shaft.speed_rpm", 300.0)

@@ -260,6 +260,7 @@ def test_bands_of_a_shaft_are_those_of_its_machines_one_by_one() -> None:
     assert shaft_bands(unit) == {}
 
 
+@pytest.mark.stress
 def test_each_cam_of_a_shaft_has_waves_of_its_own() -> None:
     """Those of a drive are those of the drive alone; the variances of independent waves add up."""
     unit = replace(load(example("transfer_unit")), waviness=Waviness(amplitude_mm=0.01, lobes_from=20, lobes_to=20))

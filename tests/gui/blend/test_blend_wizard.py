@@ -12,6 +12,7 @@ from plot_reading import curves
 from PySide6.QtCore import QEvent, QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QStyle, QStyleOptionSpinBox, QWidget
+from sampled import spread
 from window_user import Open, User, settle, wait_for
 
 from core.blend import BlendError, Request, SettingRange, best, blend, feasible_ranges
@@ -336,6 +337,7 @@ def check_picker(motion: Motion) -> None:
     assert [s.rise for s in motion.segments] == pytest.approx([0.0, 1.0, 18.0, 1.0, -20.0, 0.0], abs=1e-12)
 
 
+@pytest.mark.stress
 def test_the_card_picker_is_designed_with_the_keys_alone(ask: Ask) -> None:
     wizard = ask()
     dialog = wizard.dialog
@@ -541,7 +543,7 @@ def test_the_curves_can_be_chosen(ask: Ask) -> None:
     assert box.currentIndex() == 0, "which RRR does not know"
 
 
-@pytest.mark.parametrize("goal", ["acceleration", "torque"])
+@pytest.mark.parametrize("goal", spread(["acceleration", "torque"], 1))
 def test_what_is_left_is_chosen_by_a_goal(goal: str, ask: Ask) -> None:
     wizard = ask()
     wizard.click(wizard.questions.kind.types["DRD"])
@@ -610,6 +612,7 @@ def test_a_value_comes_back_with_its_tick(ask: Ask) -> None:
     assert wizard.rows["h3"].box.number == 3.25
 
 
+@pytest.mark.stress
 def test_a_new_setting_begins_where_it_is_feasible(ask: Ask) -> None:
     wizard = ask(PICKER, ranges=True)
     wizard.tick("h3")
@@ -785,6 +788,7 @@ def test_the_motion_as_it_is_stands_dashed_behind(ask: Ask) -> None:
         assert now.y[:-1] == pytest.approx(values, rel=1e-9, abs=1e-9 * np.abs(values).max())
 
 
+@pytest.mark.stress
 def test_a_motion_that_the_design_refuses_is_told(open_user: Open) -> None:
     """The linkage of the lift does not reach three metres."""
     user: User = open_user()
@@ -845,6 +849,7 @@ def test_a_range_of_two_parts_is_read_whole_at_the_least_size(ask: Ask) -> None:
     assert row.range.height() >= row.range.heightForWidth(row.range.width())
 
 
+@pytest.mark.stress
 def test_a_point_that_is_taken_away_while_its_range_is_computed_is_forgotten(ask: Ask) -> None:
     wizard = ask(PICKER, ranges=True)
     settings = wizard.questions.settings

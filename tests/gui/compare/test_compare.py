@@ -29,6 +29,7 @@ def shown(user: User, name: str) -> list[tuple[str, ...]]:
     return [row.cells for row in view.table.rows.rows]
 
 
+@pytest.mark.stress
 def test_two_base_radii_are_compared_in_every_plot_after_one_pin_and_one_edit(user: User) -> None:
     user.choose("Edit", "Pin this variant")
     user.session.edit(BASE, 420.0, "a")
@@ -99,7 +100,8 @@ def test_a_pinned_variant_without_an_answer_is_said_to_be_the_pinned_one(user: U
     assert view.no_picture.startswith("Pinned short: ")
 
 
-def test_the_oldest_of_four_variants_goes(user: User) -> None:
+def test_the_oldest_of_four_variants_goes(open_user: Open) -> None:
+    user = open_user()
     for radius in (401.0, 402.0, 403.0, 404.0):
         user.session.edit(BASE, radius, "a")
         user.choose("Edit", "Pin this variant")
@@ -155,6 +157,7 @@ def test_a_pin_and_an_edit_compare_two_base_radii_in_every_plot_in_four_actions(
         assert "reference" in view.plot.legend.text
 
 
+@pytest.mark.stress
 def test_the_largest_torque_is_followed_down_to_typed_lengths_in_five_actions(user: User) -> None:
     """A right click on it in the flywheel's table, Explain, a click on the contact force in it, one on the lever: the cam's fields."""
     table = user.window.show_view("flywheel")
@@ -201,6 +204,7 @@ def test_shift_f1_explains_what_is_chosen_where_the_focus_is(user: User) -> None
     assert shown.head.text().startswith("Cam torque at")
 
 
+@pytest.mark.stress
 def test_the_peak_of_a_shaft_is_explained_at_its_machine_angle(open_user: Open) -> None:
     user = open_user(example("transfer_unit"))
     figures = user.window.show_view("shaft_figures")

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
+from sampled import spread
 from window_user import Open, User
 
 from core.design import Motion, NamedCurve, edited, faults, insert_segment, rise_gap, span_gap, stroke
@@ -279,6 +280,7 @@ def user(same_window: Open) -> User:
     return same_window()
 
 
+@pytest.mark.stress
 def test_a_new_design_to_which_segments_are_added_keeps_what_is_typed(user: User) -> None:
     """As the program begins it: insert three times, a law and 40 mm for segment 2."""
     user.choose("File", "New of a kind", "Translating follower")
@@ -362,7 +364,7 @@ def test_the_curve_of_a_segment_that_only_the_draft_has_is_edited(user: User) ->
 
 @pytest.mark.parametrize(
     ("button", "height", "left"),
-    [("Close it and save", 40.0, False), ("Save the last that fits", 0.0, True)],
+    spread([("Close it and save", 40.0, False), ("Save the last that fits", 0.0, True)], 1),
 )
 def test_save_offers_to_close_it_or_to_save_the_last_whole_motion(
     user: User, tmp_path: Path, button: str, height: float, left: bool
@@ -379,6 +381,7 @@ def test_save_offers_to_close_it_or_to_save_the_last_whole_motion(
     assert column(user, RISE)[1] == "40"
 
 
+@pytest.mark.stress
 def test_save_may_be_called_off(user: User, tmp_path: Path) -> None:
     user.picks("design_to_save", tmp_path / "own.toml")
     rise_alone(user)
@@ -388,6 +391,7 @@ def test_save_may_be_called_off(user: User, tmp_path: Path) -> None:
     assert column(user, RISE)[1] == "40"
 
 
+@pytest.mark.stress
 def test_a_linkage_has_drafts_too(same_window: Open) -> None:
     user = same_window(example("four_bar_coupler_cam"))
     before, spans = user.design, column(user, SPAN)

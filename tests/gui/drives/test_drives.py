@@ -12,6 +12,7 @@ import pytest
 from PySide6.QtCore import QPoint, QRectF, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QLabel, QLineEdit, QToolButton
+from sampled import spread
 from window_user import Open, User, end_pauses, pixel, settle, wait_for
 
 from core.design import drive_names, only, phase_room
@@ -186,7 +187,7 @@ def test_the_list_of_drives(unit: User) -> None:
     assert column(view, NAME) == ["Feed", "Clamp", "Lift", "Torque"]
 
 
-@pytest.mark.parametrize("deed", ["copy", "remove"])
+@pytest.mark.parametrize("deed", spread(["copy", "remove"], 1))
 def test_what_was_before_is_never_another_drive(unit: User, deed: str) -> None:
     """Neither is it pinned in place of the drive that has come to hand, nor drawn dashed behind its motion."""
     click_row(unit, 0)
@@ -271,7 +272,7 @@ def direction(view: MechanismView, number: int) -> float:
     return degrees(phase(-own.conjugate() if figure.mirrored else own))
 
 
-@pytest.mark.parametrize("arrangement", [BESIDE, ON_SHAFT])
+@pytest.mark.parametrize("arrangement", spread([BESIDE, ON_SHAFT], 1))
 def test_the_cam_of_a_drive_is_turned_by_hand_among_the_others(unit: User, arrangement: str) -> None:
     view = unit.drawing()
     click_drive(unit, 1)
@@ -442,6 +443,7 @@ def test_a_plot_of_all_drives_lies_over_the_machine_angle(unit: User) -> None:
     assert view.plot.isVisible()
 
 
+@pytest.mark.stress
 def test_tables_of_the_shaft_and_the_profile_of_the_chosen_drive(
     unit: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -12,6 +12,11 @@ from kindyna_gui.drives.strip import BESIDE, ON_SHAFT
 from kindyna_gui.places import example
 
 
+@pytest.fixture
+def open_user(same_window: Open) -> Open:
+    return same_window
+
+
 def test_the_path_of_the_part_is_drawn_to_scale_and_turns_by_the_mouse(open_user: Open) -> None:
     user = open_user(example("transfer_unit"))
     user.choose("Graph", "Path in space")

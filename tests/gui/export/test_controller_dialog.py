@@ -37,6 +37,7 @@ def pick(dialog: ControllerDialog, slug: str) -> None:
         assert box.currentIndex() > before, f"{slug}: not offered"
 
 
+@pytest.mark.stress
 def test_the_card_picker_leaves_as_eleven_rows(open_user: Open, tmp_path: Path) -> None:
     user = open_user(example("card_picker"))
 

@@ -146,7 +146,7 @@ def check_profile(file: Path, design: Path, scale: float, size: tuple[float, flo
     assert back.max() < 0.05 + 0.5 * np.abs(np.diff(drawn)).max()
 
 
-@pytest.mark.parametrize("ending", READERS)
+@pytest.mark.parametrize("ending", spread(READERS, 1))
 def test_a_drawing_is_true_to_scale(ending: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / f"cam{ending}"
     assert run(example("tappet_flat"), "--out", file) == 0
@@ -165,6 +165,7 @@ def test_qt_reads_the_svg_at_its_size(tmp_path: Path) -> None:
     assert all(word in text for word in ("Flat tappet", "2:1", "R 30", "counter-clockwise", "clockwise"))
 
 
+@pytest.mark.stress
 @pytest.mark.parametrize("ending", spread(list(READERS), 1))
 def test_the_same_design_gives_the_same_bytes_and_no_time(ending: str, tmp_path: Path) -> None:
     """In another process too."""

@@ -16,6 +16,7 @@ from PIL import Image
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QDialogButtonBox, QProgressDialog, QPushButton, QWidget
+from sampled import spread
 from window_user import Open, User, settle
 
 from core.errors import KindynaError
@@ -63,7 +64,7 @@ def test_file_export_offers_everything(user: User) -> None:
 # -- tables and report ------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("samples", [72, 3600])
+@pytest.mark.parametrize("samples", spread([72, 3600], 1))
 def test_the_tables_are_the_cores(samples: int, user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = tmp_path / "new" / "tables"
     monkeypatch.setattr(export_dialogs, "tables_wanted", lambda *_: TablesWanted(folder, samples))
@@ -106,6 +107,7 @@ def test_a_cancelled_dialog_writes_nothing(user: User, tmp_path: Path, monkeypat
     assert user.faults == []
 
 
+@pytest.mark.stress
 def test_the_web_page_is_the_cores(user: User, tmp_path: Path) -> None:
     suggested = user.picks("page_to_save", tmp_path / "lift.html")
     user.choose(*EXPORT, "Web page...")
@@ -134,7 +136,10 @@ def test_frames_go_into_a_folder_and_a_film_by_ffmpeg(
         shoot(LIFT, replace(SMALL, ending=".mp4"))
 
 
-def test_the_hand_over_is_one_archive_of_all_files(user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_hand_over_is_one_archive_of_all_files(
+    same_window: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    user = same_window(example("card_picker"))
     monkeypatch.setattr(handover_dialog, "handover_wanted", lambda *_: Request(controller="codesys-xyva"))
     user.picks("handover_to_save", tmp_path / "lift.zip")
     user.choose(*EXPORT, "Hand-over...")
@@ -158,11 +163,11 @@ def test_the_picture_of_the_mechanism(user: User, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("way", "button"),
-    [
+    spread([
         ((*EXPORT, "Profile..."), "Save profile..."), ((*EXPORT, "Drawing..."), "Save drawing..."),
         ((*EXPORT, "Inspection table..."), "Save inspection table..."), ((*EXPORT, "Animation..."), "Save animation..."),
         (("File", "Report..."), "Save report..."),
-    ],
+    ], 2),
 )  # fmt: skip
 def test_a_button_that_leads_to_a_file_says_that_it_saves(way: tuple[str, ...], button: str, user: User) -> None:
     asked = user.clicks(
@@ -296,6 +301,7 @@ def test_an_animation_of_one_turn(user: User, tmp_path: Path, monkeypatch: pytes
     assert user.window.status.currentMessage() == f"Wrote {tmp_path / 'film.gif'}"
 
 
+@pytest.mark.stress
 def test_the_layers_on_the_screen_are_those_of_the_animation(
     user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -325,7 +331,7 @@ def test_a_cancelled_animation_writes_nothing(user: User, tmp_path: Path, monkey
     assert "cancelled" in user.window.status.currentMessage()
 
 
-@pytest.mark.parametrize("ending", [".gif", ".webp"])
+@pytest.mark.parametrize("ending", spread([".gif", ".webp"], 1))
 def test_an_animation_is_given_up_while_it_is_encoded_too(ending: str) -> None:
     """Each frame is encoded before the next is drawn, or the writing asks between its parts."""
     film, looks = Film(ending, 12, 320, 240, 1.0), []
@@ -376,7 +382,8 @@ def test_tables_are_written_beside_the_window_which_stays_alive_and_can_be_cance
     assert user.window.findChild(QProgressDialog) is None or not user.window.findChild(QProgressDialog).isVisible()
 
 
-def test_the_progress_can_be_cancelled(user: User) -> None:
+def test_the_progress_can_be_cancelled(open_user: Open) -> None:
+    user = open_user()
     with progress(user.window, "Drawing", 10) as go_on:
         assert go_on(1)
         dialog = user.window.findChild(QProgressDialog)
@@ -394,6 +401,7 @@ def test_an_animation_that_cannot_be_written_is_told(
     assert [what for what, _ in user.faults] == ["film.gif cannot be written."]
 
 
+@pytest.mark.stress
 @pytest.mark.parametrize("ending", [".gif", ".webp"])
 def test_the_same_design_gives_the_same_bytes(ending: str) -> None:
     film = Film(ending, 6, 320, 240, 1.0)

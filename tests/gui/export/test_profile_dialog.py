@@ -127,6 +127,7 @@ def test_formats_points_and_cutters_are_chosen_and_refused(user: User, tmp_path:
     assert user.faults == []
 
 
+@pytest.mark.stress
 def test_a_program_of_arcs_is_that_of_the_command(user: User, tmp_path: Path) -> None:
     """And its facts stand beside it under its own name; nothing else in the folder is touched."""
 
@@ -163,6 +164,7 @@ def test_a_program_of_arcs_is_that_of_the_command(user: User, tmp_path: Path) ->
     assert user.faults == []
 
 
+@pytest.mark.stress
 def test_both_flanks_of_a_groove_are_shown_and_drawn(user: User, tmp_path: Path) -> None:
     user.session.start(load(example("groove")))
 

@@ -84,6 +84,7 @@ def _ink(text: str) -> np.ndarray:
     )
 
 
+@pytest.mark.stress
 def test_the_text_of_the_pdf_can_be_searched(lift: Study, written: bytes) -> None:
     texts = page_texts(written)
     whole, figures = "\n".join(texts), summary(lift, ("cam", "dynamics"))
@@ -135,6 +136,7 @@ def test_the_first_page_says_for_whom_and_what_matters_on_either_paper(tmp_path:
 SVG = '<svg xmlns="http://www.w3.org/2000/svg" width="40" height="20"><circle cx="10" cy="10" r="9" fill="#123456"/></svg>'
 
 
+@pytest.mark.stress
 def test_company_and_logo_stand_on_the_first_page_and_a_broken_logo_stops_nothing(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -173,6 +175,7 @@ def elsewhere(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     time.tzset()
 
 
+@pytest.mark.stress
 def test_the_same_design_gives_the_same_bytes_at_any_time_and_place(
     written: bytes, tmp_path: Path, elsewhere: None
 ) -> None:
@@ -203,6 +206,7 @@ def test_a_page_does_not_end_with_a_heading(lift: Study, app: QApplication) -> N
     ]
 
 
+@pytest.mark.stress
 def test_a_picture_is_drawn_lower_rather_than_leaving_half_a_page_empty(app: QApplication) -> None:
     """No page but the last ends in its upper half, and a picture keeps its letters and most of its height."""
     made = document(Study(load(example("groove"))), ["inputs", "pictures"])

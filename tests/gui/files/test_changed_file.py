@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QMessageBox
+from sampled import spread
 from window_user import Open, User, wait_for
 
 from core.design import edited
@@ -107,6 +108,7 @@ def test_reload_can_be_undone(open_user: Open, mine: Path) -> None:
     assert load(mine) == own
 
 
+@pytest.mark.stress
 def test_leaving_with_save_asks_too(open_user: Open, mine: Path) -> None:
     user: User = open_user(mine)
     user.enter("cam.base_radius_mm", "410")
@@ -117,7 +119,7 @@ def test_leaving_with_save_asks_too(open_user: Open, mine: Path) -> None:
     assert mine.read_text() == theirs
 
 
-@pytest.mark.parametrize("change", [in_place, by_a_new_file, by_moving_away])
+@pytest.mark.parametrize("change", spread([in_place, by_a_new_file, by_moving_away], 1))
 def test_a_change_is_noticed_and_reloaded(open_user: Open, mine: Path, change: Change) -> None:
     user: User = open_user(mine)
     for rod in (812.5, 845.0):
@@ -168,6 +170,7 @@ def test_a_file_that_is_gone_is_written_again(open_user: Open, mine: Path) -> No
     assert user.window.disk.isHidden()
 
 
+@pytest.mark.stress
 def test_save_does_not_bring_a_file_back_that_is_gone_without_a_word(
     open_user: Open, mine: Path, tmp_path: Path
 ) -> None:

@@ -152,6 +152,7 @@ def kill_many(folder: Path, number: int, seed: int) -> list[str]:
     return failures
 
 
+@pytest.mark.stress
 @pytest.mark.parametrize("kills", [1, stressed(KILLS)])
 def test_nothing_is_lost_by_a_kill(tmp_path: Path, kills: int) -> None:
     """SIGKILL first."""
@@ -202,6 +203,7 @@ sys.exit(main([]))
 """
 
 
+@pytest.mark.stress
 def test_the_next_start_offers_it(tmp_path: Path) -> None:
     worker = Worker.start(tmp_path / "home", 1, random.Random(1))
     assert worker.by is signal.SIGTERM

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import pytest
 from PySide6.QtCore import Qt
 from window_user import Open, answering
 
@@ -17,6 +18,11 @@ SLOT = """<linkage2><program units="Millimeters" scalefactor="1"/>
 <connector id="4" x="90" y="9" layer="1"/>
 <Link id="0"><connector id="0"/><connector id="1"/></Link><Link id="1"><connector id="1"/><connector id="2"/></Link>
 <Link id="2"><connector id="2"/><connector id="3"/></Link></linkage2>"""
+
+
+@pytest.fixture
+def open_user(same_window: Open) -> Open:
+    return same_window
 
 
 def test_a_pasted_expression_begins_a_design_with_the_input_chosen(open_user: Open) -> None:

@@ -143,6 +143,7 @@ def test_several_the_latest_first(open_user: Open, mine: Path, left_behind: Left
     assert user.design == LONGER
 
 
+@pytest.mark.stress
 def test_an_untitled_design_with_an_unfinished_motion(open_user: Open, left_behind: LeftBehind) -> None:
     user: User = open_user()
     user.enter_cell(1, 3, "300")
@@ -164,6 +165,7 @@ def test_an_untitled_design_with_an_unfinished_motion(open_user: Open, left_behi
     assert isinstance(user.session.draft, Draft)
 
 
+@pytest.mark.stress
 def test_an_unfinished_motion_of_one_of_several_drives(open_user: Open) -> None:
     user: User = open_user(example("transfer_unit"))
     session = user.session
@@ -189,6 +191,7 @@ def test_what_the_file_holds_already_is_not_offered(open_user: Open, mine: Path,
     assert kept() == []
 
 
+@pytest.mark.stress
 def test_of_another_window_nothing_is_offered(open_user: Open, mine: Path) -> None:
     first: User = open_user(mine)
     first.enter("follower.rod_mm", "850")
@@ -214,7 +217,8 @@ def test_where_nothing_can_be_written(open_user: Open, mine: Path) -> None:
     recovery_folder().write_text("a file where the folder should be")
     user: User = open_user(mine)
     user.enter("follower.rod_mm", "850")
-    wait_for(lambda: user.window.status.currentMessage().startswith("Unsaved work would be lost"))
+    assert not user.window.recovery.write_now()
+    assert user.window.status.currentMessage().startswith("Unsaved work would be lost")
     recovery_folder().unlink()
     user.enter("cam.base_radius_mm", "410")
     assert user.window.recovery.write_now()

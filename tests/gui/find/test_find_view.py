@@ -18,6 +18,11 @@ from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.places import example
 
 
+@pytest.fixture
+def open_user(same_window: Open) -> Open:
+    return same_window
+
+
 def see(user: User) -> FindView:
     user.choose("Kine", "Find")
     view = user.window.view("find")
@@ -113,6 +118,7 @@ def test_the_answer_is_the_cores_and_is_taken_over_as_one_step(open_user: Open) 
     assert view.limits.boxes[RETURN].refused
 
 
+@pytest.mark.stress
 def test_usual_limits_stand_in_grey_with_their_reasons_and_what_is_typed_takes_the_place_of_its_own(
     open_user: Open,
 ) -> None:
@@ -162,6 +168,7 @@ def test_usual_limits_stand_in_grey_with_their_reasons_and_what_is_typed_takes_t
     assert view.solution.limits["pressure_angle_deg"] == 40.0
 
 
+@pytest.mark.stress
 def test_a_speed_just_below_that_of_lift_off_is_taken_over(open_user: Open) -> None:
     user = open_user(example("rocker_cam"))
     view, before = see(user), user.design
@@ -216,6 +223,7 @@ def test_where_no_value_serves_the_best_is_shown_with_what_stands_against_it(ope
     assert "No value serves" in text_of(view), "what was typed holds for it too"
 
 
+@pytest.mark.stress
 def test_a_search_is_cancelled_and_begun_again(open_user: Open) -> None:
     user = open_user(example("transfer_lift"))
     view = see(user)
@@ -260,6 +268,7 @@ def test_nothing_is_sought_while_it_is_hidden_or_the_design_has_no_cam(open_user
     assert not rested(view).in_trouble
 
 
+@pytest.mark.stress
 def test_the_list_of_the_design_before_asks_nothing_of_the_next(open_user: Open) -> None:
     user = open_user(example("card_picker"))
     view = see(user)
@@ -287,6 +296,7 @@ def test_a_small_window_keeps_its_size_when_find_opens(open_user: Open, name: st
     assert sizes | {user.window.size().toTuple()} == {(1280, 720)}
 
 
+@pytest.mark.stress
 def test_many_values_are_taken_over_under_the_name_of_what_was_sought(open_user: Open) -> None:
     """Four segments of the card picker go on into each other without rest."""
     user = open_user(example("card_picker"))

@@ -26,6 +26,11 @@ from kindyna_gui.screenshots import rest
 
 
 @pytest.fixture
+def open_user(same_window: Open) -> Open:
+    return same_window
+
+
+@pytest.fixture
 def user(same_window: Open) -> User:
     """Without plots, for which no test here has eyes."""
     return same_window()
@@ -99,7 +104,7 @@ def found_by(user: User, what: str) -> FindView:
         stressed("card_picker", "cam.base_radius_mm", "12", "pressure-angle", "Find base radius", "base-radius"),
         stressed("rocker_cam", "shaft.flywheel_inertia_kg_m2", "0.2", "speed-fluctuates", "Find flywheel", "flywheel"),
         stressed("transfer_lift", "shaft.flywheel_inertia_kg_m2", "500", "motor-stalls", "Find flywheel", "flywheel"),
-        ("tappet_flat", "follower.face_half_width_mm", "8", "face-too-narrow", "Find face width", "face-width"),
+        stressed("tappet_flat", "follower.face_half_width_mm", "8", "face-too-narrow", "Find face width", "face-width"),
     ],
 )
 def test_the_button_of_a_finding_seeks_what_mends_it_and_taken_over_it_is_mended(
@@ -114,6 +119,7 @@ def test_the_button_of_a_finding_seeks_what_mends_it_and_taken_over_it_is_mended
     assert code not in [f.code for f in findings(user).findings]
 
 
+@pytest.mark.stress
 def test_the_search_of_a_finding_forgets_limits_typed_before(open_user: Open) -> None:
     user = open_user(example("card_picker"))
     user.window.show_search("base-radius")
@@ -144,6 +150,7 @@ def test_the_button_of_a_finding_leads_to_what_is_missing(open_user: Open) -> No
     assert QApplication.focusWidget() is user.parameters().forms["cam"].fields["cam.thickness_mm"].editor
 
 
+@pytest.mark.stress
 def test_the_button_of_a_drive_s_finding_seeks_in_that_drive(open_user: Open) -> None:
     user = open_user(example("transfer_unit"))
     user.session.put_whole(edited(user.session.whole, "drives[1].cam.base_radius_mm", 80.0), "Small")
@@ -371,6 +378,7 @@ def test_the_certificate_can_be_read_in_a_small_window(open_user: Open) -> None:
         assert table.rowHeight(row) < 2 * table.fontMetrics().height() + 6
 
 
+@pytest.mark.stress
 def test_where_there_is_no_shaft_no_flywheel_can_be_fitted(user: User) -> None:
     user.choose("View", "Kine")
     user.choose("Dyna", "Flywheel")

@@ -9,6 +9,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QContextMenuEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu
+from sampled import spread
 from window_user import Open, User, settle, wait_for
 
 from core.design import CamSlider, entries, get
@@ -39,7 +40,7 @@ def follower(user: User) -> CamSlider:
 # -- what is shown ----------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["transfer_lift", "card_picker"])
+@pytest.mark.parametrize("name", spread(["transfer_lift", "card_picker"], 1))
 def test_every_entry_has_its_row_what_matters_most_first_else_in_the_order_of_the_file(
     open_user: Open, name: str
 ) -> None:
@@ -364,7 +365,7 @@ OWN_FIELDS = {
 """Kind and face or form -> the fields that no other face or form has."""
 
 
-@pytest.mark.parametrize("kind", ["translating", "oscillating"])
+@pytest.mark.parametrize("kind", spread(["translating", "oscillating"], 1))
 def test_the_form_has_the_fields_of_its_face_and_form_and_no_others(kind: str, user: User) -> None:
     known = set().union(*FACE_FIELDS.values(), *FORM_FIELDS.values(), *OWN_FIELDS.values())
     choices = [("roller", form) for form in FORM_FIELDS] + [(face, "open") for face in FACE_FIELDS if face != "roller"]
@@ -386,7 +387,7 @@ def test_the_form_has_the_fields_of_its_face_and_form_and_no_others(kind: str, u
         assert ("follower.arm_mm" in shown) == (kind == "oscillating" and face != "flat")
 
 
-@pytest.mark.parametrize("path", [ROD, "follower.layout"])
+@pytest.mark.parametrize("path", spread([ROD, "follower.layout"], 1))
 def test_the_keys_mark_as_assumed_by_the_menu_of_a_field(user: User, path: str) -> None:
     box = user.field(path).editor
     before = path in user.design.assumed
@@ -425,7 +426,7 @@ def test_a_name_that_is_dragged_while_another_design_takes_its_field_away_change
     assert user.design == begun
 
 
-@pytest.mark.parametrize("name", ["card_picker", "rocker_cam"])
+@pytest.mark.parametrize("name", spread(["card_picker", "rocker_cam"], 1))
 def test_another_face_brings_its_own_fields(user: User, name: str) -> None:
     user.window.documents.open_example(example(name))
     before = user.design

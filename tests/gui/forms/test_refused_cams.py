@@ -32,7 +32,7 @@ def open_user(same_window: Open) -> Open:
     return same_window
 
 
-@pytest.mark.parametrize(("name", "path", "text", "says"), NONE, ids=[row[0] for row in NONE])
+@pytest.mark.parametrize(("name", "path", "text", "says"), spread(NONE, 1), ids=[row[0] for row in NONE])
 def test_a_cam_that_cannot_be_is_named_and_the_last_good_one_stays(
     name: str, path: str, text: str, says: str, open_user: Open
 ) -> None:

@@ -14,6 +14,11 @@ from kindyna_gui.graph.contact_view import ContactView
 from kindyna_gui.places import example
 
 
+@pytest.fixture
+def open_user(same_window: Open) -> Open:
+    return same_window
+
+
 def rested(view: ContactView) -> ContactView:
     wait_for(lambda: view.up_to_date and not view.busy)
     return view

@@ -349,6 +349,7 @@ def test_single_values_are_seen_and_many_curves_of_a_quantity_told_apart(view: C
         assert picture.pixelColor(at).name() == colours[i].lower(), "one value, a dot"
 
 
+@pytest.mark.stress
 def test_the_graph_is_kept_and_its_files_are_found_again(view: CurvesView, table: Path, alone: Alone) -> None:
     view.add_files([table])
     read(view)
@@ -442,6 +443,7 @@ def test_an_outline_is_drawn_undistorted_at_any_size(view: CurvesView) -> None:
     settle()
 
 
+@pytest.mark.stress
 def test_a_long_table_is_drawn_from_as_many_points_as_are_seen(view: CurvesView, tmp_path: Path) -> None:
     x = np.linspace(0.0, 360.0, 60_001)
     y = np.where(np.arange(x.size) == 34_567, 9.0, np.sin(np.radians(x)))

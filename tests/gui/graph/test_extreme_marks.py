@@ -91,6 +91,7 @@ def test_the_marks_stand_at_the_true_extremes(open_user: Open) -> None:
     assert float(said.split()[-1][:-1]) == pytest.approx(largest.angle, rel=1e-3)
 
 
+@pytest.mark.stress
 def test_the_texts_cover_neither_curves_nor_each_other(open_user: Open) -> None:
     user = open_user(LIFT, size=(1440, 900), whole=True)
     user.choose("View", "Dyna")  # where plots are high enough for their marks
@@ -210,6 +211,7 @@ def test_extremes_are_refined_for_plots_in_sight_alone_and_never_by_a_frame_or_a
     assert view.plot.marked() != before
 
 
+@pytest.mark.stress
 def test_one_switch_hides_the_marks_of_all_plots(open_user: Open) -> None:
     user = open_user(LIFT, size=(1440, 900), whole=True)
     user.choose("View", "Dyna")  # where plots are high enough for their marks
@@ -310,6 +312,7 @@ def test_polar_plots_mark_what_straight_ones_do(polar: GraphView) -> None:
     assert [panel.plot.marked() for panel in polar.panels] == found
 
 
+@pytest.mark.stress
 def test_the_texts_of_polar_marks_stand_beside_their_places_and_cover_nothing(polar: GraphView) -> None:
     laid = 0
     for plot in polar_plots(polar):

@@ -13,6 +13,7 @@ from plot_reading import message
 from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
+from sampled import spread
 from window_user import Alone, User, settle, wait_for
 
 from core.design import Tolerance, edited, get
@@ -230,6 +231,7 @@ def test_straight_and_polar(graph: GraphView) -> None:
     assert [panel.plot.readings() for panel in graph.panels] == straight
 
 
+@pytest.mark.stress
 def test_bands_of_machines_lie_round_about_the_curve(alone: Alone) -> None:
     base = "cam.base_radius_mm"
     session = Session(replace(LIFT, tolerances=(Tolerance(base, 8.0),)))
@@ -330,7 +332,7 @@ def test_infinite_values_are_gaps(app: QApplication) -> None:
     plot.deleteLater()
 
 
-@pytest.mark.parametrize("angle", [0.0, 75.0, 180.0, 300.0])
+@pytest.mark.parametrize("angle", spread([0.0, 75.0, 180.0, 300.0], 2))
 def test_a_click_sets_the_angle_of_the_ray(angle: float, graph: GraphView) -> None:
     graph.set_form("polar")
     settle()
@@ -380,7 +382,7 @@ def test_the_numbers_are_the_cores(graph: GraphView, tmp_path: Path, monkeypatch
     assert path.read_text() == csv(names, [grid(study.samples), *(rows[name].values(study) for name in names[1:])])
 
 
-@pytest.mark.parametrize("form", ["straight", "polar"])
+@pytest.mark.parametrize("form", spread(["straight", "polar"], 1))
 def test_the_picture_shows_every_plot(form: str, graph: GraphView) -> None:
     graph.set_form(form)
     tick(graph, "contact_force")

@@ -291,6 +291,7 @@ def test_one_angle_for_all(whole: User) -> None:
         assert other.plot.angle == theta
 
 
+@pytest.mark.stress
 def test_what_was_written_is_told_in_the_status_line(whole: User, tmp_path: Path) -> None:
     view = whole.see("displacement")
     assert isinstance(view, PlotView)
@@ -326,6 +327,7 @@ def test_an_edit_paints_each_plot_once_and_those_it_leaves_alone_not_at_all(whol
     assert sorted(painted) == ["contact_force", "torque"]
 
 
+@pytest.mark.stress
 def test_a_plot_after_edits_is_what_a_fresh_plot_shows(show: Show) -> None:
     """However much of it is kept on the way."""
     view = show("pitch_curvature", "profile_curvature")

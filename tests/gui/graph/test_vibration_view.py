@@ -18,6 +18,11 @@ from kindyna_gui.places import example
 STIFFNESS, RATIO = "loads.follower_stiffness_n_per_mm", "loads.follower_damping_ratio"
 
 
+@pytest.fixture
+def open_user(same_window: Open) -> Open:
+    return same_window
+
+
 def see(user: User) -> VibrationView:
     user.choose("Dyna", "Response spectrum")
     view = user.window.view("vibration")

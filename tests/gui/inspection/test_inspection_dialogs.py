@@ -8,7 +8,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor, QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
-from window_user import User, answering, wait_for
+from window_user import Open, User, answering, wait_for
 
 from core.__main__ import main
 from core.project import load, save
@@ -91,6 +91,12 @@ def exact(tmp_path_factory: pytest.TempPathFactory) -> np.ndarray:
 
 
 @pytest.fixture
+def user(open_user: Open) -> User:
+    """The dialogs go with the window."""
+    return open_user()
+
+
+@pytest.fixture
 def opened(user: User, exact: np.ndarray, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> MeasuredCamDialog:
     """The dialog with a cam that has a bump at 120 deg."""
     degrees = exact["cam_angle_deg"]
@@ -157,6 +163,7 @@ def test_a_bump_is_shown_with_its_place_and_verdict(
     assert "Fitted: cam angle = angle +10°, lift = measured -1 mm." in opened.notes.text()
 
 
+@pytest.mark.stress
 def test_what_cannot_be_read_is_one_line_and_nothing_is_lost(opened: MeasuredCamDialog, tmp_path: Path) -> None:
     path, shown = tmp_path / "cut.csv", opened.picture.shown
     whole = path.read_bytes()

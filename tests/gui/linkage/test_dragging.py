@@ -29,9 +29,9 @@ def place(user: User, point: str) -> complex:
 
 
 @pytest.fixture
-def user(open_user: Open) -> User:
+def user(same_window: Open) -> User:
     """At the lift."""
-    return open_user()
+    return same_window()
 
 
 @pytest.mark.stress

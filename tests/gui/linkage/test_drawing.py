@@ -255,6 +255,7 @@ free_length_mm = 80.0
 """
 
 
+@pytest.mark.stress
 def test_a_slider_crank_with_a_spring_is_drawn(open_user: Open) -> None:
     pen = start(open_user)
     pen.key(Key.Key_G)
@@ -281,6 +282,7 @@ def test_a_slider_crank_with_a_spring_is_drawn(open_user: Open) -> None:
     assert pen.places == {}
 
 
+@pytest.mark.stress
 def test_the_six_bar_of_the_lecture_is_drawn(open_user: Open) -> None:
     pen, file = start(open_user), load(example("lecture_six_bar"))
     pen.key(Key.Key_G)
@@ -344,6 +346,7 @@ points = { B = [0.0, 0.0], C = [45.0, 0.0] }
 """
 
 
+@pytest.mark.stress
 @pytest.mark.parametrize(
     ("typed", "row", "turns"),
     [
@@ -530,6 +533,7 @@ def test_what_is_no_mechanism_yet_is_saved_opened_and_undone(open_user: Open, tm
     assert other.session.typed.drive.mechanism == again.design.drive.mechanism
 
 
+@pytest.mark.stress
 def test_the_part_that_is_led_moves_and_the_rest_hangs_on_it(open_user: Open) -> None:
     """A crank with a loose rod: the crank goes round, the rod keeps its length; grey is what the driver does not lead."""
     pen = start(open_user)
@@ -553,6 +557,7 @@ def test_the_part_that_is_led_moves_and_the_rest_hangs_on_it(open_user: Open) ->
     assert pen.design.drive.linkage.drawn.driver_deg == pytest.approx(90.0)
 
 
+@pytest.mark.stress
 def test_another_circuit_is_chosen_by_its_picture_and_saved_as_signs(open_user: Open) -> None:
     pen = four_bar(open_user)
     pen.key(Key.Key_Escape)
@@ -653,6 +658,7 @@ def test_pins_are_joined_grounded_renamed_and_locked(open_user: Open) -> None:
     assert pen.user.steps[-1] == "Rename D to Tip"
 
 
+@pytest.mark.stress
 def test_links_are_pasted_into_another_design(open_user: Open) -> None:
     pen = four_bar(open_user)
     pen.key(Key.Key_A, CTRL)
@@ -667,6 +673,7 @@ def test_links_are_pasted_into_another_design(open_user: Open) -> None:
     assert math.isclose(abs(other.places["O2"] - other.places["O1"]), 100.0)
 
 
+@pytest.mark.stress
 def test_outside_of_drawing_a_link_that_is_dragged_runs_the_machine(open_user: Open) -> None:
     """The grip stays under the mouse, no length changes; Esc and D leave and begin to draw."""
     pen = four_bar(open_user)
@@ -709,6 +716,7 @@ def test_drawing_adds_nothing_to_a_frame_while_it_is_not_used(open_user: Open) -
     assert frame() <= before
 
 
+@pytest.mark.stress
 def test_a_point_on_the_line_of_a_bar_leaves_its_face(open_user: Open) -> None:
     """A link is hit anywhere on its face, also where its three points lie in line."""
     pen = four_bar(open_user)
@@ -747,6 +755,7 @@ def test_every_tool_and_deed_has_its_entry_and_its_menu(open_user: Open) -> None
     assert pen.user.steps[-1] == "Point C on link 3"
 
 
+@pytest.mark.stress
 def test_while_a_line_is_drawn_the_mouse_is_drawn_to_what_is_there(open_user: Open) -> None:
     """Points, lines, perpendiculars, 15° steps, the grid; Ctrl frees it."""
     pen = four_bar(open_user)
@@ -797,6 +806,7 @@ def test_any_order_of_tools_keys_and_undo_is_borne(open_user: Open) -> None:
     assert pen.places == {}
 
 
+@pytest.mark.stress
 def test_the_feed_of_the_transfer_unit_is_drawn(open_user: Open) -> None:
     """An arm with its roller under a cam, from an empty sheet: the same cam as the file's."""
     unit = load(example("transfer_unit"))

@@ -162,6 +162,7 @@ def test_the_plots_show_what_the_links_do(same_window: Open) -> None:
     assert "point.D_vx" in [row.name for row in graph.drawn]  # type: ignore[attr-defined]
 
 
+@pytest.mark.stress
 def test_empty_plots_name_the_angle_too(same_window: Open) -> None:
     """A crank has no curvature: the plot says so over the driver's angle; back at a cam, over the cam's."""
     user = same_window(example("four_bar"))
@@ -184,6 +185,7 @@ def test_empty_plots_name_the_angle_too(same_window: Open) -> None:
     assert graph.panels[-1].plot.getAxis("bottom").labelText == "Driver angle, °"  # type: ignore[attr-defined]
 
 
+@pytest.mark.stress
 def test_docks_are_called_after_what_they_show(open_user: Open) -> None:
     """Titles, tabs, the menu of docks and that of pictures alike; a cam has its own names back."""
     user = open_user(example("four_bar"), whole=True)
@@ -204,6 +206,7 @@ def test_docks_are_called_after_what_they_show(open_user: Open) -> None:
         assert f"{titles[0]}..." in user.entries("Graph", "Export picture")
 
 
+@pytest.mark.stress
 def test_a_linkage_is_drawn_where_its_cam_cannot_be(same_window: Open, tmp_path: Path) -> None:
     text = example("cam_slider_linkage").read_text("utf-8")
     (tmp_path / "wide.toml").write_text(text.replace("roller_radius_mm = 150.0", "roller_radius_mm = 600.0"), "utf-8")
@@ -214,6 +217,7 @@ def test_a_linkage_is_drawn_where_its_cam_cannot_be(same_window: Open, tmp_path:
     assert drawing.note.text().startswith("No cam: Cam roller: the roller covers the cam centre")
 
 
+@pytest.mark.stress
 def test_a_linkage_without_a_cam_is_not_told_of_contact(open_user: Open) -> None:
     user = open_user(example("four_bar"), size=(1440, 900), whole=True)
     for task in ("Compo", "Kine", "Dyna", "Graph"):
@@ -423,6 +427,7 @@ def test_the_flywheel_of_a_crank_shows_the_torque_of_the_driver(same_window: Ope
     assert not any(label.startswith("Cam torque") for label in labels)
 
 
+@pytest.mark.stress
 def test_pose_and_curves_leave_the_window_as_the_commands_write_them(
     open_user: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

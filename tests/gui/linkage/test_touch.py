@@ -132,6 +132,7 @@ def test_a_value_is_typed_while_the_mouse_holds_it(rocker: User, thing: str, pat
     assert len(rocker.steps) == 1
 
 
+@pytest.mark.stress
 def test_what_stands_beside_the_mouse_is_in_the_units_that_are_preferred(rocker: User) -> None:
     units.choose(kept.INCH, True)
     try:
@@ -220,6 +221,7 @@ def test_what_is_drawn_has_a_menu_of_what_can_be_done_with_it(rocker: User, thin
     menu.close()
 
 
+@pytest.mark.stress
 def test_a_plot_has_the_same_menu_before_its_own_entries(rocker: User) -> None:
     view = rocker.see("pressure_angle")
     assert isinstance(view, PlotView)
@@ -263,6 +265,7 @@ def highest(user: User) -> float:
     return float(np.rad2deg(user.session.study.cam.flank.pressure_angle.max()))
 
 
+@pytest.mark.stress
 def test_a_peak_of_the_pressure_angle_is_drawn_and_the_base_radius_follows(rocker: User) -> None:
     assert rocker.session.edit("limits.pressure_angle_rise_deg", 34.0, "Limit")
     before = rocker.design
@@ -332,6 +335,7 @@ def test_a_click_on_a_limit_in_a_plot_opens_its_field(rocker: User) -> None:
         assert field.editor.hasFocus() or field.editor.isAncestorOf(QApplication.focusWidget())
 
 
+@pytest.mark.stress
 def test_bars_and_points_of_the_timing_have_a_menu(open_user: Open) -> None:
     user = open_user(example("transfer_unit"), size=(1440, 900))
     view = user.see("timing")

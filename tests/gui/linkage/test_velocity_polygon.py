@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QRectF
 from PySide6.QtGui import QImage
+from sampled import spread
 from window_user import Open, User, settle, wait_for
 
 from kindyna_gui.__main__ import main
@@ -78,7 +79,7 @@ def test_the_six_bars_differences_are_found_step_by_step(six_bar: User) -> None:
     assert (view.sheet.vectors(), view.step_label.text()) == (whole, "")
 
 
-@pytest.mark.parametrize("name", ["inverted_slider_crank", "rear_suspension", "stephenson_six_bar"])
+@pytest.mark.parametrize("name", spread(["inverted_slider_crank", "rear_suspension", "stephenson_six_bar"], 1))
 def test_vectors_are_drawn_head_to_tail_to_the_scale(name: str, open_user: Open) -> None:
     """Absolute ones from the pole; each difference leads from one end to another; all of it on the sheet."""
     user = open_user(example(name))
@@ -191,7 +192,7 @@ def test_ratios_are_read_off_the_drawing_link_by_link(six_bar: User) -> None:
     assert not drawn.item.isVisible()
 
 
-@pytest.mark.parametrize("name", ["inverted_slider_crank", "lecture_six_bar"])
+@pytest.mark.parametrize("name", spread(["inverted_slider_crank", "lecture_six_bar"], 1))
 def test_dimensions_run_beside_their_centres(name: str, open_user: Open) -> None:
     """Parallel to the line of the three centres, from abreast of one to abreast of the other; and they move."""
     user = open_user(example(name))

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
+from sampled import spread
 from window_user import Open, User, wait_for
 
 from core.__main__ import main
@@ -26,7 +27,14 @@ def opened(user: User, path: Path, monkeypatch: pytest.MonkeyPatch) -> Controlle
 
 @pytest.mark.parametrize(
     ("slug", "options", "segments"),
-    [("codesys-xyva", (), 10), ("beckhoff-zebra", ("--error", "0.02"), None), ("schneider-asc", ("--points", "80"), 1)],
+    spread(
+        [
+            ("codesys-xyva", (), 10),
+            ("beckhoff-zebra", ("--error", "0.02"), None),
+            ("schneider-asc", ("--points", "80"), 1),
+        ],
+        1,
+    ),
 )
 def test_a_controllers_file_becomes_the_motion_that_the_command_makes_of_it(
     open_user: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, slug: str, options: tuple[str, ...], segments: int

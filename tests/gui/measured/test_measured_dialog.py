@@ -180,6 +180,7 @@ def rise_and_return() -> np.ndarray:
     return 60.0 * (rise - np.sin(2.0 * np.pi * rise) / (2.0 * np.pi)) + noise
 
 
+@pytest.mark.stress
 def test_dwells_and_laws_are_listed_and_become_the_segments(lift: User, imports: Import) -> None:
     """Of a lift with noise: click on a line to see where it is."""
     dialog = imports(table(values=rise_and_return()))
@@ -216,6 +217,7 @@ def choose(dialog: MeasuredDialog, row: int, text: str) -> None:
     rested(dialog)
 
 
+@pytest.mark.stress
 def test_segments_are_switched_before_they_are_taken(lift: User, imports: Import, tmp_path: Path) -> None:
     before = lift.design
     dialog = imports(table(values=rise_and_return()))
@@ -240,6 +242,7 @@ def test_segments_are_switched_before_they_are_taken(lift: User, imports: Import
     assert laws == ["dwell", "table", "cycloidal", "dwell"]
 
 
+@pytest.mark.stress
 def test_what_a_segment_cannot_be_is_told_and_the_last_motion_stays(lift: User, imports: Import) -> None:
     """A rise within two rows: no law is fitted to so few."""
     values = 60.0 * (np.clip((ANGLES - 60.0) / 4.0, 0.0, 1.0) ** 2 - np.clip((ANGLES - 220.0) / 120.0, 0.0, 1.0))
@@ -308,6 +311,7 @@ def test_the_file_is_asked_for_where_the_last_one_was(
 # -- the error, live --------------------------------------------------------------------------------------
 
 
+@pytest.mark.stress
 def test_every_step_of_the_error_is_fitted_and_drawn_at_once(lift: User, imports: Import) -> None:
     dialog = imports(table())
     click(dialog.laws)
@@ -352,6 +356,7 @@ def test_an_error_that_cannot_be_is_told_and_the_last_curve_stays(
     assert dialog.put_button.isEnabled()
 
 
+@pytest.mark.stress
 def test_the_lowest_position_moves_the_motion(lift: User, imports: Import) -> None:
     dialog = imports(table())
     assert abs(dialog.lowest.value) < 0.1
@@ -363,6 +368,7 @@ def test_the_lowest_position_moves_the_motion(lift: User, imports: Import) -> No
     assert y.max() - y.min() == pytest.approx(0.15, abs=5e-4)
 
 
+@pytest.mark.stress
 def test_the_stroke_of_an_imported_motion_is_that_of_its_curve(lift: User, imports: Import) -> None:
     """One spline over the whole turn begins and ends at one level; its stroke lies between."""
     dialog = imports(table())
@@ -404,6 +410,7 @@ def test_units_and_columns_can_be_corrected(lift: User, imports: Import) -> None
     assert any("does not tell where the follower stands" in cells[1] for cells in found(dialog))
 
 
+@pytest.mark.stress
 def test_another_delimiter_can_be_tried_and_taken_back(lift: User, imports: Import) -> None:
     dialog = imports(table())
     stroke = dialog.answer.fit.stroke if dialog.answer.fit else 0.0
@@ -416,6 +423,7 @@ def test_another_delimiter_can_be_tried_and_taken_back(lift: User, imports: Impo
     assert dialog.answer.fit.stroke == stroke
 
 
+@pytest.mark.stress
 def test_a_table_of_a_follower_that_swings_needs_a_unit(lift: User, imports: Import) -> None:
     dialog = imports(table("cam_angle_deg,arm_angle_deg"))
     assert "the follower slides: lengths are wanted" in dialog.message.text()
@@ -427,6 +435,7 @@ def test_a_table_of_a_follower_that_swings_needs_a_unit(lift: User, imports: Imp
 # -- what is wrong ----------------------------------------------------------------------------------------
 
 
+@pytest.mark.stress
 def test_wrong_rows_are_listed_by_line_and_the_mended_file_is_read_again(
     lift: User, imports: Import, tmp_path: Path
 ) -> None:
@@ -504,6 +513,7 @@ def test_rows_that_contradict_each_other_are_shown_but_not_put(lift: User, impor
     assert lift.steps == ["Import lift.csv"]
 
 
+@pytest.mark.stress
 def test_a_motion_that_the_mechanism_cannot_follow_is_refused_and_the_dialog_stays(lift: User, imports: Import) -> None:
     before = lift.design
     dialog = imports(table(values=1500.0 - 1500.0 * np.cos(np.deg2rad(ANGLES))))
@@ -515,6 +525,7 @@ def test_a_motion_that_the_mechanism_cannot_follow_is_refused_and_the_dialog_sta
     assert lift.steps == []
 
 
+@pytest.mark.stress
 def test_a_column_that_scatters_more_than_it_moves_is_told_in_a_line(
     open_user: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -539,6 +550,7 @@ def test_a_column_that_scatters_more_than_it_moves_is_told_in_a_line(
     assert dialog.put_button.isEnabled()
 
 
+@pytest.mark.stress
 def test_what_takes_long_is_computed_beside_the_window_and_given_up_by_cancel(
     lift: User, imports: Import, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -582,6 +594,7 @@ def test_what_takes_long_is_computed_beside_the_window_and_given_up_by_cancel(
 # -- what the tables of an engine and of a design become --------------------------------------------------
 
 
+@pytest.mark.stress
 def test_a_grinders_lift_table_becomes_a_cam_whose_dwell_stands_still(
     open_user: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -621,6 +634,7 @@ def test_a_grinders_lift_table_becomes_a_cam_whose_dwell_stands_still(
     assert np.isfinite(study.shape.flanks[0].profile).all()
 
 
+@pytest.mark.stress
 def test_the_lifts_own_kinematics_come_back_as_five_segments(
     lift: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -654,6 +668,7 @@ def check_of(dialog: MeasuredDialog, line: int) -> QPoint:
     return dialog.sheet.style().subElementRect(QStyle.SubElement.SE_ItemViewItemCheckIndicator, option).center()
 
 
+@pytest.mark.stress
 def test_a_row_is_marked_in_the_sheet_and_left_out_at_a_click(lift: User, imports: Import) -> None:
     values = LIFT.copy()
     values[30] += 4.0
@@ -693,6 +708,7 @@ def test_a_row_is_marked_in_the_sheet_and_left_out_at_a_click(lift: User, import
     assert found(dialog)[0][0] == "32", "it is taken back"
 
 
+@pytest.mark.stress
 def test_of_columns_that_contradict_each_other_one_is_chosen(lift: User, imports: Import) -> None:
     """A gauge of lift that reads twice too much beside a right velocity: said with its rows, marked in the sheet."""
     rise = 0.5 * (1.0 - np.cos(np.deg2rad(ANGLES)))
@@ -803,6 +819,7 @@ def test_copy_as_command_gives_the_command_that_does_the_same(lift: User, import
     assert load(tmp_path / "d.toml").drive.motion == dialog.answer.fit.motion
 
 
+@pytest.mark.stress
 def test_all_of_the_dialog_is_reached_by_keys(lift: User, imports: Import) -> None:
     """Tab goes from the reading over the fit, the sheet and the segments to Take, in the order that the eye does."""
     dialog = imports(table(values=rise_and_return()))
@@ -879,6 +896,7 @@ def test_nothing_is_cut_off_at_the_smallest_size(lift: User, imports: Import) ->
     assert QApplication.focusWidget() is not None
 
 
+@pytest.mark.stress
 def test_of_two_readings_of_the_rows_one_is_chosen(imports: Import) -> None:
     """Twenty rows lie half a millimetre high, or all others low: the table does not say which, the user does."""
     values = 4.5 * (1.0 - np.cos(np.deg2rad(ANGLES))) + 0.003 * np.random.default_rng(4).normal(size=ANGLES.size)

@@ -129,6 +129,7 @@ def test_a_click_on_a_segment_brings_its_fields_to_the_front(user: User) -> None
     assert "motion.segments[1].span_deg" in shown.fields
 
 
+@pytest.mark.stress
 def test_motions_that_cannot_be_typed_and_designs_without_one(same_window: Open) -> None:
     user = same_window(example("four_bar"))
     view = user.parameters()

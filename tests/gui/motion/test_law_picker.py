@@ -375,6 +375,7 @@ def test_points_are_typed(user: User) -> None:
     assert user.steps[-1] == "Leave segment 2, point 1 value free"
 
 
+@pytest.mark.stress
 def test_a_point_that_cannot_be_is_told(user: User) -> None:
     user.session.edit("motion.segments[1].law", "spline", "x")
     points(user).add()

@@ -236,6 +236,7 @@ def test_table_and_plots_share_the_page(laws: LawsView) -> None:
     assert laws.table.columnWidth(NAME) > 150
 
 
+@pytest.mark.stress
 def test_the_picture_shows_the_curves_and_their_names(laws: LawsView) -> None:
     picture = np.asarray(Image.open(BytesIO(laws.picture(".png"))).convert("RGB")).reshape(-1, 3).astype(int)
     for _, stroke in laws.model.drawn:

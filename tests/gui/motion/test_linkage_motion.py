@@ -8,6 +8,7 @@ import pytest
 from PySide6.QtCore import QPointF, Qt, QTimer
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QProgressDialog
+from sampled import spread
 from window_user import Open, User, settle, wait_for
 
 from core.design import join_levels, motion_of, require_motion
@@ -63,13 +64,16 @@ def test_a_typed_span_moves_the_cam_and_is_undone_by_name(user: User) -> None:
 
 @pytest.mark.parametrize(
     ("entry", "count", "step"),
-    [
-        ("Insert segment", 5, "Insert segment behind segment 2"),
-        ("Split segment", 5, "Split segment 2"),
-        ("Duplicate segment", 5, "Duplicate segment 2"),
-        ("Mirror stroke", 4, "Mirror the stroke of segment 2"),
-        ("Delete segment", 3, "Delete segment 2"),
-    ],
+    spread(
+        [
+            ("Insert segment", 5, "Insert segment behind segment 2"),
+            ("Split segment", 5, "Split segment 2"),
+            ("Duplicate segment", 5, "Duplicate segment 2"),
+            ("Mirror stroke", 4, "Mirror the stroke of segment 2"),
+            ("Delete segment", 3, "Delete segment 2"),
+        ],
+        1,
+    ),
 )
 def test_whole_segments_are_edited_from_the_menu(entry: str, count: int, step: str, user: User) -> None:
     user.motion().choose(1)
@@ -103,6 +107,7 @@ def test_a_join_is_drawn_with_the_mouse(user: User) -> None:
     assert user.faults == []
 
 
+@pytest.mark.stress
 def test_a_motion_beyond_the_reach_of_the_links_is_refused(user: User) -> None:
     """What the links cannot follow is told with the angles; the last good design stays."""
     user.enter("motion.stroke_deg", "300")
@@ -139,6 +144,7 @@ def test_findings_and_certificate_follow_the_motion(user: User) -> None:
     assert len(shown) == 2
 
 
+@pytest.mark.stress
 def test_a_blend_is_put_into_the_linkage(user: User) -> None:
     user.motion().choose(1)
     settle()
@@ -271,10 +277,13 @@ Step = Callable[[User], None]
 
 @pytest.mark.parametrize(
     ("name", "driver", "roller"),
-    [
-        ("watt_six_bar", "Link 6 follows a motion", "C on link 4"),
-        ("slider_crank", "Link 4 follows a motion", "B on link 3"),
-    ],
+    spread(
+        [
+            ("watt_six_bar", "Link 6 follows a motion", "C on link 4"),
+            ("slider_crank", "Link 4 follows a motion", "B on link 3"),
+        ],
+        1,
+    ),
 )
 def test_a_roller_rides_on_any_link_of_any_linkage(name: str, driver: str, roller: str, same_window: Open) -> None:
     user = same_window(example(name))
@@ -318,6 +327,7 @@ def test_keys_of_a_motion_go_nowhere_where_there_is_none(same_window: Open) -> N
     assert user.design is before
 
 
+@pytest.mark.stress
 def test_a_driver_that_takes_long_can_be_given_up(same_window: Open) -> None:
     """The last link of Stephenson's chain leads a group of four: each way to put it together is followed all round."""
     user = same_window(example("stephenson_six_bar"))

@@ -24,6 +24,7 @@ def user(same_window: Open, tmp_path: Path) -> User:
     return same_window(file)
 
 
+@pytest.mark.stress
 def test_every_view_shows_it_or_says_why_not(user: User) -> None:
     for task in TASKS:
         user.window.show_task(task)

@@ -10,6 +10,7 @@ from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu
+from sampled import spread
 from window_user import Open, User, plain, settle, wait_for
 
 from core.design import Design, Motion, NamedCurve, Segment, edited, with_drive
@@ -512,7 +513,7 @@ def from_menu(user: User, entry: str) -> None:
     settle()
 
 
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("way", spread(WAYS, 1))
 def test_a_segment_is_split(user: User, way: str) -> None:
     user.motion().choose(1)
     user.motion().table.setFocus()
@@ -524,7 +525,7 @@ def test_a_segment_is_split(user: User, way: str) -> None:
     assert user.motion().chosen == 1
 
 
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("way", spread(WAYS, 1))
 def test_a_segment_is_duplicated(user: User, way: str) -> None:
     user.motion().choose(1)
     user.motion().table.setFocus()
@@ -535,7 +536,7 @@ def test_a_segment_is_duplicated(user: User, way: str) -> None:
     assert user.motion().chosen == 2
 
 
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("way", spread(WAYS, 1))
 def test_a_stroke_is_mirrored(user: User, way: str) -> None:
     user.session.edit("motion.segments[1].law", "cycloidal", "x")
     user.session.edit("motion.segments[1].span_deg", 60.0, "x")
@@ -606,6 +607,7 @@ def test_what_does_not_fit_is_told_below_the_table(user: User) -> None:
 # -- from nothing -----------------------------------------------------------------------------------------
 
 
+@pytest.mark.stress
 def test_a_rise_and_its_return_are_laid_out_by_the_mouse_alone(user: User) -> None:
     """From a dwell over the whole turn: cut where the mouse points, pick laws, draw the level, mirror."""
     user.session.put(edited_to_stand(user), "Lay out")

@@ -1,5 +1,6 @@
 """Make > Law table and Make > Blend: what each law and blend costs in this design, computed while it is seen, sorted by a click."""
 
+import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QWidget
@@ -18,6 +19,11 @@ from kindyna_gui.note import linked
 from kindyna_gui.pictures.units import digits
 from kindyna_gui.places import example
 from kindyna_gui.requirements import NO_RANKING
+
+
+@pytest.fixture
+def open_user(same_window: Open) -> Open:
+    return same_window
 
 
 def names(panel: RankingPanel) -> list[str]:
@@ -70,6 +76,7 @@ def see(user: User) -> LawsView:
     return view
 
 
+@pytest.mark.stress
 def test_laws_are_ranked_in_the_design_while_it_is_asked_for(open_user: Open) -> None:
     user = open_user(example("rocker_cam"))
     user.session.put(edited(user.design, "loads.follower_stiffness_n_per_mm", 60.0), "Stiffness")

@@ -96,12 +96,14 @@ def test_a_row_that_is_chosen_shows_its_picture_its_words_and_its_verdict(figure
     assert not figures.picture.empty
 
 
+@pytest.mark.stress
 def test_the_design_behind_a_figure_is_opened(user: User, figures: FiguresWindow) -> None:
     choose(figures, "Yang and Shon: Fig. 4")
     QTest.mouseClick(figures.open_button, Qt.MouseButton.LeftButton)
     assert user.design.name == "Card picker"
 
 
+@pytest.mark.stress
 def test_the_star_of_an_assumed_value_says_why(user: User) -> None:
     user.choose("View", "Docks", "Parameters")
     field = user.field("loads.arm_inertia_kg_m2")

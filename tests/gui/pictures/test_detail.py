@@ -10,6 +10,7 @@ from mechanisms import LIFT, PUSHER
 from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QColor, QImage, QPainter, QPainterPath, QPainterPathStroker, QTransform
 from PySide6.QtWidgets import QWidget
+from sampled import spread
 
 from core.design import Design, edited
 from core.output.channels import channels
@@ -128,7 +129,7 @@ FEW = ("displacement", "jerk", "pressure_angle", "drive_torque")
 
 @pytest.mark.parametrize(
     ("design", "size", "quantities"),
-    [(LIFT, (300, 178), ()), (PUSHER, (300, 178), ()), (LIFT, (900, 420), FEW)],
+    spread([(LIFT, (300, 178), ()), (PUSHER, (300, 178), ()), (LIFT, (900, 420), FEW)], 1),
     ids=["lift", "pusher", "large"],
 )
 def test_a_curve_of_few_points_looks_like_the_whole(
@@ -189,6 +190,7 @@ class FullPolar(LivePolar):
     unseen = 0.0
 
 
+@pytest.mark.stress
 def test_a_polar_curve_of_few_points_looks_like_the_whole() -> None:
     study = Study(LIFT, SAMPLES)
     thin, full = LivePolar(), FullPolar()
@@ -234,7 +236,7 @@ def loops(scene: MechanismScene) -> int:
     return sum(part.item.path().elementCount() for part in scene.parts.values() if isinstance(part.item, Loop))
 
 
-@pytest.mark.parametrize("zoom", [1.0, 7.0, 60.0])
+@pytest.mark.parametrize("zoom", spread([1.0, 7.0, 60.0], 2))
 def test_the_cam_of_few_points_looks_like_the_whole(scenes: tuple[MechanismScene, MechanismScene], zoom: float) -> None:
     thin, full = scenes
 
@@ -256,7 +258,7 @@ def test_the_cam_of_few_points_looks_like_the_whole(scenes: tuple[MechanismScene
     assert loops(thin) < {1.0: 0.3, 7.0: 0.6, 60.0: 1.01}[zoom] * loops(full)
 
 
-@pytest.mark.parametrize("zoom", [1.0, 7.0, 60.0])
+@pytest.mark.parametrize("zoom", spread([1.0, 7.0, 60.0], 2))
 def test_no_point_of_the_cam_is_off_by_more_than_nobody_sees(
     scenes: tuple[MechanismScene, MechanismScene], zoom: float
 ) -> None:

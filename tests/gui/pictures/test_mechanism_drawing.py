@@ -12,7 +12,7 @@ from plot_reading import box_in_mm
 from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QFontMetricsF
 from PySide6.QtWidgets import QApplication, QGraphicsLineItem
-from sampled import stressed
+from sampled import spread, stressed
 
 from core.design import Design, Motion, Translating, edited
 from core.dynamics import Loading
@@ -273,6 +273,7 @@ def test_a_study_without_position_is_refused_and_the_old_drawing_stays() -> None
     assert scene.parts == parts
 
 
+@pytest.mark.stress
 def test_a_linkage_without_cam_is_still_drawn() -> None:
     motion = replace(LIFT.drive.motion, start=0.0)
     design = with_cam(with_drive(LIFT, motion=motion), base_radius_mm=0.5, roller_radius_mm=549.5)
@@ -289,7 +290,7 @@ def test_a_linkage_without_cam_is_still_drawn() -> None:
 # -- layers -----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("layer", [name for name in LAYERS if name not in ("scale", "modulo")])
+@pytest.mark.parametrize("layer", spread([name for name in LAYERS if name not in ("scale", "modulo")], 6))
 def test_each_layer_is_shown_and_hidden(layer: str) -> None:
     design = LIFT
     for path, value in {"cam.thickness_mm": 80.0, "cam.material": "16mncr5", "cam.roller_material": "100cr6"}.items():

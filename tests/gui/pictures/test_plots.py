@@ -126,7 +126,7 @@ def test_steps_are_round() -> None:
 # -- curves -----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("slug", spread([row.slug for row in channels(LIFT)], 20))
+@pytest.mark.parametrize("slug", spread([row.slug for row in channels(LIFT)], 6))
 def test_a_curve_is_its_channel(slug: str) -> None:
     row, study = channel(LIFT, slug), Study(LIFT, SAMPLES)
     plot = plot_of(LIFT, slug, size=(700, 400))
@@ -487,6 +487,7 @@ def pictures() -> dict[str, bytes]:
     return paint(Study(LIFT, SAMPLES))
 
 
+@pytest.mark.stress
 def test_a_report_has_its_pictures(pictures: dict[str, bytes]) -> None:
     assert list(pictures) == ["mechanism.png", "mechanism.svg", "motion.png", "cam.png", "forces.png"]
     for name, data in pictures.items():
@@ -496,6 +497,7 @@ def test_a_report_has_its_pictures(pictures: dict[str, bytes]) -> None:
                 assert len(image.convert("RGB").getcolors(1 << 24)) > 30
 
 
+@pytest.mark.stress
 def test_the_same_design_gives_the_same_bytes(pictures: dict[str, bytes]) -> None:
     assert paint(Study(LIFT, SAMPLES)) == pictures
 

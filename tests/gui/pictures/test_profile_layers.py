@@ -30,6 +30,12 @@ BY_STRESS = "Profile coloured by contact pressure"
 WIDTH, HEIGHT = 900, 675
 
 
+@pytest.fixture
+def user(open_user: Open) -> User:
+    """A window of its own: the mouse is read."""
+    return open_user()
+
+
 def scene_of(design: Design, *layers: str) -> MechanismScene:
     scene = MechanismScene()
     for layer in layers:

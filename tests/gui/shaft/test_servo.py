@@ -15,6 +15,11 @@ from kindyna_gui.shaft.servo_view import ServoView
 from kindyna_gui.view import ReasonPage
 
 
+@pytest.fixture
+def open_user(same_window: Open) -> Open:
+    return same_window
+
+
 def test_a_servo_is_given_edited_and_taken_away(open_user: Open) -> None:
     user = open_user(example("rocker_cam"))
     before = user.design

@@ -91,6 +91,7 @@ def test_a_graph_waits_for_the_steady_response_and_the_window_does_not(kim: User
     assert float(np.ptp(curve.y)) > 0.0
 
 
+@pytest.mark.stress
 def test_a_drawing_waits_for_its_twist_and_another_design_ends_the_search(kim: User, search: Search) -> None:
     drawing = kim.drawing()
     drawing.show_layer("twist", True)

@@ -76,6 +76,7 @@ def heard(method: Callable[..., Verdict], threads: set[int]) -> Callable[..., Ve
     return hearing
 
 
+@pytest.mark.stress
 def test_what_the_mouse_has_left_or_an_edit_made_untrue_is_given_up(kim: User, monkeypatch: pytest.MonkeyPatch) -> None:
     view = page(kim)
     asked: list[tuple[float, float]] = []

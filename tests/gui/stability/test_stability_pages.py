@@ -26,6 +26,7 @@ def kim(open_user: Open, monkeypatch: pytest.MonkeyPatch) -> User:
     return open_user(KIM, size=(1440, 900))
 
 
+@pytest.mark.stress
 def test_a_click_shows_verdicts_and_history_there(kim: User) -> None:
     view = page(kim)
     own = shown(view)
@@ -98,6 +99,7 @@ def test_the_terms_of_the_equation_are_drawn_by_cam_angle(kim: User) -> None:
     assert np.abs(psi - kims).max() < 1e-12
 
 
+@pytest.mark.stress
 def test_only_the_page_in_front_is_drawn(kim: User) -> None:
     view = page(kim)
     plots = {name: group[0] for name, group in view.pages.plots.items()}
@@ -107,6 +109,7 @@ def test_only_the_page_in_front_is_drawn(kim: User) -> None:
     assert [name for name, plot in plots.items() if plot.lines] == ["Spectrum"]
 
 
+@pytest.mark.stress
 def test_the_forbidden_speeds_and_the_shaft_for_a_speed(kim: User) -> None:
     view = page(kim)
     view.pages.show_page("Speeds")
@@ -122,6 +125,7 @@ def test_the_forbidden_speeds_and_the_shaft_for_a_speed(kim: User) -> None:
     assert "at least" in view.pages.needed.text()
 
 
+@pytest.mark.stress
 def test_the_chart_and_the_other_figures_as_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = ["--q", "0.05", "--eta-max", "2.2", "--periods", "2"]
     assert main(["--headless", "stability", str(KIM), "--out", str(tmp_path), *words]) == 0

@@ -99,6 +99,7 @@ def test_the_machines_point_is_drawn_to_the_shaft_it_would_need(kim: User) -> No
     assert kim.design == before
 
 
+@pytest.mark.stress
 def test_a_rigid_shaft_is_told_and_can_be_made_flexible(open_user: Open) -> None:
     user = open_user(size=(1440, 900))
     lift = user.design
@@ -124,6 +125,7 @@ def test_a_rigid_shaft_is_told_and_can_be_made_flexible(open_user: Open) -> None
     wait_for(lambda: view.in_trouble)
 
 
+@pytest.mark.stress
 def test_a_linkage_that_its_cam_drives_has_a_chart(open_user: Open, tmp_path: Path) -> None:
     path = tmp_path / "linkage.toml"
     save(lift_twice()[1], path)
@@ -143,6 +145,7 @@ def test_a_linkage_that_its_cam_drives_has_a_chart(open_user: Open, tmp_path: Pa
     assert "20.00 rpm" in view.head.text()
 
 
+@pytest.mark.stress
 def test_an_edit_gives_up_what_is_being_computed(kim: User) -> None:
     view = page(kim, rest=False)
     QTest.mouseClick(view.chart.viewport(), LEFT, pos=pixel(view, 2.0, 0.1))
@@ -206,6 +209,7 @@ def test_a_closed_window_computes_no_more(kim: User) -> None:
     assert not any(isinstance(each, Worker) for each in enumerate_threads())
 
 
+@pytest.mark.stress
 def test_a_page_that_leaves_the_screen_gives_up_and_asks_again_when_it_returns(
     kim: User, monkeypatch: pytest.MonkeyPatch
 ) -> None:

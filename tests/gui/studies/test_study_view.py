@@ -109,6 +109,7 @@ def pivot(user: User) -> tuple[float, float]:
     return get(user.design, X), get(user.design, Y)
 
 
+@pytest.mark.stress
 def test_f1_opens_the_page_on_studies(user: User) -> None:
     user.window.show_task("study")
     view = user.window.view("study")
@@ -465,6 +466,7 @@ def test_right_clicks_and_a_drag_lead_to_the_share_of_machines_in_twelve_actions
     assert actions <= 12
 
 
+@pytest.mark.stress
 def test_a_cell_of_the_motion_and_a_word_are_varied_by_right_click(user: User) -> None:
     motion = user.motion()
     user.see("motion")
@@ -578,6 +580,7 @@ def study_entry(view: StudyView, text: str) -> QAction:
     return next(each for each in menu.actions() if text in each.text())
 
 
+@pytest.mark.stress
 def test_a_ready_study_finds_the_smallest_cam_with_its_path_and_is_taken_over(user: User) -> None:
     user.window.show_task("study")
     view = user.window.view("study")
@@ -632,6 +635,7 @@ def test_a_search_is_stopped_and_words_are_tried(user: User) -> None:
     assert [segment.curve.law for segment in user.design.drive.motion.segments][1::2] == ["cycloidal", "cycloidal"]
 
 
+@pytest.mark.stress
 def test_a_study_file_is_opened_with_its_design(open_user: Open, tmp_path: Path) -> None:
     own = tmp_path / "lift.toml"
     own.write_bytes(example("transfer_lift").read_bytes())

@@ -24,6 +24,7 @@ def play(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, list
     return code, (out.out + out.err).splitlines()
 
 
+@pytest.mark.stress
 @pytest.mark.parametrize("name", spread(list(STEPS), 1))
 def test_a_lesson_plays_to_its_end_with_mouse_and_keys(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     code, lines = play(capsys, name, "--play")
@@ -47,7 +48,7 @@ RADIUS = 'path = ["cam.base_radius_mm", 410.0]'
     [
         ('field = "cam.base_radius_mm", keys = ["409", "Return"]', RADIUS, "step 1 of 1: what must be so"),
         stressed('menu = "Kine > Fly"', RADIUS, "Fly: no such entry"),
-        ('field = "cam.nowhere"', 'path = ["cam.base_radius_mm", 400.0]', "is so before it is done"),
+        stressed('field = "cam.nowhere"', 'path = ["cam.base_radius_mm", 400.0]', "is so before it is done"),
         stressed('drag = ["Z9"]', RADIUS, "Z9: the drawing has no such point"),
     ],
 )

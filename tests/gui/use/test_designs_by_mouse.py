@@ -34,6 +34,11 @@ LEFT = Qt.MouseButton.LeftButton
 TRIES = 60
 
 
+@pytest.fixture
+def open_user(same_window: Open) -> Open:
+    return same_window
+
+
 class Mouse:
     """The mouse of a user, and nothing else."""
 
@@ -140,6 +145,7 @@ def saved(user: User, path: Path, monkeypatch: pytest.MonkeyPatch, mouse: Mouse)
     return path.read_text(encoding="utf-8")
 
 
+@pytest.mark.stress
 def test_the_lift_is_laid_out_by_mouse(open_user: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     user = open_user(size=(1440, 900), whole=True)
     mouse = Mouse(user)

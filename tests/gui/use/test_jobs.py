@@ -253,6 +253,7 @@ def test_a_flat_cam_that_begins_with_a_dwell_goes_from_new_to_its_dxf(
     assert hand.actions <= 12, hand.actions
 
 
+@pytest.mark.stress
 @pytest.mark.parametrize("size", SIZES)
 def test_the_pressure_of_a_rocker_with_its_spring_and_material_is_read(open_user: Open, size: tuple[int, int]) -> None:
     user = open_user(size=size, whole=True)
@@ -352,6 +353,7 @@ ROCKER = {
 """A rocker cam of other numbers than those that are offered."""
 
 
+@pytest.mark.stress
 def test_the_rocker_cam_is_designed_in_inspector_and_drawing_without_a_menu_but_new(open_user: Open) -> None:
     """At the smallest window: what is typed where its part is clicked, what is held in the drawing, and the pages of the inspector."""
     user = open_user(size=SMALL, whole=True)

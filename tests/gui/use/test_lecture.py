@@ -88,6 +88,7 @@ def off_line(a: complex, b: complex, c: complex) -> float:
     return abs(((a - b) / (c - b)).imag * abs(c - b)) / (abs(a - b) + abs(c - b))
 
 
+@pytest.mark.stress
 def test_page_11_stands_on_the_screen(open_user: Open) -> None:
     """20.07, 16.39 cm; 6.64, 20.57, 20.57 rpm; 22.39 cm/s, signs being the print's arrows."""
     user = open_user()

@@ -68,6 +68,7 @@ def arrow_up(user: User, path: str, times: int) -> None:
         click(box, box.style().subControlRect(QStyle.ComplexControl.CC_SpinBox, option, part, box).center())
 
 
+@pytest.mark.stress
 def test_a_four_bar_gets_a_mass_a_spring_and_a_load_with_the_mouse_alone(open_user: Open) -> None:
     user = open_user(size=(1280, 720), whole=True)
     menu(user, "File", "Examples", "Four bar")
@@ -233,6 +234,7 @@ def test_a_click_on_an_arrow_or_a_spiral_chooses_its_row(same_window: Open) -> N
     assert user.session.load == "loads.torsion_springs[0]"
 
 
+@pytest.mark.stress
 def test_a_click_on_the_closing_spring_leads_to_its_fields(same_window: Open) -> None:
     user = same_window(example("rocker_cam"))
     user.choose("Dyna", "Add to the loads", "Friction")

@@ -11,7 +11,7 @@ from plot_reading import curves
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLineEdit, QMenu, QWidget
-from window_user import User, plain, settle, wait_for
+from window_user import Open, User, plain, settle, wait_for
 
 from core.design import edited
 from core.output.export import files
@@ -43,6 +43,12 @@ STROKE: tuple[Event, ...] = (
 EXPORT: tuple[Event, ...] = (("menu", ("File", "Export", "Tables...")),)
 SAVE: tuple[Event, ...] = (("key", (Qt.Key.Key_S, CONTROL)),)
 UNDO: tuple[Event, ...] = (("key", (Qt.Key.Key_Z, CONTROL)),)
+
+
+@pytest.fixture
+def whole(open_user: Open) -> User:
+    """Nothing has been done in it before."""
+    return open_user(whole=True)
 
 
 @pytest.fixture
@@ -120,6 +126,7 @@ def seen(user: User) -> dict[str, Any]:
     return told
 
 
+@pytest.mark.stress
 def test_the_first_five_minutes(user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     play, lift = Replay(user), load(example("transfer_lift"))
     longer = edited(lift, "motion.stroke", 160.0)

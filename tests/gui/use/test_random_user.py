@@ -33,6 +33,7 @@ def use(seed: int, notes: Path, most: Sequence[str], patience: float) -> None:
         )
 
 
+@pytest.mark.stress
 @pytest.mark.parametrize("seed", [1])
 def test_a_random_user_finds_nothing_wrong(seed: int, tmp_path: Path) -> None:
     use(seed, tmp_path / "notes.txt", ("--actions", "12"), PATIENCE_S)

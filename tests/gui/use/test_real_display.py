@@ -46,6 +46,7 @@ WAY = (
 )
 
 
+@pytest.mark.stress
 @pytest.mark.skipif(bool(os.environ.get("KINDYNA_TEST_XVFB")), reason="this is that run")
 def test_the_users_way_on_a_real_window(display: str, tmp_path: Path) -> None:
     environment = os.environ | {"DISPLAY": display, "KINDYNA_TEST_XVFB": "1", "QT_QPA_PLATFORM": "xcb"}

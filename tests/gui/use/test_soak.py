@@ -9,13 +9,19 @@ import pytest
 from PySide6.QtCore import QCoreApplication, QEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
-from window_user import User
+from window_user import Open, User
 
 from kindyna_gui.places import example, examples
 
 LOST = 40  # references to None that may come and go by chance
 WARM = 40  # frames until caches are filled
 EDIT_EVERY = 25  # frames
+
+
+@pytest.fixture
+def whole(open_user: Open) -> User:
+    """Nothing has been done in it before."""
+    return open_user(whole=True)
 
 
 @pytest.fixture

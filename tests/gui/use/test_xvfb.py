@@ -145,6 +145,7 @@ def test_a_real_window_survives_any_number_of_designs(display: str, tmp_path: Pa
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.stress
 def test_a_real_window(display: str, tmp_path: Path) -> None:
     done = run(PROGRAM, display, tmp_path, PATIENCE)
     assert done.stdout == "done\n", done.stdout + done.stderr

@@ -55,6 +55,7 @@ def test_plots_take_their_part_of_a_larger_window_and_forms_what_they_need(user:
     assert after["findings"][1] == before["findings"][1]
 
 
+@pytest.mark.stress
 def test_a_width_that_the_user_has_drawn_is_kept(user: User) -> None:
     """Between the plots and the drawing the mouse takes the edge and draws it to the right."""
     window: QWidget = user.window

@@ -18,7 +18,7 @@ from PySide6.QtWidgets import (
     QPushButton,
     QTableView,
 )
-from sampled import stressed
+from sampled import spread, stressed
 from window_user import Open, User, plain, settle, wait_for
 
 from core.__main__ import parser
@@ -63,11 +63,11 @@ def find(user: User, text: str) -> Finder:
     [
         stressed("base radius 420", "cam.base_radius_mm", 420.0),
         ("base rad 16.5 in", "cam.base_radius_mm", 419.1),
-        ("rod l2 84 cm", "follower.rod_mm", 840.0),
+        stressed("rod l2 84 cm", "follower.rod_mm", 840.0),
         stressed("speed 0.5 Hz", "shaft.speed_rpm", 30.0),
         stressed("rotation clockwise", "shaft.rotation", "cw"),
-        ("segment 2 span 40", "motion.segments[1].span_deg", 40.0),
-        ("stroke 160", "motion.segments[1].rise_mm", -160.0),
+        stressed("segment 2 span 40", "motion.segments[1].span_deg", 40.0),
+        stressed("stroke 160", "motion.segments[1].rise_mm", -160.0),
         stressed("H 1310", "follower.guide_height_mm", 1310.0),
     ],
 )
@@ -94,12 +94,19 @@ def test_a_value_that_cannot_be_says_what_is_allowed_and_changes_nothing(user: U
 
 @pytest.mark.parametrize(
     ("typed", "path", "said"),
-    [
-        ("base radius 420 kg", "cam.base_radius_mm", "420 kg is none of its values; its units are mm, µm, cm, m, in"),
-        ("speed 3 mm", "shaft.speed_rpm", "3 mm is none of its values; its units are °/s, rad/s, rpm, Hz"),
-        ("base radius 412,5", "cam.base_radius_mm", "a number is wanted, with a decimal point and no comma"),
-        ("rod centre 3 furlongs", "loads.rod_centre", "3 furlongs is none of its values; it has no unit"),
-    ],
+    spread(
+        [
+            (
+                "base radius 420 kg",
+                "cam.base_radius_mm",
+                "420 kg is none of its values; its units are mm, µm, cm, m, in",
+            ),
+            ("speed 3 mm", "shaft.speed_rpm", "3 mm is none of its values; its units are °/s, rad/s, rpm, Hz"),
+            ("base radius 412,5", "cam.base_radius_mm", "a number is wanted, with a decimal point and no comma"),
+            ("rod centre 3 furlongs", "loads.rod_centre", "3 furlongs is none of its values; it has no unit"),
+        ],
+        1,
+    ),
 )
 def test_a_unit_that_the_field_lacks_gives_one_line_and_sets_nothing(
     user: User, typed: str, path: str, said: str
@@ -148,17 +155,20 @@ def test_another_drive_is_set_under_its_name(same_window: Open) -> None:
 
 @pytest.mark.parametrize(
     ("typed", "kind", "title"),
-    [
-        ("ψ", "Channel", "Pressure angle"),
-        ("psi", "Channel", "Pressure angle"),
-        ("contact force", "Command", "Contact force"),
-        ("card picker", "Example", "Card picker"),
-        ("rolling life", "Help", "Followers: Contact pressure and rolling life"),
-        ("α0", "Help", "The four papers: Shin, Kim and Ha 1995"),
-        ("split", "Command", "Split segment"),
-        ("thickness", "Field", "Thickness"),
-        ("radius", "Field", "Base radius Br"),
-    ],
+    spread(
+        [
+            ("ψ", "Channel", "Pressure angle"),
+            ("psi", "Channel", "Pressure angle"),
+            ("contact force", "Command", "Contact force"),
+            ("card picker", "Example", "Card picker"),
+            ("rolling life", "Help", "Followers: Contact pressure and rolling life"),
+            ("α0", "Help", "The four papers: Shin, Kim and Ha 1995"),
+            ("split", "Command", "Split segment"),
+            ("thickness", "Field", "Thickness"),
+            ("radius", "Field", "Base radius Br"),
+        ],
+        3,
+    ),
 )
 def test_words_and_symbols_find_what_they_name(user: User, typed: str, kind: str, title: str) -> None:
     finder = find(user, typed)

@@ -27,6 +27,11 @@ FORMS = ["Groove", "Conjugate pair"]
 # -- chosen by picture ------------------------------------------------------------------------------------
 
 
+@pytest.fixture
+def open_user(same_window: Open) -> Open:
+    return same_window
+
+
 def test_the_gallery_has_every_follower_with_every_face_and_form_and_the_linkages_as_pictures(user: User) -> None:
     dialog = gallery.Gallery(user.window)
     dialog.show()
@@ -52,7 +57,7 @@ def test_the_gallery_has_every_follower_with_every_face_and_form_and_the_linkage
 
 
 @pytest.mark.parametrize(
-    "choice", spread([each for _, choices in gallery.kinds() for each in choices], 8), ids=lambda each: each.called
+    "choice", spread([each for _, choices in gallery.kinds() for each in choices], 2), ids=lambda each: each.called
 )
 def test_each_picture_of_a_follower_begins_a_design_without_faults_or_findings(choice: gallery.GalleryChoice) -> None:
     design = choice.design()
@@ -181,6 +186,7 @@ def answering(kind: type, act: Callable[[Any], None]) -> Iterator[None]:
     assert QTest.qWaitForWindowActive(window)
 
 
+@pytest.mark.stress
 def test_from_the_picture_of_a_four_bar_to_the_cam_under_its_coupler(open_user: Open, tmp_path: Path) -> None:
     """Choose, edit a length, let a link follow a motion, put the roller on the coupler, edit the motion, turn, export: the
     profile in the file is the core's to the byte. All by mouse, menus and keys."""

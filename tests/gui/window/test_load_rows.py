@@ -41,6 +41,7 @@ def test_a_four_bar_gets_a_mass_a_spring_and_a_load_by_the_menu(same_window: Ope
     assert user.window.session.design == before
 
 
+@pytest.mark.stress
 def test_a_follower_has_springs_and_friction_but_no_list_of_masses(same_window: Open) -> None:
     user = same_window(example("rocker_cam"))
     add(user, "Friction")
@@ -48,6 +49,7 @@ def test_a_follower_has_springs_and_friction_but_no_list_of_masses(same_window: 
     user.choose("Dyna", "Take from the loads", "Friction at pivot")
 
 
+@pytest.mark.stress
 def test_friction_that_is_there_already_is_named_as_the_form_does(same_window: Open) -> None:
     user = same_window(example("tappet_flat"))
     add(user, "Friction")
@@ -59,6 +61,7 @@ def test_friction_that_is_there_already_is_named_as_the_form_does(same_window: O
     assert "has its friction already, in another row" in user.window.status.currentMessage()
 
 
+@pytest.mark.stress
 def test_the_form_shows_what_can_be_given(same_window: Open) -> None:
     user = same_window(example("slider_crank"))
     for _ in range(4):
@@ -184,6 +187,7 @@ def test_a_stress_without_material_or_thickness_says_what_to_give(same_window: O
         assert user.field(found.field) is not None, "a click on it leads to the field"
 
 
+@pytest.mark.stress
 def test_a_press_stroke_comes_from_a_spreadsheet_and_goes_back_into_one(same_window: Open, tmp_path: Path) -> None:
     user = same_window(example("four_bar"))
     with_rows(user, tmp_path, TABLE)

@@ -105,6 +105,7 @@ def test_the_theme_changes_where_the_window_stands(open_user: Open) -> None:
     assert user.steps == []
 
 
+@pytest.mark.stress
 def test_what_is_zoomed_and_half_typed_outlives_a_change_of_theme(app: QApplication, user: User) -> None:
     canvas = user.drawing().canvas
     canvas.zoom(2.0, QPointF(canvas.rect().center()))
@@ -120,6 +121,7 @@ def test_what_is_zoomed_and_half_typed_outlives_a_change_of_theme(app: QApplicat
     assert user.design.drive.cam.base_radius_mm == 410.0
 
 
+@pytest.mark.stress
 def test_as_the_desktop_follows_the_desktop(app: QApplication, user: User) -> None:
     prefer(user, "system")
     told = app.styleHints().colorSchemeChanged

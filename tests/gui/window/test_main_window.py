@@ -10,6 +10,7 @@ import pytest
 from PySide6.QtCore import QCoreApplication, QEvent, QMimeData, QPoint, QPointF, QSettings, Qt, QTimer, QUrl
 from PySide6.QtGui import QColor, QDragEnterEvent, QDropEvent, QPalette
 from PySide6.QtWidgets import QApplication, QFileDialog, QMessageBox, QWidget
+from sampled import spread
 from window_user import Open, User, settle, wait_for
 
 from core.project import load
@@ -60,7 +61,7 @@ def test_no_other_window_flashes_up(whole: User) -> None:
     assert seen == []
 
 
-@pytest.mark.parametrize("waited", [True, False], ids=["at rest", "at once"])
+@pytest.mark.parametrize("waited", spread([True, False], 1), ids=["at rest", "at once"])
 def test_a_closed_window_leaves_nothing_behind(app: QApplication, waited: bool) -> None:
     window = open_window(app)
     window.show()
@@ -303,7 +304,8 @@ def test_without_changes_nothing_is_asked(user: User) -> None:
 # -- recent files -----------------------------------------------------------------------------------------
 
 
-def test_recent_files_are_offered_the_latest_first(open_user: Open, user: User, tmp_path: Path) -> None:
+def test_recent_files_are_offered_the_latest_first(open_user: Open, tmp_path: Path) -> None:
+    user = open_user()
     assert not user.action("File", "Open recent").isEnabled()
     paths = [tmp_path / f"design{i}.toml" for i in range(10)]
     for path in paths:
@@ -322,7 +324,8 @@ def test_recent_files_are_offered_the_latest_first(open_user: Open, user: User, 
     assert not user.action("File", "Open recent").isEnabled()
 
 
-def test_a_recent_file_that_has_gone_is_told_and_dropped(user: User, mine: Path) -> None:
+def test_a_recent_file_that_has_gone_is_told_and_dropped(open_user: Open, mine: Path) -> None:
+    user = open_user()
     user.window.documents.open_path(mine)
     mine.unlink()
     asked = user.answers(SaveAnswer.DISCARD)
@@ -339,7 +342,8 @@ def shown(window: MainWindow) -> set[str]:
     return {name for name, dock in window.docks.items() if not dock.isHidden()}
 
 
-def test_the_layout_is_kept_and_can_be_reset(open_user: Open, whole: User) -> None:
+def test_the_layout_is_kept_and_can_be_reset(open_user: Open) -> None:
+    whole = open_user(whole=True)
     first = shown(whole.window)
     whole.window.docks["findings"].close()
     whole.window.show_view("certificate")
@@ -374,6 +378,7 @@ def test_a_layout_of_another_version_is_forgotten(open_user: Open, whole: User) 
     assert shown(open_user(size=None).window) == first
 
 
+@pytest.mark.stress
 def test_tabs_need_no_titles(whole: User) -> None:
     whole.press(Qt.Key.Key_3, modifier=Qt.KeyboardModifier.ControlModifier)
 

@@ -61,6 +61,7 @@ def test_no_two_entries_of_a_menu_share_their_letter() -> None:
         assert "" not in letters, title
 
 
+@pytest.mark.stress
 def test_views_come_to_the_front_by_their_menus(user: User) -> None:
     for way, name in (
         (("Make", "Motion table"), "motion"),
@@ -154,6 +155,7 @@ def test_docks_are_shown_and_hidden(whole: User) -> None:
     assert not dock.isHidden()
 
 
+@pytest.mark.stress
 def test_pictures_on_screen_can_be_exported(whole: User) -> None:
     whole.choose("View", "Kine")
     shown = ["Mechanism...", "Displacement...", "Pressure angle..."]

@@ -241,6 +241,7 @@ def texts_of(widget: QWidget) -> Iterator[str]:
                 yield from (str(model.index(row, column).data() or "") for row in range(model.rowCount()))
 
 
+@pytest.mark.stress
 @pytest.mark.parametrize(
     ("name", "views"),
     [

@@ -42,6 +42,7 @@ def test_a_refusal_longer_than_the_status_line_grows_over_what_stands_there(open
     assert not label.isVisible()
 
 
+@pytest.mark.stress
 @pytest.mark.parametrize("name", spread(["mechanism", "displacement", "findings"], 1))
 def test_a_reason_is_rolled_where_a_view_has_no_room(name: str, open_user: Open) -> None:
     user: User = open_user(example("lecture_six_bar"), size=(800, 560), whole=True)

@@ -32,6 +32,12 @@ ALL = ("motion", "linkage", "cam", "dynamics")
 
 
 @pytest.fixture
+def whole(open_user: Open) -> User:
+    """Nothing has been seen in it before."""
+    return open_user(whole=True)
+
+
+@pytest.fixture
 def user(whole: User) -> User:
     """At a window where every stage is in sight, and a form."""
     whole.choose("View", "Dyna")
@@ -113,6 +119,7 @@ def test_an_edit_lays_out_nothing_anew_and_paints_only_what_changes(user: User, 
     }
 
 
+@pytest.mark.stress
 def test_a_view_reads_the_stages_of_what_it_shows(user: User) -> None:
     shown = views(user)
     for name in PLOTS:
@@ -148,7 +155,7 @@ BESIDE_STAGES = {"centres": {"cam centres"}, "against_speed": {"against speed"},
 """What a view computes that is none of its stages: Find the torque that its usual limit of the shaft asks for."""
 
 
-@pytest.mark.parametrize("names", [[*VIEWS][::4], stressed([*VIEWS])], ids=["some", "all"])
+@pytest.mark.parametrize("names", [[*VIEWS][::8], stressed([*VIEWS])], ids=["some", "all"])
 def test_each_view_alone_computes_its_stages_and_no_others(alone: User, names: list[str]) -> None:
     design = load(example("transfer_lift"))
     for name in names:
@@ -161,6 +168,7 @@ def test_each_view_alone_computes_its_stages_and_no_others(alone: User, names: l
 LINKAGE_VIEWS = ("mechanism", "graph", "motion", "centres", "circle", "polygon", "torque")
 
 
+@pytest.mark.stress
 def test_each_view_alone_computes_no_more_of_a_linkage(alone: User) -> None:
     """Of one that a cam drives, which has every stage but that of the shaft."""
     design = load(example("four_bar_coupler_cam"))
@@ -173,6 +181,7 @@ def test_each_view_alone_computes_no_more_of_a_linkage(alone: User) -> None:
         assert computed() == wanted | more.get(name, set()), name
 
 
+@pytest.mark.stress
 def test_a_flexible_shaft_is_computed_for_its_own_view_alone(alone: User) -> None:
     design = load(example("kim_1990"))
     for name in ("mechanism", "torque", "parameters", "stability"):
@@ -228,6 +237,7 @@ def test_an_edit_recomputes_only_what_depends_on_it(user: User) -> None:
         user.session.end_gesture()
 
 
+@pytest.mark.stress
 def test_one_step_of_the_cam_is_computed_once_for_all_that_follow_it(user: User) -> None:
     before = evaluations.copy()
     user.window.player.step(1.0)
@@ -238,6 +248,7 @@ def test_one_step_of_the_cam_is_computed_once_for_all_that_follow_it(user: User)
 # -- what is hidden rests -----------------------------------------------------------------------------------
 
 
+@pytest.mark.stress
 def test_what_cannot_be_seen_neither_follows_nor_computes_nor_draws(
     alone: User, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -294,6 +305,7 @@ def test_a_dock_behind_another_neither_computes_nor_paints(user: User) -> None:
     assert not behind.up_to_date
 
 
+@pytest.mark.stress
 def test_the_motion_is_not_painted_for_an_edit_of_another_part(whole: User) -> None:
     whole.window.show_task("make")
     settle()

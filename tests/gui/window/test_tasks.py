@@ -95,6 +95,7 @@ def test_every_dock_has_one_place_in_every_task() -> None:
         assert set(named.values()) == {1}
 
 
+@pytest.mark.stress
 def test_a_linkage_without_a_motion_begins_in_its_drawing(open_user: Open) -> None:
     user = open_user(example("lecture_six_bar"), whole=True)
     assert user.window.layouts.current == "compo"
@@ -128,6 +129,7 @@ class Refreshed:
         patch.setattr(View, "pull", noted)
 
 
+@pytest.mark.stress
 def test_switching_computes_nothing_that_does_not_come_into_view(whole: User, monkeypatch: pytest.MonkeyPatch) -> None:
     whole.window.session.stages_on_screen = tuple  # the count of findings is another matter
     whole.window.docks["findings"].hide()
@@ -269,6 +271,7 @@ def test_a_small_window_with_large_letters_keeps_its_size(open_user: Open, app: 
         wear(Preferences(), app)
 
 
+@pytest.mark.stress
 def test_an_empty_list_of_findings_takes_a_line(open_user: Open) -> None:
     user = open_user(size=USUAL, whole=True)
     press(user, "kine")
@@ -282,6 +285,7 @@ def test_an_empty_list_of_findings_takes_a_line(open_user: Open) -> None:
     assert findings.table.rowHeight(0) <= findings.table.viewport().height(), "a finding is read whole"  # type: ignore[attr-defined]
 
 
+@pytest.mark.stress
 def test_a_wide_window_stacks_motion_and_pressure_angle_on_one_axis(open_user: Open) -> None:
     user = open_user(size=(1920, 1080), whole=True)
     press(user, "kine")
@@ -477,6 +481,7 @@ def test_no_text_moves_what_is_under_the_mouse(open_user: Open, task: str) -> No
         assert where(view) == before, law
 
 
+@pytest.mark.stress
 def test_a_second_double_click_hits_the_same_row_under_a_text(open_user: Open) -> None:
     """The first edit is refused, with a sentence below the table; the mouse stays where it is."""
     user = open_user(size=SMALL, whole=True)
@@ -504,6 +509,7 @@ def test_a_second_double_click_hits_the_same_row_under_a_text(open_user: Open) -
     assert not view.message.isVisible()
 
 
+@pytest.mark.stress
 def test_velocity_acceleration_and_jerk_stand_below_the_displacement_on_one_axis(open_user: Open) -> None:
     user = open_user(size=SMALL, whole=True)
     view = motion(user)

@@ -101,6 +101,7 @@ def uncopied(name: str, root: QWidget) -> list[str]:
     return [] if (program, headless) == ("kindyna", "--headless") else [f"copies {program}"]
 
 
+@pytest.mark.stress
 @pytest.mark.parametrize("name", spread(["transfer_lift", "lecture_six_bar", "transfer_unit"], 1))
 def test_every_dialog(open_user: Open, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, name: str) -> None:
     user = open_user(example(name))
@@ -123,6 +124,7 @@ def test_every_dialog(open_user: Open, monkeypatch: pytest.MonkeyPatch, tmp_path
     assert {entry: lines for entry, lines in wrong.items() if lines} == {}
 
 
+@pytest.mark.stress
 @pytest.mark.parametrize(
     ("name", "tasks", "least"),
     [

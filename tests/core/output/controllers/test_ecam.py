@@ -67,17 +67,20 @@ def brute(slug, kind, text, exact, turn=360.0, scale=1.0, offset=0.0, count=200)
 
 @pytest.mark.parametrize(
     ("name", "slug", "options", "kind", "most"),
-    [
-        ("transfer_lift", "codesys-xyva", (), QUINTIC, 14),
-        ("card_picker", "codesys-xyva", (), QUINTIC, 11),
-        ("transfer_lift", "general", ("--interpolation", CUBIC), CUBIC, 34),
-        ("card_picker", "general", ("--interpolation", CUBIC), CUBIC, 17),
-        ("transfer_lift", "sew-tab", (), LINES, 496 * 1.01),
-        ("card_picker", "codesys-xy", (), LINES, 125),
-        ("card_picker", "schneider-asc", (), "clamped-spline", 90),
-        ("card_picker", "beckhoff-zebra", ("--error", "0.02"), "zebra", 60),
-        ("transfer_lift", "beckhoff-ascii", ("--error", "0.01"), LINES, 1000),
-    ],
+    spread(
+        [
+            ("transfer_lift", "codesys-xyva", (), QUINTIC, 14),
+            ("card_picker", "codesys-xyva", (), QUINTIC, 11),
+            ("transfer_lift", "general", ("--interpolation", CUBIC), CUBIC, 34),
+            ("card_picker", "general", ("--interpolation", CUBIC), CUBIC, 17),
+            ("transfer_lift", "sew-tab", (), LINES, 496 * 1.01),
+            ("card_picker", "codesys-xy", (), LINES, 125),
+            ("card_picker", "schneider-asc", (), "clamped-spline", 90),
+            ("card_picker", "beckhoff-zebra", ("--error", "0.02"), "zebra", 60),
+            ("transfer_lift", "beckhoff-ascii", ("--error", "0.01"), LINES, 1000),
+        ],
+        3,
+    ),
 )
 def test_few_rows_keep_the_error_and_the_certificate_is_the_true_one(tmp_path, capsys, name, slug, options, kind, most):
     facts, text = exported(tmp_path, capsys, name, "--controller", slug, *options)
@@ -344,7 +347,7 @@ def check_random(tmp_path, capsys, seed, slug, kind):
             assert value >= 0.95 * certificate - 1e-9, (seed, slug, kind)
 
 
-@pytest.mark.parametrize(("slug", "kind"), spread(CASES, 5))
+@pytest.mark.parametrize(("slug", "kind"), spread(CASES, 2))
 def test_of_random_motions_the_certificate_is_the_true_error(tmp_path, capsys, slug, kind):
     for seed in range(3):
         check_random(tmp_path, capsys, seed, slug, kind)
@@ -359,17 +362,20 @@ def test_of_300_random_motions_the_certificate_is_the_true_error(tmp_path, capsy
 
 @pytest.mark.parametrize(
     ("slug", "options", "law"),
-    [
-        ("codesys-xyva", (), "polynomial"),
-        ("codesys-xyva", ("--master", "rad"), "polynomial"),
-        ("twincat-points", (), "polynomial"),
-        ("beckhoff-zebra", ("--error", "0.02"), "polynomial"),
-        ("sew-tab", ("--points", "80"), "table"),
-        ("codesys-x", ("--points", "80"), "table"),
-        ("beckhoff-ascii", ("--points", "80"), "table"),
-        ("schneider-asc", ("--points", "80"), "table"),
-        ("technosoft", ("--points", "91", "--slave-scale", "1"), "table"),
-    ],
+    spread(
+        [
+            ("codesys-xyva", (), "polynomial"),
+            ("codesys-xyva", ("--master", "rad"), "polynomial"),
+            ("twincat-points", (), "polynomial"),
+            ("beckhoff-zebra", ("--error", "0.02"), "polynomial"),
+            ("sew-tab", ("--points", "80"), "table"),
+            ("codesys-x", ("--points", "80"), "table"),
+            ("beckhoff-ascii", ("--points", "80"), "table"),
+            ("schneider-asc", ("--points", "80"), "table"),
+            ("technosoft", ("--points", "91", "--slave-scale", "1"), "table"),
+        ],
+        3,
+    ),
 )
 def test_what_is_written_is_read_again_as_a_motion(tmp_path, capsys, slug, options, law):
     """The motion read runs as the controller runs the file; through values alone it runs through these."""
