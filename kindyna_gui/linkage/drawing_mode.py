@@ -142,7 +142,9 @@ class DrawingMode(DrawnLinkage):
         self.choose(tuple(self.points), tuple(self.links), self.row)
 
     def refresh(self) -> None:
-        """Another design, or another angle, is in place: the strip says what is to be done."""
+        """Another design, or another angle, is in place: the strip says what is to be done; of a design without links nothing is."""
+        if self.active and not self.session.typed.drive.links:
+            self.stop()
         self.bar.prompt.setText(self.stroke.prompt)
         if self.active:
             self.bar.state.show_text(self.state_text())

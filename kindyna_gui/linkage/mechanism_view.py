@@ -312,8 +312,8 @@ class MechanismView(View):
     def refresh(self, study: Study) -> None:
         session = self.session
         self._pale = session.draft is not None and (self.draws_all or session.typed != session.design)
-        if self.draws and not session.typed.drive.links:
-            self.drawing.stop()
+        if self.draws:
+            self.drawing.refresh()
         self.shows_sheet = self._wants_sheet()
         if self.draws_all:
             self._show_all()

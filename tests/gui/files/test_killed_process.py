@@ -152,7 +152,6 @@ def kill_many(folder: Path, number: int, seed: int) -> list[str]:
     return failures
 
 
-@pytest.mark.stress
 @pytest.mark.parametrize("kills", [1, stressed(KILLS)])
 def test_nothing_is_lost_by_a_kill(tmp_path: Path, kills: int) -> None:
     """SIGKILL first."""

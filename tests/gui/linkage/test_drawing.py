@@ -533,6 +533,18 @@ def test_what_is_no_mechanism_yet_is_saved_opened_and_undone(open_user: Open, tm
     assert other.session.typed.drive.mechanism == again.design.drive.mechanism
 
 
+def test_drawing_ends_where_a_design_without_links_is_opened(open_user: Open) -> None:
+    pen = start(open_user)
+    assert pen.user.drawing().draws
+    pen.user.session.open(example("dwell_rise_dwell"))
+    settle()
+    assert not pen.user.drawing().draws
+    pen.user.window.player.set_theta(1.0)
+    pen.user.session.open(example("lecture_six_bar"))
+    settle()
+    assert not pen.user.drawing().draws
+
+
 @pytest.mark.stress
 def test_the_part_that_is_led_moves_and_the_rest_hangs_on_it(open_user: Open) -> None:
     """A crank with a loose rod: the crank goes round, the rod keeps its length; grey is what the driver does not lead."""
