@@ -197,6 +197,10 @@ def test_the_torque_of_a_shaft_is_the_sum_of_its_drives() -> None:
     )
     for name in explainable(study):
         check(explained(study, name), 0.0)
+    assert [explained(study, name).label for name in ("torque_nm", "lift_torque_nm")] == [
+        "Torque of the shaft",
+        "Torque of Lift",
+    ]
 
 
 def test_the_largest_torque_leads_to_what_was_typed() -> None:
