@@ -46,7 +46,13 @@ class _Parser(argparse.ArgumentParser):
             from core.requests import add_options
 
             add_options(self, asks())
-        return super().parse_known_args(args, namespace)
+        found, rest = super().parse_known_args(args, namespace)
+        if rest:  # here, where the command is known whose help tells what there is
+            from core.project.messages import did_you_mean
+
+            meant = did_you_mean(rest[0].partition("=")[0], tuple(self._option_string_actions))
+            self.error(f"unrecognized arguments: {' '.join(rest)}{meant}")
+        return found, rest
 
     def error(self, message: str) -> NoReturn:
         self.exit(NOTHING_DONE, f"{self.prog}: {message}; see {self.prog} --help\n")

@@ -169,8 +169,8 @@ class _Springs:
 
     def limit(self, values: Mapping[str, float]) -> tuple[float, str]:
         """The force that is to be kept [N], and why; of the largest one with these values."""
-        force = self.kept.force
-        return self.kept.of(self.contact(values).greatest(self.kept.high)) if force is None else (force, "")
+        stated = self.kept.force is not None
+        return self.kept.of(0.0 if stated else self.contact(values).greatest(self.kept.high))
 
     def spare(self, values: Mapping[str, float]) -> float:
         """What the least force is above the one to be kept [N], refined."""

@@ -27,7 +27,7 @@ from core.design import (
     with_phase,
 )
 from core.design.camshaft import drive_of
-from core.design.parts import ROTARY
+from core.design.parts import LINEAR, ROTARY
 from core.errors import KindynaError, NoAnswer
 from core.find.checked import FindingsCheck, nearest
 from core.find.offer import Stated
@@ -52,6 +52,7 @@ from core.shaft.energy import energy_range
 from core.shaft.sizing import ROUNDING
 from core.study import Study, extremes_of
 from core.study.limits import ANY_PRESSURE, CONVEX, LIMITS
+from core.study.quantities import has_motor
 from core.study.servo import best_servo_ratio, servo_part, servo_turn
 
 FLYWHEEL, FLUCTUATION, SLOPE = (
@@ -233,6 +234,10 @@ def _geared(design: Design) -> dict[int, Study]:
 def _gear_ratio(design: Design, wish: ShaftRequest) -> Solution:
     """The gear ratio of least rms torque of each servo, no larger than its motor's rated speed allows."""
     there = _geared(design)
+    if all(drive.servo is None or drive.servo.kind == LINEAR for drive in design.drives):
+        raise KindynaError(
+            f'find gear-ratio: this design has no motor with a gear; allowed: [servo] with kind = "{ROTARY}"'
+        )
     if not there:
         raise KindynaError(
             "servo.rotor_inertia_kg_m2: without a rotor's inertia the torque falls with every larger ratio; state it"
@@ -286,6 +291,10 @@ def _ratio_keys(design: Design) -> Mapping[str, float | None]:
 
 def _flywheel(design: Design, wish: ShaftRequest) -> Solution:
     """The least flywheel with which the true speed fluctuates no more than it may."""
+    if not design.listed and not has_motor(design):
+        raise KindynaError(
+            "find flywheel: no shaft drives this design at constant speed; allowed: a cam, a crank, [[drives]]"
+        )
     shaft = design.camshaft
     wanted = wish.high(FLUCTUATION, shaft.speed_fluctuation)
     if not wanted > 0.0:

@@ -30,6 +30,7 @@ FINEST = 1e-9  # the same, to which an optimum is refined
 LAST = 1e-13  # of the value, to which a root is
 BESIDE = 1e-4  # of the distance between two values tried: where an optimum is checked
 EXCLUDED = 1e3  # [deg] more than any pressure angle: of what does not keep its limits
+AT_LIMIT = 1e-6  # margin below which a limit holds the answer
 SAME = 1e-9  # [deg] pressure angles that do not differ
 ALIKE = 1e-5  # the same, of samples
 ROOT_DIGITS, OPTIMUM_DIGITS = 9, 6  # the place of a flat minimum has half the digits of what is least there
@@ -210,6 +211,8 @@ def _outermost(row: SearchRow, trials: Trials, wish: Request) -> Solution:
     found = float(order[first])
     if first:
         found = _kept_side(trials, float(order[first - 1]), found)
+        beyond_it = trials.at(float(order[first - 1])).problem if trials.at(found).margin > AT_LIMIT else ""
+        end = f"{path} = {found:.9g} (beyond it: {beyond_it})" if beyond_it else ""
     else:
         bound = low if row.wanted == SMALLEST else high
         usual = wish.at_bound.get(f"{path}{ENDS[0] if row.wanted == SMALLEST else ENDS[1]}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from typing import NamedTuple
@@ -49,10 +50,11 @@ class KeptForce(NamedTuple):
     high: float
 
     def of(self, largest: float) -> tuple[float, str]:
-        """The force [N] of a design whose largest is that, and why."""
+        """The force [N] of a design whose largest is that, why, and up to which speed."""
+        fast = f"up to {self.high * 30.0 / math.pi:.6g} rpm"
         if self.force is not None:
-            return self.force, ""
-        return FORCE_PART * largest, f"{100.0 * FORCE_PART:g} % of the largest, {largest:.5g} N"
+            return self.force, fast
+        return FORCE_PART * largest, f"{100.0 * FORCE_PART:g} % of the largest, {largest:.5g} N, {fast}"
 
 
 class Trials:

@@ -28,6 +28,7 @@ USUAL, MOST = 180, 720
 MET = 3.0  # errors, within which a row that was left out is met by the motion of the others: it is not wrong
 NEAR = 1e-6  # of their range: velocities and accelerations that laws and dwells meet so are met no better by one spline
 EXACT = 1e-9  # of the range of the values: rows that scatter less are exact
+OPEN = 3.0  # times the widest step between neighbours: an end farther from the beginning does not come back
 
 
 class FitError(KindynaError):
@@ -335,9 +336,25 @@ def _rows(
 def contradiction(table: MeasuredTable, result: Outliers) -> str:
     """The rows that contradict each other where it cannot be decided which of them are wrong."""
     rows = [row for stretch in result.undecided for row in stretch]
-    told = f"{table.named(rows)}: they contradict each other, and nothing tells which of them are wrong"
+    told = (
+        f"{table.named(rows)}: they contradict each other, and nothing tells which of them are wrong{_left_open(table)}"
+    )
     either = " or ".join(f"{table.named(reading)} ({len(reading)} rows)" for reading in result.readings)
     return f"{told}: {either} may be, to be left out" if either else told
+
+
+def _left_open(table: MeasuredTable) -> str:
+    """That the rows do not come back, where they end farther from their beginning than any two neighbours are apart; else empty."""
+    order = np.argsort(table.angles, kind="stable")
+    last, first = table.closing or (int(order[-1]), int(order[0]))
+    inner = table.values[order[order != last] if table.closing else order]
+    if table.layout.order or not abs(table.values[last] - table.values[first]) > OPEN * np.abs(np.diff(inner)).max():
+        return ""
+    jump = abs(table.values[last] - table.values[first]) / abs(table.size)
+    return (
+        f" (line {table.lines[last]}, where the turn ends, is {jump:.6g} {table.unit} from line {table.lines[first]}, where it begins: a "
+        "motion read from a table must come back)"
+    )
 
 
 def guess_error(table: MeasuredTable, left_out: tuple[int, ...] = (), column: int = 0) -> float:

@@ -17,6 +17,7 @@ from core.output.report.parts import Number, ReportTable, Section, Sentences, se
 from core.output.summary import extremes, finding_rows, summary
 from core.project.writing import to_table
 from core.study import Study, findings_of
+from core.units import split_unit
 
 Results = Mapping[tuple[str, str], float | None]
 """Quantity and what of it -> value."""
@@ -25,8 +26,6 @@ LONGEST = 32
 """Letters of a word or list that stands in a column of the terminal; what is longer stands on lines of its own."""
 SAME = 1e-12
 """Of the size of a result: a smaller change is rounding."""
-MEANS = {"mean_torque_nm": ("torque_nm", "drive_torque_nm"), "torque_mean_nm": ("torque_rms_nm",)}
-"""Means that may be rounding alone, beside what they are the means of."""
 
 
 @frozen
@@ -155,15 +154,20 @@ def _results(study: Study) -> Iterator[tuple[tuple[str, str], float | None]]:
 
 
 def _sizes(*found: Results) -> dict[str, float]:
-    """Quantity -> its largest magnitude."""
+    """Quantity -> its largest magnitude; of one that is rounding beside the largest in its unit, as a mean torque or the couple on a guide
+    may be, that one's."""
     sizes: dict[str, float] = {}
     for results in found:
         for (quantity, _), value in results.items():
             sizes[quantity] = max(sizes.get(quantity, 0.0), abs(value or 0.0))
-    for mean, whole in MEANS.items():
-        if mean in sizes:
-            sizes[mean] = max(sizes[mean], *(sizes.get(each, 0.0) for each in whole))
-    return sizes
+    units = {quantity: split_unit(quantity)[1].symbol for quantity in sizes}
+    largest: dict[str, float] = {}
+    for quantity, size in sizes.items():
+        largest[units[quantity]] = max(largest.get(units[quantity], 0.0), size)
+    return {
+        quantity: size if size > SAME * largest[units[quantity]] else largest[units[quantity]]
+        for quantity, size in sizes.items()
+    }
 
 
 def _of_extremes(rows: Mapping[str, Any], before: str = "") -> Iterator[tuple[tuple[str, str], float | None]]:

@@ -32,11 +32,16 @@ class MotorLoad:
     """What a motion asks of a motor.
 
     speed, acceleration  (n,) of the motion by time [m or rad]
-    force  (n,) on it, of loads, masses and friction without the rotor, with the losses of the gear [N or N m]
+    load, friction  (n,) on it, of the design's loads and masses, and of the servo's own friction [N or N m]
+    losses  (n,) of the gear, by which force is more than they and the mass of the servo's own ask
+    force  (n,) on it without the rotor, with the losses of the gear [N or N m]
     """
 
     speed: np.ndarray
     acceleration: np.ndarray
+    load: np.ndarray
+    friction: np.ndarray
+    losses: np.ndarray
     force: np.ndarray
 
 
@@ -47,10 +52,10 @@ def motor_load(
 
     force (n,) of the loads [N or N m]; sign (n,) of the velocity, as the segment states it.
     """
-    friction = (servo.friction_n or 0.0) + (servo.friction_nm or 0.0) * shaft_lever(servo)
-    total = force + moved(servo) * acceleration + friction * sign
-    lossy = np.where(total * speed >= 0.0, total / servo.efficiency, total * servo.efficiency)
-    return MotorLoad(speed, acceleration, lossy)
+    friction = ((servo.friction_n or 0.0) + (servo.friction_nm or 0.0) * shaft_lever(servo)) * sign
+    total = force + moved(servo) * acceleration + friction
+    losses = np.where(total * speed >= 0.0, 1.0 / servo.efficiency, servo.efficiency)
+    return MotorLoad(speed, acceleration, force, friction, losses, total * losses)
 
 
 def motor_torque(servo: Servo, load: MotorLoad) -> np.ndarray:

@@ -73,6 +73,11 @@ def _is_rated(roller: str, design: Design) -> bool:
     return design.drive.cam is not None and roller in ratings(design.drive.face, design.drive.cam)
 
 
+def has_motor(design: Design) -> bool:
+    """Whether the motor of a shaft turns its cam or crank."""
+    return design.shaft is not None and (design.drive.cam is not None or design.by_crank)
+
+
 NEEDS: Mapping[str, Callable[[Design], bool]] = MappingProxyType(
     {
         "": lambda design: True,
@@ -96,7 +101,7 @@ NEEDS: Mapping[str, Callable[[Design], bool]] = MappingProxyType(
         "elastic shaft": lambda design: (
             design.drive.cam is not None and design.shaft is not None and design.shaft.elastic is not None
         ),
-        "shaft": lambda design: design.shaft is not None and (design.drive.cam is not None or design.by_crank),
+        "shaft": has_motor,
     }
 )
 """What a design must hold for a quantity."""

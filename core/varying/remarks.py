@@ -1,4 +1,5 @@
-"""What is said of the best design of a study beside it: how much of a torque no length changes, and which law gives more."""
+"""What is said of the best design of a study beside it: how much of a torque no length changes, and which law gives more; of one that
+misses the limits by how much."""
 
 from __future__ import annotations
 
@@ -25,11 +26,21 @@ DWELL = "dwell"
 
 
 def remarks(study: StudyOfMany, found: Optimum) -> tuple[str, ...]:
-    """Sentences about an answer that keeps the limits; they cost a design of each law."""
+    """Sentences about an answer that keeps the limits, which cost a design of each law; the limits missed by one that does not."""
     if not found.kept:
-        return ()
+        return tuple(_missed(study, found))
     said = [_fixed(found, goal) for goal in study.file.goals]
     return tuple(each for each in (*said, _law(study, found)) if each)
+
+
+def _missed(study: StudyOfMany, found: Optimum) -> Iterator[str]:
+    """What the design reaches of each limit that it does not keep."""
+    bounds = list(bounds_of(study.file.limits))
+    reached = many(found.design, as_it_is(found.design, 1), [limit.key for limit, _, _ in bounds]).value
+    for limit, side, bound in bounds:
+        value = float(reached[limit.key][0])
+        if not side * value <= side * bound:
+            yield f"{limit.key} = {value:.7g}, {'most' if side > 0.0 else 'least'} {bound:g}"
 
 
 def _fixed(found: Optimum, goal: Goal) -> str:
@@ -44,10 +55,16 @@ def _fixed(found: Optimum, goal: Goal) -> str:
     held = -power / there.omega
     if held * torque <= 0.0:
         return ""
-    return (
-        f"{goal.column}: {abs(held):,.0f} of {abs(torque):,.0f} N·m are force times y' at {peak.angle_deg[goal.key][0]:.2f}°, which "
-        "motion and load fix, whatever the lengths"
-    )
+    part = f"{_torque(held)} of {_torque(torque)} N·m are force times y'"
+    if abs(held) > abs(torque):  # masses and friction take some off
+        part = f"force times y' alone is {_torque(held)} N·m, more than all {_torque(torque)} N·m,"
+    at = peak.angle_deg[goal.key][0]
+    return f"{goal.column}: {part} at {at:.2f}°, which motion and load fix, whatever the lengths"
+
+
+def _torque(value: float) -> str:
+    """Its size with four digits, whole from a thousand on."""
+    return f"{abs(value):,.0f}" if abs(value) >= 1000.0 else f"{abs(value):.4g}"
 
 
 def _law(study: StudyOfMany, found: Optimum) -> str:

@@ -131,7 +131,7 @@ def _of_shaft(study: Study, name: str, at_deg: float | None) -> Explanation:
     line = f"T = {' + '.join(each.symbol for each in parts)}"
     return Explanation(
         name,
-        "Torque of the shaft",
+        f"Torque of {slugs[name]}" if name in slugs else "Torque of the shaft",
         value,
         "N·m",
         angle,

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from core.output.explain import of_cam, of_forces, of_links, of_motion
+from core.output.explain import of_cam, of_forces, of_links, of_motion, of_servo
 from core.output.explain.letters import Maker, Working
 from core.study import Study
 
-WORKINGS: Mapping[str, Maker] = MappingProxyType({**of_motion.ROWS, **of_cam.ROWS, **of_forces.ROWS, **of_links.ROWS})
+WORKINGS: Mapping[str, Maker] = MappingProxyType(
+    {**of_motion.ROWS, **of_cam.ROWS, **of_forces.ROWS, **of_links.ROWS, **of_servo.ROWS}
+)
 
 
 def working_of(study: Study, shape: str, member: str) -> Working:

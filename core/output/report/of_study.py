@@ -10,6 +10,7 @@ from core.cam import SECOND
 from core.design import CRANK, FRAME_LINK, UNITS, Design, drive_at, entries, entry_at, is_assumed, only
 from core.findings import Residual
 from core.laws import find_law
+from core.output.channels import channels
 from core.output.contact_files import lift_off_lines
 from core.output.cycle import cycle_of, has_cycle
 from core.output.lines import finding_line
@@ -224,8 +225,10 @@ def extreme_rows(study: Study, rows: Iterable[Quantity], stages: Sequence[str], 
     values, said = extremes(study, stages), elsewhere(study)
     there = [row for row in rows if row.slug in values and row.name not in said]
     cells: list[Sequence[Cell]] = []
-    sizes: dict[str, float] = {}  # what is rounding beside the largest of its unit is 0
-    for row in there:
+    sizes: dict[str, float] = {}  # what is rounding beside the largest of its unit, of all that there are, is 0
+    for row in channels(study.design):
+        if row.slug not in values:
+            continue
         ends = (abs(end["value"]) for end in values[row.slug].values() if math.isfinite(end["value"]))
         sizes[row.unit.symbol] = max((sizes.get(row.unit.symbol, 0.0), *ends))
     for row in there:

@@ -445,7 +445,10 @@ def test_only_a_slip_of_a_word_is_asked_about(tmp_path: Path) -> None:
         (["export", LIFT_FILE, "--only", "strength"], "'strength'"),
         (["export", LIFT_FILE, "--only", "motion", "cams"], "allowed: motion, linkage, cam, dynamics"),
         (["export", LIFT_FILE, "--only"], "--only"),
-        (["export", LIFT_FILE, "--sampl", "8"], "--sampl"),
+        (
+            ["export", LIFT_FILE, "--sampl", "8"],
+            "--sampl 8 (did you mean '--samples'?); see python -m core export --help",
+        ),
         (["report", LIFT_FILE, "--samples", "nan"], "'nan'"),
         (
             ["centres", LIFT_FILE, "--angle", "1,5"],

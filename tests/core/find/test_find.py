@@ -438,6 +438,21 @@ def test_where_nothing_serves_the_best_is_given_with_what_stands_against_it(tmp_
     assert data["reached"]["pressure_angle_rise_deg"] > 30.0
 
 
+def test_what_stands_at_the_end_of_its_values_says_why(tmp_path: Path) -> None:
+    """A rise by a table is no shorter than its rows."""
+    points = ", ".join(
+        f"[{10.0 * i}, {20.0 * (10 * (i / 9) ** 3 - 15 * (i / 9) ** 4 + 6 * (i / 9) ** 5)}]" for i in range(10)
+    )
+    design = file(tmp_path)
+    rise = f'law = "table"\npoints = [{points}]'.join(design.read_text("utf-8").split('law = "3-4-5"', 1))
+    design.write_text(
+        rise.replace("span_deg = 60.0", "span_deg = 90.0").replace("span_deg = 100.0", "span_deg = 70.0"), "utf-8"
+    )
+    code, text, _ = run(design, "span")
+    assert code == 0
+    assert "stands at the end, motion.segments[1].span_deg = 90 (beyond it: motion.segments[1].points[9].at_deg" in text
+
+
 @pytest.mark.parametrize(
     ("what", "words", "fault"),
     [

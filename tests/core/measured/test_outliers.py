@@ -143,6 +143,16 @@ STEPS = {
 }
 
 
+@pytest.mark.parametrize("rows", [360, 361])
+def test_a_table_that_does_not_come_back_says_so(rows: int) -> None:
+    """A step of 100 mm a turn, with the row that ends it or without."""
+    angles = np.arange(float(rows))
+    table = read(written(angles, 100.0 * (angles / 360.0 - np.sin(2.0 * np.pi * angles / 360.0) / (2.0 * np.pi))))
+    end = rf"line {rows + 1}, where the turn ends, is 100 mm from line 2, where it begins: a motion read from a table must"
+    with pytest.raises(FitError, match=end):
+        fit(table, ERROR)
+
+
 @pytest.mark.parametrize("case", spread(STEPS, 1))
 def test_a_step_with_no_wrong_side_is_refused(case: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     where, by, lines = STEPS[case]

@@ -70,6 +70,15 @@ def test_a_mean_torque_that_is_rounding_has_not_changed() -> None:
         assert "mean_torque_nm" not in {row.quantity for row in found.changed}
 
 
+def test_a_couple_on_a_guide_that_nothing_turns_has_not_changed() -> None:
+    """It is rounding beside the torque of the cam."""
+    picker = project.load(EXAMPLES["card_picker"])
+    found = held(picker, with_cam(picker, base_radius_mm=70.0))
+    (texts,) = {row.texts for row in found.results if row.quantity == "guide_couple_nm"}
+    assert texts == ("0", "0", "0")
+    assert "guide_couple_nm" not in {row.quantity for row in found.changed}
+
+
 def test_findings_that_come_and_go_are_told_apart() -> None:
     sharp = with_cam(LIFT, base_radius_mm=150.0)
     there, back = held(LIFT, sharp), held(sharp, LIFT)

@@ -19,7 +19,7 @@ from core.output.explain import Explanation, as_text, explainable, explained
 from core.output.explain.subjects import number_of_finding, number_of_residual
 from core.output.report.formula import mathml
 from core.output.summary import summary
-from core.project import load
+from core.project import load, loads
 from core.study import Study, certificate_of, findings_of
 from core.units import UNITS
 
@@ -148,6 +148,26 @@ def test_the_equations_hold_for_guides_of_any_direction() -> None:
             check(explained(study, slug, 100.0), size, turns)
 
 
+SERVO = 'kind = "{}"\nefficiency = 0.9\nfriction_{} = 2.0\n{}'
+ROTARY = "gear_ratio = 3.0\ntravel_mm_per_turn = 20.0\nrotor_inertia_kg_m2 = 0.0001\ninertia_kg_m2 = 0.0005\n"
+
+
+@pytest.mark.parametrize(
+    "servo", [SERVO.format("rotary", "nm", ROTARY), SERVO.format("linear", "n", "mass_kg = 3.0\n")]
+)
+def test_what_a_servo_gives_is_explained(servo: str) -> None:
+    segments = "".join(
+        f'[[motion.segments]]\nlaw = "modified-sine"\nspan_deg = 180.0\nrise_mm = {h}\n' for h in (60.0, -60.0)
+    )
+    rest = f'[shaft]\nrotation = "ccw"\nspeed_rpm = 60.0\n[loads]\nmass_kg = 5.0\nforce_n = 10.0\n[servo]\n{servo}'
+    study = Study(loads(f'format = 1\nname = "Axis"\n[motion]\nstart_mm = 0.0\n{segments}{rest}'))
+    named = [row for row in rows_of(study) if row[0].startswith("servo")]
+    assert len(named) == 3
+    for slug, size, turns in named:
+        for angle in (None, 50.0, 160.0, 300.0):
+            check(explained(study, slug, angle), size, turns)
+
+
 def test_a_linkage_without_loads_and_one_that_locks_are_explained(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -178,6 +198,10 @@ def test_the_torque_of_a_shaft_is_the_sum_of_its_drives() -> None:
     )
     for name in explainable(study):
         check(explained(study, name), 0.0)
+    assert [explained(study, name).label for name in ("torque_nm", "lift_torque_nm")] == [
+        "Torque of the shaft",
+        "Torque of Lift",
+    ]
 
 
 def test_the_largest_torque_leads_to_what_was_typed() -> None:

@@ -183,6 +183,13 @@ def test_the_whole_and_each_drive_of_a_shaft(unit: Study) -> None:
     assert set(figures["certificate"]) == set(read.table("certificate").rows) - {"0"}
 
 
+def test_what_is_rounding_beside_the_torque_of_a_drive_is_nothing(unit: Study) -> None:
+    """The couple on a guide that nothing turns, though the torque stands beside the drives."""
+    rows = [line.split()[5:] for line in report(unit).splitlines() if line.startswith("Couple on the guide")]
+    assert rows
+    assert all(row[0::2] == ["0", "0"] for row in rows)
+
+
 def test_a_drive_without_an_answer_is_told_and_the_others_have_their_chapters(unit: Study) -> None:
     study = Study(put(unit.design, "drives[1].follower.roller_arm_mm", 100.0))
     made = document(study, ["equations"])

@@ -141,6 +141,17 @@ def test_the_best_gear_ratio_is_that_of_equal_inertias(tmp_path, capsys):
     assert found["answer"]["servo.gear_ratio"] == pytest.approx(500.0 / fastest, rel=1e-9)
 
 
+def test_what_an_axis_without_a_shaft_or_a_motor_has_none_of_is_not_sought(tmp_path, capsys):
+    axis = tmp_path / "axis.toml"
+    axis.write_text(HEAD + MOVES.replace("{u}", "deg") + SHAFT + "[loads]\ninertia_kg_m2 = 0.5\n", "utf-8")
+    for what, text in (
+        ("flywheel", "no shaft drives this design"),
+        ("gear-ratio", "this design has no motor with a gear"),
+    ):
+        assert main(["find", str(axis), what]) == 2
+        assert capsys.readouterr().err.startswith(f"find {what}: {text}")
+
+
 def test_the_cams_shaft_stands_beside_the_servo():
     """Its figures are those of the camshaft's load; of the motor behind the flywheel over time, by many samples."""
     text = (resources() / "examples" / "rocker_cam.toml").read_text("utf-8")

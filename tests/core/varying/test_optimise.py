@@ -206,6 +206,27 @@ def test_of_the_least_peak_torque_is_said_what_the_force_fixes_and_which_law_giv
     assert codes <= {"convex-radius"}  # of which the study states its own limit
 
 
+def test_a_small_torque_is_named_with_its_digits_and_a_limit_that_none_keeps_with_what_is_reached():
+    rocker = load(resources() / "examples" / "rocker_cam.toml")
+    asked = StudyFile(
+        design="",
+        vary=(Vary("cam.base_radius_mm", 44.0, 46.0),),
+        limits=(Bounded("pressure_angle_deg", "max", max=40.0),),
+        goals=(Goal("drive_torque_nm", "abs"),),
+    )
+    study = study_of(asked, rocker)
+    found = optimise(study, starts=1)
+    assert re.search(
+        r"force times y' alone is 5\.\d{3} N·m, more than all 5\.\d{3} N·m, at 121\.\d\d°", remarks(study, found)[0]
+    )
+    strict = study_of(replace(asked, limits=(replace(asked.limits[0], max=5.0),)), rocker)
+    missed = optimise(strict, starts=1)
+    assert not missed.kept
+    reached = extremes_of(Study(missed.design), "cam", ("pressure_angle",))["pressure_angle"].high.value
+    (said,) = remarks(strict, missed)
+    assert said == f"pressure_angle_deg:max = {np.rad2deg(reached):.7g}, most 5"
+
+
 def front_and_grid(count):
     """Points (n, 2) of the front of the size of a cam and its pressure angle, and those of a grid of base radius and offset."""
     design, keys = translating(), ["radius_mm:max", "pressure_angle_deg:max"]
