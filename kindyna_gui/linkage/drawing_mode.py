@@ -252,7 +252,9 @@ class DrawingMode(DrawnLinkage):
         return False
 
     def escape(self) -> None:
-        """One step back: what is begun, then the tool, then the mode."""
+        """One step back: what is dragged or begun, then the tool, then the mode."""
+        if self.choosing.take_back():
+            return
         if self.stroke.snaps:
             self.stroke.snaps = []
             self.refresh()
