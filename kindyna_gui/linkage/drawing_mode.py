@@ -86,7 +86,9 @@ class DrawingMode(DrawnLinkage):
     @property
     def snap(self) -> Snap | None:
         """Where the mouse is taken to be."""
-        return self.stroke.mouse
+        mouse = self.stroke.mouse
+        moved = mouse is not None and mouse.point and self.sheet[1].get(mouse.point) != mouse.at
+        return None if moved else mouse
 
     # -- the mode ---------------------------------------------------------------------------------------------
 

@@ -622,6 +622,17 @@ def test_what_is_chosen_is_moved_deleted_copied_and_welded(open_user: Open) -> N
     assert pen.places["O1"] == pytest.approx(100 + 0j)
 
 
+def test_a_pin_that_a_typed_length_moves_away_is_no_longer_under_the_mouse(open_user: Open) -> None:
+    pen = start(open_user)
+    pen.key(Key.Key_B)
+    pen.drag(0j, 50 + 0j)
+    pen.hover("B")
+    assert pen.user.drawing().drawing.snap.point == "B"
+    pen.type("30")
+    assert abs(pen.places["B"] - pen.places["A"]) == pytest.approx(30.0)
+    assert pen.user.drawing().drawing.snap is None
+
+
 def test_escape_takes_back_what_is_dragged_and_goes_on_drawing(open_user: Open) -> None:
     pen = four_bar(open_user)
     before, theta = pen.design, pen.user.window.player.theta
