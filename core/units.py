@@ -92,7 +92,7 @@ _DEGREE, _MINUTE = _TURN / 360, _ONE * 60
 
 _ROWS = (
     UnitKind("length", {"mm": _MILLI, "µm": _MICRO, "cm": _ONE / 100, "m": _ONE, "in": _INCH, "thou": _INCH / 1000, "ft": _INCH * 12},
-             {"mm": "mm"}, {"km": _KILO}, {'"': "in"}, {"mm": (("km", 20.0), ("m", 20.0), ("mm", 0.05), ("µm", 0.0))}),
+             {"mm": "mm", "mm_per_turn": "mm"}, {"km": _KILO}, {'"': "in"}, {"mm": (("km", 20.0), ("m", 20.0), ("mm", 0.05), ("µm", 0.0))}),
     UnitKind("angle", {"°": _DEGREE, "rad": _ONE, "turns": _TURN}, {"deg": "°"}, typed={"turn": "turns"}, decimals=2),
     UnitKind("time", {"s": _ONE, "ms": _MILLI, "min": _MINUTE}),
     UnitKind("velocity", {"mm/s": _MILLI, "µm/s": _MICRO, "cm/s": _ONE / 100, "m/s": _ONE, "mm/min": _MILLI / _MINUTE, "in/s": _INCH},

@@ -12,6 +12,7 @@ from core.measured.sheet import RowFault, TableError, Worksheet, number
 from core.motion import Angles, program
 
 ORDERS = np.arange(4)
+RETURNS = 0.01  # of all that it rises: a measured table ends no nearer to where it began
 
 
 def rows_of(sheet: Worksheet) -> tuple[np.ndarray, np.ndarray]:
@@ -49,10 +50,16 @@ def segment_from_table(
     if as_is:
         for key, value in (("law", TableCurve.law), ("span_deg", float(x[-1])), ("rise", float(y[-1]))):
             design = laid_out(design, f"{at}.{key}", value)
-    elif y[-1] == 0.0 != segment.rise:
+    elif abs(y[-1]) <= RETURNS * np.ptp(y) and segment.rise:
         raise TableError(
             sheet.name,
-            [RowFault(0, f"ends where it begins, and the segment rises by {segment.rise:g}; take it as it is")],
+            [
+                RowFault(
+                    0,
+                    f"ends where it begins, and the segment rises by {segment.rise:g}; take it as it is, or a whole "
+                    "turn as a measured motion",
+                )
+            ],
         )
     else:
         x, y = x * (segment.span_deg / x[-1]), y * (segment.rise / y[-1] if y[-1] else 1.0)

@@ -14,6 +14,7 @@ from core.laws import LAWS
 from core.study import Study, many
 from core.study.batches.asked import asked_of
 from core.study.quantities import quantity
+from core.units import split_unit
 from core.varying.optimum import Optimum, waived, with_flywheel
 from core.varying.request import Goal, StudyOfMany
 from core.varying.space import as_it_is, with_words
@@ -22,6 +23,7 @@ from core.varying.tolerances import bounds_of
 TORQUE, POWER = "drive_torque", "power.load"
 PEAKS = ("max", "abs")
 MORE = 0.01  # of the goal: a law that gives no more than that is not worth a word
+WHOLE = 1000.0  # N·m, from which on a torque is said without decimals
 DWELL = "dwell"
 
 
@@ -55,16 +57,16 @@ def _fixed(found: Optimum, goal: Goal) -> str:
     held = -power / there.omega
     if held * torque <= 0.0:
         return ""
-    part = f"{_torque(held)} of {_torque(torque)} N·m are force times y'"
+    part = f"{_newton_metres(held)} of {_newton_metres(torque)} N·m are force times y'"
     if abs(held) > abs(torque):  # masses and friction take some off
-        part = f"force times y' alone is {_torque(held)} N·m, more than all {_torque(torque)} N·m,"
+        part = f"force times y' alone is {_newton_metres(held)} N·m, more than all {_newton_metres(torque)} N·m,"
     at = peak.angle_deg[goal.key][0]
-    return f"{goal.column}: {part} at {at:.2f}°, which motion and load fix, whatever the lengths"
+    return f"{quantity(TORQUE).label}: {part} at {at:.2f}°, which motion and load fix, whatever the lengths"
 
 
-def _torque(value: float) -> str:
-    """Its size with four digits, whole from a thousand on."""
-    return f"{abs(value):,.0f}" if abs(value) >= 1000.0 else f"{abs(value):.4g}"
+def _newton_metres(torque: float) -> str:
+    """Four digits of a small one, a large one to 1 N·m."""
+    return f"{abs(torque):,.0f}" if abs(torque) >= WHOLE else f"{abs(torque):.4g}"
 
 
 def _law(study: StudyOfMany, found: Optimum) -> str:
@@ -80,8 +82,11 @@ def _law(study: StudyOfMany, found: Optimum) -> str:
         if side * (own - value) <= MORE * abs(own):
             break
         if not check.new(with_flywheel(made, design)[0]):
-            change = 100.0 * (value / own - 1.0)
-            return f"{goal.column}: another law gives more: {law} with the same numbers {value:.5g}, by {change:+.1f} %"
+            label, unit = LAWS[law].label, split_unit(goal.quantity)[1].symbol
+            return (
+                f"Another law, {label} ({law}), with the same numbers brings the first goal to {value:.5g}"
+                f"{f' {unit}' if unit else ''} ({100.0 * (value / own - 1.0):+.1f} %)"
+            )
     return ""
 
 

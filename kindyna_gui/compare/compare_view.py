@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QComboBox, QHBoxLayout, QPushButton, QSizePolicy
 
 from core.output.compare import Comparison, Side, as_csv, as_document, compared, side_of
 from core.output.explain import explainable, labels_of
+from core.output.lines import digits
 from core.study import STAGES, Study
 from core.units import split_unit
 from kindyna_gui import dialogs
@@ -29,6 +30,7 @@ HEADINGS = (
     TableHeading("Now", number=True),
     TableHeading("Change", number=True),
 )
+MOST = 9  # letters of a number
 
 
 class CompareView(View):
@@ -103,8 +105,12 @@ class CompareView(View):
 def _rows(found: Comparison, session: Session) -> list[TableRow]:
     rows = [
         TableRow(
-            (name_of(session.whole, row.quantity) or row.quantity, "input", *row.texts),
-            tip=row.quantity,
+            (
+                name_of(session.whole, row.quantity) or row.quantity,
+                "input",
+                *map(_brief, (row.a, row.b, row.change), row.texts),
+            ),
+            tip=f"{row.quantity}: {row.texts[0]} → {row.texts[1]}",
         )
         for row in found.inputs
     ]
@@ -120,6 +126,11 @@ def _rows(found: Comparison, session: Session) -> list[TableRow]:
         number = NumberAtHand(row.quantity) if row.quantity in known else None
         rows.append(TableRow((words, row.of, *row.texts), tip=f"{words} ({row.quantity})", number=number))
     return rows or [TableRow(("The design and its results are as pinned.", "", "", "", ""))]
+
+
+def _brief(value: object, text: str) -> str:
+    """An input as typed; one that was found, with all its digits, as results are: it would leave no room for names."""
+    return digits(value) if isinstance(value, float) and len(text) > MOST else text
 
 
 def _in_words(quantity: str, labels: Mapping[str, str]) -> str:

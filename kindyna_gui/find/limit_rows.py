@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QGridLayout, QLabel, QMenu, QPushButton, QToolButt
 from core.design import Design
 from kindyna_gui.find.texts import ActiveLimit, LimitText, figure_of
 from kindyna_gui.forms.field_parts import UnitLabel
+from kindyna_gui.forms.fields import label_html
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.labels import allowed_text, no_number
 from kindyna_gui.look import coloured, icon
@@ -85,7 +86,7 @@ class LimitRows(QWidget):
         self.boxes, self.removers, self.reasons = {}, {}, {}
         for row, (key, figure) in enumerate(figures.items()):
             label, box, unit, remover = (
-                QLabel(figure.name),
+                QLabel(label_html(figure.name)),
                 NumberBox(figure.info, figure.unit),
                 UnitLabel(figure.unit),
                 QToolButton(),

@@ -24,6 +24,7 @@ from core.find import (
     usual_limits,
 )
 from core.frozen import frozen
+from kindyna_gui.forms.fields import label_html
 from kindyna_gui.labels import in_sentence, name_of, sentence
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.timing_chart import plain
@@ -259,7 +260,7 @@ def _now(text: str) -> str:
 
 def _line(design: Design, solution: Solution, key: str) -> str:
     label, unit = _label_of(design, key)
-    text = f"{label} {_reached(solution.reached[key], unit)}"
+    text = f" {_reached(solution.reached[key], unit)}"
     limit = solution.limits.get(key)
     if limit is not None:
         digits = USUAL_DIGITS if key in solution.reasons else TYPED_DIGITS
@@ -268,7 +269,11 @@ def _line(design: Design, solution: Solution, key: str) -> str:
             if limit or key not in LIMITS
             else ": beyond it the cam is undercut"
         )
-    return escape(text) + (_now(_reached(solution.before[key], unit)) if key in solution.before else "")
+    return (
+        label_html(label)
+        + escape(text)
+        + (_now(_reached(solution.before[key], unit)) if key in solution.before else "")
+    )
 
 
 def typed_text(value: float, unit: Unit, digits: int = TYPED_DIGITS) -> str:

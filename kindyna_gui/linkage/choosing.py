@@ -30,6 +30,7 @@ class Choosing:
         self._pixel = QPointF()
         self._grabbed = 0j
         self._moved_from: tuple[Design, Places] | None = None
+        self._before: tuple[object, float] = None, 0.0  # the session's work and the angle before anything was moved
 
     @property
     def box(self) -> QRectF | None:
@@ -39,6 +40,19 @@ class Choosing:
     def drop(self) -> None:
         """Nothing is held any longer."""
         self.pressed, self._drags, self._moved_from = None, "", None
+
+    def take_back(self) -> bool:
+        """What the mouse drags goes back where it was, and is held no longer; False where it drags nothing."""
+        if self.pressed is None:
+            return False
+        moved = self._moved_from is not None
+        self.drop()
+        if moved:
+            work, theta = self._before
+            self.drawn.session.let_go("linkage", work)
+            self.drawn.player.set_theta(theta)
+        self.drawn.changed.emit()
+        return True
 
     def press(self, event: QMouseEvent) -> None:
         picture, pixel = self.drawn.picture, event.position()
@@ -79,6 +93,7 @@ class Choosing:
             if (event.position() - self.pressed).manhattanLength() <= DRAG:
                 return
             self._moved_from = self.drawn.sheet
+            self._before = self.drawn.session.work, self.drawn.player.theta
             self.drawn.session.take_hold(self.drawn.canvas)
         design, places = self._moved_from
         if self._drags == "row":

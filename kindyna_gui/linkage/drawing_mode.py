@@ -86,7 +86,9 @@ class DrawingMode(DrawnLinkage):
     @property
     def snap(self) -> Snap | None:
         """Where the mouse is taken to be."""
-        return self.stroke.mouse
+        mouse = self.stroke.mouse
+        moved = mouse is not None and mouse.point and self.sheet[1].get(mouse.point) != mouse.at
+        return None if moved else mouse
 
     # -- the mode ---------------------------------------------------------------------------------------------
 
@@ -254,7 +256,9 @@ class DrawingMode(DrawnLinkage):
         return False
 
     def escape(self) -> None:
-        """One step back: what is begun, then the tool, then the mode."""
+        """One step back: what is dragged or begun, then the tool, then the mode."""
+        if self.choosing.take_back():
+            return
         if self.stroke.snaps:
             self.stroke.snaps = []
             self.refresh()

@@ -42,6 +42,7 @@ FIRST = ("cycloidal", "modified-sine", "modified-trapezoid", "3-4-5")
 """Ticked at first, and the law of the chosen segment."""
 BESIDE = 900  # pixels: a page that is narrower has its plots two by two below the table, else in a column beside it
 LEAST_NAME = 160  # pixels for the names of laws
+PLOTS_LEAST = 100  # pixels: plots give way before the window grows beyond a small screen
 TABLE_WIDTH, TABLE_SHARE = 560, 0.42  # pixels beside, share of the height above the plots
 
 
@@ -159,6 +160,7 @@ class LawsView(View):
         self._grid.setSpacing(2)
         self._grid.addWidget(self.legend, 0, 0, 1, 2)
         pages = QWidget()
+        pages.setMinimumHeight(PLOTS_LEAST)
         pages.setBackgroundRole(QPalette.ColorRole.Base)
         pages.setAutoFillBackground(True)
         self._pages = QStackedLayout(pages)

@@ -40,7 +40,9 @@ from kindyna_gui.player import KEYS_HELP, TURN, Player, Speed, obey, speeds, ste
 from kindyna_gui.view import View
 
 FINE = 100  # steps of the slider in a degree
-LEAST, ROOMY = 330, 440  # pixels of width: of the bar, and from which on it has all its buttons
+LEAST = 330  # pixels of width of the bar
+EDGES = 24  # pixels at both ends of the bar and between its parts
+HANDY = 72  # pixels of the slider, for which buttons make room whose keys do the same
 NEAR = 1e-9  # a join so near [rad] is where the cam stands
 JOIN_KEYS: Mapping[int, int] = MappingProxyType({Qt.Key.Key_PageUp: -1, Qt.Key.Key_PageDown: 1})
 
@@ -179,8 +181,22 @@ class PlayerBar(View):
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
-        for button in (self.join_back, self.join_forward, self.reverse):  # the keys do the same
-            button.setVisible(self.width() >= ROOMY)
+        self._make_room()
+
+    def changeEvent(self, event: QEvent) -> None:
+        super().changeEvent(event)
+        if event.type() in (QEvent.Type.FontChange, QEvent.Type.StyleChange):
+            self._make_room()
+
+    def _make_room(self) -> None:
+        """Numbers in full, then the slider, then as many buttons as have room."""
+        self.speed.setMinimumWidth(self.speed.sizeHint().width())  # else a narrow bar would cut the seconds
+        room = self.width() - EDGES - self.angle.sizeHint().width() - self.speed.sizeHint().width() - HANDY
+        room -= self.play.sizeHint().width()
+        for buttons in ((self.back, self.forward), (self.join_back, self.join_forward, self.reverse)):
+            room -= sum(button.sizeHint().width() for button in buttons)
+            for button in buttons:
+                button.setVisible(room >= 0)
 
     def _button(self, name: str, tip: str) -> QToolButton:
         made = QToolButton(autoRaise=True)
@@ -238,7 +254,7 @@ class PlayerBar(View):
             self.speed.clear()
             for row in rows:
                 self.speed.addItem(speed_text(row), row)
-            self.speed.setMinimumWidth(self.speed.sizeHint().width())  # else a narrow bar would cut the seconds
+            self._make_room()
             self.speed.view().setMinimumWidth(self.speed.view().sizeHintForColumn(0) + 24)
         if not self._chosen:
             self.player.set_speed(float(usual(study.omega).part))

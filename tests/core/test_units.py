@@ -5,7 +5,7 @@ from fractions import Fraction
 
 import pytest
 
-from core.units import KINDS, UNITS, accepted, change, kind_of, shown_in
+from core.units import KINDS, UNITS, accepted, change, kind_of, shown_in, split_unit
 
 
 @pytest.mark.parametrize(
@@ -34,6 +34,10 @@ def test_a_unit_is_accepted_with_and_without_its_signs() -> None:
     assert accepted("N·m/rad")["Nm/deg"] == math.degrees(1.0)
     assert accepted("m/s²")["g"] == Fraction("9.80665")
     assert accepted("") == {}
+
+
+def test_a_length_per_turn_is_a_length_with_its_unit() -> None:
+    assert split_unit("servo.travel_mm_per_turn") == ("servo.travel", UNITS["mm"])
 
 
 def test_every_kind_is_whole() -> None:

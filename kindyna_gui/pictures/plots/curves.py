@@ -74,9 +74,15 @@ _USUAL: Mapping[str, tuple[tuple[str, str, Callable[[Study], float]], ...]] = Ma
 
 
 def limits_on(study: Study, quantity: str) -> list[Limit]:
-    """The limits of a quantity of ``core.study``, the user's own after the usual ones."""
+    """The limits of a quantity of ``core.study``, the user's own after the usual ones. Where one is as large as another they are one
+    line: of an own limit and a usual one the own, of two own ones both."""
+    own: dict[float, Limit] = {}
+    for limit in _own(study, quantity):
+        other = own.get(limit.value)
+        text = other.text.removesuffix(" {}") + " and " + limit.text.removeprefix("limit of ") if other else limit.text
+        own[limit.value] = Limit(limit.value, text, other.field if other else limit.field)
     usual = (Limit(value(study), text, field) for text, field, value in _USUAL.get(quantity, ()))
-    return [*(limit for limit in usual if np.isfinite(limit.value)), *_own(study, quantity)]
+    return [*(limit for limit in usual if np.isfinite(limit.value) and limit.value not in own), *own.values()]
 
 
 @frozen(eq=False)

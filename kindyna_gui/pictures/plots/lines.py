@@ -96,15 +96,16 @@ class LimitLine:
         """The text stands above the line at its right end, below it where there is no room."""
         self._stand(1.0, self._above(low, high, height))
 
-    def lay_clear(self, frame: Frame, curves: Sequence[CurveLine]) -> None:
-        """The same, but further left, below the line, or in short where it would cover a curve otherwise."""
+    def lay_clear(self, frame: Frame, curves: Sequence[CurveLine], taken: Sequence[QRectF] = ()) -> None:
+        """The same, but further left, below the line, or in short where it would cover a curve otherwise, or one of the boxes taken."""
         above = self._above(frame.low, frame.high, frame.height)
         room = QRectF(-1.0, 0.0, frame.width + 2.0, frame.height)
         for text, over, part in product((self.text, self._short), (above, not above), PLACES):
             self._tag.set_text(text)
             self._stand(part, over)
             box = self.box(frame).adjusted(0.0, -2.0, 0.0, 2.0)
-            if text and room.contains(box) and not any(curve.enters(box, frame) for curve in curves):
+            covers = any(curve.enters(box, frame) for curve in curves) or any(map(box.intersects, taken))
+            if text and room.contains(box) and not covers:
                 return
         self._tag.set_text(self.text)
         if self._short and self._tag.size[0] + 8.0 > frame.width:

@@ -394,8 +394,8 @@ class CurvePlot(FixedPlot):
         unseen = self.unseen / self.devicePixelRatioF()
         for curve in self._drawn:
             curve.lay(frame, unseen)
-        for limit in self._limits:
-            limit.lay_clear(frame, self._drawn)
+        for place, limit in enumerate(self._limits):
+            limit.lay_clear(frame, self._drawn, [other.box(frame) for other in self._limits[:place]])
         self._lay_extremes(frame)
         if self._curves:
             self._axes["left"].show_title(self._title(frame.height), self._title_colour())

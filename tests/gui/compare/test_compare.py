@@ -49,6 +49,15 @@ def test_two_base_radii_are_compared_in_every_plot_after_one_pin_and_one_edit(us
     assert "reference" not in plot.plot.legend.text
 
 
+def test_a_number_that_was_found_leaves_room_for_the_names(user: User) -> None:
+    user.choose("Edit", "Pin this variant")
+    user.session.edit(BASE, 425.4531315784769, "a")
+    assert shown(user, "compare")[0] == ("Base radius Br", "input", "400", "425.453", "25.4531")
+    view = user.window.view("compare")
+    assert isinstance(view, CompareView)
+    assert "400 → 425.4531315784769" in view.table.rows.rows[0].tip
+
+
 def test_nothing_of_a_variant_is_computed_while_nothing_shows_it(user: User) -> None:
     views = [user.window.show_view(name) for name in ("pressure_angle", "torque")]
     settle()

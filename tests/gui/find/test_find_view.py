@@ -188,9 +188,10 @@ def test_a_flywheel_that_is_not_needed_says_what_is_reached_without_and_what_is_
     view = see(open_user(example("card_picker")))
     view.want("flywheel")
     rested(view)
+    assert "Speed fluctuation C<sub>s</sub> 0.0031" in view.answer.text()
     assert text_of(view).splitlines() == [
         "Flywheel inertia 0 kg·m² now 0 kg·m²",
-        "Speed fluctuation C_s 0.0031, limit 0.02 now 0.0031",
+        "Speed fluctuation Cs 0.0031, limit 0.02 now 0.0031",
         "With an assumed motor slope of 50 N·m·s/rad.",
         "No limit holds it: it stands at the end of its range.",
     ]

@@ -639,6 +639,36 @@ def test_what_is_chosen_is_moved_deleted_copied_and_welded(open_user: Open) -> N
     assert pen.places["O1"] == pytest.approx(100 + 0j)
 
 
+def test_a_pin_that_a_typed_length_moves_away_is_no_longer_under_the_mouse(open_user: Open) -> None:
+    pen = start(open_user)
+    pen.key(Key.Key_B)
+    pen.drag(0j, 50 + 0j)
+    pen.hover("B")
+    assert pen.user.drawing().drawing.snap.point == "B"
+    pen.type("30")
+    assert abs(pen.places["B"] - pen.places["A"]) == pytest.approx(30.0)
+    assert pen.user.drawing().drawing.snap is None
+
+
+def test_escape_takes_back_what_is_dragged_and_goes_on_drawing(open_user: Open) -> None:
+    pen = four_bar(open_user)
+    before, theta = pen.design, pen.user.window.player.theta
+    sheet, start = pen.canvas.viewport(), pen.at("A")
+    QTest.mousePress(sheet, Qt.MouseButton.LeftButton, NONE, start)
+    for way in (QPoint(20, -20), QPoint(40, -30)):
+        QTest.mouseMove(sheet, start + way)
+        settle()
+    assert pen.design != before
+    pen.key(Key.Key_Escape)
+    QTest.mouseMove(sheet, start + QPoint(60, -10))
+    QTest.mouseRelease(sheet, Qt.MouseButton.LeftButton, NONE, start + QPoint(60, -10))
+    settle()
+    assert pen.design == before
+    assert pen.user.window.player.theta == theta
+    assert not pen.user.session.held
+    assert pen.user.drawing().drawing.active, "only a second Escape leaves the drawing"
+
+
 def test_pins_are_joined_grounded_renamed_and_locked(open_user: Open) -> None:
     pen = start(open_user)
     pen.drag(0j, 50 + 0j)

@@ -236,6 +236,13 @@ def test_table_and_plots_share_the_page(laws: LawsView) -> None:
     assert laws.table.columnWidth(NAME) > 150
 
 
+def test_the_page_leaves_room_for_findings_on_a_small_screen(laws: LawsView) -> None:
+    """Between parameters and findings, 360 pixels are left of 720, with tabs and player."""
+    laws.resize(380, 500)
+    settle()
+    assert laws.minimumSizeHint().height() <= 240
+
+
 @pytest.mark.stress
 def test_the_picture_shows_the_curves_and_their_names(laws: LawsView) -> None:
     picture = np.asarray(Image.open(BytesIO(laws.picture(".png"))).convert("RGB")).reshape(-1, 3).astype(int)

@@ -269,6 +269,11 @@ def test_what_is_next_to_infinity_does_not_set_the_scale() -> None:
             "pressure_angle_deg",
             ["usual limit 45°", "limit of the return 30°"],
         ),
+        (
+            edited(edited(PUSHER, "limits.pressure_angle_return_deg", 30.0), "limits.pressure_angle_rise_deg", 30.0),
+            "pressure_angle_deg",
+            ["limit of the rise and the return 30°"],
+        ),
         (LIFT, "contact_force_n", ["lifts off below 0 kN"]),
         (edited(LIFT, "limits.contact_force_n", 6e4), "contact_force_n", ["lifts off below 0 kN", "limit 60 kN"]),
         (edited(LIFT, "cam.form", "groove"), "contact_force_n", []),

@@ -52,6 +52,7 @@ def test_large_letters_are_not_cut_in_a_narrow_bar(bar: PlayerBar, app: QApplica
     try:
         assert bar.rect().contains(box)
         assert box.width() >= bar.speed.sizeHint().width()
+        assert bar.slider.width() >= 70, "the angle can be dragged"
     finally:
         wear(Preferences(), app)
 
