@@ -18,11 +18,6 @@ from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.places import example
 
 
-@pytest.fixture
-def open_user(same_window: Open) -> Open:
-    return same_window
-
-
 def see(user: User) -> FindView:
     user.choose("Kine", "Find")
     view = user.window.view("find")
