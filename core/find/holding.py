@@ -15,7 +15,7 @@ from core.errors import KindynaError
 from core.find.checked import FindingsCheck, Put, alone, nearest
 from core.find.offer import Stated, request
 from core.find.solution import Solution, sought
-from core.find.trial import KeptForce
+from core.find.trial import RPM, KeptForce
 from core.find.wanted import LIFT_OFF, PRELOADS, SPRING_RATES, WANTED, has, speed_path
 from core.motion import Angles
 from core.motion.extremes import piecewise_angles
@@ -23,7 +23,6 @@ from core.numerics.search import BracketEnds, bounded_minimum, bracketed_root
 from core.study import Study
 from core.study.limits import FORCE
 
-RPM = math.pi / 30.0
 KEPT = 1e-9  # of the size of the forces: by which a limit may be missed
 SAFE = 5e-10  # of an answer, by which it lies on the safe side of what it must keep
 RATES, BESIDE = 17, 2.0  # of the curve: how many, and up to which multiple of the rate at hand

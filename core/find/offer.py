@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 from core.design import Design
 from core.errors import KindynaError, NoAnswer
-from core.find.trial import KeptForce
+from core.find.trial import RPM, KeptForce
 from core.find.wanted import ENDS, LEAST_PRESSURE, LIFT_OFF, WANTED, SearchRow, has
 from core.frozen import frozen
 from core.motion.extremes import piecewise_angles
@@ -17,7 +17,6 @@ from core.study.limits import ANY_PRESSURE, BOUNDS, FORCE, LIMITS, OWN, UsualVal
 Stated = Mapping[str, float | None]
 """Key of a limit -> its value; None: it is taken away."""
 Bounds = dict[str, tuple[float | None, float | None]]
-RPM = math.pi / 30.0
 OF_PRESSURE = ("pressure_angle_rise_deg", "pressure_angle_return_deg")
 
 

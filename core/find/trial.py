@@ -40,6 +40,7 @@ class Outcome(NamedTuple):
 
 
 TINY = 1e-300  # [N]
+RPM = math.pi / 30.0  # of a speed of the shaft [rad/s]
 NEEDED = ("pressure_angle_rise_deg", "pressure_angle_return_deg", "pressure_angle_deg")
 
 
@@ -51,7 +52,7 @@ class KeptForce(NamedTuple):
 
     def of(self, largest: float) -> tuple[float, str]:
         """The force [N] of a design whose largest is that, why, and up to which speed."""
-        fast = f"up to {self.high * 30.0 / math.pi:.6g} rpm"
+        fast = f"up to {self.high / RPM:.6g} rpm"
         if self.force is not None:
             return self.force, fast
         return FORCE_PART * largest, f"{100.0 * FORCE_PART:g} % of the largest, {largest:.5g} N, {fast}"

@@ -336,11 +336,11 @@ def _rows(
 def contradiction(table: MeasuredTable, result: Outliers) -> str:
     """The rows that contradict each other where it cannot be decided which of them are wrong."""
     rows = [row for stretch in result.undecided for row in stretch]
-    told = (
+    text = (
         f"{table.named(rows)}: they contradict each other, and nothing tells which of them are wrong{_left_open(table)}"
     )
     either = " or ".join(f"{table.named(reading)} ({len(reading)} rows)" for reading in result.readings)
-    return f"{told}: {either} may be, to be left out" if either else told
+    return f"{text}: {either} may be, to be left out" if either else text
 
 
 def _left_open(table: MeasuredTable) -> str:

@@ -345,7 +345,7 @@ class MechanismView(View):
         if self._fit_wanted:
             self._fit_wanted = False
             self.drawing.fit()
-        self.drawing.refresh()
+        self.canvas.viewport().update()
 
     @property
     def _turn(self) -> int:

@@ -102,9 +102,8 @@ def _text(found: Optimum, said: Sequence[str]) -> str:
         lines.append(f"{found.agreeing} of {found.starts} starts met there")
     lines += [f"goes into the design: {path} = {value:.9g}" for path, value in found.taken.items()]
     if found.front:
-        lines.append(
-            f"front of {len(found.front)} point{'s' * (len(found.front) != 1)}: --json lists {'them' if len(found.front) != 1 else 'it'}"
-        )
+        points = "point: --json lists it" if len(found.front) == 1 else "points: --json lists them"
+        lines.append(f"front of {len(found.front)} {points}")
     if found.share is not None:
         lines.append(
             f"{found.share.value:.2%} of random machines keep the limits, {found.share.interval[0]:.2%} at least with 95 %"
