@@ -77,12 +77,14 @@ class OwnFolder:
         return None
 
     def delete(self) -> None:
-        """Delete the files that the list names, the list, and the folder where nothing else is in it."""
+        """Delete the files that the list names; where nothing else is there, the list and the folder, too."""
         if self.is_own():
-            remove_listed(self.path, (*self._hashes, LIST))
+            remove_listed(self.path, self._hashes)
             self._hashes = {}
             with suppress(OSError):
-                self.path.rmdir()
+                if os.listdir(self.path) == [LIST]:
+                    remove(self.path / LIST)
+                    self.path.rmdir()
 
 
 __all__ = ["LIST", "OwnFolder"]
