@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from folders import content
 from sampled import spread
 
 from core.__main__ import main
@@ -45,18 +46,6 @@ def vary(project: Path, *options: str, radius: float = 400.0) -> bytes:
     (project / "study.toml").write_text(STUDY.format(radius=radius))
     assert main(["vary", str(project / "study.toml"), "--out", str(project / "table.csv"), *options]) == 0
     return (project / "table.csv").read_bytes()
-
-
-def content(folder: Path) -> dict[str, bytes | str | None]:
-    """All below a folder: bytes of files, targets of links, None for a folder."""
-    return {
-        str(path.relative_to(folder)): str(path.readlink())
-        if path.is_symlink()
-        else None
-        if path.is_dir()
-        else path.read_bytes()
-        for path in sorted(folder.rglob("*"))
-    }
 
 
 def runs(folder: Path) -> list[Path]:
