@@ -162,6 +162,14 @@ def test_what_is_wrong_in_a_file_of_drives_is_named_by_its_path(name: str) -> No
         assert found == {}
 
 
+@pytest.mark.parametrize("name", ["CON", "aux", "Prn", "NUL", "com1", "COM0", "Lpt9", "com¹"])
+def test_a_slug_is_no_device_of_windows(name: str) -> None:
+    assert slug(name) == f"{name.lower()}_"
+    assert [slug(f"{name}{more}") for more in (" 2", "a", "_")] == [
+        f"{name.lower()}{more}" for more in ("_2", "a", "_")
+    ]
+
+
 def test_slugs_keep_letters_and_digits_of_any_script() -> None:
     assert [slug(name) for name in ("Feed 2", "Vorschub-Größe", "상승", "A.b")] == [
         "feed_2",
