@@ -109,6 +109,10 @@ BAD: dict[str, tuple[Callable[[dict[str, Any]], object], dict[str, str]]] = {
         drives(lambda d: d[1].update(name="feed")),
         {"drives[1].name": "has the slug of drives[0].name, feed"},
     ),
+    "one slug with a device": (
+        drives(lambda d: (d[3].update(name="CON"), d[4].update(name="con_"))),
+        {"drives[4].name": "has the slug of drives[3].name, con_"},
+    ),
     "empty": (drives(lambda d: d[1].update(name=" - ")), {"drives[1].name": "has no letter and no digit"}),
     "long": (drives(lambda d: d[1].update(name="x" * 201)), {"drives[1].name": "is too long for the name of a folder"}),
     "motor": (
