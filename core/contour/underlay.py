@@ -18,7 +18,7 @@ import numpy as np
 from core.contour.drawing import DrawingError
 from core.errors import FileError
 from core.frozen import frozen
-from core.project.files import read_bytes, read_text, write
+from core.project.files import read_bytes, read_text, remove, write_into
 
 MOST_BYTES = 50_000_000
 PICTURES = (".png", ".jpg", ".jpeg", ".svg")
@@ -112,18 +112,26 @@ def read_underlay(design: Path) -> Underlay | None:
 
 
 def keep_underlay(design: Path, underlay: Underlay | None) -> None:
-    """Write it beside the design's file; None takes it away. Raises FileError."""
+    """Write it beside the design's file; None takes it away. Raises FileError, also where a file in that place is no underlay, or
+    is to be taken away and was not written here."""
     path = sidecar(design)
-    if underlay is None:
-        path.unlink(missing_ok=True)
-        return
+    before = read_underlay(design)
+    if underlay is not None:
+        write_into(path.parent, {path.name: _text(path.parent, underlay)})
+    elif before is not None:
+        if read_text(path) != _text(path.parent, before):
+            raise FileError(f"{path}: was not written by this program; delete it")
+        remove(path)
+
+
+def _text(folder: Path, underlay: Underlay) -> str:
     try:
-        file = Path(os.path.relpath(underlay.file, path.parent)).as_posix()
+        file = Path(os.path.relpath(underlay.file, folder)).as_posix()
     except ValueError:  # on another drive
         file = underlay.file.as_posix()
     rows = [f"file = {json.dumps(file, ensure_ascii=False)}"]
     rows += [f"{name} = {getattr(underlay, name)!r}" for name in _RANGES]
-    write(path, "\n".join([*rows, f"locked = {str(underlay.locked).lower()}"]) + "\n")
+    return "\n".join([*rows, f"locked = {str(underlay.locked).lower()}"]) + "\n"
 
 
 # -- a DXF ------------------------------------------------------------------------------------------------

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from core.errors import KindynaError
 from core.project import dumps, loads
-from core.project.files import write_all
+from core.project.files import write_into
 from kindyna_gui.places import state_folder
 from kindyna_gui.studies.board import Card
 
@@ -36,7 +36,7 @@ def write_cards(of: str, cards: Sequence[Card]) -> None:
     """Keep them. Raises FileError."""
     rows = [{"design": dumps(card.design), "values": dict(card.values)} for card in cards]
     text = json.dumps({"of": of, "cards": rows}, ensure_ascii=False, indent=1)
-    write_all(_file(of).parent, {_file(of).name: text})
+    write_into(_file(of).parent, {_file(of).name: text})
 
 
 __all__ = ["read_cards", "write_cards"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 import tomllib
 from collections.abc import Callable, Mapping
@@ -31,6 +32,8 @@ _OF_TABLE = frozenset(
 _OF_ROW = frozenset({*COLUMNS, "sep", "last", "interpolation"})
 FILE = "controllers.toml"
 MOST_ROWS = 100_000
+TOP_ROWS = 10_000_000  # that a row may state
+_EXTENSION = re.compile(r"\.[A-Za-z0-9._-]{0,15}[A-Za-z0-9_-]")
 
 
 @frozen
@@ -135,22 +138,16 @@ _ALLOWED: Mapping[str, tuple[Callable[[Any], bool], str]] = {
     "words": (lambda value: isinstance(value, dict) and set(value) <= {*INTERPOLATIONS}, "words of interpolations"),
     "interpolation": _some_of(INTERPOLATIONS), "interpolation_asked": _FLAG, "columns": _some_of(COLUMNS),
     "comment": _TEXT, "separator": _TEXT, "decimal": _one_of(".", ","), "newline": _one_of("\n", "\r\n", "\r"),
-    "encoding": (lambda value: _is_encoding(value), "the name of an encoding, such as utf-8"),
+    "encoding": _one_of("utf-8", "ascii", "latin-1", "cp1252", "utf-16"),
     "digits": (lambda value: type(value) is int and 1 <= value <= 17, "1 ... 17"), "integer": _FLAG, "point": _FLAG,
     "equal_steps": _FLAG, "step_units": (_is_counts, "a list of whole numbers > 0"), "closes": _FLAG,
     "first_row": _one_of("start", "one-step"), "last_row": _one_of("end", "before-end"),
     "open": (_is_texts, "a list of texts"), "normalised": _FLAG, "last_is_one": _FLAG,
-    "rows": (lambda value: _is_counts(value) and len(value) == 2 and 2 <= value[0] <= value[1], "[least, most], from 2 on"),
-    "extension": (lambda value: isinstance(value, str) and value.startswith(".") and len(value) > 1, "such as .txt"),
+    "rows": (lambda value: _is_counts(value) and len(value) == 2 and
+             2 <= value[0] <= value[1] <= TOP_ROWS, f"[least, most], from 2 on to {TOP_ROWS}"),
+    "extension": (lambda value: isinstance(value, str) and bool(_EXTENSION.fullmatch(value)),
+                  "a dot, then 1 ... 16 letters, digits, dots, _ or -, no dot at the end, such as .txt"),
 }  # fmt: skip
-
-
-def _is_encoding(value: Any) -> bool:
-    try:
-        "".encode(value)
-    except (LookupError, TypeError):
-        return False
-    return True
 
 
 def _made(table: Any, path: str) -> Controller:
