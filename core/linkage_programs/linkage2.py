@@ -28,7 +28,7 @@ _RPM = 15.0  # and strokes a minute, where the file has none
 _DEG_PER_REVOLUTION = 360.0
 _MECHANISM = ~0xF  # bits of a layer; without a layer it is the mechanism
 _LEAST_ARC = 0.0009  # of a curved slot: by so much its radius exceeds half the distance of its ends
-_NESTING = 64
+_LINKS, _NESTING = 1000, 64
 _JOINED = re.compile(r'(="[^"]*")(?=\w)')  # attributes without a blank between them, as older versions write them
 _AMPERSAND = re.compile(r"&(?!#?\w{1,31};)")  # names are written as typed
 
@@ -112,6 +112,8 @@ class _File:
         self.names = dict(zip(self.rows, named, strict=True))
         self.at = {key: complex(row.number("x", 0.0), row.number("y", 0.0)) for key, row in self.rows.items()}
         rows = [row for row in root.all("link", "element") if row.of_mechanism]
+        if len(rows) > _LINKS:
+            raise refused(_SOURCE, f"{len(rows)} links are too many", f"at most {_LINKS}")
         self.links = dict(zip(distinct(f"link{row['id']}" for row in rows), rows, strict=True))
         self.on: dict[str, list[str]] = {key: [GROUND] if row.true("anchor") else [] for key, row in self.rows.items()}
         self.connectors = {link: self._connectors(row) for link, row in self.links.items()}
@@ -158,14 +160,23 @@ class _File:
         for ratio in (each for row in root.all("ratios") for each in row.all("ratio")):
             kind = ratio["type"].lower() or "chain"
             ends = [(f"link{each['id']}", each.number("size", 0.0)) for each in ratio.all("link")]
-            pins = [self.connectors[link][0] for link, _ in ends if self.connectors.get(link)]
-            if len(ends) != 2 or len(pins) != 2 or any(size <= 0.0 for _, size in ends):
+            if (
+                len(ends) != 2
+                or not {ends[0][0], ends[1][0]} <= self.links.keys()
+                or any(size <= 0.0 for _, size in ends)
+            ):
                 self.left.append(LeftOut(kind, "it has no two wheels with sizes"))
-            elif (carrier := self._carrier(*pins)) is None:
-                self.left.append(LeftOut(f"{kind} of {ends[0][0]} and {ends[1][0]}", "no link carries both wheels"))
+                continue
+            (first, one), (second, other) = ends
+            common = [link for link in self._near(first) if link in self._near(second) and link not in (first, second)]
+            if not common:
+                self.left.append(LeftOut(f"{kind} of {first} and {second}", "no link carries both wheels"))
             else:
-                turn = ends[0][1] / ends[1][1]
-                yield Wheels(ends[0][0], ends[1][0], carrier, -turn if kind == "gears" else turn)
+                yield Wheels(first, second, common[0], -one / other if kind == "gears" else one / other)
+
+    def _near(self, link: str) -> dict[str, None]:
+        """The links on the connectors of a link."""
+        return dict.fromkeys(each for key in self.connectors[link] for each in self.on[key])
 
     def _carrier(self, one: str, other: str) -> str | None:
         """The link on which two connectors are, or the frame."""
