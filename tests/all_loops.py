@@ -98,7 +98,8 @@ def linkage2(model, flags=None, link_flags=None, program='units="Millimeters"', 
     lines = [f'<linkage2><program zoom="1" {program}/>']
     for joint, z in model.at.items():
         anchor = ' anchor="true"' * (joint in model.anchors)
-        head = f'<connector id="{number[joint]}" layer="16" x="{float(z.real)!r}" y="{float(z.imag)!r}"{anchor} {(flags or {}).get(joint, "")}'
+        place = f'x="{float(z.real)!r}" y="{float(z.imag)!r}"'
+        head = f'<connector id="{number[joint]}" layer="16" {place}{anchor} {(flags or {}).get(joint, "")}'
         if joint in (model.slots or {}):
             _, start, end, radius = model.slots[joint]
             arc = f' slideradius="{radius!r}"' if radius else ""

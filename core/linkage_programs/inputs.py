@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cmath
 import math
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
@@ -29,6 +30,7 @@ from core.mechanism.drivers import first_motion
 
 _SPEED = 60.0  # rpm, where none is known
 _AGREE = 1e-9  # of turns that two trains of wheels give the same link
+_SHORT = 1e-8  # of a stroke: a part of it so short is none
 _REST = Motion(0.0, (Segment(360.0, 0.0),), "mm")
 
 
@@ -40,13 +42,10 @@ def joins_two(joint: SketchJoint) -> bool:
 def leading(inputs: Iterable[SketchInput], joints: Sequence[SketchJoint]) -> SketchInput | None:
     """The first input that can drive: what turns on before what swings, joints before links whose length changes."""
 
-    def can_drive(each: SketchInput) -> bool:
-        if not each.length:
-            return any(joint.name == each.name and joins_two(joint) for joint in joints)
-        return each.name != GROUND and sum(each.name in joint.links for joint in joints) == 2
-
+    could = {joint.name for joint in joints if joins_two(joint)}
+    ends = Counter(link for joint in joints for link in joint.links if link != GROUND)
     order = sorted(inputs, key=lambda each: (each.length, each.swing is not None))
-    return next((each for each in order if can_drive(each)), None)
+    return next((each for each in order if (ends[each.name] == 2 if each.length else each.name in could)), None)
 
 
 def with_rod(joints: Sequence[SketchJoint], cylinder: SketchInput) -> list[SketchJoint]:
@@ -101,11 +100,12 @@ def with_assumed_motion(design: Design, label: str) -> tuple[Design, LeftOut]:
 
 def _to_and_fro(swing: Swing, begin: float, factor: float, unit: str) -> Motion:
     """Out and back at constant speed, one cycle a turn, from where the swing is at first."""
-    stroke, start = swing.stroke, math.fmod(abs(swing.start), 2.0 * swing.stroke)
-    parts = (stroke - start, -stroke, start) if start <= stroke else (start - 2.0 * stroke, stroke, stroke - start)
-    law = NamedCurve("constant-velocity")
-    rows = (Segment(180.0 * abs(part) / stroke, swing.sign * factor * part, law) for part in parts if part)
-    return Motion(begin, tuple(rows), unit)
+    share = math.fmod(abs(swing.start), 2.0 * swing.stroke) / swing.stroke
+    if abs(share - round(share)) < _SHORT:
+        share = float(round(share))
+    parts = (1.0 - share, -1.0, share) if share <= 1.0 else (share - 2.0, 1.0, 1.0 - share)
+    law, stroke = NamedCurve("constant-velocity"), swing.sign * factor * swing.stroke
+    return Motion(begin, tuple(Segment(180.0 * abs(part), stroke * part, law) for part in parts if part), unit)
 
 
 def seconds(
@@ -124,7 +124,8 @@ def seconds(
     rows: dict[int, SecondDriver] = {}
 
     def add(number: int, against: int, ratio: float) -> None:
-        offset = math.remainder(sheet.turned(number, against) - ratio * sheet.turned(link), 360.0)
+        offset = sheet.turned(number, against) - ratio * sheet.turned(link)
+        offset = math.remainder(offset, 360.0) if math.isfinite(offset) else offset
         rows[number] = SecondDriver(link=number, on=against, ratio=ratio, offset_deg=offset)
         if against in rates:
             rates[number] = rates[against] + ratio

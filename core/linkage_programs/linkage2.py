@@ -28,7 +28,7 @@ _RPM = 15.0  # and strokes a minute, where the file has none
 _DEG_PER_REVOLUTION = 360.0
 _MECHANISM = ~0xF  # bits of a layer; without a layer it is the mechanism
 _LEAST_ARC = 0.0009  # of a curved slot: by so much its radius exceeds half the distance of its ends
-_LINKS, _NESTING = 1000, 64
+_LINKS, _NESTING, _RATIO = 1000, 64, 1e6  # at most
 _JOINED = re.compile(r'(="[^"]*")(?=\w)')  # attributes without a blank between them, as older versions write them
 _AMPERSAND = re.compile(r"&(?!#?\w{1,31};)")  # names are written as typed
 
@@ -115,11 +115,11 @@ class _File:
         if len(rows) > _LINKS:
             raise refused(_SOURCE, f"{len(rows)} links are too many", f"at most {_LINKS}")
         self.links = dict(zip(distinct(f"link{row['id']}" for row in rows), rows, strict=True))
-        self.on: dict[str, list[str]] = {key: [GROUND] if row.true("anchor") else [] for key, row in self.rows.items()}
+        self.on = {key: dict.fromkeys([GROUND] * row.true("anchor")) for key, row in self.rows.items()}
         self.connectors = {link: self._connectors(row) for link, row in self.links.items()}
         for link, keys in self.connectors.items():
             for key in keys:
-                self.on[key].append(link)
+                self.on[key][link] = None
         self.wheels = tuple(self._wheels(root))
         self.welded = [*self._fastened()]
         self.welded += [*self._driven_together()]
@@ -140,7 +140,7 @@ class _File:
         """The link to which a link or a connector is fastened."""
         link, connector = f"link{row['fastenlink'] or row['fasten']}", row["fastenconnector"]
         yield from (other for other in [link] if other in self.links)
-        for other in self.on.get(connector, [])[:1]:
+        for other in [*self.on.get(connector, ())][:1]:
             yield other
             if other != GROUND:
                 what, where = f"{row.name} {row['id']}", self.names[connector]
@@ -157,6 +157,7 @@ class _File:
 
     def _wheels(self, root: _Element) -> Iterator[Wheels]:
         """Gears and chains, each with what carries both of its wheels."""
+        near: dict[str, dict[str, None]] = {}  # link -> the links on its connectors
         for ratio in (each for row in root.all("ratios") for each in row.all("ratio")):
             kind = ratio["type"].lower() or "chain"
             ends = [(f"link{each['id']}", each.number("size", 0.0)) for each in ratio.all("link")]
@@ -168,15 +169,17 @@ class _File:
                 self.left.append(LeftOut(kind, "it has no two wheels with sizes"))
                 continue
             (first, one), (second, other) = ends
-            common = [link for link in self._near(first) if link in self._near(second) and link not in (first, second)]
-            if not common:
+            for link in {first, second} - near.keys():
+                near[link] = dict.fromkeys(each for key in self.connectors[link] for each in self.on[key])
+            common = [link for link in near[first] if link in near[second] and link not in (first, second)]
+            if not 1.0 / _RATIO < one / other < _RATIO:
+                self.left.append(
+                    LeftOut(f"{kind} of {first} and {second}", f"their sizes differ {_RATIO:g} times or more")
+                )
+            elif not common:
                 self.left.append(LeftOut(f"{kind} of {first} and {second}", "no link carries both wheels"))
             else:
                 yield Wheels(first, second, common[0], -one / other if kind == "gears" else one / other)
-
-    def _near(self, link: str) -> dict[str, None]:
-        """The links on the connectors of a link."""
-        return dict.fromkeys(each for key in self.connectors[link] for each in self.on[key])
 
     def _carrier(self, one: str, other: str) -> str | None:
         """The link on which two connectors are, or the frame."""
@@ -210,7 +213,8 @@ class _File:
             angle = math.degrees(cmath.phase(end - start))
             yield SketchJoint(name, at, (carrier, *others), SLIDING_PIN, angle, start)
             return
-        height = math.sqrt(max(abs(radius), half + _LEAST_ARC) ** 2 - half**2)
+        longest = max(abs(radius), half + _LEAST_ARC)
+        height = math.sqrt((longest - half) * (longest + half))
         centre = (start + end) / 2.0 + 1j * math.copysign(height, radius) * (end - start) / (2.0 * half)
         yield SketchJoint(f"{name}_centre", centre, (carrier, f"arm of {name}"))
         yield SketchJoint(name, at, (f"arm of {name}", *others))
@@ -245,6 +249,9 @@ class _File:
             if row.true("actuator") and len(self.connectors[link]) == 2:
                 cpm = self._per_minute(row, "cpm", f"strokes of actuator {link.removeprefix('link')}")
                 stroke, start = abs(row.number("throw", 0.0)), row.number("startoffset", 0.0)
+                if not stroke:
+                    self.left.append(LeftOut(f"actuator {link.removeprefix('link')}", "it has no throw: it is a bar"))
+                    continue
                 swing = Swing(stroke, start, abs(cpm), math.copysign(1.0, cpm))
                 yield SketchInput(name=link, swing=swing, length=True, manual=row.true("alwaysmanual"))
 

@@ -99,18 +99,18 @@ def made(sketch: Sketch, name: str, unit: str = "", mirror: bool = False, inputs
     left += [*sheet.left_out, *listed]
     linkage = replace(linkage, drivers=second)
     design = Design(name, None, (Drive(motion, linkage, None, loads),))
-    _require_readable(design, {here: there for there, here in names.items()}, "" if lead is None else lead.label)
+    _require_readable(design, {here: there for there, here in names.items()}, lead)
     if lead is not None and lead.swing is None and motion is not None:
         design, assumed = driven.with_assumed_motion(design, lead.label)
         left.append(assumed)
     led = {linkage.driver.link, *(each.link for each in second)}
-    inner = {each.name for each in chosen}
-    could = [joint for joint in joints if driven.joins_two(joint) and (joint in on_frame or joint.name in inner)]
+    offered = {joint.name for joint in on_frame} | {each.name for each in chosen}
+    could = [joint for joint in joints if driven.joins_two(joint) and joint.name in offered]
     at = tuple(joint.name for joint in could if sheet.pair(joint)[0] in led and not (lead and lead.length))
     return Made(design, len(sketch.joints), tuple(left), at, tuple(joint.name for joint in could))
 
 
-def _require_readable(design: Design, there: Mapping[str, str], lead: str) -> None:
+def _require_readable(design: Design, there: Mapping[str, str], lead: SketchInput | None) -> None:
     """Raises DesignError where ``check`` refuses what is written, with the joint of each wrong value; there: name of a point -> of its
     joint."""
     try:
@@ -119,19 +119,19 @@ def _require_readable(design: Design, there: Mapping[str, str], lead: str) -> No
         raise DesignError(replace(each, path=_with_joint(design, each, there, lead)) for each in error.faults) from None
 
 
-def _with_joint(design: Design, fault: Fault, there: Mapping[str, str], lead: str) -> str:
+def _with_joint(design: Design, fault: Fault, there: Mapping[str, str], lead: SketchInput | None) -> str:
     """The path of a fault with the joint, or the joints of the link, to which it belongs."""
     linkage = design.drive.linkage
     words = re.split(r"[.\[\]]+", fault.path)
-    joint = next((there[word] for word in words if word in there), "")
+    joint = next((f"joint {there[word]}" for word in words if word in there), "")
     table = words[1] if len(words) > 1 else ""
     rows = getattr(linkage, table, None) or getattr(design.drive.loads, table, None)
-    if words[0] == "motion" or table == "driver":
-        joint = lead
+    if lead is not None and (words[0] == "motion" or table == "driver"):
+        joint = lead.label if lead.length else f"joint {lead.label}"
     elif not joint and isinstance(rows, tuple) and len(words) > 2 and words[2].isdecimal():
         link = getattr(rows[int(words[2])], "link", getattr(rows[int(words[2])], "number", FRAME_LINK))
-        joint = ", ".join(there.get(name, name) for name in linkage.by_number[link].places)
-    return f"joint {joint}: {fault.path}" if joint else fault.path
+        joint = f"joints {', '.join(there.get(name, name) for name in linkage.by_number[link].places)}"
+    return f"{joint}: {fault.path}" if joint else fault.path
 
 
 def _joints(sketch: Sketch, factor: float, mirror: bool) -> list[SketchJoint]:
@@ -253,7 +253,8 @@ def _loads(sheet: Sheet, sketch: Sketch, merged: dict[str, str], factor: float, 
                 centre_y_mm=local.imag + 0.0,
             )
         )
-    return LinkageLoads(masses=tuple(masses), forces=tuple(forces))
+    loads = LinkageLoads(masses=tuple(masses), forces=tuple(forces))
+    return loads if sketch.gravity else replace(loads, gravity_m_s2=0.0)
 
 
 __all__ = ["UNITS", "LeftOut", "Made", "made"]

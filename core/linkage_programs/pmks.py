@@ -101,19 +101,24 @@ def _sketch(
     masses, acting, left = _loads(links, forces, length, _VALUE[enums[2]] if len(enums) > 2 else -1)
     roots = [link for link in links if link.root]
     at = {row[0][1:]: complex(_whole(row[2]), _whole(row[3])) / _SCALE for row in rows}
+    of_joint: dict[str, list[_Link]] = {key: [] for key in at}
+    for link in roots:
+        for key in dict.fromkeys(link.joints):
+            of_joint[key].append(link)
+    carriers = {part: link for link in roots for part in (link.id, *link.parts)}
     named = dict(zip(at, distinct(row[1] for row in rows), strict=True))
     for row in rows:
         mark, key = _VALUE[row[0][0]], row[0][1:]
         name, angle = named[key], _whole((*row[4:5], "0")[0]) / _SCALE
-        on = [link.id for link in roots if key in link.joints]
+        on = [link.id for link in of_joint[key]]
         grounded = [GROUND] if mark & _GROUNDED else []
-        slot = _slot(row, name, roots, at)
+        slot = _slot(row, name, carriers, at)
         if mark & _INPUT:
             inputs.append(SketchInput(name=name, rpm=speed))
         if mark & _WELDED:
             welded += [(on[0], other) for other in on[1:]]
         if mark & _SLIDES:
-            pistons = [link.id for link in roots if link.id in on and link.piston]
+            pistons = [link.id for link in of_joint[key] if link.piston]
             carrier = [slot[0]] if slot else grounded or [each for each in on if each not in pistons][:1]
             carried = [each for each in on if each not in carrier]
             through = at[slot[1]] if slot else None
@@ -134,7 +139,7 @@ def _sketch(
 
 
 def _slot(
-    row: Sequence[str], name: str, links: Sequence[_Link], at: Mapping[str, complex]
+    row: Sequence[str], name: str, links: Mapping[str, _Link], at: Mapping[str, complex]
 ) -> tuple[str, str, str] | None:
     """Link that carries a joint's slot, and its two joints through which the slot goes. Raises DesignError for a part of one."""
     parts = [each for each in row[5:8] if each]
@@ -143,7 +148,7 @@ def _slot(
     allowed = (
         "none, or a link and two joints of it apart from each other, of a joint that slides and is not on the frame"
     )
-    carrier = next((link for link in links if parts[0] in (link.id, *link.parts)), None)
+    carrier = links.get(parts[0])
     if len(parts) != 3 or carrier is None or _VALUE[row[0][0]] & (_SLIDES | _GROUNDED) != _SLIDES:
         raise refused(f"slot of joint {name}", f"no slot in a link ({','.join(row[5:8])[:60]})", allowed)
     _, one, other = parts

@@ -180,7 +180,9 @@ def test_linkage2_with_a_slider_on_a_link_a_gear_and_an_actuator() -> None:
     assert np.abs(c2.imag).max() < 1e-12
     assert np.abs(np.abs(c2 - a) - 40.0 * PIXEL).max() < 1e-12
     curved = read_linkage(slider.replace('slider="true"', 'slider="true" slideradius="30"'))
-    centre = curved.design.drive.linkage.by_number[1].places["C2_centre"]  # of an arc through (60, 0) and (90, 0), left of them
+    centre = curved.design.drive.linkage.by_number[1].places[
+        "C2_centre"
+    ]  # of an arc through (60, 0) and (90, 0), left of them
     assert centre == pytest.approx((75 + 1j * np.sqrt(30**2 - 15**2)) * PIXEL, abs=1e-12)
     driven = read_linkage(LINKAGE2.replace('<Link id="1">', '<Link id="1" actuator="true" throw="5">'))
     assert "actuator 1" in {each.what for each in driven.left_out}
