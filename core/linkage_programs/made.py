@@ -63,8 +63,9 @@ def made(sketch: Sketch, name: str, unit: str = "", mirror: bool = False, inputs
     if not (unit or sketch.unit):
         left.append(LeftOut("unit of length", "the text has none: read as mm, --units says another"))
     links = {link for joint in sketch.joints for link in joint.links}
-    for key, sets in (("linkage.links", links), ("linkage.joints", sketch.joints)):
-        if over := count_fault(key, len(sets)):
+    counted = {"linkage.links": links, "linkage.joints": sketch.joints, "loads.forces": sketch.forces}
+    for key, rows in counted.items():
+        if over := count_fault(key, len(rows)):
             raise DesignError([over])
     factor = _SIZES[unit or sketch.unit or "mm"]
     joints, alias = _one_at_a_place(_joints(sketch, factor, mirror))

@@ -112,7 +112,7 @@ class Sheet:
             taken = {n for each in self._points.values() for n in each}
             plain = re.sub(r"\W", "_", name)[:20]
             base = plain if plain.isidentifier() else f"F{plain}"
-            near = next(n for n in (base, *(f"{base}_{i}" for i in range(2, 1000))) if n not in taken)
+            near = next(n for n in (base, *(f"{base}_{i}" for i in range(2, len(taken) + 3))) if n not in taken)
             points[near] = at
         return near
 
