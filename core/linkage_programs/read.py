@@ -31,6 +31,14 @@ FORMATS: Mapping[str, Program] = MappingProxyType(
 )
 
 
+def decoded(data: bytes) -> str:
+    """The text of a file: UTF-8, or as Linkage writes names, in the letters of Windows."""
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return data.decode("cp1252", "replace")
+
+
 def read_linkage(
     text: str, format: str = "", *, name: str = "", units: str = "", mirror: bool = False, inputs: Sequence[str] = ()
 ) -> Made:
@@ -44,4 +52,4 @@ def read_linkage(
     return made(row.read(text), name or row.title, units, mirror, inputs)
 
 
-__all__ = ["FORMATS", "MOST_BYTES", "UNITS", "Program", "read_linkage"]
+__all__ = ["FORMATS", "MOST_BYTES", "UNITS", "Program", "decoded", "read_linkage"]

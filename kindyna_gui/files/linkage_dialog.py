@@ -22,7 +22,7 @@ from PySide6.QtWidgets import (
 from core.design import faults
 from core.errors import KindynaError
 from core.linkage_programs import Made, read_linkage
-from core.linkage_programs.read import MOST_BYTES, UNITS
+from core.linkage_programs.read import MOST_BYTES, UNITS, decoded
 from core.mechanism.unfinished import unfinished
 from core.requests import options
 from kindyna_gui import dialogs
@@ -91,7 +91,7 @@ class LinkageDialog(QDialog):
         if opened is not None:
             path, data = opened
             self._name = path.stem
-            self.text.setPlainText(data.decode("utf-8", "replace").removeprefix("\ufeff"))
+            self.text.setPlainText(decoded(data))
             self._file = str(path), self.text.toPlainText()
 
     def _as_command(self) -> str:
