@@ -161,7 +161,7 @@ def _body(pose: Pose, points: Mapping[str, complex], mechanism: Mechanism, n: in
         Derivatives(angle, pose.turn.constant),
         points,
         lambda: spread(pose.unit * along if turn else pose.unit, n),
-        lambda: scaled(pose.spin, along) if turn else pose.spin,
+        lambda: (scaled(pose.spin, along) if turn else pose.spin).spread(n),
     )
     return (
         there
