@@ -158,6 +158,10 @@ def _cycle(plan: SolutionPlan, low: float, turns: int) -> DriverRanges:
     if drawn is None:
         return replace(_ranges(plan, low, low + turn, True), turns=turns)
     place = drawn_place(drawn)
+    for half in _HALVES if plan.linkage.turns is None else ():  # no turn is like another: only what is around the drawn position counts
+        found = _around(_ranges(plan, place - half, place + half, False, place), place)
+        if found.ranges and found.ranges[0].low_joint and found.ranges[0].high_joint:
+            return replace(found, swings=True)
     found = _ranges(plan, low, low + turn, True, place % turn)
     if not found.ranges or (len(found.ranges) == 1 and found.ranges[0].free):
         return replace(found, turns=turns)
@@ -243,6 +247,7 @@ def guided_ranges(
 PATH = (
     65  # positions through which links are followed from the base: no link turns by more than half a turn between two
 )
+_HALVES = (0.5 * TURN, 4.0 * TURN)  # so far to both sides is a swing searched that no period bounds
 _STANDS = 1e-6  # of the requested positions: in a shorter range nothing moves, and rounding decides its ends
 SIDED = ("RRR", "RRP", "RPR")
 _WITHIN = 1e-2  # of a range: so far from its ends the two ways to assemble a dyad can be told apart
