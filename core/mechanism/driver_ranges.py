@@ -158,7 +158,9 @@ def _cycle(plan: SolutionPlan, low: float, turns: int) -> DriverRanges:
     if drawn is None:
         return replace(_ranges(plan, low, low + turn, True), turns=turns)
     place = drawn_place(drawn)
-    for half in _HALVES if plan.linkage.turns is None else ():  # no turn is like another: only what is around the drawn position counts
+    for half in (
+        _HALVES if plan.linkage.turns is None else ()
+    ):  # no turn is like another: only what is around the drawn position counts
         found = _around(_ranges(plan, place - half, place + half, False, place), place)
         if found.ranges and found.ranges[0].low_joint and found.ranges[0].high_joint:
             return replace(found, swings=True)

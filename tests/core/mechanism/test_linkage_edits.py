@@ -9,7 +9,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from linkages import four_bar, link
 
-from core.design import NO_DRIVER, Attachment, Design, Drive, LinkageLoads, LinkMass, Slider, faults, with_drive, with_new_row
+from core.design import (
+    NO_DRIVER,
+    Attachment,
+    Design,
+    Drive,
+    LinkageLoads,
+    LinkMass,
+    Slider,
+    faults,
+    with_drive,
+    with_new_row,
+)
 from core.errors import DesignError, NoPosition
 from core.mechanism.drawing.copies import part_of, with_part
 from core.mechanism.drawing.edits import (
@@ -214,7 +225,8 @@ sliders = [{{ link = 2, on = 1 }}, {sliders}]
 
 
 def blocks_on_blocks() -> Design:
-    links = "{ number = 5, points = { P = [0, 0] } }, { number = 6, points = { Q = [0, 0] } }, { number = 7, points = { C = [0, 0], D = [60, 0] } }"
+    links = "{ number = 5, points = { P = [0, 0] } }, { number = 6, points = { Q = [0, 0] } }, "
+    links += "{ number = 7, points = { C = [0, 0], D = [60, 0] } }"
     sliders = "{ link = 5, on = 3, angle_deg = 20 }, { link = 6, on = 5, angle_deg = 70 }, { link = 7, on = 6, angle_deg = 10 }"
     return led_by_a_slide(links, sliders, '[[loads.pair_friction]]\npair = "6"\ncoefficient = 0.1\n')
 
@@ -223,7 +235,9 @@ def blocks_on_blocks() -> Design:
     ("gone", "links", "sliding"),
     [(3, [1, 2, 4, 7], ["2"]), (5, [1, 2, 3, 4, 7], ["2"]), (6, [1, 2, 3, 4, 5, 7], ["2", "5"]), (2, [1, 3, 4, 5, 6, 7], ["5", "6", "7"])],
 )  # fmt: skip
-def test_what_slides_on_a_deleted_link_goes_with_it_down_the_chain(gone: int, links: list[int], sliding: list[str]) -> None:
+def test_what_slides_on_a_deleted_link_goes_with_it_down_the_chain(
+    gone: int, links: list[int], sliding: list[str]
+) -> None:
     """A block on a block is nothing by itself; a bar with two pins stays, without its line. The drawing can be saved and read."""
     drawn = blocks_on_blocks()
     left = without(drawn, links=[gone])

@@ -139,7 +139,9 @@ def test_a_crank_that_cannot_turn_swings_between_the_ends_of_its_circuit(kind: s
     assert note.values["high"] == pytest.approx(case.high, abs=1e-6)
     assert all(residual.kept for residual in certificate_of(study).values())
     rows = table(case.design, tmp_path)
-    assert [row["cycle_deg"] for row in rows] == [5.0 * i for i in range(72) if i not in (0, 36)], "in order, but for the ends"
+    assert [row["cycle_deg"] for row in rows] == [5.0 * i for i in range(72) if i not in (0, 36)], (
+        "in order, but for the ends"
+    )
     for row in rows:
         part = min(row["cycle_deg"], 360.0 - row["cycle_deg"]) / 180.0
         q = row["driver_angle_deg"]
@@ -157,7 +159,13 @@ def kite(short: float, long: float, side: int = 1) -> Design:
 
 @pytest.mark.parametrize(
     ("short", "long", "side"),
-    spread([(*np.random.default_rng(seed).uniform((20.0, 61.0), (60.0, 150.0)).tolist(), 1 - 2 * (seed % 2)) for seed in range(20)], 2),
+    spread(
+        [
+            (*np.random.default_rng(seed).uniform((20.0, 61.0), (60.0, 150.0)).tolist(), 1 - 2 * (seed % 2))
+            for seed in range(20)
+        ],
+        2,
+    ),
 )
 def test_a_kite_returns_after_two_turns_of_its_crank(short: float, long: float, side: int, tmp_path: Path) -> None:
     """B stays as far from A as from O4, and link 4 turns once, without a jump."""
@@ -207,7 +215,7 @@ def test_what_needs_four_turns_shows_one_and_says_so(tmp_path: Path) -> None:
     linkage = Linkage(links, (), Driver(2), drive.linkage.branch)
     design = Design("kites", None, (Drive(None, linkage, None, LinkageLoads()),))
     rows = table(design, tmp_path)
-    assert list(rows[0])[0] == "driver_angle_deg"
+    assert next(iter(rows[0])) == "driver_angle_deg"
     (note,) = [f for f in findings_of(Study(design)) if f.code == "no-common-period"]
     assert (note.severity, note.field) == ("note", "linkage.links")
     assert "within 2 turns of the driver: the first turn is shown" in note.message

@@ -50,7 +50,9 @@ def faults_in(table: dict[str, Any]) -> tuple[Fault, ...]:
 def test_a_suggested_key_is_accepted_where_it_is_suggested(seed: int) -> None:
     """A key of any table, misspelled, in any other: what is suggested is not there yet, and has no fault with the value that was given."""
     dice = random.Random(seed)
-    keys = [(key, value) for text in EXAMPLES for _, table in tables(tomllib.loads(text)) for key, value in table.items()]
+    keys = [
+        (key, value) for text in EXAMPLES for _, table in tables(tomllib.loads(text)) for key, value in table.items()
+    ]
     for _ in range(8):
         design = tomllib.loads(dice.choice(EXAMPLES))
         path, table = dice.choice(list(tables(design)))

@@ -204,4 +204,6 @@ def test_a_residual_that_is_not_kept_is_no_success(
     monkeypatch.setattr("core.dynamics.power_residual", lambda *_: np.full(3600, 1.19))
     assert main(run) == 1
     said = capsys.readouterr().out
-    assert {"check": "power_balance = 1.19 exceeds its bound", "report": "NOT KEPT", "export": "summary.json"}[command[0]] in said
+    assert {"check": "power_balance = 1.19 exceeds its bound", "report": "NOT KEPT", "export": "summary.json"}[
+        command[0]
+    ] in said

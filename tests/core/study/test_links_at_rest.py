@@ -50,9 +50,16 @@ def moving(kind: str) -> Design:
         first = replace(first, points=(*first.points, LinkPoint("P", -60.0, -40.0)))
         links = (first, *others, link(5, P=(0, 0), R=(40, 5)))
         return with_drive(
-            bar, mechanism=replace(linkage, links=links, drivers=(SecondDriver(link=5, on=1, ratio=0.0, offset_deg=33.0),))
+            bar,
+            mechanism=replace(linkage, links=links, drivers=(SecondDriver(link=5, on=1, ratio=0.0, offset_deg=33.0),)),
         )
     return bar
+
+
+def spring(point: str, link: int, to: str, rate: float, free: float) -> PointSpring:
+    """From a point of the coupler."""
+    ends = Attachment(link=3, point=point), Attachment(link=link, point=to)
+    return PointSpring(*ends, rate_n_per_mm=rate, free_length_mm=free)
 
 
 def with_links_at_rest(seed: int, kind: str) -> Design:
@@ -69,20 +76,37 @@ def with_links_at_rest(seed: int, kind: str) -> Design:
         except Poor:
             continue
     linkage, loads = base.drive.linkage, base.drive.loads
-    names = {n: {f"K{name}": at for name, at in points.items()} or {f"T{n}": 5 + 2j} for n, points in builder.points.items()}
-    points = {n: tuple(LinkPoint(name, z.real, z.imag) for name, z in row.items()) for n, row in names.items() if n != 9}
+    names = {
+        n: {f"K{name}": at for name, at in points.items()} or {f"T{n}": 5 + 2j} for n, points in builder.points.items()
+    }
+    points = {
+        n: tuple(LinkPoint(name, z.real, z.imag) for name, z in row.items()) for n, row in names.items() if n != 9
+    }
     first, *others = linkage.links
     links = (
         replace(first, points=(*first.points, *points.pop(1))), *others, *(Link(n, row) for n, row in sorted(points.items())),
     )  # fmt: skip
-    branch = (*linkage.branch, *(replace(s, joint=s.joint if s.joint.isdecimal() else f"K{s.joint}") for s in builder.sides))
+    branch = (
+        *linkage.branch,
+        *(replace(s, joint=s.joint if s.joint.isdecimal() else f"K{s.joint}") for s in builder.sides),
+    )
     last = max(points)
     at = points[last][0].name
     loads = replace(
         loads,
-        masses=tuple(LinkMass(link=n, mass_kg=rng.uniform(0.1, 2.0), centre_x_mm=rng.uniform(-30.0, 30.0)) for n in points),
+        masses=tuple(
+            LinkMass(link=n, mass_kg=rng.uniform(0.1, 2.0), centre_x_mm=rng.uniform(-30.0, 30.0)) for n in points
+        ),
         forces=(LinkForce(link=last, point=at, x_n=20.0, y_n=-7.0, torque_nm=0.4),),
-        springs=(PointSpring(from_=Attachment(link=3, point="A"), to=Attachment(link=last, point=at), rate_n_per_mm=1.5, free_length_mm=40.0, damping_n_s_per_mm=0.01),),
+        springs=(
+            PointSpring(
+                from_=Attachment(link=3, point="A"),
+                to=Attachment(link=last, point=at),
+                rate_n_per_mm=1.5,
+                free_length_mm=40.0,
+                damping_n_s_per_mm=0.01,
+            ),
+        ),
         process=(Process(link=last, point=at, direction_deg=30.0, cam_from_deg=20.0, cam_to_deg=120.0, force_n=25.0),),
     )
     made = replace(linkage, links=links, sliders=(*linkage.sliders, *builder.sliders), branch=branch)
@@ -139,11 +163,14 @@ def test_a_triangle_on_the_frame_bears_what_statics_says(seed: int, tmp_path: Pa
     )  # fmt: skip
     side = 1 if ((pivots[1] - pivots[0]).conjugate() * (pin - pivots[0])).imag > 0.0 else -1
     branch = (*base.drive.linkage.branch, replace(base.drive.linkage.branch[0], joint="T", side=side))
-    masses = tuple(LinkMass(link=5 + i, mass_kg=rng.uniform(0.5, 3.0), centre_x_mm=rng.uniform(0.0, 60.0), centre_y_mm=4.0) for i in (0, 1))
+    masses = tuple(
+        LinkMass(link=5 + i, mass_kg=rng.uniform(0.5, 3.0), centre_x_mm=rng.uniform(0.0, 60.0), centre_y_mm=4.0)
+        for i in (0, 1)
+    )
     rate, free = 2.0, 30.0
     loads = replace(
         base.drive.loads, masses=masses, forces=(LinkForce(link=5, point="T", x_n=11.0, y_n=5.0, torque_nm=0.7),),
-        springs=(PointSpring(from_=Attachment(link=3, point="B"), to=Attachment(link=6, point="T"), rate_n_per_mm=rate, free_length_mm=free),),
+        springs=(spring("B", 6, "T", rate, free),),
     )  # fmt: skip
     columns = tables(
         with_drive(base, mechanism=replace(base.drive.linkage, links=links, branch=branch), loads=loads), tmp_path
@@ -155,7 +182,9 @@ def test_a_triangle_on_the_frame_bears_what_statics_says(seed: int, tmp_path: Pa
         weight = mass.mass_kg * GRAVITY
         load = weight + (11 + 5j if i == 0 else pull)
         arm = complex(mass.centre_x_mm, mass.centre_y_mm) * bar / abs(bar)
-        moment = (arm.conjugate() * weight).imag + (700.0 + (bar.conjugate() * (11 + 5j)).imag if i == 0 else (bar.conjugate() * pull).imag)
+        moment = (arm.conjugate() * weight).imag + (
+            700.0 + (bar.conjugate() * (11 + 5j)).imag if i == 0 else (bar.conjugate() * pull).imag
+        )
         sign = 1.0 - 2.0 * i  # the pin's force on the first bar
         matrix[3 * i, [2 * i, 4]] = 1.0, sign
         matrix[3 * i + 1, [2 * i + 1, 5]] = 1.0, sign
