@@ -58,8 +58,8 @@ def moving(kind: str) -> Design:
 
 def spring(point: str, link: int, to: str, rate: float, free: float) -> PointSpring:
     """From a point of the coupler."""
-    ends = Attachment(link=3, point=point), Attachment(link=link, point=to)
-    return PointSpring(*ends, rate_n_per_mm=rate, free_length_mm=free)
+    ends = {"from_": Attachment(link=3, point=point), "to": Attachment(link=link, point=to)}
+    return PointSpring(**ends, rate_n_per_mm=rate, free_length_mm=free)
 
 
 def with_links_at_rest(seed: int, kind: str) -> Design:
@@ -98,15 +98,7 @@ def with_links_at_rest(seed: int, kind: str) -> Design:
             LinkMass(link=n, mass_kg=rng.uniform(0.1, 2.0), centre_x_mm=rng.uniform(-30.0, 30.0)) for n in points
         ),
         forces=(LinkForce(link=last, point=at, x_n=20.0, y_n=-7.0, torque_nm=0.4),),
-        springs=(
-            PointSpring(
-                from_=Attachment(link=3, point="A"),
-                to=Attachment(link=last, point=at),
-                rate_n_per_mm=1.5,
-                free_length_mm=40.0,
-                damping_n_s_per_mm=0.01,
-            ),
-        ),
+        springs=(spring("A", last, at, 1.5, 40.0),),
         process=(Process(link=last, point=at, direction_deg=30.0, cam_from_deg=20.0, cam_to_deg=120.0, force_n=25.0),),
     )
     made = replace(linkage, links=links, sliders=(*linkage.sliders, *builder.sliders), branch=branch)
