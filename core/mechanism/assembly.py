@@ -130,15 +130,23 @@ def _require(mechanism: Mechanism, driver_ranges: DriverRanges, solved: Solved, 
 _CALM = 1e-30  # sine of the transmission angle above which three derivatives stay below the largest number
 
 
-def _apart(driver_ranges: DriverRanges, step: SolutionStep, motion: MotionState, lost: np.ndarray) -> NoPosition:
-    """Why the links of a step are nowhere at some angles."""
+def _apart(driver_ranges: DriverRanges, step: SolutionStep, motion: MotionState, lost: np.ndarray) -> NoAssembly:
+    """Why the links of a step do not meet at some angles: the driver's positions at which they do, and, disjoint from these, those to which
+    a motion takes it."""
     links = " and ".join(map(str, step.links)) if len(step.links) == 2 else ", ".join(map(str, step.links))
     joint = f" at {step.joint}" if step.kind != GROUP and is_pin(step.joint) else ""
-    ranges = [(float(np.rad2deg(r.low)), float(np.rad2deg(r.high))) for r in driver_ranges.ranges]
+    driver, y = driver_ranges.plan.driver, motion.displacement[0]
+    scale, unit = (180.0 / np.pi, "deg") if driver.revolute else (1e3, "mm")
+    ends = [float(y.min()), *(end for r in driver_ranges.ranges for end in (r.low, r.high)), float(y.max())]
+    beyond = [(a * scale, b * scale) for a, b in zip(ends[::2], ends[1::2], strict=True) if a < b]
     hint = "change their lengths"
-    if ranges and driver_ranges.plan.driver.revolute:
-        hint = f"they do with the driver within {angle_list(ranges)}"
-    return NoPosition(f"links {links} do not meet{joint}", "linkage.links", hint, angle_ranges(motion.theta, lost))
+    if driver_ranges.ranges:
+        ranges = [(r.low * scale, r.high * scale) for r in driver_ranges.ranges]
+        hint = f"they do with the driver within {angle_list(ranges, unit=unit)}"
+        if driver_ranges.plan.linkage.driver.kind != CRANK and beyond:
+            hint += f", and the motion takes it to {angle_list(beyond, unit=unit)}: lessen its rise, or change their lengths"
+    kind = NoPosition if driver_ranges.plan.linkage.driver.kind == CRANK else NoAssembly
+    return kind(f"links {links} do not meet{joint}", "linkage.links", hint, angle_ranges(motion.theta, lost))
 
 
 def _body(pose: Pose, points: Mapping[str, complex], mechanism: Mechanism, n: int, calm: bool) -> Pose:
@@ -161,7 +169,7 @@ def _body(pose: Pose, points: Mapping[str, complex], mechanism: Mechanism, n: in
         Derivatives(angle, pose.turn.constant),
         points,
         lambda: spread(pose.unit * along if turn else pose.unit, n),
-        lambda: scaled(pose.spin, along) if turn else pose.spin,
+        lambda: (scaled(pose.spin, along) if turn else pose.spin).spread(n),
     )
     return (
         there

@@ -242,7 +242,7 @@ class _Branch:
     """The stretch of a linkage's driver between two dead centres of an output in which a motion of that begins: there the driver's position
     x follows from the output's y. Where there are none, and the driver turns, it goes on turn by turn.
 
-    period  of the driver [rad], 0 where it does not go on
+    period  of the driver [rad], the cycle of the linkage; 0 where it does not go on
     """
 
     def __init__(self, design: Design, output: str, asked: Motion) -> None:
@@ -261,7 +261,7 @@ class _Branch:
         sign = np.sign(y[i + 1] - y[i])
         right = np.flatnonzero(rate[i:] * sign <= slow)
         left = np.flatnonzero(rate[: i + 2] * sign <= slow)
-        self.period = TURN if whole and not right.size and not left.size else 0.0
+        self.period = self._cycle if whole and not right.size and not left.size else 0.0
         a = 0 if not left.size else int(left[-1])
         b = SAMPLES - 1 if not right.size else i + int(right[0])
         if whole and not self.period:  # a crank: the stretch may reach beyond the sampled turn
@@ -272,7 +272,7 @@ class _Branch:
         self, at: np.ndarray, y: np.ndarray, rate: np.ndarray, first: float, sign: float, slow: float, begin: float
     ) -> None:
         gain = y[-1] - y[0]
-        three = np.concatenate((at[:-1] - TURN, at[:-1], at + TURN))
+        three = np.concatenate((at[:-1] - self._cycle, at[:-1], at + self._cycle))
         values = np.concatenate((y[:-1] - gain, y[:-1], y + gain))
         rates = np.concatenate((rate[:-1], rate[:-1], rate)) * sign
         i = int(np.searchsorted(three, first) - 1)
@@ -299,6 +299,7 @@ class _Branch:
             low, high = swept(program(replace(motion, follows=None)))
             room = 2.0 * plan_of(self._linkage).size
             self._driver_ranges = driver_ranges_of(self._linkage, low - room, high + room)
+        self._cycle = TURN * self._driver_ranges.turns
         found, place = self._driver_ranges.ranges, self._place(design)
         whole = self._turns and len(found) == 1 and found[0].free and not self._driver_ranges.swings
         here = min(found, key=lambda r: max(r.low - place, place - r.high, 0.0))
@@ -368,7 +369,7 @@ class _Branch:
         return np.array([x + turns * self.period, first, second, third])
 
     def _within(self, x: np.ndarray) -> np.ndarray:
-        return self.forward(np.mod(x, TURN) if self._turns and not self._driver_ranges.swings else x)
+        return self.forward(np.mod(x, self._cycle) if self._turns and not self._driver_ranges.swings else x)
 
     def _require_reached(self, theta: np.ndarray, wanted: np.ndarray) -> None:
         if self.period:

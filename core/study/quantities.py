@@ -643,7 +643,7 @@ def _members(design: Design) -> Iterator[tuple[str, str]]:
 def _links(design: Design) -> Iterator[tuple[str, str]]:
     """The moving links, slides, points and dyads."""
     linkage = design.drive.linkage
-    if design.by_crank and (linkage.drawn is not None or linkage.drivers):
+    if design.by_crank:
         yield "swing", ""
     for number in sorted(linkage.by_number):
         if number != FRAME_LINK and not (
