@@ -34,10 +34,10 @@ import pyqtgraph
 from PySide6.QtCore import Qt, QTimer, QtMsgType, qInstallMessageHandler
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
-from random_actions import Actions
 from random_choices import WEIGHTS
 from random_dialogs import Answers, activate
 from random_files import write_files
+from random_visits import Visits
 
 from core.project import load, save
 from kindyna_gui.pictures.app import ensure_app
@@ -55,7 +55,7 @@ HARMLESS = (
 )
 
 
-class RandomUser(Actions):
+class RandomUser(Visits):
     """One user at one window.
 
     actions  the last actions, a line each
