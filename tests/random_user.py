@@ -121,7 +121,8 @@ class RandomUser(Visits):
             getattr(self, name)()
             self.settle()
         except RuntimeError as error:
-            if "already deleted" not in str(error):  # a widget that the action itself has taken away
+            own = traceback.extract_tb(error.__traceback__)[-1].filename.startswith(str(Path(__file__).parent))
+            if not own or "already deleted" not in str(error):  # else a widget that the action itself has taken away
                 self.blame(traceback.format_exc())
         except Exception:
             self.blame(traceback.format_exc())

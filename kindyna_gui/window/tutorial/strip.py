@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from PySide6.QtCore import QPoint, QRect, Qt, QTimer
 from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSizePolicy, QToolBar, QWidget
+from PySide6.QtWidgets import QApplication, QHBoxLayout, QLabel, QPushButton, QSizePolicy, QToolBar, QWidget
 
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.places import example
@@ -17,23 +17,27 @@ from kindyna_gui.window.tutorial.lessons import Lesson, Step
 LOOK_MS = 150  # how often it is looked whether a step is done
 LINES = 3  # of text that have room
 EDGE = 4  # pixels between a mark and what it marks
+_DIRECT = Qt.FindChildOption.FindDirectChildrenOnly
 
 
 class Mark(QWidget):
-    """A frame around a place of the window; the mouse goes through it."""
+    """A frame around a place of a window, dialog or menu, which it belongs to and goes with; the mouse goes through it."""
 
-    def __init__(self) -> None:
-        super().__init__()
+    @staticmethod
+    def all() -> list[Mark]:
+        """In every window that there is."""
+        return [mark for top in QApplication.topLevelWidgets() for mark in top.findChildren(Mark, options=_DIRECT)]
+
+    def __init__(self, top: QWidget) -> None:
+        super().__init__(top)
         self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self.setAccessibleName("Place of this step")
 
     def put(self, widget: QWidget, rect: QRect) -> None:
         """Around a part of a widget, in front of its window."""
-        top = widget.window()
+        top = self.window()
         wanted = QRect(widget.mapTo(top, QPoint(0, 0)) + rect.topLeft(), rect.size())
         wanted = wanted.adjusted(-EDGE, -EDGE, EDGE, EDGE) & top.rect()
-        if self.parentWidget() is not top:
-            self.setParent(top)
         if self.geometry() != wanted or not self.isVisible():
             self.setGeometry(wanted)
             self.show()
@@ -76,7 +80,6 @@ class TutorialStrip(QToolBar):
             button.clicked.connect(act)
             row.addWidget(button)
         self.addWidget(content)
-        self.mark = Mark()
         self._met_before = False
         self._look = QTimer(self, interval=LOOK_MS)
         self._look.timeout.connect(self.look)
@@ -118,10 +121,12 @@ class TutorialStrip(QToolBar):
     def show_mark(self) -> None:
         """Where the step is done, as far as that is in sight."""
         place = place_of(self.host, self.step.do) if self.step is not None else None
-        if place is None:
-            self.mark.hide()
-        else:
-            self.mark.put(*place)
+        top = None if place is None else place[0].window()
+        for mark in Mark.all():
+            if mark.parentWidget() is not top:
+                mark.hide()
+        if place is not None and top is not None:
+            (top.findChild(Mark, options=_DIRECT) or Mark(top)).put(*place)
 
     def go_on(self) -> None:
         """The next step."""
@@ -146,7 +151,8 @@ class TutorialStrip(QToolBar):
     def end(self) -> None:
         """Take the strip away; the design stays as it is."""
         self._look.stop()
-        take_away(self.mark)
+        for mark in Mark.all():
+            take_away(mark)
         self.host.removeToolBar(self)
         take_away(self)
 
