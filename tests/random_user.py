@@ -117,8 +117,12 @@ class RandomUser(Visits):
         (name,) = self.rng.choices(list(WEIGHTS), list(WEIGHTS.values()))
         self.note(f"{self.number} {name}")
         self._last = time.process_time()
+        self.attempt(getattr(self, name))
+
+    def attempt(self, deed: Callable[[], object]) -> None:
+        """Do it and settle; an exception is blamed on it."""
         try:
-            getattr(self, name)()
+            deed()
             self.settle()
         except RuntimeError as error:
             own = traceback.extract_tb(error.__traceback__)[-1].filename.startswith(str(Path(__file__).parent))
@@ -188,7 +192,7 @@ def use(seed: int, seconds: float, actions: int, warm: int, notes: Callable[[str
     if user.number > warm and (grown := resident() - before) > MOST_GROWTH:
         user.blame(f"memory: {grown / 1e6:.0f} MB more after {user.number} actions than after {warm}")
     if not user.wrong:
-        user.finish(home)
+        user.attempt(lambda: user.finish(home))
     if user.wrong:
         lines = (
             f"seed {seed}: wrong at action {user.number}. The last actions:",
