@@ -75,7 +75,7 @@ class RandomUser(Visits):
         self._pulse = QTimer(interval=20)
         self._pulse.timeout.connect(self._beat)
         self._pulse.start()
-        self._last = time.process_time()
+        self._last = time.thread_time()
 
     # -- what is wrong ------------------------------------------------------------------------------------
 
@@ -102,7 +102,7 @@ class RandomUser(Visits):
         qInstallMessageHandler(hear)
 
     def _beat(self) -> None:
-        now = time.process_time()
+        now = time.thread_time()
         if now - self._last > STALL_S:
             self.blame(f"stall: events waited while {now - self._last:.1f} s were computed")
         self._last = now
@@ -116,7 +116,7 @@ class RandomUser(Visits):
         self.answers.rng = Random(f"{self.seed}:{self.number}:answers")
         (name,) = self.rng.choices(list(WEIGHTS), list(WEIGHTS.values()))
         self.note(f"{self.number} {name}")
-        self._last = time.process_time()
+        self._last = time.thread_time()
         self.attempt(getattr(self, name))
 
     def attempt(self, deed: Callable[[], object]) -> None:
