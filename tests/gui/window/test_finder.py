@@ -5,7 +5,7 @@ import shlex
 from pathlib import Path
 
 import pytest
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QCoreApplication, QEvent, Qt
 from PySide6.QtGui import QKeySequence
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import (
@@ -29,6 +29,7 @@ from kindyna_gui.export.controller_dialog import ControllerDialog
 from kindyna_gui.export.export_dialogs import TablesDialog
 from kindyna_gui.export.profile_dialog import ProfileDialog
 from kindyna_gui.export.report_dialog import ReportDialog
+from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.forms.scale_dialog import ScaleDialog
 from kindyna_gui.help.window import PAGES, HelpWindow
 from kindyna_gui.inspection.export_dialog import InspectionDialog
@@ -143,6 +144,22 @@ def test_a_name_with_a_number_in_it_is_no_refused_value(user: User) -> None:
     finder = find(user, "segment 2 span")
     assert (finder.shown[0].kind, finder.shown[0].title) == ("Field", "Segment 2, span")
     user.press(Qt.Key.Key_Escape)
+
+
+@pytest.mark.parametrize("key", [Qt.Key.Key_Escape, Qt.Key.Key_Return])
+def test_an_empty_line_is_left_after_the_field_that_had_the_keys_has_gone(user: User, key: Qt.Key) -> None:
+    """It is of a kind of design that another one has taken the place of."""
+    user.window.focus_field("cam.base_radius_mm")
+    settle()
+    field = user.window.focusWidget()
+    assert isinstance(field, NumberBox)
+    finder = find(user, "")
+    user.window.documents.open_example(example("four_bar"))
+    wait_for(lambda: not field.isVisible())
+    QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
+    QTest.keyClick(finder.line, key)
+    settle()
+    assert not finder.isVisible()
 
 
 def test_another_drive_is_set_under_its_name(same_window: Open) -> None:
