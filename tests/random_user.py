@@ -39,7 +39,7 @@ from random_dialogs import Answers, activate
 from random_files import write_files
 from random_visits import Visits
 
-from core.project import load, save
+from core.project import load_drawing, save
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.places import examples
 from kindyna_gui.window.main_window import MainWindow, open_window
@@ -152,7 +152,7 @@ class RandomUser(Visits):
         self.settle()
         path = folder / "at the end.toml"
         save(self.window.session.design, path)
-        if load(path) != self.window.session.design:
+        if load_drawing(path) != self.window.session.design:
             self.blame("the design at the end comes back from its file as another one")
         self.window.session.stack.setClean()
         self.window.close()

@@ -5,7 +5,7 @@ import shlex
 from pathlib import Path
 
 import pytest
-from PySide6.QtCore import QCoreApplication, QEvent, Qt
+from PySide6.QtCore import Qt
 from PySide6.QtGui import QKeySequence
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import (
@@ -19,6 +19,7 @@ from PySide6.QtWidgets import (
     QTableView,
 )
 from sampled import spread, stressed
+from shiboken6 import delete
 from window_user import Open, User, plain, settle, wait_for
 
 from core.__main__ import parser
@@ -147,16 +148,15 @@ def test_a_name_with_a_number_in_it_is_no_refused_value(user: User) -> None:
 
 
 @pytest.mark.parametrize("key", [Qt.Key.Key_Escape, Qt.Key.Key_Return])
-def test_an_empty_line_is_left_after_the_field_that_had_the_keys_has_gone(user: User, key: Qt.Key) -> None:
-    """It is of a kind of design that another one has taken the place of."""
+def test_an_empty_line_is_left_after_the_field_that_had_the_keys_has_gone(open_user: Open, key: Qt.Key) -> None:
+    """As those of a form do that is made anew."""
+    user = open_user(whole=True)
     user.window.focus_field("cam.base_radius_mm")
     settle()
     field = user.window.focusWidget()
     assert isinstance(field, NumberBox)
     finder = find(user, "")
-    user.window.documents.open_example(example("four_bar"))
-    wait_for(lambda: not field.isVisible())
-    QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
+    delete(field)
     QTest.keyClick(finder.line, key)
     settle()
     assert not finder.isVisible()
