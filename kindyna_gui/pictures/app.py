@@ -9,6 +9,7 @@ from PySide6.QtGui import QFontDatabase
 from PySide6.QtWidgets import QApplication
 
 from kindyna_gui.gc_timer import tidy_in_this_thread
+from kindyna_gui.overrides import let_errors_through
 from kindyna_gui.pictures.style import font
 
 
@@ -26,6 +27,7 @@ def ensure_app(offscreen: bool = False) -> QApplication:
         os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
     app = QApplication([sys.argv[0] or "kindyna"])
     tidy_in_this_thread(app)
+    let_errors_through()
     app.setFont(font())
     if not QFontDatabase.families():
         print("no fonts on this machine, texts are missing in pictures: install fonts-dejavu-core", file=sys.stderr)
