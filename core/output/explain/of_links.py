@@ -52,6 +52,21 @@ def _derived(study: Study, symbol: str, key: str, order: int, unit: str) -> Work
     return Working((f"{symbol}{dot_} = {power} {symbol}{mark}",), (*known(study, "ω"), shown))
 
 
+def _driver_angle(study: Study, _: str) -> Working:
+    """The crank's angle in its cycle: to one end and back, or several turns."""
+    rate, theta = first(study.drive.displacement[1]), first(study.theta)
+    swing = study.driver_ranges.ranges[0]
+    back = study.swings and rate < 0.0
+    start, begin = (swing.high, np.pi) if back else (swing.low, 0.0) if study.swings else (0.0, 0.0)
+    return Working(
+        ("φ = φ_0 + r (θ - θ_0)",),
+        (letter("φ_0", "driver angle from which it goes", start, "deg", LINKAGE),
+         letter("r", "turning of the driver by the angle of the cycle", rate, "", LINKAGE),
+         letter("θ", "angle of the cycle", theta, "deg", "--at"),
+         letter("θ_0", "angle of the cycle there", begin, "deg", LINKAGE)),
+    )  # fmt: skip
+
+
 def _slide(study: Study, number: str) -> Working:
     value = first(study.linkage.coordinates[f"slide{number}"][0])
     return Working(("s = s_0",), (letter("s_0", "place along its line, from the loops", value, "mm", LINKAGE),))
@@ -151,7 +166,7 @@ def _work_rate(study: Study, rows: list[ForceOnBody]) -> Working:
         (v, turn), force, couple = _velocity(study, row), complex(row.force[0]), float(row.couple[0])
         words = f"{named_force(row)} on the {row.body.replace('_', ' ')}"
         origin = LOADS if row.kind == WEIGHT else DYNAMICS
-        if force:
+        if force or not couple:
             parts.append(f"F_{i}x v_{i}x + F_{i}y v_{i}y")
             for axis, of in (("x", "real"), ("y", "imag")):
                 letters += [letter(f"F_{i}{axis}", f"{words}, {axis}", getattr(force, of), "n", origin),
@@ -160,7 +175,9 @@ def _work_rate(study: Study, rows: list[ForceOnBody]) -> Working:
             parts.append(f"M_{i} ω_{i}")
             letters += [letter(f"M_{i}", f"{words}, couple", couple, "nm", origin),
                         letter(f"ω_{i}", "angular velocity there", turn, "rad_s", LINKAGE)]  # fmt: skip
-    return Working((f"P = {' + '.join(parts) or '0'}",), tuple(letters))
+    if not parts:
+        parts, letters = ["P_0"], [letter("P_0", "nothing acts here", 0.0, "w", LOADS)]
+    return Working((f"P = {' + '.join(parts)}",), tuple(letters))
 
 
 def _of_friction(study: Study, pair: str) -> Working:
@@ -198,6 +215,7 @@ ROWS: Mapping[str, Maker] = MappingProxyType(
         "link.{}": _link_angle,
         "link.{}_velocity": lambda s, n: _derived(s, "θ", f"link{n}", 1, ""),
         "link.{}_acceleration": lambda s, n: _derived(s, "θ", f"link{n}", 2, ""),
+        "driver_angle": _driver_angle,
         "slide.{}": _slide,
         "slide.{}_velocity": lambda s, n: _derived(s, "s", f"slide{n}", 1, "mm"),
         "slide.{}_acceleration": lambda s, n: _derived(s, "s", f"slide{n}", 2, "mm"),
