@@ -10,6 +10,7 @@ import numpy as np
 
 from core.dynamics import CAM_FACE
 from core.dynamics.free_body import FRICTION, WEIGHT, ForceOnBody, acting_of
+from core.mechanism import link_number
 from core.mechanism.kinematics import REVOLUTE
 from core.output.explain.letters import (
     DYNAMICS,
@@ -194,20 +195,23 @@ def _of_element(study: Study, name: str) -> Working:
 def _of_drive(study: Study, _: str) -> Working:
     if "cam" in study.stages:
         return Working(("P = T ω",), (other(study, "drive_torque", "T"), *known(study, "ω")))
-    pair = study.linkage.driver_pair
-    speed = (
-        first(study.linkage.slip(study.linkage.driver_name))
-        * study.linkage.sense
-        * first(study.linkage.motion.displacement[1])
-        * study.omega
-    )
-    if pair.kind == REVOLUTE:
-        turning = letter("ω_d", "angular velocity of the driver", speed, "rad_s", LINKAGE)
-        return Working(("P = T ω_d",), (other(study, "driver_torque", "T"), turning))
-    return Working(
-        ("P = F_d v_d",),
-        (other(study, "driver_force", "F_d"), letter("v_d", "velocity of the driver", speed, "mm_s", LINKAGE)),
-    )
+    linkage, omega = study.linkage, study.omega
+    driver = first(linkage.slip(linkage.driver_name)) * linkage.sense * first(linkage.motion.displacement[1]) * omega
+    if linkage.driver_pair.kind == REVOLUTE:
+        parts = ["T ω_d"]
+        letters = [other(study, "driver_torque", "T"),
+                   letter("ω_d", "angular velocity of the driver", driver, "rad_s", LINKAGE)]  # fmt: skip
+    else:
+        parts = ["F_d v_d"]
+        letters = [other(study, "driver_force", "F_d"), letter("v_d", "velocity of the driver", driver, "mm_s", LINKAGE)]
+    for i, dyad in enumerate((each for each in linkage.dyads if each.by_motion), 1):
+        body, on = (linkage.bodies[name].turn[1] for name in (dyad.bodies[0], dyad.on))
+        link = link_number(dyad.bodies[0])
+        parts.append(f"T_{i} ω_{i}")
+        letters += [other(study, f"link{link}_input_torque", f"T_{i}"),
+                    letter(f"ω_{i}", f"angular velocity of link {link} against what carries its motor",
+                           first(np.atleast_1d(body - on)) * omega, "rad_s", LINKAGE)]  # fmt: skip
+    return Working((f"P = {' + '.join(parts)}",), tuple(letters))
 
 
 ROWS: Mapping[str, Maker] = MappingProxyType(
