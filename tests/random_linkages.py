@@ -167,7 +167,9 @@ def random_linkage(seed: int, drive: str) -> Design:
             for number, own in builder.points.items()
             for name, at in ((n, builder.poses[number][0] + p * cmath.rect(1.0, builder.poses[number][1])) for n, p in own.items())
         )  # fmt: skip
-        drawn = Drawn(driver_deg=None if driven.motion else driven.q, points=tuple({p.name: p for p in points}.values()))
+        drawn = Drawn(
+            driver_deg=None if driven.motion else driven.q, points=tuple({p.name: p for p in points}.values())
+        )
         linkage = replace(
             bare.drive.mechanism,
             driver=driven.driver,
@@ -181,7 +183,7 @@ def random_linkage(seed: int, drive: str) -> Design:
             continue
         try:
             study = Study(design, 24)
-            if study.theta.size and np.isfinite(study.dynamics.driver).all():
+            if study.theta.size and study.jam is None and np.isfinite(study.dynamics.driver).all():
                 return design
         except KindynaError:
             continue

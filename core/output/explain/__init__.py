@@ -19,7 +19,7 @@ from core.output.explain.of_shaft import shaft_columns
 from core.output.explain.workings import working_of
 from core.output.lines import columns, digits
 from core.study import Quantity, Study, certificate_of, extremes_of
-from core.study.extremes import exists
+from core.study.extremes import exists, is_unlimited
 from core.study.quantities import member_of, shape_of
 
 BESIDE = 1e-10  # rad from a jump, where its side is looked at
@@ -58,6 +58,7 @@ class Explanation:
         return f"{text}: {self.why}" if self.why else text
 
 
+@np.errstate(all="ignore")  # where a crank locks, or a curve has a cusp
 def explained(study: Study, name: str, at_deg: float | None = None) -> Explanation:
     """The quantity of a column, or a figure of the summary; at_deg: without, at the angle of its largest absolute value.
 
@@ -74,8 +75,7 @@ def explained(study: Study, name: str, at_deg: float | None = None) -> Explanati
             f"explain {name}: this design has no such quantity; allowed: {', '.join(explainable(study))}"
         )
     largest = _largest(study, row) if at_deg is None else None
-    angle = at_deg if largest is None else math.degrees(largest.theta) % 360.0
-    assert angle is not None
+    angle = at_deg if at_deg is not None else math.degrees(largest.theta if largest else study.theta[0]) % 360.0
     _require_angle(angle)
     if largest is None:
         there = study.at_theta(np.array([math.radians(angle)]))
@@ -85,9 +85,13 @@ def explained(study: Study, name: str, at_deg: float | None = None) -> Explanati
     value = float(row.values(there)[0])
     if largest is not None and not math.isfinite(largest.value):
         value = largest.value
-    lines, letters, why = working.lines or (f"{row.symbol} = {row.equation}",), working.letters, ""
+    elif is_unlimited(study, row.name, math.radians(angle)):
+        value = math.copysign(math.inf, value)
+    lines, letters, why = working.lines, working.letters, ""
     if not math.isfinite(value):
-        letters, why = (), _why_infinite(study, row.name)
+        letters, why = (), _why_infinite(study, row)
+    elif not all(math.isfinite(each.value) for each in letters):
+        raise KindynaError(f"explain {name} --at {angle:g}: it has no value there; {_why_infinite(study, row)}")
     return Explanation(
         row.slug, row.label, value, row.unit.symbol, angle, lines, row.source, letters, _proof(study, row.stage), why
     )
@@ -159,12 +163,10 @@ def _of_figure(study: Study, name: str, figure: Figure) -> Explanation:
     )
 
 
-def _largest(study: Study, row: Quantity) -> Extreme:
-    """Largest without regard to its sign; of what goes round where the turn begins."""
+def _largest(study: Study, row: Quantity) -> Extreme | None:
+    """Largest without regard to its sign; None of an angle that goes round."""
     found = extremes_of(study, row.stage).get(row.name)
-    if found is None:
-        return Extreme(0.0, float(study.theta[0]))
-    return max((found.low, found.high), key=lambda each: abs(each.value))
+    return None if found is None else max((found.low, found.high), key=lambda each: abs(each.value))
 
 
 def _standing(at_theta: Callable[[np.ndarray], S], values: Callable[[S], np.ndarray], theta: float, value: float) -> S:
@@ -176,11 +178,13 @@ def _standing(at_theta: Callable[[np.ndarray], S], values: Callable[[S], np.ndar
     return min(sides, key=lambda side: abs(first(values(side)) - value))
 
 
-def _why_infinite(study: Study, name: str) -> str:
+def _why_infinite(study: Study, row: Quantity) -> str:
     """Why a quantity grows without limit towards an angle."""
-    if "instant_centre" in name:
+    if row.stage == "dynamics" and study.jam is not None:
+        return "friction jams there"
+    if "instant_centre" in row.name:
         return "the follower turns as fast as the cam there, and their instant centre is infinitely far away"
-    if "curvature" in name:
+    if "curvature" in row.name:
         return "the curve has a cusp there, where its radius of curvature passes through 0"
     ranges = study.driver_ranges.ranges if study.by_crank else ()
     joints = sorted({joint for each in ranges for joint in (each.low_joint, each.high_joint) if joint})

@@ -203,7 +203,10 @@ def _of_drive(study: Study, _: str) -> Working:
                    letter("ω_d", "angular velocity of the driver", driver, "rad_s", LINKAGE)]  # fmt: skip
     else:
         parts = ["F_d v_d"]
-        letters = [other(study, "driver_force", "F_d"), letter("v_d", "velocity of the driver", driver, "mm_s", LINKAGE)]
+        letters = [
+            other(study, "driver_force", "F_d"),
+            letter("v_d", "velocity of the driver", driver, "mm_s", LINKAGE),
+        ]
     for i, dyad in enumerate((each for each in linkage.dyads if each.by_motion), 1):
         body, on = (linkage.bodies[name].turn[1] for name in (dyad.bodies[0], dyad.on))
         link = link_number(dyad.bodies[0])
