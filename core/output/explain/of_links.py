@@ -113,8 +113,13 @@ def _point_speed(study: Study, point: str) -> Working:
 
 
 def _transmission(study: Study, joint: str) -> Working:
-    sine = float(np.minimum(np.atleast_1d(study.linkage.singular[joint])[0], 1.0))
-    return Working(("μ = arcsin c",), (letter("c", "|c₁ × c₂|/(|c₁||c₂|) of the two links there", sine, "", LINKAGE),))
+    sine = first(study.linkage.singular[joint])
+    cosine = first(np.cos(study.linkage.transmission[joint]))
+    return Working(
+        ("μ = atan2(s, c)",),
+        (letter("s", "|c₁ × c₂|/(|c₁||c₂|) of the two links there", sine, "", LINKAGE),
+         letter("c", "|c₁ · c₂|/(|c₁||c₂|)", cosine, "", LINKAGE)),
+    )  # fmt: skip
 
 
 def _masses(study: Study, bodies: Iterable[str]) -> list[tuple[str, float, float, float, float]]:
