@@ -1,8 +1,10 @@
 """Where a number comes from: each equation that is shown, worked out with the letters that are shown, gives the value that is shown."""
 
+import csv
 import json
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -14,10 +16,11 @@ from random_linkages import DRIVES, random_linkage
 from sampled import spread, stressed
 
 from core.__main__ import main
-from core.design import put
+from core.design import Balancer, put
 from core.output.channels import channels, existing
 from core.output.explain import Explanation, as_text, explainable, explained
 from core.output.explain.subjects import number_of_finding, number_of_residual
+from core.output.export import files
 from core.output.report.formula import mathml
 from core.output.summary import summary
 from core.project import load, loads
@@ -217,6 +220,21 @@ def test_the_torque_of_a_shaft_is_the_sum_of_its_drives() -> None:
         "Torque of the shaft",
         "Torque of Lift",
     ]
+
+
+@pytest.mark.parametrize("wheel", [200.0, stressed(0.0)])
+def test_every_column_of_a_shaft_is_explained(wheel: float) -> None:
+    """Motor and speed as shaft.csv has them, with and without a flywheel; the balance cam too."""
+    unit = load(EXAMPLES / "transfer_unit.toml")
+    balancer = Balancer(spring_rate_n_per_mm=20.0, preload_n=20000.0, base_radius_mm=250.0, roller_radius_mm=60.0)
+    design = replace(unit, drives=unit.drives[1:3], timing=(), balancer=balancer, assumed=())
+    study = Study(put(design, "shaft.flywheel_inertia_kg_m2", wheel))
+    header, _, *rows = csv.reader(files(study)["shaft.csv"].splitlines())
+    for name, cell in zip(header[1:], rows[36][1:], strict=True):
+        made = explained(study, name, float(rows[36][0]))
+        check(made, abs(float(cell)))
+        assert made.value == pytest.approx(float(cell), rel=1e-9, abs=1e-9)
+        check(explained(study, name), abs(float(cell)))
 
 
 def test_the_largest_torque_leads_to_what_was_typed() -> None:
