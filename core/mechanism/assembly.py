@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from types import MappingProxyType
 
 import numpy as np
@@ -65,6 +65,7 @@ def solve_mechanism(mechanism: Mechanism, motion: MotionState, driver_ranges: Dr
         residual=lambda: spread(_residual(plan, solved), n),
         condition=lambda: spread(condition(plan, solved), n),
         singular=lambda: _singular(mechanism, solved, n),
+        transmission=lambda: {joint: spread(dyad.transmission, n) for joint, dyad in _dyads(mechanism, solved)},
         carrier=carrier,
         sense=mechanism.sense,
         driver_on=mechanism.bodies.get(on, FRAME),
@@ -251,13 +252,16 @@ def _residual(plan: SolutionPlan, solved: Solved) -> np.ndarray:
     return worst / plan.size
 
 
+def _dyads(mechanism: Mechanism, solved: Solved) -> Iterator[tuple[str, DyadSolution]]:
+    """Each dyad by its joint."""
+    for (step, _), result in zip(mechanism.plan.steps, solved.steps, strict=True):
+        if isinstance(result, DyadSolution):
+            yield step.joint, result
+
+
 def _singular(mechanism: Mechanism, solved: Solved, n: int) -> Mapping[str, np.ndarray]:
     """What must not vanish: the sine of each dyad's transmission angle, and what the mechanism adds."""
-    found = {
-        mechanism.singular.get(step.joint, step.joint): result.sine
-        for (step, _), result in zip(mechanism.plan.steps, solved.steps, strict=True)
-        if isinstance(result, DyadSolution)
-    }
+    found = {mechanism.singular.get(joint, joint): dyad.sine for joint, dyad in _dyads(mechanism, solved)}
     if mechanism.more_singular is not None:
         found |= mechanism.more_singular(solved)
     return {code: spread(value, n) for code, value in found.items()}
