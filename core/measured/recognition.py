@@ -34,8 +34,8 @@ HOPELESS = 25.0  # times the χ² that is refined: from another start no law com
 WELL = 10.0  # of χ²: a law that fits worse by no more fits as well
 MOST_TRIED, MOST_COMPARED, MOST_REFINED = 150, 2000, 20_000
 """Rows of a stroke that laws are tried on, that those near enough are fitted to, and that the one taken is refined on."""
-TRIED, TRIED_EXACT = (4.0, 4.0), (1e12, 1e6)
-"""χ² a row, by its estimate and by the rows that it is tried on, up to which a law may be the one: of rows with errors, and of exact ones."""
+TRIED = 4.0  # χ² a row of a law that may be taken once it is refined
+ESTIMATED, SOLVED = 1e-4, 1e-7  # of a rise: what an estimate, and a fit to few rows, may be off besides the errors
 STARTS = 2  # estimates of a family that it is fitted from
 APART = 0.05  # of a rise, that the level of a reversal may be off its row
 ALIKE = 5e-4  # of a rise: what is nearer to a law than that is no other curve
@@ -299,7 +299,8 @@ class StrokeFit:
         columns = np.stack([slope, slope * u, *(np.broadcast_to(-by, u.shape) for by in opened)], axis=1)
         right = (slope * (x - x[0]))[:, :, None]
         square = columns @ columns.swapaxes(1, 2)
-        square += 1e-13 * np.trace(square, axis1=1, axis2=2)[:, None, None] * np.eye(square.shape[1])
+        ridge = np.diag([1e-13, 1e-13, *(1e-9 for _ in opened)])  # a straight line does not tell where it ends
+        square += np.trace(square, axis1=1, axis2=2)[:, None, None] * ridge
         found = np.linalg.solve(square, columns @ right)
         left = ((right - columns.swapaxes(1, 2) @ found) ** 2).sum(axis=(1, 2))
         made = []
@@ -577,8 +578,8 @@ def _best(
 ) -> tuple[np.ndarray, np.ndarray] | None:
     """The best answer of a candidate; None where it is far off by an estimate, or on the few rows that it is tried on, unless it is wanted
     anyway."""
-    exact, count = fit.at.rows.exact, min(fit.bounds[0].size, MOST_TRIED)
-    estimated, most = (np.inf,) * 2 if anyway else tuple(each * count for each in (TRIED_EXACT if exact else TRIED))
+    count, fineness = min(fit.bounds[0].size, MOST_TRIED), abs(levels[1] - levels[0]) / fit.at.rows.errors[0]
+    estimated, most = (np.inf if anyway else (TRIED + (off * fineness) ** 2) * count for off in (ESTIMATED, SOLVED))
     estimates = fit.estimates(candidate, levels)
     if not estimates or (not candidate.open and estimates[0][0] > estimated):
         return None
@@ -591,7 +592,7 @@ def _best(
     chi2, start = min(tried)
     if chi2 > most:
         return None
-    p, _, spread, _ = fit.solve([candidate], start, MOST_COMPARED, 60, 1e-15 if exact else CLOSE)
+    p, _, spread, _ = fit.solve([candidate], start, MOST_COMPARED, 60, 1e-15 if fit.at.rows.exact else CLOSE)
     return p, spread
 
 

@@ -28,6 +28,7 @@ LONGEST_CREST = 60.0  # degrees
 SHOWN = 0.02  # of the largest acceleration: what jumps by less at a dwell is the truncation of its rows
 JUMP = 8.0  # times what is usual: by how much velocities change more than their accelerations say where one jumps
 LEVEL = 10.0  # errors that the ends of a stretch may stand apart that is made a dwell
+FAR_ERRORS, FAR_SHARE = 10.0, 1e-3  # errors, share of the stroke: the larger is what a row may be off its law or table
 TABLE, DWELL = "table", "dwell"
 MOST_FITTED = 600  # rows, or means of as many, that tell where a dwell is left
 ONSET = 60.0  # errors, up to which the rows beside a dwell tell where it is left
@@ -71,7 +72,7 @@ class Structure:
 @frozen(eq=False)
 class _Part:
     """A stretch in order: [start, end] deg counted on, levels at both ends; what it is. bends: the acceleration jumps where the dwell
-    before it, or behind it, is left."""
+    before it, or behind it, is left. number: of the stroke that is a law."""
 
     start: float
     end: float
@@ -81,6 +82,7 @@ class _Part:
     dwells: bool = False
     ambiguous: tuple[str, ...] = ()
     bends: tuple[bool, bool] = (False, False)
+    number: int = -1
 
 
 Switches = Sequence[tuple[float, str]]
@@ -120,10 +122,32 @@ def structured(
         return None
     found, strokes = _from_a_rest(at, found, strokes)
     strokes = _switched_strokes(at, found, strokes, switches)
-    parts = _joined_tables(_switched_parts(_parts(at, found, strokes), switches, rows.errors[0], unit))
-    if len(parts) == 1 and not parts[0].dwells and parts[0].stroke is None:
-        return None
-    return _Assembly(at, parts, unit).structure()
+    while True:
+        parts = _joined_tables(_switched_parts(_parts(at, found, strokes), switches, rows.errors[0], unit))
+        if len(parts) == 1 and not parts[0].dwells and parts[0].stroke is None:
+            return None
+        result = _Assembly(at, parts, unit).structure()
+        wrong = set() if switches else _far_laws(at, parts, result.motion)
+        if not wrong:
+            return result
+        strokes = [(None, ()) if k in wrong else each for k, each in enumerate(strokes)]
+
+
+def far(error: float, stroke: float) -> float:
+    """What a row may be off a law or a table, at most."""
+    return max(FAR_ERRORS * error, FAR_SHARE * stroke)
+
+
+def _far_laws(at: Turned, parts: list[_Part], motion: Motion) -> set[int]:
+    """The strokes, by number, whose law is far off a row."""
+    x, y, compiled = at.rows.x, at.rows.values[0], program(motion)
+    off = np.abs(y - compiled.state(compiled.angles(np.deg2rad(x))).displacement[0] / motion.scale)
+    wrong = x[off > far(at.rows.errors[0], float(np.ptp(y)))]
+    return {
+        part.number
+        for part in parts
+        if part.stroke is not None and np.any(np.mod(wrong - part.start, 360.0) <= part.end - part.start)
+    }
 
 
 # -- what the user makes of them --------------------------------------------------------------------------
@@ -319,7 +343,7 @@ def _parts(at: Turned, found: list[Rest], strokes: list[_Recognised]) -> list[_P
         if dwell is not None and rest.level is not None:
             parts.append(_Part(*dwell, rest.level, rest.level, dwells=True))
         if stroke is not None:
-            parts.append(_Part(stroke.start, stroke.end, stroke.low, stroke.high, stroke))
+            parts.append(_Part(stroke.start, stroke.end, stroke.low, stroke.high, stroke, number=k))
             continue
         after = laws[(k + 1) % len(laws)]
         y = at.values[0]
@@ -680,6 +704,7 @@ __all__ = [
     "SwitchError",
     "Switches",
     "difference",
+    "far",
     "structured",
     "switchable",
 ]
