@@ -206,7 +206,7 @@ def fit(
         made, offset = _nearer(turn, errors[table.layout.quantity], out, made, offset)
     motion = made.motion
     if not table.layout.order and not switches:
-        _require_near(table, motion, _at_least_rounding(table, errors[table.layout.quantity]), {*out, *doubtful})
+        _require_near(table, motion, _at_least_rounding(table, errors[table.layout.quantity]), out, doubtful)
     compiled = program(motion)
     ends = compiled.state(Angles(compiled.starts, np.arange(compiled.starts.size))).displacement[0] / motion.scale
     low, high = float(ends.min()), float(ends.max())
@@ -253,13 +253,15 @@ def _at_least_rounding(table: MeasuredTable, error: float) -> float:
     return max(error, 10.0**-table.decimals / sqrt(12.0)) * abs(table.size)
 
 
-def _require_near(table: MeasuredTable, motion: Motion, error: float, spoiled: Collection[int]) -> None:
-    """Raises FitError where a row, but those that are spoiled, is far off the motion. error: of a value [as ``table.values``]."""
-    x, y = _means(table, tuple(spoiled))
-    if not x.size:
-        return
-    off, allowed = np.abs(y - _measured(motion, 0, x)), far(error, float(np.ptp(y)))
-    worst = int(np.argmax(off))
+def _require_near(
+    table: MeasuredTable, motion: Motion, error: float, out: tuple[int, ...], spoiled: Collection[int]
+) -> None:
+    """Raises FitError where the rows, but those left out and those at the angle of a spoiled one, are far off the motion. error: of a value
+    [as ``table.values``]."""
+    x, y = _means(table, out)
+    right = ~np.isin(x, table.angles[list(spoiled)])
+    off = np.abs(y - _measured(motion, 0, x)) * right
+    worst, allowed = int(np.argmax(off)), far(error, float(np.ptp(y[right] if right.any() else y)))
     if off[worst] > allowed:
         size, bound = (f"{value / abs(table.size):.4g} {table.unit}" for value in (off[worst], allowed))
         raise FitError(

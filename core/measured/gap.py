@@ -48,20 +48,30 @@ def gaps(table: MeasuredTable, error: float) -> list[Gap]:
     wide = step > max(LEAST, MISSING * usual)
     first, last = int(place[0]), int(place[-1])
     if (first - last) % n != 1:  # the angles fall, or the rows are in another order
-        first, last = (last, first) if (last - first) % n == 1 else ((int(np.argmax(step)) + 1) % n, int(np.argmax(step)))
+        first, last = (
+            (last, first) if (last - first) % n == 1 else ((int(np.argmax(step)) + 1) % n, int(np.argmax(step)))
+        )
     wide[last] = step[last] > WIDE * usual + SAME
     level = _is_level(step, y, wide, error)
-    if wide[last] and not level[last] and step[last] > WIDE * np.delete(step, [last, *np.flatnonzero(level)]).max() + SAME:
+    if (
+        wide[last]
+        and not level[last]
+        and step[last] > WIDE * np.delete(step, [last, *np.flatnonzero(level)]).max() + SAME
+    ):
         apart, allowed = abs(float(y[first] - y[last])), EQUAL * sqrt(2.0) * error
         differ = f"differ by {apart / abs(table.size):.6g} {table.unit}" if apart > allowed else "are not level"
         raise FitError(
-            f"{table.named([int(np.flatnonzero(place == i)[0]) for i in (last, first)])}: no rows from {x[last]:.6g} to {x[first]:.6g} deg, "
+            f"{table.named([int(np.flatnonzero(place == i)[0]) for i in (last, first)])}: no rows from {x[last]:.6g} to {x[first] or 360.0:.6g} deg, "
             f"and the rows at both ends {differ}; add the rows of the whole turn, or reflect half a lobe in the row of its peak: --mirror"
         )
     if level.any() and table.layout.order:
         _require_return(np.roll(x, -first), np.roll(y, -first), table.layout.order)
     return [
-        Gap(float(x[i]), float(x[i] + step[i]), shortest(0.5 * float(y[i] + y[(i + 1) % n]), error) if level[i] else None)
+        Gap(
+            float(x[i]),
+            float(x[i] + step[i]),
+            shortest(0.5 * float(y[i] + y[(i + 1) % n]), error) if level[i] else None,
+        )
         for i in np.flatnonzero(wide).tolist()
     ]
 
@@ -106,9 +116,7 @@ def filled(table: MeasuredTable, found: list[Gap]) -> MeasuredTable:
         lines=np.append(table.lines, np.zeros(angles.size, dtype=int)),
         angles=np.append(table.angles, angles),
         values=np.append(table.values, level),
-        beside=tuple(
-            replace(each, values=np.append(each.values, np.zeros(angles.size))) for each in table.beside
-        ),
+        beside=tuple(replace(each, values=np.append(each.values, np.zeros(angles.size))) for each in table.beside),
     )
 
 
@@ -124,7 +132,9 @@ def mirrored(table: MeasuredTable) -> MeasuredTable:
     if table.layout.order:
         raise refuse(f"a table of {table.layout.quantity}; wanted: displacements over half a lobe")
     x, place = distinct(table.angles)
-    error = max(scatter(x, np.bincount(place, table.values) / np.bincount(place)), abs(table.size) * 10.0**-table.decimals)
+    error = max(
+        scatter(x, np.bincount(place, table.values) / np.bincount(place)), abs(table.size) * 10.0**-table.decimals
+    )
     y, last = table.values, table.angles.size - 1
     peak = max((0, last), key=lambda row: float(y[row]))
     if float(y[peak]) < float(y.max()) - EQUAL * error:
@@ -133,7 +143,13 @@ def mirrored(table: MeasuredTable) -> MeasuredTable:
             "or to its peak"
         )
     away = np.mod(table.angles - table.angles[peak] + 180.0, 360.0) - 180.0
-    if min(away.max(initial=0.0, where=np.abs(away) < 180.0 - SAME), -away.min(initial=0.0, where=np.abs(away) < 180.0 - SAME)) > SAME:
+    if (
+        min(
+            away.max(initial=0.0, where=np.abs(away) < 180.0 - SAME),
+            -away.min(initial=0.0, where=np.abs(away) < 180.0 - SAME),
+        )
+        > SAME
+    ):
         raise refuse("the rows cover more than half a turn of the cam; wanted: half a lobe, from or to its peak")
     reflected = np.flatnonzero((np.abs(away) > SAME) & (np.abs(away) < 180.0 - SAME))[::-1]
     order, signs = np.append(np.arange(last + 1), reflected), np.repeat([1.0, -1.0], [last + 1, reflected.size])

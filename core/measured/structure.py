@@ -13,7 +13,7 @@ from core.design import Motion, Segment, SplinePoint, TableCurve, join_angles
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.laws.polynomial import quintics
-from core.measured.recognition import WELL, Stroke, joined, recognise, tiers
+from core.measured.recognition import FAR, WELL, Stroke, joined, recognise, tiers
 from core.measured.rows import TurnRows
 from core.measured.smoothing import End, smooth
 from core.measured.strokes import LEAST_STEPS, Rest, Turned, rests, turned
@@ -31,6 +31,13 @@ LEVEL = 10.0  # errors that the ends of a stretch may stand apart that is made a
 FAR_ERRORS, FAR_SHARE = 10.0, 1e-3  # errors, share of the stroke: the larger is what a row may be off its law or table
 TABLE, DWELL = "table", "dwell"
 MOST_FITTED = 600  # rows, or means of as many, that tell where a dwell is left
+FINE = 1e-6  # of the largest value: rows with smaller errors are met within two of their last digit
+LEFT_BY = (
+    1e-2,
+    1e-3,
+    1e-4,
+    0.0,
+)  # of the largest value, up to which rows beside a dwell tell where it is left, at least ``ONSET``
 ONSET = 60.0  # errors, up to which the rows beside a dwell tell where it is left
 
 
@@ -384,22 +391,41 @@ def _at_zero(stroke: Stroke) -> Stroke:
 
 def onset(at: Turned, rest: Rest, behind: bool, gap: int) -> tuple[float, bool]:
     """Where a dwell is left, behind it or before it [deg], and whether with a jump of acceleration: of c |θ - θ₀|ᵖ, p = 3, 4 or 2, the one
-    that fits the rows beside the dwell best; 2 only where the others do clearly worse. Exact rows tell it themselves. gap: rows to the next
-    rest, of which half are looked at."""
+    that fits the rows beside the dwell best; 2 only where the others do clearly worse. No later than the first row that has left its level.
+    Exact rows tell it themselves. gap: rows to the next rest, of which half are looked at."""
     edge, n = (rest.last if behind else rest.first), at.count
     if at.rows.exact:
         return _angle(at, edge), False
-    sign, error, y = (1 if behind else -1), at.rows.errors[0], at.values[0]
-    height = at.rows.sizes[0]
-    level, most = float(rest.level or 0.0), min(n // 4, max(gap // 2, 1))
-    away = np.abs(y[(edge + sign * np.arange(most)) % n] - level) >= max(ONSET * error, 0.01 * height)
-    reach = int(np.argmax(away)) if away.any() else most
+    sign, error, height = (1 if behind else -1), at.rows.errors[0], at.rows.sizes[0]
+    most = min(n // 4, max(gap // 2, 1))
+    away = np.abs(at.values[0][(edge + sign * np.arange(most)) % n] - float(rest.level or 0.0))
+    fine = error <= FINE * height
+    for share in LEFT_BY if fine else LEFT_BY[:1]:  # as far as one power follows rows that are known so well
+        left = away >= max(ONSET * error, share * height)
+        beyond, bends, explained = _onset(at, rest, behind, int(np.argmax(left)) if left.any() else most)
+        if explained:
+            break
+    gone = np.flatnonzero(away > FAR * error)  # from the first of these rows on nothing is level
+    if gone.size:
+        level, moving = (abs(_angle(at, edge + sign * k) - _angle(at, edge)) for k in (int(gone[0]) - 1, int(gone[0])))
+        if beyond >= moving or (fine and not explained):
+            beyond, bends = level, False
+    angle = _angle(at, edge) + sign * beyond
+    zero = 360.0 * round(angle / 360.0)
+    return zero if abs(angle - zero) < 0.5 * 360.0 / n else angle, bends  # not so near beside cam angle 0
+
+
+def _onset(at: Turned, rest: Rest, behind: bool, reach: int) -> tuple[float, bool, bool]:
+    """How far from its last row [deg] a dwell is left, by so many rows beyond it; whether the acceleration jumps there, and whether the
+    rows agree with that."""
+    sign, edge, n = (1, rest.last, at.count) if behind else (-1, rest.first, at.count)
     inside = min((rest.last - rest.first) // 2, 2 * reach + LEAST_STEPS)
     numbers = edge + sign * np.arange(-inside, reach + 1)
     together = -(-numbers.size // MOST_FITTED)  # rows that count as one, their mean
     numbers = numbers[: numbers.size // together * together]
     x = sign * (at.x[numbers % n] + 360.0 * (numbers // n) - _angle(at, edge)).reshape(-1, together).mean(axis=1)
-    off = sqrt(together) * ((y[numbers % n] - level) / error).reshape(-1, together).mean(axis=1)
+    off = (at.values[0][numbers % n] - float(rest.level or 0.0)) / at.rows.errors[0]
+    off = sqrt(together) * off.reshape(-1, together).mean(axis=1)
     best: dict[int, tuple[float, float]] = {}
     for power in (3, 4, 2):
         tried = np.linspace(x[0], x[-2], 241)
@@ -410,9 +436,8 @@ def onset(at: Turned, rest: Rest, behind: bool, gap: int) -> tuple[float, bool]:
         best[power] = float(left[k]), float(tried[k])
     smooth_power = min((3, 4), key=lambda power: best[power][0])
     bends = best[2][0] < best[smooth_power][0] - 2.0 * WELL
-    angle = _angle(at, edge) + sign * best[2 if bends else smooth_power][1]
-    zero = 360.0 * round(angle / 360.0)
-    return zero if abs(angle - zero) < 0.5 * 360.0 / n else angle, bends  # not so near beside cam angle 0
+    left_over, beyond = best[2 if bends else smooth_power]
+    return beyond, bends, left_over <= off.size + 5.0 * sqrt(2.0 * off.size)
 
 
 def _angle(at: Turned, row: int) -> float:
