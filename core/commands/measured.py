@@ -25,6 +25,7 @@ from core.measured import (
     into_design,
     is_workbook,
     layout,
+    mirrored,
     read_sheet,
     read_table,
     read_workbook,
@@ -131,6 +132,7 @@ class Arguments:
         metavar="DEG=KIND,...",
     )
     keep_all: bool = flag("All rows", help="fit wrong rows, too, and rows that contradict each other")
+    mirror: bool = flag("Mirror", help="the rows are half a lobe, which is reflected in the row of its largest lift")
     controller: str = typed(
         "the table is of this controller, a row of the table of controllers, and read exactly",
         default="",
@@ -185,7 +187,7 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
         return _segment(arguments, sheet, whole, which)
     table = read_table(sheet, layout(sheet, arguments.columns, unit, speed), speed, arguments.leave_out)
     fitted = fit(
-        table,
+        mirrored(table) if arguments.mirror else table,
         arguments.error,
         arguments.lowest,
         arguments.keep_all,

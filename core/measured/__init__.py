@@ -1,7 +1,8 @@
 """Motions from measured tables: reading them, finding their wrong rows, fitting them within their measuring error."""
 
 from core.measured.columns import ALL_DETECTED, ColumnChoice, ColumnLayout, layout
-from core.measured.fitting import ColumnFit, Contradiction, Errors, FitError, MotionFit, fit, guess_error, into_design
+from core.measured.fitting import ColumnFit, Contradiction, Errors, MotionFit, fit, guess_error, into_design
+from core.measured.gap import FitError, Gap, mirrored
 from core.measured.load_table import as_text, load_points
 from core.measured.outliers import Outliers, outliers
 from core.measured.sheet import DECIMALS, DELIMITERS, MOST_BYTES, RowFault, TableError, Worksheet, read_sheet
@@ -27,6 +28,7 @@ __all__ = [
     "FitError",
     "FoundJump",
     "FoundSegment",
+    "Gap",
     "MeasuredColumn",
     "MeasuredTable",
     "MotionFit",
@@ -43,6 +45,7 @@ __all__ = [
     "is_workbook",
     "layout",
     "load_points",
+    "mirrored",
     "outliers",
     "read_sheet",
     "read_table",

@@ -306,14 +306,6 @@ def distinct(angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return ordered[new], place
 
 
-def gaps(angles: np.ndarray) -> list[tuple[float, float]]:
-    """Stretches (from, to) [deg] without a row: wider than 10 deg and thrice the usual distance; the last may pass 360."""
-    apart, _ = distinct(angles)
-    width = np.diff(np.append(apart, apart[0] + 360.0))
-    wide = width > max(10.0, 3.0 * float(np.median(width)))
-    return [(float(apart[i]), float(apart[i] + width[i])) for i in np.flatnonzero(wide)]
-
-
 def _notes(lines: np.ndarray, turned: np.ndarray, angles: np.ndarray, closing: tuple[int, int] | None) -> Iterator[str]:
     """Sentences on the rows as a whole; turned: the angles before they are laid into one turn [deg]."""
     steps = np.diff(turned)
@@ -335,8 +327,6 @@ def _notes(lines: np.ndarray, turned: np.ndarray, angles: np.ndarray, closing: t
         rows = lines[place == int(np.bincount(others).argmax())]
         where = ", ".join(map(str, rows[:4]))
         yield f"{again} {'row repeats' if again == 1 else 'rows repeat'} a cam angle (as lines {where}): their mean counts"
-    for start, end in gaps(angles):
-        yield f"no rows from {start:.6g} to {np.mod(end, 360.0) or 360.0:.6g} deg; the spline bridges the gap"
 
 
 def _closing(turned: np.ndarray, angles: np.ndarray) -> tuple[int, int] | None:
