@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from typing import Any
 from xml.parsers import expat
 
+from core.bounds import NESTING, bounded_float
 from core.linkage_programs.sketch import GROUND, PIN, SLIDING_PIN, LeftOut, Sketch, SketchJoint, refused
 
 _SOURCE = "file"
@@ -33,12 +34,10 @@ class _Element:
     def number(self, key: str, usual: float) -> float:
         text = self[key]
         try:
-            value = float(text) if text else usual
+            return bounded_float(text) if text else usual
         except ValueError:
-            value = math.nan
-        if not math.isfinite(value):
-            raise refused(_SOURCE, f"{self.name} {self['id']}: {key} = {text!r} is no number", "a number")
-        return value
+            where = f"{self.name} {self['id'][:20]}"
+            raise refused(_SOURCE, f"{where}: {key} = {text[:40]!r} is no number", "a number") from None
 
 
 def _parsed(text: str) -> _Element:
@@ -49,6 +48,8 @@ def _parsed(text: str) -> _Element:
         raise refused(_SOURCE, "it has a DOCTYPE", "a file as Linkage writes it, without one")
 
     def start(name: str, attributes: dict[str, str]) -> None:
+        if len(stack) > NESTING:
+            raise refused(_SOURCE, "nested too deeply", f"at most {NESTING} elements in each other")
         element = _Element(name, attributes)
         stack[-1].children.append(element)
         stack.append(element)
@@ -58,7 +59,7 @@ def _parsed(text: str) -> _Element:
     parser.EndElementHandler = lambda _: stack.pop()
     try:
         parser.Parse(text, True)
-    except expat.ExpatError as error:
+    except (expat.ExpatError, ValueError) as error:  # a text that is no UTF-8
         raise refused(_SOURCE, f"no XML: {error}", "a .linkage2 file") from None
     return stack[0].children[0]
 

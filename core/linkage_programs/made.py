@@ -66,6 +66,8 @@ def made(sketch: Sketch, name: str, unit: str = "", mirror: bool = False, inputs
     for key, sets in (("linkage.links", links), ("linkage.joints", sketch.joints)):
         if over := count_fault(key, len(sets)):
             raise DesignError([over])
+    left += [LeftOut(f"joint {joint.name}", "it is on no link") for joint in sketch.joints if not joint.links]
+    sketch = replace(sketch, joints=tuple(joint for joint in sketch.joints if joint.links))
     joints = _joints(sketch, UNITS[unit or sketch.unit or "mm"], mirror)
     names = _names(joints)
     merged = _merged(joints, sketch.welded)
