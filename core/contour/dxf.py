@@ -132,7 +132,7 @@ def _is_hidden(layer: Entity) -> bool:
 def _blocks(codes: Sequence[int], texts: Sequence[str]) -> Iterator[tuple[str, int, int]]:
     """What group code 0 names, and from where to where its tags go."""
     begins = [i for i, code in enumerate(codes[: len(texts)]) if code == 0]
-    for begin, end in zip(begins, [*begins[1:], len(texts)], strict=True):
+    for begin, end in pairwise([*begins, len(texts)]):
         yield texts[begin].strip().upper(), begin + 1, end
 
 

@@ -1,8 +1,8 @@
 """Reads a sheet of a workbook in a process of its own, whose memory and time are limited: a few bytes of a workbook can ask for any amount
 of either. Run as a file: imports nothing but the library that reads workbooks.
 
-Standard input: the workbook. Arguments: bytes of memory, seconds, rows, columns and cells at most, ``sheet`` or ``names``, name of the sheet.
-Standard output: a line of JSON, ``{"names": [...]}`` or ``{"fault": "..."}``; behind it the sheet's rows, cells parted by tabs.
+Standard input: the workbook. Arguments: bytes of memory, seconds, rows, columns and cells at most, ``sheet`` or ``names``, name of the
+sheet. Standard output: a line of JSON, ``{"names": [...]}`` or ``{"fault": "..."}``; behind it the sheet's rows, cells parted by tabs.
 """
 
 import json
@@ -19,9 +19,10 @@ def main() -> None:
     except ImportError:  # not on Windows
         pass
     else:
-        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-        resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
-        resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
+        for kind, most in ((resource.RLIMIT_CORE, 0), (resource.RLIMIT_AS, memory), (resource.RLIMIT_CPU, seconds)):
+            _, hard = resource.getrlimit(kind)
+            limit = most if hard == resource.RLIM_INFINITY else min(most, hard)
+            resource.setrlimit(kind, (limit, limit))
     data = sys.stdin.buffer.read()
     write = sys.stdout.buffer.write
     try:

@@ -123,7 +123,12 @@ def _has_places(text: Any, known: frozenset[str]) -> bool:
 
 _TEXT = (_is_text, f"text of at most {LONGEST} characters")
 _FLAG = (lambda value: isinstance(value, bool), "true | false")
-_PLACES = (lambda value: _has_places(value, _OF_TABLE), "text with no other places than {" + "} {".join(sorted(_OF_TABLE)) + "}; {{ and }} for braces")
+
+
+def _with_places(known: frozenset[str]) -> tuple[Callable[[Any], bool], str]:
+    names_of = "} {".join(sorted(known))
+    return lambda value: _has_places(value, known), f"text with no other places than {{{names_of}}}; {{{{ and }}}} for braces"
+
 
 
 def _one_of(*words: str) -> tuple[Callable[[Any], bool], str]:
