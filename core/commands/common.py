@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from core.bounds import number_from_one
 from core.commands import DONE, DONE_WITH_ERRORS, Drawn, Painter
 from core.design import BALANCER, Design, in_machine, path_in
 from core.design.fields import whole
@@ -45,7 +46,7 @@ def picture_size(least: int, most: int) -> Callable[[str], tuple[int, int]]:
 
     def read(text: str) -> tuple[int, int]:
         sides = text.replace("×", "x").split("x")
-        if len(sides) != 2 or not all(side.isdecimal() and least <= int(side) <= most for side in sides):
+        if len(sides) != 2 or not all(number_from_one(side, most) >= least for side in sides):
             allowed = f"WIDTHxHEIGHT, each {least} ... {most} pixels, such as 1440x900"
             raise argparse.ArgumentTypeError(f"{text!r}: size of a picture; allowed: {allowed}")
         return int(sides[0]), int(sides[1])

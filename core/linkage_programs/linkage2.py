@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from typing import Any
 from xml.parsers import expat
 
+from core.bounds import NESTING, bounded_float
 from core.linkage_programs.sketch import (
     GROUND,
     PIXEL,
@@ -28,7 +29,7 @@ _RPM = 15.0  # and strokes a minute, where the file has none
 _DEG_PER_REVOLUTION = 360.0
 _MECHANISM = ~0xF  # bits of a layer; without a layer it is the mechanism
 _LEAST_ARC = 0.0009  # of a curved slot: by so much its radius exceeds half the distance of its ends
-_LINKS, _NESTING, _RATIO = 1000, 64, 1e6  # at most
+_LINKS, _RATIO = 1000, 1e6  # at most
 _JOINED = re.compile(r'(="[^"]*")(?=\w)')  # attributes without a blank between them, as older versions write them
 _AMPERSAND = re.compile(r"&(?!#?\w{1,31};)")  # names are written as typed
 
@@ -56,12 +57,10 @@ class _Element:
     def number(self, key: str, usual: float) -> float:
         text = self[key]
         try:
-            value = float(text) if text else usual
+            return bounded_float(text) if text else usual
         except ValueError:
-            value = math.nan
-        if not math.isfinite(value):
-            raise refused(_SOURCE, f"{self.name} {self['id']}: {key} = {text!r} is no number", "a number")
-        return value
+            where = f"{self.name} {self['id'][:20]}"
+            raise refused(_SOURCE, f"{where}: {key} = {text[:40]!r} is no number", "a number") from None
 
 
 def _parsed(text: str) -> _Element:
@@ -72,8 +71,8 @@ def _parsed(text: str) -> _Element:
         raise refused(_SOURCE, "it has a DOCTYPE", "a file as Linkage writes it, without one")
 
     def start(name: str, attributes: dict[str, str]) -> None:
-        if len(stack) > _NESTING:
-            raise refused(_SOURCE, "its elements are nested too deep", f"at most {_NESTING} levels")
+        if len(stack) > NESTING:
+            raise refused(_SOURCE, "its elements are nested too deep", f"at most {NESTING} levels")
         element = _Element(name, attributes)
         stack[-1].children.append(element)
         stack.append(element)
@@ -83,7 +82,7 @@ def _parsed(text: str) -> _Element:
     parser.EndElementHandler = lambda _: stack.pop()
     try:
         parser.Parse(_AMPERSAND.sub("&amp;", _JOINED.sub(r"\1 ", text)), True)
-    except expat.ExpatError as error:
+    except (expat.ExpatError, ValueError) as error:  # a text that is no UTF-8
         raise refused(_SOURCE, f"no XML: {error}", "a .linkage2 file") from None
     return stack[0].children[0]
 

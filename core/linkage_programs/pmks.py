@@ -31,6 +31,8 @@ _MASSES = (("lb and lb in²", _POUND, _POUND * _INCH**2), ("g and kg cm²", 1e-3
 """Of mass [kg] and inertia [kg m²], in the order of ``_UNITS``: the program has one system for all."""
 _FORCES = (4.4482216152605, 1.0)  # N: of pounds, of newtons
 _LOCAL, _OUTWARD = 1, 2
+_LONGEST = 20  # characters of a number: the program writes whole numbers of 53 bits
+_MOST_PARTS = 2000
 _CLOCKWISE, _NO_GRAVITY = 0, 8  # numbers of flags
 _SOURCE = "address"
 
@@ -47,6 +49,8 @@ def read(text: str) -> Sketch:
         wanted = _ALPHABET[(len(body) - 1) % _CHECKED]
         raise refused(_SOURCE, f"its checksum is {body[-1]!r}, of its length follows {wanted!r}", "the whole address")
     parts = body[:-1].split(".")
+    if len(parts) > _MOST_PARTS:
+        raise refused(_SOURCE, f"{len(parts)} parts", f"at most {_MOST_PARTS}")
     try:
         flags, _, integers, enums, *rest = parts
         end = rest.index("")
@@ -79,7 +83,9 @@ class _Link:
 
 
 def _whole(text: str) -> int:
-    """A number in base 64; behind a leading 0 negative."""
+    """A number in base 64; behind a leading 0 negative. Raises ValueError for one that no program writes."""
+    if len(text) > _LONGEST:
+        raise ValueError(f"{text[:_LONGEST]!r}... is no number")
     value = 0
     for character in text.removeprefix("0"):
         value = 64 * value + _VALUE[character]

@@ -5,7 +5,7 @@ from core.measured.fitting import ColumnFit, Contradiction, Errors, MotionFit, f
 from core.measured.gap import FitError, Gap, mirrored
 from core.measured.load_table import as_text, load_points
 from core.measured.outliers import Outliers, outliers
-from core.measured.sheet import DECIMALS, DELIMITERS, MOST_BYTES, RowFault, TableError, Worksheet, read_sheet
+from core.measured.sheet import DECIMALS, DELIMITERS, RowFault, TableError, Worksheet, read_sheet
 from core.measured.structure import FoundJump, FoundSegment, SwitchError, Switches, switchable
 from core.measured.table import MeasuredColumn, MeasuredTable, read_table
 from core.measured.units import ANGLE_UNITS, DERIVATIVES, QUANTITIES, TIME_UNITS, value_units
@@ -17,7 +17,6 @@ __all__ = [
     "DECIMALS",
     "DELIMITERS",
     "DERIVATIVES",
-    "MOST_BYTES",
     "QUANTITIES",
     "TIME_UNITS",
     "ColumnChoice",

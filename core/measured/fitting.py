@@ -10,7 +10,7 @@ import numpy as np
 
 from core.design import Design, Motion, Segment, SplineCurve, SplinePoint, require_motion, with_motion
 from core.design.motions import without_marks
-from core.errors import DesignError, Fault, KindynaError
+from core.errors import DesignError, Fault
 from core.frozen import frozen
 from core.laws.polynomial import jerk_rows
 from core.measured.basis import SplineBasis, basis, derivative, distances, natural

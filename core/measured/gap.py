@@ -169,4 +169,4 @@ def mirrored(table: MeasuredTable) -> MeasuredTable:
     )
 
 
-__all__ = ["Gap", "FitError", "filled", "gaps", "mirrored"]
+__all__ = ["FitError", "Gap", "filled", "gaps", "mirrored"]

@@ -12,13 +12,12 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import NoReturn
 
+from core.bounds import BYTES
 from core.errors import FileError
 from core.project.locks import NO_LINK, NO_LOCKS, hold
 
 AnyPath = str | os.PathLike[str]
 Content = bytes | str | Iterator[bytes]
-
-MOST_BYTES = 10_000_000  # no design is larger; a device or a film taken by mistake would fill the memory
 
 _REASONS: Mapping[int, str] = MappingProxyType(
     {
@@ -53,7 +52,7 @@ def inputs_kept() -> Iterator[None]:
         _inputs = before
 
 
-def read_bytes(path: AnyPath, most_bytes: int = MOST_BYTES) -> bytes:
+def read_bytes(path: AnyPath, most_bytes: int = BYTES) -> bytes:
     """What a file holds. Raises FileError where it is missing, no ordinary file, not to be read or too large."""
     with as_file_error(path, "read"):
         status = os.stat(path)
@@ -69,7 +68,7 @@ def read_bytes(path: AnyPath, most_bytes: int = MOST_BYTES) -> bytes:
     return data
 
 
-def read_text(path: AnyPath, most_bytes: int = MOST_BYTES) -> str:
+def read_text(path: AnyPath, most_bytes: int = BYTES) -> str:
     """The text of a UTF-8 file, without its byte order mark.
 
     Raises FileError where it is missing, no ordinary file, not to be read, too large or no UTF-8.

@@ -147,7 +147,7 @@ def _refused(path: str, value: Any, problem: str, allowed: str = "") -> DesignEr
 
 
 def _of_table(origin: Origin, asked: Motion | None, unit: str, folder: str) -> tuple[Motion, list[str]]:
-    from core.measured import MOST_BYTES, ColumnChoice, fit, is_workbook, layout, read_sheet, read_table, read_workbook
+    from core.measured import ColumnChoice, fit, is_workbook, layout, read_sheet, read_table, read_workbook
     from core.measured.sheet import line_ranges
     from core.project.files import read_bytes
 
@@ -155,7 +155,7 @@ def _of_table(origin: Origin, asked: Motion | None, unit: str, folder: str) -> t
     table, column = origin.from_.table, origin.from_.column
     whole, told = os.path.normpath(os.path.join(folder, table)), split_unit(column)[1].symbol
     try:
-        data = read_bytes(whole, MOST_BYTES)
+        data = read_bytes(whole)
         sheet = read_workbook(data, table) if is_workbook(data) else read_sheet(data, table)
         how = layout(
             sheet,

@@ -27,6 +27,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from core.bounds import bounded_json
 from core.errors import KindynaError
 from core.output.channels import channels
 from core.output.graph import (
@@ -538,7 +539,7 @@ class CurvesView(View):
         """The graph of the last run; its files beside the design at hand where they are there, else where they were."""
         usual = add_curve(Graph(), GraphCurve(y=self._begin_with()))
         try:
-            data = json.loads(Settings().graph or "{}")
+            data = bounded_json(Settings().graph or "{}")
         except ValueError:
             return usual
         if not isinstance(data, dict) or "graph" not in data:

@@ -25,7 +25,7 @@ from PySide6.QtWidgets import (
 
 from core.design import Info, require_motion
 from core.errors import KindynaError
-from core.measured import MOST_BYTES, MotionFit, into_design, is_workbook, sheet_names
+from core.measured import MotionFit, into_design, is_workbook, sheet_names
 from core.measured.columns import LETTERS
 from core.output.measured_text import figures
 from core.project.files import read_bytes
@@ -366,7 +366,7 @@ class MeasuredDialog(PutDialog):
 
     def _read_again(self) -> None:
         try:
-            self._reader = self._read(read_bytes(self._path, MOST_BYTES))
+            self._reader = self._read(read_bytes(self._path))
         except KindynaError as error:
             dialogs.show_faults(self, f"{self._path.name} cannot be read.", str(error).splitlines())
         else:
@@ -450,7 +450,7 @@ class MeasuredDialog(PutDialog):
 
 def import_measured(session: Session, parent: QWidget) -> MeasuredDialog | None:
     """Ask for a table and open the dialog over a window; it is deleted once closed."""
-    opened = dialogs.opened_file(parent, "Import measured motion", TABLES, MOST_BYTES)
+    opened = dialogs.opened_file(parent, "Import measured motion", TABLES)
     if opened is None:
         return None
     dialog = MeasuredDialog(session, *opened, parent)

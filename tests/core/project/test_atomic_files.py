@@ -175,7 +175,7 @@ def _binary(folder: Path) -> Path:
         (_socket, "not an ordinary file"),
         (lambda _: Path("/dev/zero"), "not an ordinary file"),
         (lambda _: Path("/dev/null"), "not an ordinary file"),
-        (_huge, "larger than 10 MB"),
+        (_huge, "larger than 64 MB"),
         (_utf16, "not UTF-8 text (byte 1)"),
         (_latin1, "not UTF-8 text (byte 10)"),
         (_binary, "not UTF-8 text"),
