@@ -9,7 +9,7 @@ from PySide6.QtGui import QFontDatabase
 from PySide6.QtWidgets import QApplication
 
 from kindyna_gui.gc_timer import tidy_in_this_thread
-from kindyna_gui.overrides import let_errors_through
+from kindyna_gui.pictures.overrides import let_errors_through
 from kindyna_gui.pictures.style import font
 
 
