@@ -76,6 +76,7 @@ from kindyna_gui.pictures.plots.graph_plot import Bands as Shaded
 from kindyna_gui.pictures.plots.lines import closed
 from kindyna_gui.pictures.units import readable, short, with_unit
 from kindyna_gui.player import Player
+from kindyna_gui.rebuilt import clear_menu
 from kindyna_gui.saving import save_picture, written
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import View
@@ -238,7 +239,7 @@ class CurvesView(View):
         self.ready_button.setEnabled(bool(rows))
         if [(action.text(), action.statusTip()) for action in menu.actions()] == [(row.text, row.tip) for row in rows]:
             return
-        menu.clear()
+        clear_menu(menu)
         for row in rows:
             action = menu.addAction(row.text)
             action.setToolTip(row.tip)

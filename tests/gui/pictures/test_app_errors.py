@@ -1,4 +1,4 @@
-"""kindyna_gui.overrides: what C code raises in a handler of Qt's reaches who called, and the process lives."""
+"""kindyna_gui.pictures.app: what C code raises in a handler of Qt reaches who called, and the process lives."""
 
 from typing import Any
 
