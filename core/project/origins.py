@@ -238,7 +238,9 @@ SAMPLES = 2881  # of the driver's range, between which an output goes monotonous
 DEAD = 1e-6  # of the largest transmission: less is a dead centre
 
 
-REACHED = 1e-8  # of the way between two dead centres: a motion this near reaches one, where its acceleration has no limit
+REACHED = (
+    1e-8  # of the way between two dead centres: a motion this near reaches one, where its acceleration has no limit
+)
 
 
 class _Branch:
@@ -291,9 +293,9 @@ class _Branch:
 
         at, y = at.copy(), y.copy()
         for end, inner, is_dead in ((0, 1, dead[0]), (-1, -2, dead[1])):
-            sign, rates = np.sign(y[-1] - y[0]), self._within(at[[inner, end]])[1]
+            rates = self._within(at[[inner, end]])[1]
             if is_dead and rates[0] * rates[1] < 0.0:
-                at[end] = brentq(lambda x: sign * self._within(np.array([x]))[1, 0], at[inner], at[end], xtol=1e-14)
+                at[end] = brentq(lambda x: self._within(np.array([x]))[1, 0], at[inner], at[end], xtol=1e-14)
                 top = float(self._within(at[[end]])[0, 0])
                 y[end] = top + (TURN * np.rint((y[inner] - top) / TURN) if self._asked.unit == "deg" else 0.0)
         y = y + (TURN * np.rint((begin - here) / TURN) if self._asked.unit == "deg" else 0.0)
