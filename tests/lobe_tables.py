@@ -108,5 +108,6 @@ def lobe_table(seed: int) -> LobeTable:
     )
     error = float(np.hypot(noise, unit * 10.0**-decimals / sqrt(12.0)))
     words = ("--half",) if crank else ()
-    about = f"{order}, {half or 'whole'}, {'base' if base else 'no base'}, step {step:g}, {unit:g}*1e-{decimals}, noise {noise:g}, {names if motion else powers}, {left}, {right}, {height}"
+    listed = f"{order}, {half or 'whole'}, {'base' if base else 'no base'}, step {step:g}, {unit:g}e-{decimals}, noise {noise:g}"
+    about = f"{listed}, {names if motion else powers}, {left}, {right}, {height}"
     return LobeTable(text, (left, right), height, motion, powers, turn, half, error, words, about)

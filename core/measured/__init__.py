@@ -2,7 +2,7 @@
 
 from core.measured.columns import ALL_DETECTED, ColumnChoice, ColumnLayout, layout
 from core.measured.fitting import ColumnFit, Contradiction, Errors, MotionFit, fit, guess_error, into_design
-from core.measured.gap import FitError, Gap, mirrored
+from core.measured.gap import FitError, Gap, OpenTurnError, mirrored
 from core.measured.load_table import as_text, load_points
 from core.measured.outliers import Outliers, outliers
 from core.measured.sheet import DECIMALS, DELIMITERS, RowFault, TableError, Worksheet, read_sheet
@@ -31,6 +31,7 @@ __all__ = [
     "MeasuredColumn",
     "MeasuredTable",
     "MotionFit",
+    "OpenTurnError",
     "Outliers",
     "RowFault",
     "SwitchError",

@@ -14,7 +14,7 @@ from core.errors import DesignError, Fault
 from core.frozen import frozen
 from core.laws.polynomial import jerk_rows
 from core.measured.basis import SplineBasis, basis, derivative, distances, natural
-from core.measured.gap import FitError, Gap, filled, gaps
+from core.measured.gap import FitError, Gap, filled, turn_gaps
 from core.measured.outliers import Outliers, outliers
 from core.measured.rows import Disagreement, TurnRows, disagreements, integrated, scatter, spoiled_runs, turn_rows
 from core.measured.structure import FoundJump, FoundSegment, Structure, Switches, far, structured
@@ -178,7 +178,7 @@ def fit(
     """
     stated = _stated(table, error)
     own = stated.get(table.layout.quantity)
-    between = tuple(gaps(table, _at_least_rounding(table, guess_error(table) if own is None else own)))
+    between = tuple(turn_gaps(table, _at_least_rounding(table, guess_error(table) if own is None else own)))
     turn = filled(table, between)
     result = outliers(table, (own or 0.0) * abs(table.size))
     all_kept = keep_all or own == 0.0
@@ -265,8 +265,8 @@ def _require_near(
     if off[worst] > allowed:
         size, bound = (f"{value / abs(table.size):.4g} {table.unit}" for value in (off[worst], allowed))
         raise FitError(
-            f"at {x[worst]:.6g} deg the rows are {size} off the nearest motion; allowed: at most {bound}; correct the rows there, or state a "
-            "larger measuring error"
+            f"at {x[worst]:.6g} deg the rows are {size} off the nearest motion; allowed: at most {bound}; correct the rows there, or state "
+            "a larger measuring error"
         )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from math import ceil, sqrt
 
@@ -12,10 +13,9 @@ from core.frozen import frozen
 from core.measured.rows import scatter
 from core.measured.sheet import RowFault, TableError
 from core.measured.strokes import shortest
-from core.measured.table import SAME, MeasuredTable, distinct
+from core.measured.table import SAME, MeasuredTable, distinct, gaps
 
 WIDE = 1.5  # steps, and the widest other step: an end of the rows farther from the other leaves the turn open
-LEAST, MISSING = 10.0, 3.0  # deg, steps: between other rows what is wider is a gap
 EQUAL = 5.0  # errors that the ends of a dwell may differ by
 FLAT = 0.1  # of the largest slope of the rows: the slope at the ends of a dwell, at most, or as much as the errors make of it
 CLOSES = 0.02  # of what it rises to: what a lobe of velocities or accelerations may gain over its rows
@@ -23,6 +23,10 @@ CLOSES = 0.02  # of what it rises to: what a lobe of velocities or accelerations
 
 class FitError(KindynaError):
     """No motion can be made of the table, or none with this measuring error."""
+
+
+class OpenTurnError(FitError):
+    """The rows leave the turn open: half a lobe, or one without its ends."""
 
 
 @frozen
@@ -35,17 +39,17 @@ class Gap:
     level: float | None
 
 
-def gaps(table: MeasuredTable, error: float) -> list[Gap]:
+def turn_gaps(table: MeasuredTable, error: float) -> list[Gap]:
     """The gaps of a table. error: of a value [as ``table.values``].
 
-    Raises FitError where the first and the last row are the ends of one and are not level, or where nothing tells what velocities
+    Raises OpenTurnError where the first and the last row are the ends of one and are not level, or where nothing tells what velocities
     and accelerations do there.
     """
     x, place = distinct(table.angles)
     y, n = np.bincount(place, table.values) / np.bincount(place), x.size
     step = np.diff(np.append(x, x[0] + 360.0))
     usual = float(np.median(step))
-    wide = step > max(LEAST, MISSING * usual)
+    wide = np.isin(x, [start for start, _ in gaps(table.angles)])
     first, last = int(place[0]), int(place[-1])
     if (first - last) % n != 1:  # the angles fall, or the rows are in another order
         first, last = (
@@ -60,8 +64,9 @@ def gaps(table: MeasuredTable, error: float) -> list[Gap]:
     ):
         apart, allowed = abs(float(y[first] - y[last])), EQUAL * sqrt(2.0) * error
         differ = f"differ by {apart / abs(table.size):.6g} {table.unit}" if apart > allowed else "are not level"
-        raise FitError(
-            f"{table.named([int(np.flatnonzero(place == i)[0]) for i in (last, first)])}: no rows from {x[last]:.6g} to {x[first] or 360.0:.6g} deg, "
+        lines = table.named([int(np.flatnonzero(place == i)[0]) for i in (last, first)])
+        raise OpenTurnError(
+            f"{lines}: no rows from {x[last]:.6g} to {x[first] or 360.0:.6g} deg, "
             f"and the rows at both ends {differ}; add the rows of the whole turn, or reflect half a lobe in the row of its peak: --mirror"
         )
     if level.any() and table.layout.order:
@@ -88,20 +93,20 @@ def _is_level(step: np.ndarray, y: np.ndarray, wide: np.ndarray, error: float) -
 
 
 def _require_return(x: np.ndarray, y: np.ndarray, order: int) -> None:
-    """Raises FitError where velocities or accelerations (n,) do not bring the motion back over their rows."""
+    """Raises OpenTurnError where velocities or accelerations (n,) do not bring the motion back over their rows."""
     step = np.mod(np.diff(x), 360.0)
     for _ in range(order):
         y = np.append(0.0, np.cumsum(0.5 * (y[1:] + y[:-1]) * step))
         if abs(y[-1]) > CLOSES * np.abs(y).max():
-            raise FitError(
-                f"the rows do not cover the turn, and the motion ends {abs(y[-1]) / np.abs(y).max():.2g} of its stroke from where it begins; "
-                "add the rows of the whole turn, or take displacements, which --mirror reflects"
+            raise OpenTurnError(
+                f"the rows do not cover the turn, and the motion ends {abs(y[-1]) / np.abs(y).max():.2g} of its stroke from where it "
+                "begins; add the rows of the whole turn, or take displacements, which --mirror reflects"
             )
 
 
-def filled(table: MeasuredTable, found: list[Gap]) -> MeasuredTable:
+def filled(table: MeasuredTable, between: Sequence[Gap]) -> MeasuredTable:
     """The table with rows of a dwell in its gaps, behind its own; their line is 0."""
-    dwells = [gap for gap in found if gap.level is not None]
+    dwells = [gap for gap in between if gap.level is not None]
     if not dwells:
         return table
     x, _ = distinct(table.angles)
@@ -139,8 +144,8 @@ def mirrored(table: MeasuredTable) -> MeasuredTable:
     peak = max((0, last), key=lambda row: float(y[row]))
     if float(y[peak]) < float(y.max()) - EQUAL * error:
         raise refuse(
-            f"{table.named([int(np.argmax(y))])} has the largest lift, and is neither the first nor the last row; wanted: half a lobe, from "
-            "or to its peak"
+            f"{table.named([int(np.argmax(y))])} has the largest lift, and is neither the first nor the last row; wanted: half a lobe, "
+            "from or to its peak"
         )
     away = np.mod(table.angles - table.angles[peak] + 180.0, 360.0) - 180.0
     if (
@@ -169,4 +174,4 @@ def mirrored(table: MeasuredTable) -> MeasuredTable:
     )
 
 
-__all__ = ["FitError", "Gap", "filled", "gaps", "mirrored"]
+__all__ = ["FitError", "Gap", "OpenTurnError", "filled", "mirrored", "turn_gaps"]

@@ -306,6 +306,14 @@ def distinct(angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return ordered[new], place
 
 
+def gaps(angles: np.ndarray) -> list[tuple[float, float]]:
+    """Stretches (from, to) [deg] without a row: wider than 10 deg and thrice the usual distance; the last may pass 360."""
+    apart, _ = distinct(angles)
+    width = np.diff(np.append(apart, apart[0] + 360.0))
+    wide = width > max(10.0, 3.0 * float(np.median(width)))
+    return [(float(apart[i]), float(apart[i] + width[i])) for i in np.flatnonzero(wide)]
+
+
 def _notes(lines: np.ndarray, turned: np.ndarray, angles: np.ndarray, closing: tuple[int, int] | None) -> Iterator[str]:
     """Sentences on the rows as a whole; turned: the angles before they are laid into one turn [deg]."""
     steps = np.diff(turned)
