@@ -127,8 +127,9 @@ _FLAG = (lambda value: isinstance(value, bool), "true | false")
 
 def _with_places(known: frozenset[str]) -> tuple[Callable[[Any], bool], str]:
     names_of = "} {".join(sorted(known))
-    return lambda value: _has_places(value, known), f"text with no other places than {{{names_of}}}; {{{{ and }}}} for braces"
-
+    return lambda value: _has_places(
+        value, known
+    ), f"text with no other places than {{{names_of}}}; {{{{ and }}}} for braces"
 
 
 def _one_of(*words: str) -> tuple[Callable[[Any], bool], str]:
@@ -140,9 +141,9 @@ def _some_of(words: tuple[str, ...]) -> tuple[Callable[[Any], bool], str]:
 
 
 _ALLOWED: Mapping[str, tuple[Callable[[Any], bool], str]] = {
-    "slug": (lambda value: isinstance(value, str) and 0 < len(value) <= 60 and value.replace("-", "").isalnum(), "letters, digits and -"),
-    "label": _TEXT, "source": _TEXT, "header": _PLACES, "footer": _PLACES,
-    "row": (lambda value: _has_places(value, _OF_ROW), "text with no other places than {" + "} {".join(sorted(_OF_ROW)) + "}; {{ and }} for braces"),
+    "slug": (lambda value: _is_text(value) and value != "" and value.replace("-", "").isalnum(), "letters, digits and -"),
+    "label": _TEXT, "source": _TEXT, "header": _with_places(_OF_TABLE), "footer": _with_places(_OF_TABLE),
+    "row": _with_places(_OF_ROW),
     "between": (lambda value: _is_text(value) or (_is_texts(value) and bool(value)), "text, or a list of texts"),
     "words": (lambda value: isinstance(value, dict) and set(value) <= {*INTERPOLATIONS} and all(map(_is_text, value.values())),
               "words of interpolations"),
@@ -153,7 +154,8 @@ _ALLOWED: Mapping[str, tuple[Callable[[Any], bool], str]] = {
     "equal_steps": _FLAG, "step_units": (_is_counts, "a list of whole numbers > 0"), "closes": _FLAG,
     "first_row": _one_of("start", "one-step"), "last_row": _one_of("end", "before-end"),
     "open": (_is_texts, "a list of texts"), "normalised": _FLAG, "last_is_one": _FLAG,
-    "rows": (lambda value: _is_counts(value) and len(value) == 2 and 2 <= value[0] <= value[1], f"[least, most], from 2 on, to {LARGEST_ROWS}"),
+    "rows": (lambda value: _is_counts(value) and len(value) == 2 and 2 <= value[0] <= value[1],
+             f"[least, most], from 2 on, to {LARGEST_ROWS}"),
     "extension": (lambda value: isinstance(value, str) and re.fullmatch(r"\.[A-Za-z0-9._-]{1,16}", value) is not None,
                   "such as .txt: a dot, then 1 ... 16 letters, digits, dots, _, -"),
 }  # fmt: skip
