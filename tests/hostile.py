@@ -35,7 +35,8 @@ Read = Callable[[Path, Path], int]
 """Reads a file; the second folder is for what it writes. The exit code."""
 
 NUMBERS = (
-    "nan", "inf", "-inf", "1e999", "-1e-999", "1e400", "0x7f", "1_000", "--1", "1e", "٣", "½", "1,5", "1e9999999999", "true", "", "-0", "1e308",
+    "nan", "inf", "-inf", "1e999", "-1e-999", "1e400", "0x7f", "1_000", "--1", "1e", "٣", "½", "1,5", "1e9999999999", "true", "", "-0",
+    "1e308",
     "4294967296", "9223372036854775808", "2147483648",
 )  # fmt: skip
 WORDS = (
@@ -389,7 +390,8 @@ EOF
 """
 _DXF_PIECES = (
     "0\nINSERT\n2\nB\n10\n1\n", "70\n30000\n71\n30000\n", "0\nLINE\n10\n0\n20\n0\n11\n1\n21\n1\n", "0\nBLOCK\n2\nB\n", "0\nENDBLK\n",
-    "0\nLWPOLYLINE\n70\n1\n", "10\n3\n20\n4\n42\n0.5\n", "0\nVERTEX\n10\n1\n20\n1\n", "0\nPOLYLINE\n66\n1\n", "0\n", "\n", "40\n1\n", "210\n1\n",
+    "0\nLWPOLYLINE\n70\n1\n", "10\n3\n20\n4\n42\n0.5\n", "0\nVERTEX\n10\n1\n20\n1\n", "0\nPOLYLINE\n66\n1\n", "0\n", "\n", "40\n1\n",
+    "210\n1\n",
     "0\nARC\n10\n0\n20\n0\n40\n5\n50\n0\n51\n90\n", "0\nENDSEC\n", "0\nSECTION\n2\nENTITIES\n", "0\nSPLINE\n71\n3\n",
 )  # fmt: skip
 _CONTROLLER = """[[controllers]]
@@ -411,7 +413,10 @@ step_units = [1]
 _GRAPH = json.dumps(
     {
         "title": "t", "x": {"low": 0.0}, "left": {}, "right": {},
-        "curves": [{"key": "c1", "source": "file.csv", "y": "2", "width": 2.0}, {"key": "c2", "source": "file.csv", "y": "1", "minus": "c1"}],
+        "curves": [
+            {"key": "c1", "source": "file.csv", "y": "2", "width": 2.0},
+            {"key": "c2", "source": "file.csv", "y": "1", "minus": "c1"},
+        ],
     }
 )  # fmt: skip
 _STUDY = """design = "card.toml"
@@ -448,12 +453,44 @@ def _study(file: Path, out: Path) -> int:
     return 0
 
 
+def _segment(file: Path, out: Path) -> int:
+    (out / "lift.toml").write_bytes(LIFT.read_bytes())
+    return _command("measured", "FILE", "--as", "segment", "--segment", "1", "--into", "OUT/lift.toml")(file, out)
+
+
 def _graph_setup(file: Path, out: Path) -> int:
     (file.parent / "file.csv").write_text(_tables()[0])
     return _command("graph", "--setup", "FILE", "--at", "3")(file, out)
 
 
-_SHEET = """<worksheet xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main"><dimension ref="A1:B90"/><sheetData>%s</sheetData></worksheet>"""
+_MAIN = "http://schemas.openxmlformats.org/spreadsheetml/2006/main"
+_OFFICE = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
+_RELATIONS = "http://schemas.openxmlformats.org/package/2006/relationships"
+
+
+def workbook(cells: str, sheets: str = '<sheet name="S" sheetId="1" r:id="rId1"/>', without: str = "") -> bytes:
+    """A workbook of one sheet with these cells, in XML; without: a part that is left out."""
+    parts = {
+        "_rels/.rels": _relation("officeDocument", "xl/workbook.xml"),
+        "xl/_rels/workbook.xml.rels": _relation("worksheet", "worksheets/s.xml"),
+        "xl/workbook.xml": f'<workbook xmlns="{_MAIN}" xmlns:r="{_OFFICE}"><sheets>{sheets}</sheets></workbook>',
+        "xl/worksheets/s.xml": f'<worksheet xmlns="{_MAIN}"><sheetData>{cells}</sheetData></worksheet>',
+    }
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, text in parts.items():
+            if name != without:
+                archive.writestr(name, text)
+    return stream.getvalue()
+
+
+def _relation(kind: str, target: str) -> str:
+    return f'<Relationships xmlns="{_RELATIONS}"><Relationship Id="rId1" Type="{_OFFICE}/{kind}" Target="{target}"/></Relationships>'
+
+
+CELLS = "".join(
+    f'<row><c r="A{i + 1}"><v>{4 * i}</v></c><c r="B{i + 1}"><v>{i * (90 - i) / 100}</v></c></row>' for i in range(90)
+)
 _REFERENCES = (
     "XFD1048576",
     "ZZ100000",
@@ -473,35 +510,19 @@ _REFERENCES = (
 
 def _workbook(rng: Random) -> bytes:
     """A workbook with something wrong in its cells, its parts or its bytes."""
-    rows = "".join(
-        f'<row r="{i + 1}"><c r="A{i + 1}"><v>{4 * i}</v></c><c r="B{i + 1}"><v>{5.0 - 5.0 * cos(radians(4 * i))}</v></c></row>'
-        for i in range(90)
-    )
-    kind = rng.randrange(8)
+    cells, kind = CELLS, rng.randrange(8)
     if kind <= 2:
-        rows += f'<row><c r="{rng.choice(_REFERENCES)}" t="{rng.choice(("n", "s", "b", "e", "str", "x"))}"><v>{rng.choice(("1", "99999999", "x", ""))}</v></c></row>'
+        value, sort = rng.choice(("1", "99999999", "x", "")), rng.choice(("n", "s", "b", "e", "str", "x"))
+        cells += f'<row><c r="{rng.choice(_REFERENCES)}" t="{sort}"><v>{value}</v></c></row>'
     elif kind == 3:
-        rows = _CHANGES[rng.randrange(len(_CHANGES))](rows, ("<c>", "<row>", '<c r="', "</v>", "&#x0;", "&amp;"), rng)[
-            :SIZE
-        ]
+        cells = rng.choice(_CHANGES)(cells, ("<c>", "<row>", '<c r="', "</v>", "&#x0;", "&amp;"), rng)[:SIZE]
     elif kind == 4:
-        rows += f"<row><c r='C1' t='inlineStr'><is><t>{' x' * _count(rng, 40_000_000)}</t></is></c></row>"
-    names = ("",) if kind == 5 else ("S" * _count(rng, 10_000),) if rng.random() < 0.1 else ("Sheet1",)
-    book = "".join(f'<sheet name="{name}" sheetId="1" r:id="rId1"/>' for name in (names if rng.random() < 0.9 else ()))
-    parts = {
-        "[Content_Types].xml": '<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types"><Default Extension="xml" ContentType="application/xml"/></Types>',
-        "_rels/.rels": '<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship Id="rId1" Type="http://schemas.openxmlformats.org/officeDocument/2006/relationships/officeDocument" Target="xl/workbook.xml"/></Relationships>',
-        "xl/_rels/workbook.xml.rels": '<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship Id="rId1" Type="http://schemas.openxmlformats.org/officeDocument/2006/relationships/worksheet" Target="worksheets/sheet1.xml"/></Relationships>',
-        "xl/workbook.xml": f'<workbook xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main" xmlns:r="http://schemas.openxmlformats.org/officeDocument/2006/relationships"><sheets>{book}</sheets></workbook>',
-        "xl/worksheets/sheet1.xml": _SHEET % rows,
-    }
-    if kind == 6:
-        del parts[rng.choice(list(parts))]
-    stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, text in parts.items():
-            archive.writestr(name, text)
-    data = stream.getvalue()
+        cells += f"<row><c r='C1' t='inlineStr'><is><t>{' x' * _count(rng, 40_000_000)}</t></is></c></row>"
+    name = "" if kind == 5 else "S" * _count(rng, 10_000)
+    sheets = f'<sheet name="{name}" sheetId="1" r:id="rId1"/>' if rng.random() < 0.9 else ""
+    data = workbook(
+        cells, sheets, rng.choice(("_rels/.rels", "xl/workbook.xml", "xl/worksheets/s.xml")) if kind == 6 else ""
+    )
     if kind == 7:
         at = rng.randrange(len(data))
         data = data[:at] + rng.randbytes(rng.choice((1, 8))) + data[at + rng.choice((0, 1, 50)) :]
@@ -542,16 +563,18 @@ def _arguments(file: Path, out: Path) -> int:
 
 
 _LINES = (
-    "check\nX", f"report\n{LIFT}\n--out\nr\n--author\nX", f"explain\n{LIFT}\nX\n--at\n0", f"graph\n{LIFT}\n--curve\nX", "linkage-from\nX\n--out\no.toml",
-    f"find\n{LIFT}\nX", f"ecam\n{LIFT}\n--controller\nX\n--out\nX", "blend\nX", f"profile\n{LIFT}\n--out\nX.csv\n--samples\n9", f"motion\n{LIFT}\n--out\nX.toml",
-    f"measured\n{LIFT}\n--column\nX", f"compare\n{LIFT}\nX", f"centres\n{LIFT}\n--at\nX", f"export\n{LIFT}\n--only\nX", "X", "laws\nX",
+    "check\nX", f"report\n{LIFT}\n--out\nr\n--author\nX", f"explain\n{LIFT}\nX\n--at\n0", f"graph\n{LIFT}\n--curve\nX",
+    "linkage-from\nX\n--out\no.toml", f"find\n{LIFT}\nX", f"ecam\n{LIFT}\n--controller\nX\n--out\nX", "blend\nX",
+    f"profile\n{LIFT}\n--out\nX.csv\n--samples\n9", f"motion\n{LIFT}\n--out\nX.toml", f"measured\n{LIFT}\n--column\nX",
+    f"compare\n{LIFT}\nX", f"centres\n{LIFT}\n--at\nX", f"export\n{LIFT}\n--only\nX", "X", "laws\nX",
 )  # fmt: skip
 
 
 def _words(rng: Random) -> bytes:
     word = rng.choice((
         rng.randbytes(rng.randrange(1, 9)), b"\xff\xfe", b"1" * _count(rng, 50_000), b"[" * _count(rng, 50_000), b"a." * _count(rng, 9_000),
-        b"X[" + b"9" * 5000 + b"]", b"=,=" * 50, b"1e999", b"-1", b"nan", b"\xed\xa0\x80", b"", b"..", b"%s", b"{0}", b"a" * 300, b"y=" + b"8" * 4500,
+        b"X[" + b"9" * 5000 + b"]", b"=,=" * 50, b"1e999", b"-1", b"nan", b"\xed\xa0\x80", b"", b"..", b"%s", b"{0}", b"a" * 300,
+        b"y=" + b"8" * 4500,
         b"loads.friction[" + b"1" * 5000 + b"]", "é".encode(), "\u202e".encode(), b"y=1,minus=" + b"7" * 5000,
     ))  # fmt: skip
     return rng.choice(_LINES).encode().replace(b"X", word.replace(b"\n", b""))
@@ -608,26 +631,48 @@ _TOML = (
     "\t",
     "[[drives]]\n",
 )
+_CARD = str(EXAMPLES / "card_picker.toml")
+_LINKAGE = _command("linkage-from", "FILE", "--out", "OUT/o.toml")
+_PIECES: dict[str, Sequence[str]] = {
+    "controllers": (*_TOML, "{slave}", "{master.__class__}", "{{", "{rows}", "\\\\", "{sep}"),
+    "pyslvs": ("#[", "#]", "J[R,P[1,2],L[ground,a]],", "[", "]", "A[", " ", ",", "M[", "\n"),
+    "linkage2": ("<a>", "</a>", "<connector id='9'/>", "&lt;", "<!--", "<!DOCTYPE a [", "<Link id='7'>", "'"),
+    "graph": ("[", "{", '{"a":', "1,", '"', ":", "\\u0000", "{},"),
+}
+_BESIDE = 'file = "a.dxf"\nx_mm = 1.0\nopacity = 0.5\nlocked = true\n'
+_NO_SPLINE = f"{_DXF[: _DXF.index('0' + chr(10) + 'SPLINE')]}0\nENDSEC\n0\nEOF\n"
 READERS: dict[str, Reader] = {
     "design": Reader(_command("check", "FILE"), _designs, _TOML, "file.toml"),
     "study": Reader(_study, lambda: (_STUDY,), _TOML, "s.toml"),
-    "controllers": Reader(_controllers, lambda: (_CONTROLLER,), (*_TOML, "{slave}", "{master.__class__}", "{{", "{rows}", "\\\\", "{sep}"), "c.toml"),
+    "controllers": Reader(_controllers, lambda: (_CONTROLLER,), _PIECES["controllers"], "c.toml"),
     "measured": Reader(_command("measured", "FILE"), _tables, _CELLS, "file.csv"),
-    "measured-segment": Reader(_command("measured", "FILE", "--as", "segment", "--segment", "1", "--into", str(LIFT)), _tables, _CELLS, "file.csv"),
-    "inspection": Reader(_command("inspection", str(EXAMPLES / "card_picker.toml"), "--out", "OUT/i.csv", "--measured", "FILE"), _tables, _CELLS, "file.csv"),
-    "controller-file": Reader(_command("measured", "FILE", "--controller", "codesys-xy"), lambda: (_CAM,), (*_CELLS, "[1, 2],\n", "dX := "), "cam.txt"),
+    "measured-segment": Reader(_segment, _tables, _CELLS, "file.csv"),
+    "inspection": Reader(
+        _command("inspection", _CARD, "--out", "OUT/i.csv", "--measured", "FILE"), _tables, _CELLS, "file.csv"
+    ),
+    "controller-file": Reader(
+        _command("measured", "FILE", "--controller", "codesys-xy"),
+        lambda: (_CAM,),
+        (*_CELLS, "[1, 2],\n", "dX := "),
+        "cam.txt",
+    ),
     "graph": Reader(_command("graph", "FILE", "--at", "3", "--json"), _tables, _CELLS, "file.csv"),
-    "graph-setup": Reader(_graph_setup, lambda: (_GRAPH,), ("[", "{", '{"a":', "1,", '"', ":", "\\u0000", "{},"), "file.json"),
-    "pyslvs": Reader(_command("linkage-from", "FILE", "--out", "OUT/o.toml"), lambda: (_PYSLVS,), ("#[", "#]", "J[R,P[1,2],L[ground,a]],", "[", "]", "A[", " ", ",", "M[", "\n"), "file.txt"),
-    "linkage2": Reader(_command("linkage-from", "FILE", "--out", "OUT/o.toml"), lambda: (_LINKAGE2,), ("<a>", "</a>", "<connector id='9'/>", "&lt;", "<!--", "<!DOCTYPE a [", "<Link id='7'>", "'"), "file.linkage2"),
-    "pmks": Reader(_command("linkage-from", "FILE", "--out", "OUT/o.toml"), name="file.txt", data=_address),
-    "motion-from": Reader(_command("motion-from", str(EXAMPLES / "card_picker.toml"), "FILE", "--units", "mm", "--out", "OUT/o.toml"), lambda: (_DXF, _DXF[: _DXF.index("0\nSPLINE")] + "0\nENDSEC\n0\nEOF\n"), _DXF_PIECES, "file.dxf"),
+    "graph-setup": Reader(_graph_setup, lambda: (_GRAPH,), _PIECES["graph"], "file.json"),
+    "pyslvs": Reader(_LINKAGE, lambda: (_PYSLVS,), _PIECES["pyslvs"], "file.txt"),
+    "linkage2": Reader(_LINKAGE, lambda: (_LINKAGE2,), _PIECES["linkage2"], "file.linkage2"),
+    "pmks": Reader(_LINKAGE, name="file.txt", data=_address),
+    "motion-from": Reader(
+        _command("motion-from", _CARD, "FILE", "--units", "mm", "--out", "OUT/o.toml"),
+        lambda: (_DXF, _NO_SPLINE),
+        _DXF_PIECES,
+        "file.dxf",
+    ),
     "underlay": Reader(_function(_underlay), lambda: (_DXF,), _DXF_PIECES, "file.dxf"),
-    "beside": Reader(_function(_beside), lambda: ('file = "a.dxf"\nx_mm = 1.0\nopacity = 0.5\nlocked = true\n',), _TOML, "file.underlay.toml"),
+    "beside": Reader(_function(_beside), lambda: (_BESIDE,), _TOML, "file.underlay.toml"),
     "logo": Reader(_function(_logo), name="logo.png", data=_picture),
     "workbook": Reader(_command("measured", "FILE"), name="file.xlsx", data=_workbook),
     "arguments": Reader(_arguments, name="words", data=_words),
-}  # fmt: skip
+}
 
 
 # -- one after the other, each in a process of its own -----------------------------------------------------

@@ -12,6 +12,7 @@ from core.measured.sheet import RowFault, TableError, Worksheet, number
 from core.motion import Angles, program
 
 ORDERS = np.arange(4)
+MOST_FAULTS = 100  # that are named
 RETURNS = 0.01  # of all that it rises: a measured table ends no nearer to where it began
 
 
@@ -21,6 +22,8 @@ def rows_of(sheet: Worksheet) -> tuple[np.ndarray, np.ndarray]:
     faults: list[RowFault] = []
     found: list[tuple[float, float]] = []
     for row in sheet.rows:
+        if len(faults) >= MOST_FAULTS:
+            break
         cells = [number(cell, sheet.decimal) for cell in row.cells[:2]]
         if len(cells) < 2 or cells[0] is None or cells[1] is None:
             faults.append(RowFault(row.line, f"{' '.join(row.cells)!r}: no angle and value; correct it"))
@@ -33,7 +36,7 @@ def rows_of(sheet: Worksheet) -> tuple[np.ndarray, np.ndarray]:
     if not faults and not 2 <= len(found) <= MOST_OF_LIST:
         faults.append(RowFault(0, f"{len(found)} rows; allowed: 2 ... {MOST_OF_LIST}"))
     if faults:
-        raise TableError(sheet.name, faults[:100])
+        raise TableError(sheet.name, faults)
     x, y = np.array(found).T
     return x - x[0], y - y[0]
 

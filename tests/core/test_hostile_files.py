@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import os
-import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
@@ -12,7 +11,7 @@ import pytest
 
 pytest.importorskip("resource")
 
-from hostile import CRASHED, READERS, outcomes
+from hostile import CELLS, CRASHED, READERS, outcomes, workbook
 
 SEEDS = int(os.environ.get("KINDYNA_HOSTILE_SEEDS", "200"))
 
@@ -36,6 +35,15 @@ def _block(name: str, entities: str) -> str:
 
 def _insert(name: str, columns: int = 1, rows: int = 1) -> str:
     return f"0\nINSERT\n2\n{name}\n10\n1\n70\n{columns}\n71\n{rows}\n44\n2\n45\n3\n"
+
+
+def _doubled(k: int) -> str:
+    return _block(f"B{k}", 2 * _insert(f"B{k - 1}"))
+
+
+def _long_line(i: int) -> str:
+    """A side of a zigzag, each of which is beside all others."""
+    return f"0\nLINE\n10\n{100 * (i % 2)}\n20\n{0.01 * i}\n11\n{100 - 100 * (i % 2)}\n21\n{0.01 * (i + 1)}\n"
 
 
 def _png(side: int) -> bytes:
@@ -79,10 +87,10 @@ CASES: dict[str, tuple[str, Callable[[], str | bytes], str]] = {
     "lists in each other": ("design", lambda: "x = " + "[" * 500_000, "nested too deeply"),
     "digits of a number": ("design", lambda: "x = 1." + "0" * 900_000, "too many digits"),
     "array that contains itself": ("underlay", lambda: _dxf(_insert("B", 30_000, 30_000), _block("B", _insert("B", 9, 9))), ""),
-    "block of blocks": ("underlay", lambda: _dxf(_insert("B40"), "".join(_block(f"B{k}", 2 * _insert(f"B{k - 1}")) for k in range(41))), ""),
+    "block of blocks": ("underlay", lambda: _dxf(_insert("B40"), "".join(map(_doubled, range(41)))), ""),
     "spoiled entity": ("underlay", lambda: _dxf("0\nCIRCLE\n10\nx\n40\n1\n0\nSPLINE\n71\n99999\n40\n1\n10\n1\n"), ""),
     "no entity": ("underlay", lambda: "5\n1\n", "not a DXF"),
-    "overlapping lines": ("motion-from", lambda: _dxf("".join(f"0\nLINE\n10\n{i}\n20\n{i % 2}\n11\n{i + 1e-5}\n21\n{(i + 1) % 2}\n" for i in range(19_000))), ""),
+    "overlapping lines": ("motion-from", lambda: _dxf("".join(map(_long_line, range(19_000)))), ""),
     "large picture": ("logo", lambda: _png(30_000), ""),
     "graph of lists": ("graph-setup", lambda: "[" * 900_000, "no graph"),
     "number of a row": ("arguments", lambda: b"explain\nX\nloads.friction[" + b"9" * 5000 + b"]", "cannot be read"),
@@ -98,7 +106,8 @@ def _refused_well(result: dict[str, object]) -> str:
     """What is wrong with an outcome; empty where nothing is."""
     said = str(result["said"])
     if result["code"] not in (0, 1, 2):
-        return f"{result['reader']} {result['which']}: exit {result['code']}{' (raised)' if result['code'] == CRASHED else ''}: {said[-500:]}"
+        how = "raised" if result["code"] == CRASHED else f"exit {result['code']}"
+        return f"{result['reader']} {result['which']}: {how}: {said[-500:]}"
     if "Traceback" in said or (result["code"] == 2 and not said.strip()):
         return f"{result['reader']} {result['which']}: {said[-500:] or 'refused without a word'}"
     return ""
@@ -127,43 +136,14 @@ def test_some_hostile_files_of_every_reader_are_read_or_refused() -> None:
     assert not [wrong for result in results if (wrong := _refused_well(result))]
 
 
-def _workbook(cells: str, sheets: str = '<sheet name="S" sheetId="1" r:id="rId1"/>') -> bytes:
-    main, office = (
-        "http://schemas.openxmlformats.org/spreadsheetml/2006/main",
-        "http://schemas.openxmlformats.org/officeDocument/2006/relationships",
-    )
-    relations = "http://schemas.openxmlformats.org/package/2006/relationships"
-    stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, text in (
-            (
-                "_rels/.rels",
-                f'<Relationships xmlns="{relations}"><Relationship Id="rId1" Type="{office}/officeDocument" Target="xl/workbook.xml"/></Relationships>',
-            ),
-            (
-                "xl/_rels/workbook.xml.rels",
-                f'<Relationships xmlns="{relations}"><Relationship Id="rId1" Type="{office}/worksheet" Target="worksheets/s.xml"/></Relationships>',
-            ),
-            ("xl/workbook.xml", f'<workbook xmlns="{main}" xmlns:r="{office}"><sheets>{sheets}</sheets></workbook>'),
-            ("xl/worksheets/s.xml", f'<worksheet xmlns="{main}"><sheetData>{cells}</sheetData></worksheet>'),
-        ):
-            archive.writestr(name, text)
-    return stream.getvalue()
-
-
-_ROWS = "".join(
-    f'<row><c r="A{i + 1}"><v>{4 * i}</v></c><c r="B{i + 1}"><v>{i * (90 - i) / 100}</v></c></row>' for i in range(90)
-)
-
-
 @pytest.mark.parametrize(
     ("cells", "sheets", "code", "phrase"),
     [
-        (_ROWS, None, 0, ""),
-        (_ROWS + '<row><c r="XFD1048576"><v>1</v></c></row>', None, 2, "500 MB"),
-        (_ROWS + '<row><c r="ZZ100000"><v>1</v></c></row>', None, 2, "500 MB"),
-        (_ROWS + '<row><c r="1A"><v>1</v></c></row>', None, 2, "cannot be read"),
-        (_ROWS, "", 2, "no sheet"),
+        (CELLS, None, 0, ""),
+        (CELLS + '<row><c r="XFD1048576"><v>1</v></c></row>', None, 2, "500 MB"),
+        (CELLS + '<row><c r="ZZ100000"><v>1</v></c></row>', None, 2, "500 MB"),
+        (CELLS + '<row><c r="1A"><v>1</v></c></row>', None, 2, "cannot be read"),
+        (CELLS, "", 2, "no sheet"),
     ],
     ids=["good", "last cell", "far cell", "cell of no name", "no sheet"],
 )
@@ -171,7 +151,7 @@ def test_a_workbook_is_read_within_limits(
     tmp_path: Path, cells: str, sheets: str | None, code: int, phrase: str
 ) -> None:
     pytest.importorskip("python_calamine")
-    (tmp_path / "x").write_bytes(_workbook(cells) if sheets is None else _workbook(cells, sheets))
+    (tmp_path / "x").write_bytes(workbook(cells) if sheets is None else workbook(cells, sheets))
     (result,) = outcomes([("workbook", str(tmp_path / "x"))])
     assert (result["code"], phrase in result["said"]) == (code, True), result
 
