@@ -81,6 +81,27 @@ def test_three_hundred_lobes_are_cut_right(tmp_path: Path, capsys: pytest.Captur
     proved(range(first, first + MANY), tmp_path, capsys)
 
 
+@pytest.mark.parametrize(
+    "angles",
+    [
+        np.arange(-140.0, 141.0),
+        np.arange(0.0, 281.0),
+        np.arange(-290.0, -9.0),
+        np.mod(np.arange(-140.0, 141.0), 360.0),
+        np.arange(140.0, -141.0, -1.0),
+    ],
+    ids=["about the peak", "from 0", "negative", "degree wheel", "falling"],
+)
+def test_a_lobe_without_its_base_circle_stands_still_where_no_rows_are(angles: np.ndarray, tmp_path: Path) -> None:
+    flank = levels(0.0, (140.0, 25.0, "modified-sine"), (140.0, 0.0, "modified-sine"), (80.0, 0.0, "dwell"))
+    _, told = read(tmp_path, listed(angles, position(flank, np.arange(0.0, 281.0)), 5))
+    laws = [segment["law"] for segment in told["segments"] if segment["span_deg"] > 1e-3]
+    assert sorted(laws) in (["dwell", *["modified-sine"] * 2], ["dwell"] * 2 + ["modified-sine"] * 2)
+    spans = [segment["span_deg"] for segment in told["segments"] if segment["law"] == "dwell"]
+    assert sum(spans) == pytest.approx(80.0, abs=0.02)
+    assert "no rows from" in " ".join(told["notes"])
+
+
 SINE = levels(0.0, (40.0, 0.0, "dwell"), (140.0, 25.0, "modified-sine"), (140.0, 0.0, "3-4-5"), (40.0, 0.0, "dwell"))
 
 
