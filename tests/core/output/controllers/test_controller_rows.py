@@ -7,8 +7,8 @@ from core.output.controllers.layout import FileTable, written
 from core.output.controllers.row import controller, controllers, rows_of, settings_folder
 
 SHIPPED = (
-    "codesys-xyva", "codesys-xy", "codesys-x", "twincat-points", "beckhoff-ascii", "beckhoff-zebra", "sew-tab", "sew-semicolon",
-    "lenze-loader", "schneider-asc", "kollmorgen-csv", "technosoft", "inventor", "general",
+    "codesys-xyva", "codesys-xy", "codesys-x", "codesys-cambuilder", "twincat-points", "twincat-table", "beckhoff-ascii",
+    "beckhoff-zebra", "sew-tab", "sew-semicolon", "lenze-loader", "schneider-asc", "kollmorgen-csv", "technosoft", "inventor", "general",
 )  # fmt: skip
 OWN = """[[controllers]]
 slug = "shop"
