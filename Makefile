@@ -95,12 +95,17 @@ help:
 	    echo "KINDYNA needs Python 3.11 or newer; name one with make PYTHON=..." >&2
 	    exit 1
 	fi
-	# what is missing then, venv says itself
-	$(PYTHON) -c 'import ensurepip' 2>/dev/null || install_packages python3-venv 2>/dev/null
-	install_packages $(SYSTEM_PACKAGES)
+	needed=($(SYSTEM_PACKAGES))
+	can_create() { $(PYTHON) -c 'import ensurepip, venv' 2>/dev/null; }
+	if [ $$usable = no ] && ! can_create; then needed=(python3-venv "$${needed[@]}"); fi
+	install_packages "$${needed[@]}"
 	if [ $$usable = no ]; then
+	    if ! can_create; then
+	        echo "Without Python's modules venv and ensurepip there is no environment to install KINDYNA in" >&2
+	        exit 1
+	    fi
 	    echo "Creating the Python environment .venv"
-	    $(PYTHON) -m venv --clear .venv
+	    $(PYTHON) -m venv --clear .venv || { rm -rf .venv; exit 1; }
 	fi
 	echo "Installing the Python packages (a few hundred megabytes the first time)"
 	.venv/bin/python -m pip install -qq --disable-pip-version-check --no-input -e '.[dev]'

@@ -148,11 +148,11 @@ def at_angles(error: NoAnswer, cam_angles: Sequence[tuple[float, float]]) -> NoA
     return found
 
 
-def angle_list(ranges: Sequence[tuple[float, float]], most: int = 4) -> str:
-    """``35...76.5, 283.5...325 deg``: a short text for ranges of cam angles in degrees."""
+def angle_list(ranges: Sequence[tuple[float, float]], most: int = 4, unit: str = "deg") -> str:
+    """``35...76.5, 283.5...325 deg``: a short text for ranges of cam angles, or of another quantity in its unit."""
     texts = [f"{a:.6g}" if a == b else f"{a:.6g}...{b:.6g}" for a, b in ranges[:most]]
     more = len(ranges) - most
-    return ", ".join(texts) + (f" and {more} more ranges" if more > 0 else "") + " deg"
+    return ", ".join(texts) + (f" and {more} more ranges" if more > 0 else "") + f" {unit}"
 
 
 def angle_ranges(theta: np.ndarray, bad: np.ndarray) -> list[tuple[float, float]]:

@@ -334,14 +334,13 @@ ROWS: Mapping[str, Row] = MappingProxyType(
             "torque and the balance of power hold"
         ),
         "no-common-period": Row(
-            "driver and second drivers have no common period of at most {most} turns: one turn is shown, after which the linkage stands "
-            "otherwise; its totals over a cycle are left out"
+            "the linkage does not return to its first position within {most} turns of the driver: the first {shown} shown, and the next "
+            "differs from it"
         ),
         "wheels-apart": Row(
             "the wheels of link {link} (pitch circles of {first:.6g} and {second:.6g} mm) do not touch: their centres are {distance:.6g} "
             "mm from each other, which is {gap:.3g} mm {how}; change the radii, the module or the centres"
         ),
-        "not-periodic": Row("after one turn of the driver the linkage stands otherwise than before"),
         "change-point": Row(
             "the links at {joint} come to lie in one line, where both ways to assemble them meet (change point); the motion goes on "
             "smoothly, but play decides"

@@ -97,7 +97,7 @@ def without_window(path: Path, why: str) -> int:
     from core.output.export import files
     from core.output.report import report
     from core.project import load_one
-    from core.project.files import write_all
+    from core.project.files import write_into
     from core.study import Study, findings_of
 
     print(f"{why}; no window: the report follows, tables and pictures go to {OUT}/", flush=True)
@@ -105,7 +105,7 @@ def without_window(path: Path, why: str) -> int:
     text = report(study)
     made: dict[str, str | bytes] = {"report.txt": text, **files(study)}
     made.update(paint(study))
-    write_all(OUT, made)
+    write_into(OUT, made)
     print(text, end="")
     return DONE_WITH_ERRORS if any(f.severity == ERROR for f in findings_of(study)) else DONE
 

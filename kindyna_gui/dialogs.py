@@ -11,8 +11,9 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QKeySequence, QShortcut
 from PySide6.QtWidgets import QDialogButtonBox, QFileDialog, QInputDialog, QMessageBox, QPushButton, QWidget
 
+from core.bounds import BYTES
 from core.errors import KindynaError
-from core.project.files import MOST_BYTES, read_bytes
+from core.project.files import read_bytes
 from core.project.recovery import Recoverable
 from kindyna_gui.settings import Settings
 
@@ -413,7 +414,7 @@ def file_to_open(parent: QWidget, title: str, kinds: str, folder: Path | None = 
     return Path(name) if name else None
 
 
-def opened_file(parent: QWidget, title: str, kinds: str, most_bytes: int = MOST_BYTES) -> tuple[Path, bytes] | None:
+def opened_file(parent: QWidget, title: str, kinds: str, most_bytes: int = BYTES) -> tuple[Path, bytes] | None:
     """A file that the user chose, and its bytes; None where there is none, or it cannot be read and the user has been told why."""
     path = file_to_open(parent, title, kinds)
     if path is None:

@@ -23,7 +23,7 @@ from core.output.film import FORMATS as FILMS
 from core.output.film import Film
 from core.output.timing import ENDINGS as CHARTS
 from core.project import load, load_one
-from core.project.files import write, write_all
+from core.project.files import write, write_into
 from core.requests import typed
 from core.study import Study
 
@@ -151,7 +151,7 @@ def screenshots(arguments: Screenshots, painter: Painter | None) -> int:
 
     with quiet():
         made = shots(design, arguments.size)
-    write_all(arguments.out, made)
+    write_into(arguments.out, made)
     for name in made:
         print(arguments.out / name)
     return code
@@ -178,7 +178,7 @@ def animation(arguments: Animation, painter: Painter | None) -> int:
     wanted = replace(arguments.film, ending=ending, width=width, height=height, seconds=seconds)
     with quiet():
         if ending == PICTURES:
-            write_all(arguments.out.with_suffix(""), pictures_of(design, wanted) or {})
+            write_into(arguments.out.with_suffix(""), pictures_of(design, wanted) or {})
         else:
             write(arguments.out, shoot(design, wanted) or b"")
     print(arguments.out)
@@ -273,7 +273,7 @@ def tutorial(arguments: Tutorial, painter: Painter | None) -> int:
         finally:
             dismiss(window)
     if arguments.out is not None:
-        write_all(arguments.out, pictures)
+        write_into(arguments.out, pictures)
     return DONE
 
 

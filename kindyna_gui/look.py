@@ -77,11 +77,13 @@ _FADED = (
 
 
 def _sheet() -> str:
+    """Docks and bars are where they belong at once: one that still moves when it is deleted is laid out once more, and Qt dies."""
     seen = SCREEN
     return f"""
 QToolTip {{ color: {seen.ink}; background: {seen.tip}; border: 1px solid {seen.line}; padding: 3px; }}
 QMainWindow::separator {{ background: {seen.desk}; width: 5px; height: 5px; }}
 QMainWindow::separator:hover {{ background: {seen.line}; }}
+QDockWidget, QToolBar, QTabBar, QDockWidgetGroupWindow, CentralPages {{ widget-animation-duration: 0; }}
 QDockWidget {{ titlebar-close-icon: url({icon_file("close")}); titlebar-normal-icon: url({icon_file("float")}); }}
 QDockWidget::title {{ background: {seen.title}; padding: 4px 6px; text-align: left; }}
 QTabBar::close-button {{ image: url({icon_file("close")}); }}

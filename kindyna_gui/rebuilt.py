@@ -10,11 +10,14 @@ once the events at hand are done (``soon``).
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from PySide6.QtCore import QObject, QTimer
 from PySide6.QtGui import QActionGroup
-from PySide6.QtWidgets import QMenu, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QApplication, QMenu, QVBoxLayout, QWidget
+
+AGAIN_MS = 100  # between two looks whether what has gone can be deleted
 
 
 def take_away(part: QWidget, *sources: QObject) -> None:
@@ -28,15 +31,31 @@ def take_away(part: QWidget, *sources: QObject) -> None:
         for source in sources:
             source.disconnect(each)
     part.hide()
-    part.deleteLater()
+    let_go(part)
+
+
+def let_go(part: QObject) -> None:
+    """Delete it when the events at hand are done, and no dialog or menu is open: one of its own events may have opened that, and goes on
+    behind it."""
+    if QApplication.activeModalWidget() is None and QApplication.activePopupWidget() is None:
+        part.deleteLater()
+        return
+    again = QTimer(part, singleShot=True, interval=AGAIN_MS)
+    again.timeout.connect(partial(let_go, part))
+    again.start()
 
 
 def clear_menu(menu: QMenu) -> None:
-    """Take all entries out of a menu, with the groups and menus that were made for them."""
+    """Take all entries out of a menu, with the groups and menus that were made for them: one that has been chosen may have led here."""
+    gone = QObject(menu)
     for child in menu.children():
         if isinstance(child, QActionGroup | QMenu):
             child.deleteLater()
-    menu.clear()
+    for action in menu.actions():
+        menu.removeAction(action)
+        if action.parent() is menu:
+            action.setParent(gone)
+    let_go(gone)
 
 
 class Rebuilt(QWidget):
@@ -79,4 +98,4 @@ def soon(owner: QObject, deed: Callable[[], Any]) -> None:
     timer.start()
 
 
-__all__ = ["Rebuilt", "clear_menu", "soon", "take_away"]
+__all__ = ["Rebuilt", "clear_menu", "let_go", "soon", "take_away"]

@@ -15,6 +15,7 @@ from core.errors import KindynaError
 from core.project.files import write
 from core.study import Quantity, Study
 from kindyna_gui import dialogs, waiting
+from kindyna_gui.labels import reason
 from kindyna_gui.preferences.units import as_kept
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import View
@@ -79,8 +80,12 @@ def copy_picture(view: View) -> None:
     if view.no_picture:
         view.status_message.emit(f"Nothing is copied. {view.no_picture}")
         return
-    with as_kept():
-        image = QImage.fromData(view.picture(".png"))
+    try:
+        with as_kept():
+            image = QImage.fromData(view.picture(".png"))
+    except KindynaError as error:  # a drawing that cannot be put together yet
+        view.status_message.emit(f"Nothing is copied. {reason(view.session.design, error)}")
+        return
     QApplication.clipboard().setImage(image)
     view.status_message.emit(f"The picture is in the clipboard, {image.width()} × {image.height()} pixels")
 

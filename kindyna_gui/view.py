@@ -20,6 +20,7 @@ from PySide6.QtWidgets import (
     QVBoxLayout,
     QWidget,
 )
+from shiboken6 import isValid
 
 from core.design import Design
 from core.errors import KindynaError
@@ -75,22 +76,23 @@ class Turns(QObject):
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
-        self._waiting: dict[Callable[[], None], None] = {}
+        self._waiting: dict[Callable[[], None], QObject] = {}
         self._next = QTimer(self, singleShot=True, interval=0)
         self._next.timeout.connect(self._take)
 
-    def wait(self, do: Callable[[], None]) -> None:
-        """Do this in its turn; what waits already keeps its place."""
-        self._waiting.setdefault(do)
+    def wait(self, owner: QObject, do: Callable[[], None]) -> None:
+        """Do this in its turn, unless its owner has gone by then; what waits already keeps its place."""
+        self._waiting.setdefault(do, owner)
         if not self._next.isActive():
             self._next.start()
 
     def _take(self) -> None:
-        do = next(iter(self._waiting))
+        do, owner = next(iter(self._waiting.items()))
         del self._waiting[do]
         if self._waiting:
             self._next.start()
-        do()
+        if isValid(owner):
+            do()
 
 
 class ReasonPage(QScrollArea):
@@ -356,7 +358,7 @@ class View(QWidget):
 
     def in_turn(self, do: Callable[[], None]) -> None:
         """Do this part of ``refresh`` between two moves of the mouse."""
-        self._turns.wait(do)
+        self._turns.wait(self, do)
 
     # -- when ---------------------------------------------------------------------------------------------
 
@@ -379,7 +381,7 @@ class View(QWidget):
         """The design changed: refresh now, or when editing pauses, if on screen; else when shown."""
         self._stale = True
         if self._waits_its_turn:
-            self._turns.wait(self._take_turn)
+            self._turns.wait(self, self._take_turn)
         elif self.on_screen():
             if self.pause_ms:
                 self._pause.start()
@@ -466,7 +468,7 @@ class View(QWidget):
         """The view may have come into sight: catch up once the events at hand are done, what is read rather than watched
         after all others have been painted."""
         if self._stale and self._waits_its_turn:
-            self._turns.wait(self._take_turn)
+            self._turns.wait(self, self._take_turn)
         elif self.pause_ms and self._stale:
             soon(self, self._soon.start)
         else:

@@ -133,8 +133,8 @@ class Motion:
             told.update({n: self.heights[i] for n, i in zip(names, rows, strict=True)})
             first = rows[0]
             told["vcv" if rows is ups else "vcv2"] = abs(self.at(first, 1.0)[1])
-            if len(rows) == 3 and "length" not in told:
-                told["length"] = self.spans[rows[1]]
+            if len(rows) == 3:
+                told["length2" if "length" in told else "length"] = self.spans[rows[1]]
         if ups and downs:
             told["peak"] = self.start + sum(self.spans[i] for i in ups)
         return told

@@ -33,8 +33,6 @@ from kindyna_gui.window.docks import VIEWS
 from kindyna_gui.window.main_window import MainWindow
 from kindyna_gui.window.tasks import TASKS
 
-DIGITS = (K.Key_1, K.Key_2, K.Key_3, K.Key_4, K.Key_5, K.Key_6)
-
 
 class Actions:
     """The hands of a random user at a window, or at a dialog in front of it."""
@@ -417,7 +415,7 @@ class Actions:
                 button = bar.widgetForAction(bar.actions()[number])
                 QTest.mouseClick(button, Qt.MouseButton.LeftButton)
             else:
-                QTest.keyClick(QApplication.focusWidget() or self.window, DIGITS[number], CTRL)
+                QTest.keyClick(QApplication.focusWidget() or self.window, K(K.Key_1 + number), CTRL)
             QTest.qWait(self.rng.choice((0, 1, 20)))
         if self.rng.random() < 0.1:
             self.note("  Reset layout")

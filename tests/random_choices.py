@@ -11,7 +11,7 @@ WEIGHTS: Mapping[str, int] = MappingProxyType(
     {
         "menu": 14, "open_example": 6, "new_design": 2, "open_file": 3, "question": 6, "keys": 12, "field": 14, "button": 9, "table": 10,
         "mouse": 8, "drag": 5, "drag_join": 6, "drag_joint": 6, "wheel": 5, "undo_redo": 7, "resize": 2, "dock": 4, "play": 3,
-        "view": 4, "task": 6, "curves": 6, "draw": 6,
+        "view": 4, "task": 6, "curves": 6, "draw": 6, "empty_lines": 10, "lesson": 5, "study": 8, "variants": 5, "close_and_open": 1,
     }
 )  # fmt: skip
 """Name of an action -> how often it is chosen."""
@@ -36,6 +36,8 @@ KEYS = (
     *((key, SHIFT) for key in (K.Key_Tab, K.Key_Left, K.Key_Right, K.Key_Up, K.Key_Down)),
     *((key, ALT) for key in (K.Key_Left, K.Key_Right, K.Key_Up, K.Key_Down)),
 )  # fmt: skip
+ENDS = (K.Key_Return, K.Key_Return, K.Key_Tab, K.Key_Escape)
+"""Keys that end what is typed into a line."""
 DRAWING = (
     *((key, NO) for key in (*map(K, b"VPBBBLSGGTRWMFKC"), K.Key_Return, K.Key_Delete, K.Key_Escape)),
     *((key, CTRL) for key in map(K, b"DJWRACVZZY")),
@@ -54,6 +56,20 @@ QUESTIONS = (
     ("File", "Export", "Report as text..."),
     ("File", "Report..."),
     ("File", "Export", "Animation..."),
+    ("File", "New..."),
+    ("File", "Import linkage..."),
+    ("File", "Import controller table..."),
+    ("File", "Add this design to a shaft..."),
+    ("Edit", "Pin a file..."),
+    ("Edit", "Scale the design..."),
+    ("Edit", "Preferences..."),
+    ("Make", "Blend a sequence..."),
+    ("Make", "Motion from a DXF curve..."),
+    ("Make", "Segment from table..."),
+    ("Make", "Motion from a design or file..."),
+    ("Make", "Motion that follows from files..."),
+    ("Compo", "Underlay..."),
+    ("Compo", "Circuits..."),
     ("Compo", "Choose a mechanism..."),
     ("Compo", "Layout"),
     ("Compo", "Driver"),
@@ -63,4 +79,4 @@ QUESTIONS = (
 )
 SIZES = ((1440, 900), (1280, 720), (1280, 800), (1024, 700), (800, 600), (1920, 1200))
 
-__all__ = ["AREAS", "CTRL", "DRAWING", "KEYS", "NO", "NUMBERS", "QUESTIONS", "SHIFT", "SIZES", "WEIGHTS", "K"]
+__all__ = ["AREAS", "CTRL", "DRAWING", "ENDS", "KEYS", "NO", "NUMBERS", "QUESTIONS", "SHIFT", "SIZES", "WEIGHTS", "K"]

@@ -34,12 +34,12 @@ import pyqtgraph
 from PySide6.QtCore import Qt, QTimer, QtMsgType, qInstallMessageHandler
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
-from random_actions import Actions
 from random_choices import WEIGHTS
 from random_dialogs import Answers, activate
 from random_files import write_files
+from random_visits import Visits
 
-from core.project import load, save
+from core.project import load_drawing, save
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.places import examples
 from kindyna_gui.window.main_window import MainWindow, open_window
@@ -55,7 +55,7 @@ HARMLESS = (
 )
 
 
-class RandomUser(Actions):
+class RandomUser(Visits):
     """One user at one window.
 
     actions  the last actions, a line each
@@ -75,7 +75,7 @@ class RandomUser(Actions):
         self._pulse = QTimer(interval=20)
         self._pulse.timeout.connect(self._beat)
         self._pulse.start()
-        self._last = time.process_time()
+        self._last = time.thread_time()
 
     # -- what is wrong ------------------------------------------------------------------------------------
 
@@ -102,7 +102,7 @@ class RandomUser(Actions):
         qInstallMessageHandler(hear)
 
     def _beat(self) -> None:
-        now = time.process_time()
+        now = time.thread_time()
         if now - self._last > STALL_S:
             self.blame(f"stall: events waited while {now - self._last:.1f} s were computed")
         self._last = now
@@ -116,12 +116,17 @@ class RandomUser(Actions):
         self.answers.rng = Random(f"{self.seed}:{self.number}:answers")
         (name,) = self.rng.choices(list(WEIGHTS), list(WEIGHTS.values()))
         self.note(f"{self.number} {name}")
-        self._last = time.process_time()
+        self._last = time.thread_time()
+        self.attempt(getattr(self, name))
+
+    def attempt(self, deed: Callable[[], object]) -> None:
+        """Do it and settle; an exception is blamed on it."""
         try:
-            getattr(self, name)()
+            deed()
             self.settle()
         except RuntimeError as error:
-            if "already deleted" not in str(error):  # a widget that the action itself has taken away
+            own = traceback.extract_tb(error.__traceback__)[-1].filename.startswith(str(Path(__file__).parent))
+            if not own or "already deleted" not in str(error):  # else a widget that the action itself has taken away
                 self.blame(traceback.format_exc())
         except Exception:
             self.blame(traceback.format_exc())
@@ -147,7 +152,7 @@ class RandomUser(Actions):
         self.settle()
         path = folder / "at the end.toml"
         save(self.window.session.design, path)
-        if load(path) != self.window.session.design:
+        if load_drawing(path) != self.window.session.design:
             self.blame("the design at the end comes back from its file as another one")
         self.window.session.stack.setClean()
         self.window.close()
@@ -187,7 +192,7 @@ def use(seed: int, seconds: float, actions: int, warm: int, notes: Callable[[str
     if user.number > warm and (grown := resident() - before) > MOST_GROWTH:
         user.blame(f"memory: {grown / 1e6:.0f} MB more after {user.number} actions than after {warm}")
     if not user.wrong:
-        user.finish(home)
+        user.attempt(lambda: user.finish(home))
     if user.wrong:
         lines = (
             f"seed {seed}: wrong at action {user.number}. The last actions:",

@@ -7,6 +7,7 @@ from core.blend.feasible import OpenSettings, feasible_ranges, openings
 from core.blend.request import (
     FLATS,
     LEAST_SPAN,
+    LENGTHS,
     MAY_VANISH,
     SETTINGS,
     SIZES,
@@ -43,6 +44,7 @@ __all__ = [
     "FLATS",
     "GOALS",
     "LEAST_SPAN",
+    "LENGTHS",
     "MAY_VANISH",
     "MOTION_TYPES",
     "SETTINGS",

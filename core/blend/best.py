@@ -12,7 +12,7 @@ import numpy as np
 from core.blend.evaluator import Evaluator, constant, law_of, logarithm
 from core.blend.family import BlendSolution
 from core.blend.feasible import dependent, refusal, wrong_number
-from core.blend.request import Blended, BlendError, Constraint, Request
+from core.blend.request import LENGTHS, Blended, BlendError, Constraint, Request
 from core.blend.search import Quantity, least, log_accelerations
 from core.blend.sequences import CONSTANT
 from core.blend.solver import BlendCandidate, Problem, candidates
@@ -55,8 +55,8 @@ def blend(request: Request) -> Blended:
 
 
 def best(request: Request, goal: str) -> Blended:
-    """The gentlest motion by a goal of ``GOALS`` among all sequences of the request, its settings kept; ``length`` is the
-    least that the constant velocity may last.
+    """The gentlest motion by a goal of ``GOALS`` among all sequences of the request, its settings kept; ``length`` and ``length2``
+    are the least that the constant velocities may last.
 
     Raises BlendError; also where a constant velocity is wanted and the gentlest would have none.
     """
@@ -76,9 +76,12 @@ def best(request: Request, goal: str) -> Blended:
     if winner is None:
         raise _nothing(request)
     _, candidate, solution = winner
-    rows = zip(solution.sequence.curves, solution.heights, strict=True)
-    if any(h <= NEGLIGIBLE * max(solution.heights) for name, h in rows if name in CONSTANT):
-        raise BlendError(f"best {goal}: the gentlest has no constant velocity left; give its length or height")
+    heights = dict(zip(solution.sequence.curves, solution.heights, strict=True))
+    for curve, length in _stretches(solution).items():
+        if heights[curve] <= NEGLIGIBLE * max(solution.heights) and length not in request.settings:
+            stroke, height = ("rise", "h2") if curve in solution.sequence.rise else ("return", request.spelled("h5"))
+            missing = f"no constant velocity left on the {stroke}; give {length} or {height}"
+            raise BlendError(f"best {goal}: the gentlest has {missing}")
     return candidate.answer(request, solution)
 
 
@@ -94,30 +97,28 @@ def _nothing(request: Request) -> BlendError:
 
 def _best_of(request: Request, candidate: BlendCandidate, goal: Goal) -> BlendSolution | None:
     """The best of a sequence; None where the settings leave nothing."""
-    length = request.settings.get("length", 0.0)
-    constraints = [c for c in request.constraints if c.name != "length"]
+    lengths = {name: request.settings[name] for name in LENGTHS if request.settings.get(name)}
+    constraints = [c for c in request.constraints if c.name not in LENGTHS]
     if not (candidate.takes(constraints) and candidate.has(request.constraints)):
         return None
     problem = candidate.problem(request, constraints)
     is_complete = candidate.freedom == len(constraints)
-    if length and not is_complete and not dependent(request, candidate, request.constraints):
-        return _searched(problem, goal, length)
-    able = problem.solutions() if is_complete else [_searched(problem, goal, 0.0)]
-    long_enough = [s for s in able if s is not None and _length(s) >= length * (1.0 - 1e-12)]
+    if lengths and not is_complete and not dependent(request, candidate, request.constraints):
+        return _searched(problem, goal, lengths)
+    able = problem.solutions() if is_complete else [_searched(problem, goal, {})]
+    long_enough = [s for s in able if s is not None and _lasts(s, lengths)]
     return min(long_enough, key=partial(_peak, goal=goal), default=None)
 
 
-def _searched(problem: Problem, goal: Goal, length: float) -> BlendSolution | None:
+def _searched(problem: Problem, goal: Goal, lengths: Mapping[str, float]) -> BlendSolution | None:
     """The best over the numbers that the constraints leave free. In logarithms: the same for slow and fast motions."""
-    evaluator, limits = problem.evaluator, []
+    evaluator = problem.evaluator
     goals: list[Quantity] = [
         partial(_log_peak, evaluator, goal, row) for row in evaluator.curves if _coefficient(row[0], goal[0])
     ]
     if evaluator.family.flats:  # the only goal is the acceleration
         goals = log_accelerations(evaluator)
-    if length:
-        share = Constraint("length", length / problem.task.span)
-        limits = [partial(evaluator.missed, share)]
+    limits = [partial(evaluator.missed, Constraint(name, each / problem.task.span)) for name, each in lengths.items()]
     result = least(evaluator, problem.constraints, goals, limits)
     if result is None:
         return None
@@ -157,7 +158,12 @@ def _coefficient(curve: str, which: int) -> float:
     return (result.ca, result.cj, result.cm)[which]
 
 
-def _length(solution: BlendSolution) -> float:
-    """Span of the constant velocity [deg]: of the rise where it has one."""
-    rows = zip(solution.sequence.curves, solution.spans, strict=True)
-    return next((span for name, span in rows if name in CONSTANT), 0.0)
+def _stretches(solution: BlendSolution) -> dict[str, str]:
+    """Each constant velocity of a solution -> the setting of its span."""
+    return dict(zip((name for name in solution.sequence.curves if name in CONSTANT), LENGTHS, strict=False))
+
+
+def _lasts(solution: BlendSolution, lengths: Mapping[str, float]) -> bool:
+    """Whether the constant velocities are as long as given [deg]."""
+    spans = dict(zip(solution.sequence.curves, solution.spans, strict=True))
+    return all(spans[curve] >= lengths.get(name, 0.0) * (1.0 - 1e-12) for curve, name in _stretches(solution).items())

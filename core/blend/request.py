@@ -21,10 +21,12 @@ FLATS = ("flat1", "flat3", "flat4", "flat6")
 """Span of the constant acceleration inside the curve of that height [deg]: C1, C2, C3 or C4."""
 SIZES = ("a1", "a3", "a4", "a6")
 """Its size [per deg²]."""
+LENGTHS = ("length", "length2")
+"""Span of the constant velocity [deg]: of the rise, or of a return that alone has one; of the return beside one of the rise."""
 SPANS = ("span1", "span3", "span4", "span6")
 """Span of the curve itself: none to be set, but what limits that of its constant acceleration."""
-SETTINGS = (*HEIGHTS, "vcv", "vcv2", "length", "peak", "acceleration", *FLATS, *SIZES)
-MAY_VANISH = ("h2", "h5", "length")
+SETTINGS = (*HEIGHTS, "vcv", "vcv2", *LENGTHS, "peak", "acceleration", *FLATS, *SIZES)
+MAY_VANISH = ("h2", "h5", *LENGTHS)
 """What may be 0: a constant velocity of no length, where the curves about it meet."""
 POINT = "point"
 LEAST_SPAN = 1e-3
@@ -46,7 +48,7 @@ _OF_A_RETURN = {
     "a1": "a4",
     "a3": "a6",
 }
-UNITS = {"length": "deg", "peak": "deg", "vcv": "{u}/deg", "vcv2": "{u}/deg", "acceleration": "{u}/deg^2",
+UNITS = {**dict.fromkeys(LENGTHS, "deg"), "peak": "deg", "vcv": "{u}/deg", "vcv2": "{u}/deg", "acceleration": "{u}/deg^2",
          **dict.fromkeys((*FLATS, *SPANS), "deg"), **dict.fromkeys(SIZES, "{u}/deg^2")}  # fmt: skip
 
 
@@ -80,7 +82,7 @@ def hardest_first(constraints: Sequence[Constraint]) -> list[Constraint]:
 
 def unit_of(name: str, task: BlendTask) -> float:
     """What a setting is where stroke of the rise and span are 1 and so is the setting."""
-    if name in ("length", "peak", *FLATS):
+    if name in (*LENGTHS, "peak", *FLATS):
         return task.span
     if name in SPANS:  # c h/V of half a cycloid
         return 2.0 * task.span
@@ -105,8 +107,8 @@ def speed_at(height: str) -> str:
 
 def ratio(name: str, family: Family) -> tuple[str, str]:
     """A linear setting as a form divided by another; an empty name is 1."""
-    if name == "length":
-        return ("h2", "W") if family.has_constant_rise else ("h5", "R")
+    if name in LENGTHS:
+        return ("h2", "W") if name == "length" and family.has_constant_rise else ("h5", "R")
     if name == "peak":
         return "up", "W"
     if name in SPANS:
@@ -170,7 +172,7 @@ class Request:
     stroke    of the rise [unit of the motion]; ``return_stroke`` the same where not given (0)
     start, end  cam angles [deg] the blended curves take
     constant  constant velocity in ``none``, ``rise``, ``return`` or ``both``
-    settings  h1 ... h6, vcv, vcv2 [per deg], length, peak [deg; peak is a cam angle], acceleration [per deg²]; flat1, flat3,
+    settings  h1 ... h6, vcv, vcv2 [per deg], length, length2, peak [deg; peak is a cam angle], acceleration [per deg²]; flat1, flat3,
               flat4, flat6 [deg]: span of a constant acceleration inside the curve of that height, which is a freedom and its
               value at once; a1, a3, a4, a6 [per deg²]: its size
     points    (cam angle [deg], displacement above the lowest level): precision points to pass, each counts as a setting

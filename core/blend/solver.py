@@ -200,7 +200,12 @@ class BlendCandidate:
         if len(rise) > 1:
             names |= {"h1", "h3", "vcv", *(("h2", "length") if len(rise) == 3 else ())}
         if len(back) > 1:
-            names |= {"h4", "h6", "vcv2", *(("h5", "length") if len(back) == 3 else ())}
+            names |= {
+                "h4",
+                "h6",
+                "vcv2",
+                *(("h5", "length2" if len(rise) == 3 else "length") if len(back) == 3 else ()),
+            }
         if rise and back:
             names.add("peak")
         return frozenset(names)

@@ -94,6 +94,7 @@ def second_kinematics(kinematics: Kinematics, body: str, point: str) -> Kinemati
         residual=lambda: kinematics.residual,
         condition=lambda: kinematics.condition,
         singular=lambda: kinematics.singular,
+        transmission=lambda: kinematics.transmission,
         carrier=carrier,
         by_driver=lambda: kinematics.by_driver,
     )

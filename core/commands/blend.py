@@ -110,7 +110,7 @@ class Arguments:
     )
     set: tuple[tuple[str, float], ...] = typed(
         f"{' | '.join(SETTINGS)}; flat1: span of a constant acceleration inside the curve of h1, a1: its size; "
-        "with --best, length is the least length of the stretch at constant velocity",
+        "length, length2: span of the constant velocity, of the return where the rise has one too; with --best the least span",
         default=(),
         action="append",
         type=_setting,

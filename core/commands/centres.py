@@ -11,7 +11,7 @@ from core.frozen import frozen
 from core.output.position import centres_data, snapshot
 from core.output.summary import to_json
 from core.project import load_one
-from core.project.files import write_all
+from core.project.files import write_into
 from core.requests import asked
 from core.study import Study
 
@@ -34,6 +34,6 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
         made: dict[str, str | bytes] = {"centres.json": text}
         if study.design.drive.links:
             made.update(pictures(painter, snapshot(study, arguments.angle_deg)))
-        write_all(arguments.out, made)
+        write_into(arguments.out, made)
     print(text, end="")
     return DONE

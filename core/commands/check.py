@@ -40,7 +40,7 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
     print(
         f"{printable(study.design.name)}: {len(findings)} findings, {kept} of {len(proof)} residuals within their bounds"
     )
-    return verdict_on(findings)
+    return verdict_on(findings, proof)
 
 
 def _finished(path: Path) -> Design:

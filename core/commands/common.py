@@ -9,14 +9,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from core.bounds import number_from_one
 from core.commands import DONE, DONE_WITH_ERRORS, Drawn, Painter
 from core.design import BALANCER, Design, in_machine, path_in
 from core.design.fields import whole
 from core.errors import KindynaError, NoAnswer
-from core.findings import ERROR, Finding
+from core.findings import ERROR, Finding, Residual
 from core.project import load, number_of, one_of
 from core.requests import typed
-from core.study import SAMPLES, Study, findings_of
+from core.study import SAMPLES, Study, certificate_of, findings_of
 
 LEAST_SAMPLES, MOST_SAMPLES = 4, 5_000_000
 
@@ -45,7 +46,7 @@ def picture_size(least: int, most: int) -> Callable[[str], tuple[int, int]]:
 
     def read(text: str) -> tuple[int, int]:
         sides = text.replace("×", "x").split("x")
-        if len(sides) != 2 or not all(side.isdecimal() and least <= int(side) <= most for side in sides):
+        if len(sides) != 2 or not all(number_from_one(side, most) >= least for side in sides):
             allowed = f"WIDTHxHEIGHT, each {least} ... {most} pixels, such as 1440x900"
             raise argparse.ArgumentTypeError(f"{text!r}: size of a picture; allowed: {allowed}")
         return int(sides[0]), int(sides[1])
@@ -138,13 +139,14 @@ def in_file(findings: Iterable[Finding], whole: Design, number: int) -> list[Fin
 
 
 def verdict(study: Study, stages: Sequence[str] = ()) -> int:
-    """The exit code: whether a finding of the stages (all where none is named) is an error."""
-    return verdict_on(findings_of(study, tuple(stages)))
+    """The exit code: whether a finding of the stages (all where none is named) is an error, or a residual exceeds its bound."""
+    return verdict_on(findings_of(study, tuple(stages)), certificate_of(study, tuple(stages)))
 
 
-def verdict_on(findings: Iterable[Finding]) -> int:
-    """The exit code: whether one of these is an error."""
-    return DONE_WITH_ERRORS if any(f.severity == ERROR for f in findings) else DONE
+def verdict_on(findings: Iterable[Finding], certificate: Mapping[str, Residual]) -> int:
+    """The exit code: whether one of these findings is an error, or a residual of the certificate exceeds its bound."""
+    bad = any(f.severity == ERROR for f in findings) or not all(residual.kept for residual in certificate.values())
+    return DONE_WITH_ERRORS if bad else DONE
 
 
 def pictures(painter: Painter | None, *drawn: Drawn) -> Mapping[str, bytes]:

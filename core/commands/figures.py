@@ -12,7 +12,7 @@ from core.frozen import frozen
 from core.output.paper_files import claims_text, rows_data, table_file, tables_of
 from core.output.summary import to_json
 from core.papers import PAPERS, Claim, Examples, claims
-from core.project.files import write_all
+from core.project.files import write_into
 from core.requests import asked, typed
 
 ALL = "all"
@@ -40,7 +40,7 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
         text = "\n".join(
             claims_text(f"{PAPERS[paper].label}: {PAPERS[paper].title}", each) for paper, each in found.items()
         )
-    write_all(arguments.out, made)
+    write_into(arguments.out, made)
     print(text, end="")
     return DONE
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+from core.bounds import number_from_one
 from core.commands import DONE, DONE_WITH_ERRORS, NOTHING_DONE, Painter
 from core.commands.common import as_json, ending_with, picture_size
 from core.design.fields import Info, flag, number
@@ -228,10 +229,10 @@ def _graph(arguments: Arguments, source_of: Callable[[str], Source]) -> Graph:
         graph = add_curve(graph, replace(each, source=_file(each.source, names), minus=""))
     for i, each in enumerate(rows):
         if each.minus:
-            if not (each.minus.isdecimal() and 1 <= int(each.minus) <= len(graph.curves)):
+            if not (row := number_from_one(each.minus, len(graph.curves))):
                 raise KindynaError(f"minus={each.minus}: number of a curve; allowed: 1 ... {len(graph.curves)}")
             at = begin + i
-            changed = replace(graph.curves[at], minus=graph.curves[int(each.minus) - 1].key)
+            changed = replace(graph.curves[at], minus=graph.curves[row - 1].key)
             graph = replace(graph, curves=(*graph.curves[:at], changed, *graph.curves[at + 1 :]))
     x, left, right = (_scale(getattr(graph, side), arguments, side) for side in ("x", "left", "right"))
     return replace(
@@ -266,8 +267,8 @@ def _usual(name: str, source: Source) -> list[GraphCurve]:
 def _file(source: str, names: Sequence[str]) -> str:
     if not source and names:
         return names[0]
-    if source.isdecimal() and 1 <= int(source) <= len(names):
-        return names[int(source) - 1]
+    if file := number_from_one(source, len(names)):
+        return names[file - 1]
     if source in names:
         return source
     raise KindynaError(f"file={source}: number of a file; allowed: 1 ... {len(names)}")

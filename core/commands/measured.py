@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from core.bounds import ROWS, number_from_one
 from core.commands import DONE, Painter
 from core.commands.common import as_json, drive_name
 from core.design import Design, Info, only, require_motion, with_only
@@ -16,7 +17,6 @@ from core.measured import (
     ALL_DETECTED,
     DECIMALS,
     DELIMITERS,
-    MOST_BYTES,
     ColumnChoice,
     Errors,
     Switches,
@@ -25,6 +25,7 @@ from core.measured import (
     into_design,
     is_workbook,
     layout,
+    mirrored,
     read_sheet,
     read_table,
     read_workbook,
@@ -59,10 +60,10 @@ def line_numbers(text: str) -> tuple[int, ...]:
     """``57,60-63``. Raises argparse.ArgumentTypeError."""
     found: list[int] = []
     for part in text.split(","):
-        first, _, last = (each.strip() for each in part.partition("-"))
-        if not first.isdecimal() or (last and not last.isdecimal()) or int(last or first) - int(first) > 10**6:
+        ends = [number_from_one(each.strip(), ROWS) for each in part.split("-")]
+        if len(ends) > 2 or not all(ends) or len(found) + ends[-1] - ends[0] > ROWS:
             raise argparse.ArgumentTypeError(f"{part!r}: lines to be left out; allowed: 57,60-63")
-        found += range(int(first), int(last or first) + 1)
+        found += range(ends[0], ends[-1] + 1)
     return tuple(found)
 
 
@@ -131,6 +132,7 @@ class Arguments:
         metavar="DEG=KIND,...",
     )
     keep_all: bool = flag("All rows", help="fit wrong rows, too, and rows that contradict each other")
+    mirror: bool = flag("Mirror", help="the rows are half a lobe, which is reflected in the row of its largest lift")
     controller: str = typed(
         "the table is of this controller, a row of the table of controllers, and read exactly",
         default="",
@@ -178,7 +180,7 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
             save(with_only(whole, which, put_into(design, found)), arguments.into, in_place=True)
         print(to_json(motion_facts(found)) if arguments.json else motion_text(found), end="")
         return DONE
-    data, name = read_bytes(arguments.table, MOST_BYTES), arguments.table.name
+    data, name = read_bytes(arguments.table), arguments.table.name
     if is_workbook(data):
         sheet = read_workbook(data, name, arguments.sheet, arguments.range)
     else:
@@ -187,7 +189,7 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
         return _segment(arguments, sheet, whole, which)
     table = read_table(sheet, layout(sheet, arguments.columns, unit, speed), speed, arguments.leave_out)
     fitted = fit(
-        table,
+        mirrored(table) if arguments.mirror else table,
         arguments.error,
         arguments.lowest,
         arguments.keep_all,

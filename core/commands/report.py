@@ -15,7 +15,7 @@ from core.output.report import report
 from core.output.report.document import ENDINGS, PARTS, Cover, Printed, document
 from core.output.summary import summary, to_json
 from core.project import load
-from core.project.files import write, write_all
+from core.project.files import write, write_into
 from core.requests import typed
 from core.study import Study
 
@@ -47,7 +47,7 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
     text = report(study)
     if arguments.out is not None:
         made: dict[str, str | bytes] = {"report.txt": text, "summary.json": to_json(summary(bounded(study)))}
-        write_all(arguments.out, {**made, **_pictures(study, painter)})
+        write_into(arguments.out, {**made, **_pictures(study, painter)})
     print(text, end="")
     return verdict(study)
 

@@ -18,7 +18,7 @@ from core.output.stability_files import needed_text, stability_files
 from core.papers import PAPERS, Examples, claims
 from core.papers.kim1990 import EXAMPLE, require_kim
 from core.project import load
-from core.project.files import write_all
+from core.project.files import write_into
 from core.requests import asked, number_reader, typed
 from core.stability import ETA_MAX, Stability, flexible
 from core.stability.critical_speeds import USUAL_ETA, USUAL_Q, Machine
@@ -134,7 +134,7 @@ def _machine(study: Study, shaft: Stability, arguments: Arguments, painter: Pain
     if arguments.out is not None:
         made, drawn = stability_files(study, shaft, arguments.q, points, arguments.periods, arguments.eta_max)
         made["report.txt"] = f"{made['report.txt']!s}{told}"
-        write_all(arguments.out, {**made, **pictures(painter, *drawn)})
+        write_into(arguments.out, {**made, **pictures(painter, *drawn)})
     print(text, end="")
     for line in needed:
         print(line)
@@ -152,6 +152,6 @@ def _claims(study: Study, shaft: Stability, arguments: Arguments, painter: Paint
         made, chart, figures = kim_files(examples, shaft, arguments.periods, arguments.eta_max or ETA_MAX)
         painted = pictures(painter, chart, *figures)
         named = {name.replace("stability", "figure_8"): data for name, data in painted.items()}
-        write_all(arguments.out, {"claims.txt": text, **made, **named})
+        write_into(arguments.out, {"claims.txt": text, **made, **named})
     print(text, end="")
     return DONE

@@ -93,17 +93,21 @@ def at_text(z: complex) -> str:
 
 def _opened(data: bytes, name: str) -> tuple[int, list[Entity]]:
     """Code of the unit, and the entities of the model space."""
-    for encoding in ("utf-8", "cp1252", "latin-1"):
-        try:
-            text = data.decode(encoding)
-            break
-        except UnicodeDecodeError:
-            continue
     try:
-        return read_dxf(text)
+        return read_dxf(text_of(data))
     except NoDrawing as error:
         reason = " ".join(str(error).split())[:120]
         raise DrawingError(f"{name}: not a DXF drawing in text form ({reason}); save it as ASCII DXF") from error
+
+
+def text_of(data: bytes) -> str:
+    """The text of a drawing's bytes, in whichever encoding."""
+    for encoding in ("utf-8", "cp1252"):
+        try:
+            return data.decode(encoding)
+        except UnicodeDecodeError:
+            continue
+    return data.decode("latin-1")
 
 
 def _unit(code: int, name: str, unit: str) -> tuple[str, float]:

@@ -4,28 +4,27 @@ of a DXF."""
 from __future__ import annotations
 
 import cmath
-import io
 import json
 import math
 import os
-import tomllib
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from core.contour.drawing import DrawingError
-from core.errors import FileError
+from core.contour.drawing import DrawingError, text_of
+from core.contour.dxf import NoDrawing, read_drawing
+from core.contour.polylines import Layout
+from core.errors import DesignError, FileError
 from core.frozen import frozen
-from core.project.files import read_bytes, read_text, write
+from core.project import parsed
+from core.project.files import read_bytes, read_text, remove, write_into
 
-MOST_BYTES = 50_000_000
 PICTURES = (".png", ".jpg", ".jpeg", ".svg")
 DXF = ".dxf"
 ENDINGS = (*PICTURES, DXF)
 _UNITS_MM = {1: 25.4, 2: 304.8, 4: 1.0, 5: 10.0, 6: 1000.0}  # $INSUNITS -> mm
-_FLAT = 500.0  # parts of its size by which the lines of a curve leave it
 _RANGES = {
     "x_mm": (-1e6, 1e6), "y_mm": (-1e6, 1e6), "scale_mm_per_unit": (1e-9, 1e6), "angle_deg": (-360.0, 360.0), "opacity": (0.0, 1.0),
 }  # fmt: skip
@@ -94,9 +93,9 @@ def read_underlay(design: Path) -> Underlay | None:
     if not path.is_file():
         return None
     try:
-        table = tomllib.loads(read_text(path))
-    except tomllib.TOMLDecodeError as error:
-        raise FileError(f"{path}: {error}; mend it, or delete it") from None
+        table = parsed(read_text(path), str(path))
+    except DesignError as error:
+        raise FileError(f"{error}; mend it, or delete it") from None
     file, locked = table.pop("file", None), table.pop("locked", False)
     if not isinstance(file, str) or not file:
         raise FileError(f"{path}: file: the name of a picture is wanted: {' | '.join(ENDINGS)}")
@@ -112,18 +111,26 @@ def read_underlay(design: Path) -> Underlay | None:
 
 
 def keep_underlay(design: Path, underlay: Underlay | None) -> None:
-    """Write it beside the design's file; None takes it away. Raises FileError."""
+    """Write it beside the design's file; None takes it away. Raises FileError, also where a file in that place is no underlay, or
+    is to be taken away and was not written here."""
     path = sidecar(design)
-    if underlay is None:
-        path.unlink(missing_ok=True)
-        return
+    before = read_underlay(design)
+    if underlay is not None:
+        write_into(path.parent, {path.name: _text(path.parent, underlay)})
+    elif before is not None:
+        if read_text(path) != _text(path.parent, before):
+            raise FileError(f"{path}: was not written by this program; delete it")
+        remove(path)
+
+
+def _text(folder: Path, underlay: Underlay) -> str:
     try:
-        file = Path(os.path.relpath(underlay.file, path.parent)).as_posix()
+        file = Path(os.path.relpath(underlay.file, folder)).as_posix()
     except ValueError:  # on another drive
         file = underlay.file.as_posix()
     rows = [f"file = {json.dumps(file, ensure_ascii=False)}"]
     rows += [f"{name} = {getattr(underlay, name)!r}" for name in _RANGES]
-    write(path, "\n".join([*rows, f"locked = {str(underlay.locked).lower()}"]) + "\n")
+    return "\n".join([*rows, f"locked = {str(underlay.locked).lower()}"]) + "\n"
 
 
 # -- a DXF ------------------------------------------------------------------------------------------------
@@ -131,58 +138,36 @@ def keep_underlay(design: Path, underlay: Underlay | None) -> None:
 
 @frozen(eq=False)
 class DxfLines:
-    """The lines of a DXF [its units], each through points (n,) complex; its corners and centres (k,) complex; and the mm of a unit, 1
-    where its header states none."""
+    """The lines of a DXF [its units], each through points (n,) complex; its corners and centres (k,) complex; the mm of a unit, 1 where its
+    header states none; and what is left out of it, a line each."""
 
     lines: tuple[np.ndarray, ...]
     corners: np.ndarray
     centres: np.ndarray
     unit_mm: float
+    notes: tuple[str, ...] = ()
 
 
 def read_lines(path: Path) -> DxfLines:
     """The lines of the model space of a DXF, blocks included, without layers that are off or frozen. Raises FileError, DrawingError."""
-    data = read_bytes(path, MOST_BYTES)
-    from ezdxf import recover
-    from ezdxf.disassemble import recursive_decompose
-    from ezdxf.lldxf.const import DXFError
-    from ezdxf.path import make_path
-
+    data = read_bytes(path)
     try:
-        drawing, _ = recover.read(io.BytesIO(data))
-    except (DXFError, OSError, ValueError) as error:
-        raise DrawingError(f"{path.name}: not a DXF drawing ({' '.join(str(error).split())[:120]})") from None
-    hidden = {layer.dxf.name.lower() for layer in drawing.layers if layer.is_off() or layer.is_frozen()}
-    lines: list[np.ndarray] = []
-    corners: dict[complex, None] = {}
-    centres: dict[complex, None] = {}
-    whole: Any
-    for whole in recursive_decompose(drawing.modelspace()):
-        if whole.dxf.get("layer", "0").lower() in hidden:
-            continue
-        for entity in whole.virtual_entities() if whole.dxftype() in ("LWPOLYLINE", "POLYLINE") else (whole,):
-            if entity.dxftype() == "POINT":
-                corners[_flat(entity.dxf.location)] = None
-            elif entity.dxftype() in ("LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE"):
-                curve = make_path(entity)
-                box = np.array([_flat(at) for at in curve.control_vertices()])
-                size = float(np.abs(box - box[:1]).max(initial=0.0))
-                if not math.isfinite(size) or size == 0.0:
-                    continue
-                lines.append(np.array([_flat(at) for at in curve.flattening(size / _FLAT)]))
-                if entity.dxftype() in ("ARC", "CIRCLE"):
-                    centres[_flat(entity.ocs().to_wcs(entity.dxf.center))] = None
-                elif entity.dxftype() == "ELLIPSE":
-                    centres[_flat(entity.dxf.center)] = None
-                if not curve.is_closed:
-                    corners |= {_flat(curve.start): None, _flat(curve.end): None}
-    unit = _UNITS_MM.get(int(drawing.header.get("$INSUNITS", 0)), 1.0)
-    return DxfLines(tuple(lines), np.array(list(corners), complex), np.array(list(centres), complex), unit)
+        drawing = read_drawing(text_of(data))
+    except NoDrawing as error:
+        raise DrawingError(
+            f"{path.name}: not a DXF drawing in text form ({' '.join(str(error).split())[:120]})"
+        ) from None
+    layout = Layout(drawing)
+    drawn = layout.model()
+    lines = np.split(_flat(drawn.points), drawn.starts[1:]) if drawn.starts.size else []
+    corners, centres = (np.unique(_flat(each)) for each in (drawn.corners, drawn.centres))
+    return DxfLines(tuple(lines), corners, centres, _UNITS_MM.get(drawing.unit, 1.0), tuple(layout.notes))
 
 
-def _flat(at: Any) -> complex:
-    """Rounded by less than anybody draws, so that ends that meet are one corner."""
-    return complex(round(at.x, 9) + 0.0, round(at.y, 9) + 0.0)
+def _flat(points: np.ndarray) -> np.ndarray:
+    """Points (n, 3) in the plane, complex; rounded by less than anybody draws, so that ends that meet are one corner."""
+    known = points[np.isfinite(points).all(axis=1)] if len(points) else points
+    return np.round(known[:, 0], 9) + 1j * np.round(known[:, 1], 9) + 0.0
 
 
 def snap_points(underlay: Underlay) -> tuple[np.ndarray, np.ndarray]:

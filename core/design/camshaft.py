@@ -14,6 +14,7 @@ from core.design.parts import Shaft
 from core.design.paths import all_paths, followed, row_at
 from core.design.whole import Design, Drive, TimingRow
 from core.errors import DesignError, Fault
+from core.file_names import no_device
 
 BALANCER = "balancer"
 """What the balance cam is called where a drive is named."""
@@ -26,8 +27,8 @@ _OWN = ("name", "phase_deg", "mirrored", "carries")  # of a drive's place on its
 
 
 def slug(name: str) -> str:
-    """A drive's name as columns and folders have it: in lower case, what is no letter and no digit as _."""
-    return "".join(c if c.isalnum() else "_" for c in unicodedata.normalize("NFC", name).lower())
+    """A drive's name as columns and folders have it: in lower case, what is no letter and no digit as _; of no device of Windows."""
+    return no_device("".join(c if c.isalnum() else "_" for c in unicodedata.normalize("NFC", name).lower()))
 
 
 def drive_names(design: Design) -> tuple[str, ...]:

@@ -238,8 +238,8 @@ class Linkage:
         """Turns of the driver after which every second one has made whole turns too; None where ``MOST_TURNS`` do not do."""
         from fractions import Fraction
 
-        turns = 1
-        for ratio in self.ratios.values():
+        turns, advances = 1, (motion.gain / 360.0 for motion in self.own_motions.values())
+        for ratio in (*self.ratios.values(), *advances):
             if not isfinite(ratio):
                 return None
             part = Fraction(ratio).limit_denominator(MOST_TURNS)

@@ -17,7 +17,7 @@ from core.design.whole import MOTIONS, Design, with_drive_table, with_table
 from core.frozen import frozen
 from core.units import NO_UNIT, Unit, split_unit
 
-_STEP = re.compile(r"(\w+)(?:\[(\d+)\])?$")
+_STEP = re.compile(r"(\w+)(?:\[(\d{1,9})\])?$")
 _UNIT_OF_MOTION = re.compile(r"_(mm|deg)$")
 Step = tuple[str, int | None]
 _NO_ROW = object()
@@ -45,7 +45,7 @@ def row_at(path: str, rows: str = "") -> tuple[str, int, str]:
     """The row of a list that a path leads to or into: the list's path, the row's number from 0, and what of the path lies in the
     row; "", -1 and the path where it leads into none. rows: path of the only list that counts; else the first on the way."""
     name = re.escape(rows) or r"[\w.]+"
-    match = re.match(rf"({name})\[(\d+)\]\.?", path)
+    match = re.match(rf"({name})\[(\d{{1,9}})\]\.?", path)
     return (match[1], int(match[2]), path[match.end() :]) if match else ("", -1, path)
 
 

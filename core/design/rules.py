@@ -37,6 +37,7 @@ from core.design.paths import entries_of
 from core.design.timing import events, named_event
 from core.design.whole import Design, Drive
 from core.errors import MISSING, Fault
+from core.file_names import LONGEST
 from core.laws import LAWS, find_law
 
 MOST: Mapping[str, int] = MappingProxyType(
@@ -309,9 +310,6 @@ def _faults_of_several(design: Design) -> list[Fault]:
     return [*found, *_names_differ(design), *_directions(design), *_events_are_there(design)]
 
 
-LONGEST_SLUG = 200  # bytes; a folder's name has 255, and files beside it have an ending
-
-
 def _names_differ(design: Design) -> Iterator[Fault]:
     """Every drive has a name of its own, by which columns and folders are told apart."""
     seen: dict[str, str] = {}
@@ -325,12 +323,12 @@ def _names_differ(design: Design) -> Iterator[Fault]:
             yield Fault(
                 path, name, "has no letter and no digit, so its slug is empty", "any text with a letter or a digit"
             )
-        elif len(own.encode()) > LONGEST_SLUG:
+        elif len(own.encode()) > LONGEST:
             yield Fault(
                 path,
                 name,
                 "is too long for the name of a folder",
-                f"at most {LONGEST_SLUG} bytes of letters and digits",
+                f"at most {LONGEST} bytes of letters and digits",
             )
         elif own in RESERVED:
             yield Fault(

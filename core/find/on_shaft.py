@@ -598,7 +598,7 @@ def _sprung(
     end: str,
 ) -> Solution:
     outcome = trials.at(rate, preload)
-    reached = {reading.key: reading.reached for reading in outcome.readings}
+    reached = outcome.reached()
     force = trials.least_force(rate, preload)
     reached |= {FORCE: force, RISE: trials.rise_of(rate, preload)}
     made = replace(trials.design, balancer=trials.part(rate, preload))

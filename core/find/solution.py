@@ -525,7 +525,7 @@ def _solved(
     outcome = trials.at(*found)
     readings = (*outcome.readings, *(trials.forces(*found) if outcome.readings else ()))
     made = trials.with_values(found)
-    reached = {reading.key: reading.reached for reading in readings}
+    reached = outcome.reached(row.wanted == LEAST_PRESSURE) | {each.key: each.reached for each in readings}
     tightest = outcome.readings[0].key
     if row.wanted == LEAST_PRESSURE or tightest in NEEDED:
         reached.setdefault(ANY_PRESSURE, outcome.pressures[-1])

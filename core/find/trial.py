@@ -38,6 +38,14 @@ class Outcome(NamedTuple):
         """Whether the design has a cam and keeps all limits."""
         return bool(self.readings) and all(each.kept for each in self.readings)
 
+    def reached(self, pressures: bool = False) -> dict[str, float]:
+        """Limit -> value reached; where one is of the pressure angle, or on demand, that of rise and return too."""
+        reached = {reading.key: reading.reached for reading in self.readings}
+        if pressures or not reached.keys().isdisjoint(NEEDED):
+            stretches = zip(NEEDED[:2], self.pressures, strict=False)
+            reached |= {key: value for key, value in stretches if math.isfinite(value) and key not in reached}
+        return reached
+
 
 TINY = 1e-300  # [N]
 RPM = math.pi / 30.0  # of a speed of the shaft [rad/s]

@@ -13,6 +13,8 @@ from core.laws.pieces import PieceTable
 from core.laws.table import Law
 
 GRID = 257  # first sampling of a piece; its waves are at most a few turns
+NEAR = 0.99  # of the highest sample: lower tops cannot pass it between two samples
+ROUNDING = 1e-12
 
 
 @frozen
@@ -44,14 +46,27 @@ def peaks(law: Law) -> Peaks:
 
 
 def _piece_peaks(table: PieceTable, i: int, width: float) -> np.ndarray:
-    """The peaks (4,) of one piece: the sampled top of each quantity, its bracket cut down until rounding decides."""
-    low, high, best, each = np.zeros(4), np.full(4, width), np.zeros(4), np.arange(4)
-    for count in (GRID, *[17] * 12):
-        w = np.linspace(low, high, count)
-        row = table.rows(np.full(w.size, i), w.ravel())
-        v, a, j = (row(order).reshape(count, 4) for order in (1, 2, 3))
-        sampled = np.abs(np.stack((v[:, 0], a[:, 1], j[:, 2], (v * a)[:, 3]), axis=1))
-        top = sampled.argmax(axis=0)
-        best = np.maximum(best, sampled[top, each])
-        low, high = w[np.maximum(top - 1, 0), each], w[np.minimum(top + 1, count - 1), each]
+    """The peaks (4,) of one piece: of each quantity every sampled top that may be the highest, its bracket cut down until rounding
+    decides."""
+    w = np.linspace(0.0, width, GRID)
+    sampled = _sizes(table, i, np.repeat(w[:, None], 4, axis=1), np.arange(4))
+    best = sampled.max(axis=0)
+    up = np.diff(sampled, axis=0, prepend=-1.0) > ROUNDING * best
+    down = np.diff(sampled, axis=0, append=-1.0) <= ROUNDING * best
+    top, of = np.nonzero(up & down & (sampled >= NEAR * best))
+    low, high = w[np.maximum(top - 1, 0)], w[np.minimum(top + 1, GRID - 1)]
+    each = np.arange(of.size)
+    for _ in range(12):
+        places = np.linspace(low, high, 17)
+        values = _sizes(table, i, places, of)
+        at = values.argmax(axis=0)
+        np.maximum.at(best, of, values[at, each])
+        low, high = places[np.maximum(at - 1, 0), each], places[np.minimum(at + 1, 16), each]
     return best
+
+
+def _sizes(table: PieceTable, i: int, places: np.ndarray, of: np.ndarray) -> np.ndarray:
+    """|s'|, |s''|, |s'''| or |s' s''| at places (n, m) of a piece: per column the quantity of that number (m,)."""
+    row = table.rows(np.full(places.size, i), places.ravel())
+    v, a, j = (row(order).reshape(places.shape) for order in (1, 2, 3))
+    return np.abs(np.select([of == 0, of == 1, of == 2], [v, a, j], v * a))

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import cmath
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from core.linkage_programs.sketch import (
     GROUND,
@@ -12,8 +13,10 @@ from core.linkage_programs.sketch import (
     LeftOut,
     Sketch,
     SketchForce,
+    SketchInput,
     SketchJoint,
     SketchMass,
+    distinct,
     refused,
 )
 
@@ -21,26 +24,33 @@ _ALPHABET = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_-"
 _VALUE = {character: value for value, character in enumerate(_ALPHABET)}
 _CHECKED = 62  # characters of the checksum's alphabet
 _SCALE = 1000.0
-_SLIDES, _INPUT, _GROUNDED, _WELDED, _CURVE = 1, 2, 4, 8, 16
+_SLIDES, _INPUT, _GROUNDED, _WELDED = 1, 2, 4, 8  # 16: the path of the joint is shown
 _UNITS = ("in", "cm", "m")
 _POUND, _INCH = 0.45359237, 0.0254
 _MASSES = (("lb and lb in²", _POUND, _POUND * _INCH**2), ("g and kg cm²", 1e-3, 1e-4), ("kg and kg m²", 1.0, 1.0))
 """Of mass [kg] and inertia [kg m²], in the order of ``_UNITS``: the program has one system for all."""
 _FORCES = (4.4482216152605, 1.0)  # N: of pounds, of newtons
 _LOCAL, _OUTWARD = 1, 2
-_CLOCKWISE = 0  # number of a flag
+_LONGEST = 20  # characters of a number: the program writes whole numbers of 53 bits
+_MOST_PARTS = 2000
+_CLOCKWISE, _NO_GRAVITY = 0, 8  # numbers of flags
 _SOURCE = "address"
 
 
 def read(text: str) -> Sketch:
     """The joints of an address. Raises DesignError where it is none, or its checksum is wrong."""
     body = text.strip().split("?", 1)[-1]
+    if body.startswith("j=") or "&l=" in body:
+        problem = "an address of PMKS+ of 2023 or before (?j=...&l=...), another format"
+        raise refused(_SOURCE, problem, "an address of today: open this one in PMKS+ and share it again")
     if len(body) < 2 or set(body) - {*_ALPHABET, ".", ","}:
         raise refused(_SOURCE, "no address of PMKS+", "the whole text, from the question mark on")
     if body[-1] != _ALPHABET[(len(body) - 1) % _CHECKED]:
         wanted = _ALPHABET[(len(body) - 1) % _CHECKED]
         raise refused(_SOURCE, f"its checksum is {body[-1]!r}, of its length follows {wanted!r}", "the whole address")
     parts = body[:-1].split(".")
+    if len(parts) > _MOST_PARTS:
+        raise refused(_SOURCE, f"{len(parts)} parts", f"at most {_MOST_PARTS}")
     try:
         flags, _, integers, enums, *rest = parts
         end = rest.index("")
@@ -59,7 +69,8 @@ def _groups(parts: Sequence[str]) -> tuple[list[str], list[str]]:
 
 
 class _Link:
-    """A link: its name among the joints, whether it is a piston, and no part of another; mass and inertia, where; names of joints."""
+    """A link: its name among the joints, whether it is a piston, and no part of another; mass and inertia, where; names of joints, and
+    of the links that are parts of it."""
 
     def __init__(self, row: str) -> None:
         head, self.name, mass, inertia, x, y, _, *names = row.split(",")
@@ -67,11 +78,14 @@ class _Link:
         self.centre = complex(_whole(x), _whole(y)) / _SCALE
         self.root, self.piston = head[0] == "Y", head[1] == "P"
         self.id = head[2:]
-        self.joints = names[: names.index("")] if "" in names else names
+        end = names.index("") if "" in names else len(names)
+        self.joints, self.parts = names[:end], [each for each in names[end:] if each]
 
 
 def _whole(text: str) -> int:
-    """A number in base 64; behind a leading 0 negative."""
+    """A number in base 64; behind a leading 0 negative. Raises ValueError for one that no program writes."""
+    if len(text) > _LONGEST:
+        raise ValueError(f"{text[:_LONGEST]!r}... is no number")
     value = 0
     for character in text.removeprefix("0"):
         value = 64 * value + _VALUE[character]
@@ -86,34 +100,67 @@ def _sketch(
     links: Sequence[_Link],
     forces: Sequence[str],
 ) -> Sketch:
-    clockwise = bool(_VALUE[flags[-1]] >> _CLOCKWISE & 1)
-    speed = float(_whole(integers[0])) * (-1.0 if clockwise else 1.0)
+    setting = sum(_VALUE[character] << 6 * i for i, character in enumerate(reversed(flags)))
+    speed = _whole(integers[0]) * (-1.0 if setting >> _CLOCKWISE & 1 else 1.0)
     length = _VALUE[enums[0]] if enums else -1
     joints, inputs, welded = [], [], []
     masses, acting, left = _loads(links, forces, length, _VALUE[enums[2]] if len(enums) > 2 else -1)
+    roots = [link for link in links if link.root]
+    at = {row[0][1:]: complex(_whole(row[2]), _whole(row[3])) / _SCALE for row in rows}
+    of_joint: dict[str, list[_Link]] = {key: [] for key in at}
+    for link in roots:
+        for key in dict.fromkeys(link.joints):
+            of_joint[key].append(link)
+    carriers = {part: link for link in roots for part in (link.id, *link.parts)}
+    named = dict(zip(at, distinct(row[1] for row in rows), strict=True))
     for row in rows:
-        mark, key, name = _VALUE[row[0][0]], row[0][1:], row[1]
-        x, y, angle = (_whole(each) / _SCALE for each in (*row[2:5], "0")[:3])
-        on = [link.id for link in links if key in link.joints]
+        mark, key = _VALUE[row[0][0]], row[0][1:]
+        name, angle = named[key], _whole((*row[4:5], "0")[0]) / _SCALE
+        on = [link.id for link in of_joint[key]]
         grounded = [GROUND] if mark & _GROUNDED else []
-        if mark & _CURVE:
-            left.append(LeftOut(f"slot of joint {name}", "it is curved"))
+        slot = _slot(row, name, carriers, at)
         if mark & _INPUT:
-            inputs.append(name)
+            inputs.append(SketchInput(name=name, rpm=speed))
         if mark & _WELDED:
             welded += [(on[0], other) for other in on[1:]]
-        carrier = [row[5]] if len(row) > 5 and row[5] in {link.id for link in links} else []
         if mark & _SLIDES:
-            pistons = [link.id for link in links if link.id in on and link.piston]
-            others = grounded or carrier or [each for each in on if each not in pistons]
-            carried = [each for each in on if each not in others]
-            joints.append(SketchJoint(name, complex(x, y), (*others[:1], *carried), SLIDE, math.degrees(angle)))
+            pistons = [link.id for link in of_joint[key] if link.piston]
+            carrier = [slot[0]] if slot else grounded or [each for each in on if each not in pistons][:1]
+            carried = [each for each in on if each not in carrier]
+            through = at[slot[1]] if slot else None
+            direction = math.degrees(cmath.phase(at[slot[2]] - at[slot[1]]) if slot else angle)
+            joints.append(SketchJoint(name, at[key], (*carrier, *carried), SLIDE, direction, through))
         else:
-            joints.append(SketchJoint(name, complex(x, y), (*grounded, *on), PIN))
-    unit = _UNITS[length] if 0 <= length < len(_UNITS) else ""
+            joints.append(SketchJoint(name, at[key], (*grounded, *on), PIN))
     return Sketch(
-        tuple(joints), tuple(welded), tuple(inputs), (speed,) * len(inputs), unit, tuple(left), (), (), masses, acting
+        tuple(joints),
+        tuple(welded),
+        tuple(inputs),
+        _UNITS[length] if 0 <= length < len(_UNITS) else "",
+        tuple(left),
+        masses=masses,
+        forces=acting,
+        gravity=not setting >> _NO_GRAVITY & 1,
     )
+
+
+def _slot(
+    row: Sequence[str], name: str, links: Mapping[str, _Link], at: Mapping[str, complex]
+) -> tuple[str, str, str] | None:
+    """Link that carries a joint's slot, and its two joints through which the slot goes. Raises DesignError for a part of one."""
+    parts = [each for each in row[5:8] if each]
+    if not parts:
+        return None
+    allowed = (
+        "none, or a link and two joints of it apart from each other, of a joint that slides and is not on the frame"
+    )
+    carrier = links.get(parts[0])
+    if len(parts) != 3 or carrier is None or _VALUE[row[0][0]] & (_SLIDES | _GROUNDED) != _SLIDES:
+        raise refused(f"slot of joint {name}", f"no slot in a link ({','.join(row[5:8])[:60]})", allowed)
+    _, one, other = parts
+    if not {one, other} <= set(carrier.joints) or at[one] == at[other]:
+        raise refused(f"slot of joint {name}", f"link {carrier.id} has no two joints {one} and {other}", allowed)
+    return carrier.id, one, other
 
 
 def _loads(

@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-import math
 import re
 
+from core.bounds import bounded_float
 from core.errors import DesignError
 from core.linkage_programs.sketch import PIN, SLIDE, SLIDING_PIN, Sketch, SketchJoint, refused
 
 _GRAMMAR = "M[J[R, P[x, y], L[ground, name]], ...]"
-_COMMENT = re.compile(r"#\[.*?#\]|#[^\n]*", re.DOTALL)
 _WHOLE = re.compile(r"\s*M\s*\[(.*)\]\s*", re.DOTALL)
-_JOINT = re.compile(r"\s*J\s*\[((?:[^\[\]]|\[[^\[\]]*\])*)\]\s*(?:,|\Z)")
-_ENTRY = re.compile(r"\s*([A-Za-z]+)\s*(?:\[([^\[\]]*)\])?\s*(?:,|\Z)")
+_JOINT = re.compile(r"\s*+J\s*+\[((?:[^\[\]]++|\[[^\[\]]*+\])*+)\]\s*+(?:,|\Z)")
+_ENTRY = re.compile(r"\s*+([A-Za-z]++)\s*+(?:\[([^\[\]]*+)\]\s*+)?(?:,|\Z)")
 _NAME = re.compile(r"[A-Za-z_]\w*")
 
 
 def read(text: str) -> Sketch:
     """The joints of an expression, named P0, P1, ... in their order. Raises DesignError."""
-    whole = _WHOLE.fullmatch(_COMMENT.sub(" ", text))
+    whole = _WHOLE.fullmatch(_uncommented(text))
     if whole is None:
         raise refused("expression", "no list of joints", _GRAMMAR)
     inside, at = whole[1], 0
@@ -29,6 +28,18 @@ def read(text: str) -> Sketch:
     if rest := inside[at:].strip():
         raise refused("expression", f"behind {len(joints)} joints stands {rest[:30]!r}", _GRAMMAR)
     return Sketch(tuple(joints))
+
+
+def _uncommented(text: str) -> str:
+    """The text without its comments: from #[ to #], else from # to the end of the line."""
+    parts, at, last = [], 0, text.rfind("#]")
+    while (begin := text.find("#", at)) >= 0:
+        parts.append(text[at:begin])
+        if text.startswith("#[", begin) and begin + 2 <= last:
+            at = text.index("#]", begin + 2) + 2
+        else:
+            at = end if (end := text.find("\n", begin)) >= 0 else len(text)
+    return " ".join([*parts, text[at:]])
 
 
 def _joint(name: str, body: str) -> SketchJoint:
@@ -56,12 +67,9 @@ def _joint(name: str, body: str) -> SketchJoint:
 
 def _numbers(name: str, texts: list[str]) -> list[float]:
     try:
-        values = [float(each) for each in texts]
+        return [bounded_float(each) for each in texts]
     except ValueError:
-        values = [math.nan]
-    if not all(map(math.isfinite, values)):
-        raise _wrong(name, f"{', '.join(texts)!r} are no numbers")
-    return values
+        raise _wrong(name, f"{', '.join(texts)[:60]!r} are no numbers") from None
 
 
 def _wrong(name: str, problem: str) -> DesignError:

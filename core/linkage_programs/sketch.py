@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Iterable, Mapping
+
 from core.errors import MISSING, DesignError, Fault
 from core.frozen import frozen
 
 GROUND = "ground"
 PIN, SLIDE, SLIDING_PIN = "R", "P", "RP"
+PIXEL = "1/96 in"
+"""Unit of a drawing on the screen."""
 
 
 @frozen
@@ -20,13 +25,63 @@ class LeftOut:
 @frozen
 class SketchJoint:
     """A joint where it stands, in the program's own unit: a pin of all its links (of one: a point that is followed), or along a line
-    at ``angle_deg`` of the first of them, with the others: as a slide they do not turn on it, as a sliding pin they do."""
+    at ``angle_deg`` of the first of them, with the others: as a slide they do not turn on it, as a sliding pin they do. ``through``: a
+    point of that line, where the joint is on it but for the rounding of the text."""
 
     name: str
     at: complex
     links: tuple[str, ...]
     kind: str = PIN
     angle_deg: float = 0.0
+    through: complex | None = None
+
+
+@frozen
+class Swing:
+    """Motion out and back at constant speed, ``cycles`` a minute: ``stroke`` [deg, or the program's unit]; ``start``: how much of out and
+    back is behind it as drawn; ``sign`` of the way out."""
+
+    stroke: float
+    start: float
+    cycles: float
+    sign: float = 1.0
+
+
+@frozen(kw_only=True)
+class SketchInput:
+    """What drives: the joint of this name, or, with ``length``, the link of two joints whose length changes. Speed [rpm] of what turns,
+    None where it is unknown; ``swing`` of what moves out and back; manual: the program turns it by hand only."""
+
+    name: str
+    rpm: float | None = None
+    swing: Swing | None = None
+    length: bool = False
+    manual: bool = False
+
+    @property
+    def label(self) -> str:
+        """Its name for the user."""
+        return f"actuator {self.name.removeprefix('link')}" if self.length else self.name
+
+    @property
+    def joint(self) -> str:
+        """Name of the joint where it drives; of a length the slide between tube and rod."""
+        return f"{self.name}_slide" if self.length else self.name
+
+
+@frozen
+class Wheels:
+    """Two links that turn against their carrier, ``ratio`` of the second for one of the first."""
+
+    first: str
+    second: str
+    carrier: str
+    ratio: float
+
+    def on(self, merged: Mapping[str, str]) -> Wheels:
+        """Of links that are one with others: of those."""
+        first, second, carrier = (merged[link] for link in (self.first, self.second, self.carrier))
+        return Wheels(first, second, carrier, self.ratio)
 
 
 @frozen
@@ -51,22 +106,34 @@ class SketchForce:
 
 @frozen
 class Sketch:
-    """Joints; ``welded``: pairs of links that are one; inputs: names of driven joints; speed of each [rpm], None where unknown; unit of
-    lengths, empty where it is unknown; wheels: two links and the turn of the second for one of the first; actuators: links of two joints
-    whose length is driven, by a stroke, so many times a minute."""
+    """Joints; ``welded``: pairs of links that are one; inputs in the order of the text; unit of lengths, empty where it is unknown."""
 
     joints: tuple[SketchJoint, ...]
     welded: tuple[tuple[str, str], ...] = ()
-    inputs: tuple[str, ...] = ()
-    speeds: tuple[float, ...] = ()
+    inputs: tuple[SketchInput, ...] = ()
     unit: str = ""
     left_out: tuple[LeftOut, ...] = ()
-    wheels: tuple[tuple[str, str, float], ...] = ()
-    actuators: tuple[tuple[str, float, float], ...] = ()
+    wheels: tuple[Wheels, ...] = ()
     masses: tuple[SketchMass, ...] = ()
     forces: tuple[SketchForce, ...] = ()
+    gravity: bool = True
 
 
 def refused(source: str, problem: str, allowed: str) -> DesignError:
     """A text that is no linkage of this program."""
     return DesignError([Fault(source, MISSING, problem, allowed)])
+
+
+def distinct(names: Iterable[str]) -> list[str]:
+    """The names, one that is there already with a number behind it."""
+    taken: set[str] = set()
+    counts: Counter[str] = Counter()
+    result = []
+    for name in names:
+        unique = name
+        while unique in taken:
+            counts[name] += 1
+            unique = f"{name}_{counts[name] + 1}"
+        taken.add(unique)
+        result.append(unique)
+    return result

@@ -1,10 +1,11 @@
 """Motions from measured tables: reading them, finding their wrong rows, fitting them within their measuring error."""
 
 from core.measured.columns import ALL_DETECTED, ColumnChoice, ColumnLayout, layout
-from core.measured.fitting import ColumnFit, Contradiction, Errors, FitError, MotionFit, fit, guess_error, into_design
+from core.measured.fitting import ColumnFit, Contradiction, Errors, MotionFit, fit, guess_error, into_design
+from core.measured.gap import FitError, Gap, OpenTurnError, mirrored
 from core.measured.load_table import as_text, load_points
 from core.measured.outliers import Outliers, outliers
-from core.measured.sheet import DECIMALS, DELIMITERS, MOST_BYTES, RowFault, TableError, Worksheet, read_sheet
+from core.measured.sheet import DECIMALS, DELIMITERS, RowFault, TableError, Worksheet, read_sheet
 from core.measured.structure import FoundJump, FoundSegment, SwitchError, Switches, switchable
 from core.measured.table import MeasuredColumn, MeasuredTable, read_table
 from core.measured.units import ANGLE_UNITS, DERIVATIVES, QUANTITIES, TIME_UNITS, value_units
@@ -16,7 +17,6 @@ __all__ = [
     "DECIMALS",
     "DELIMITERS",
     "DERIVATIVES",
-    "MOST_BYTES",
     "QUANTITIES",
     "TIME_UNITS",
     "ColumnChoice",
@@ -27,9 +27,11 @@ __all__ = [
     "FitError",
     "FoundJump",
     "FoundSegment",
+    "Gap",
     "MeasuredColumn",
     "MeasuredTable",
     "MotionFit",
+    "OpenTurnError",
     "Outliers",
     "RowFault",
     "SwitchError",
@@ -43,6 +45,7 @@ __all__ = [
     "is_workbook",
     "layout",
     "load_points",
+    "mirrored",
     "outliers",
     "read_sheet",
     "read_table",

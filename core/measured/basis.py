@@ -69,7 +69,7 @@ def _by_states(knots: np.ndarray, order: int, angles: np.ndarray) -> Any:
     from scipy.sparse import csr_array
 
     m, n = knots.size, angles.size
-    piece = np.searchsorted(knots, angles, side="right") - 1
+    piece = (np.searchsorted(knots, angles, side="right") - 1).astype(np.int32)  # half the memory of a long table
     w = np.mod(angles - knots[piece], 360.0) / 360.0
     own = np.broadcast_to(np.eye(2 * STATES), (m, 2 * STATES, 2 * STATES))  # one curve for each state at either end
     rows = quintics(distances(knots), own[:, :STATES], own[:, STATES:])
@@ -77,8 +77,8 @@ def _by_states(knots: np.ndarray, order: int, angles: np.ndarray) -> Any:
     for power in range(5, order - 1, -1):  # Horner
         falling = float(np.prod(np.arange(power - order + 1, power + 1)))
         values = values * w[:, None] + falling * rows[piece, power]
-    columns = STATES * np.stack((piece % m, (piece + 1) % m), axis=1)[:, :, None] + np.arange(STATES)
-    ends = np.arange(0, values.size + 1, 2 * STATES)
+    columns = STATES * np.stack((piece % m, (piece + 1) % m), axis=1)[:, :, None] + np.arange(STATES, dtype=np.int32)
+    ends = np.arange(0, values.size + 1, 2 * STATES, dtype=np.int32)
     return csr_array((values.ravel(), columns.ravel(), ends), shape=(n, STATES * m))
 
 
@@ -160,4 +160,5 @@ def basis(table: MeasuredTable, most: int, left_out: tuple[int, ...] = ()) -> Sp
     best = turn @ np.divide(answer, seen, out=np.zeros_like(answer), where=seen > 0.0)
     exact = rows @ (states_of @ best) - mean @ best
     least = float(np.mean((off - exact) ** 2))
-    return SplineBasis(knots, order, y, at @ turn, seen, answer, mean @ turn, scale, least)
+    turned = (at.reshape(-1, turn.shape[0]) @ turn).reshape(at.shape)  # one product, not one for each knot
+    return SplineBasis(knots, order, y, turned, seen, answer, mean @ turn, scale, least)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from math import log
 from typing import NoReturn
 
+from core.bounds import number_from_one
 from core.design.fields import choice, flag
 from core.design.fields import number as amount
 from core.frozen import frozen
@@ -119,6 +120,7 @@ LONGEST, USUAL, SHORTEST = (
 )  # strokes of cams: above the first no mm are guessed, nor in inches below the last
 COUNTS = "counts"  # of an encoder
 MOST_COLUMNS = 1000
+LONGEST_NAME = 80  # characters of a column's name in messages
 LETTERS = {"s": "displacement", "v": "velocity", "a": "acceleration"}
 ALL_DETECTED = ColumnChoice()
 
@@ -138,6 +140,7 @@ def layout(
 def column_name(sheet: Worksheet, index: int) -> str:
     """A column as messages name it: its number from 1, and what stands above it."""
     name = sheet.names[index]
+    name = name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 3]}..."
     return f"column {index + 1} ({name})" if name else f"column {index + 1}"
 
 
@@ -152,11 +155,11 @@ class _Detection:
     guesses: dict[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        if self.sheet.columns > MOST_COLUMNS:
+            self._refuse(f"{self.sheet.columns} columns; wanted: at most {MOST_COLUMNS}, and a row for each cam angle")
         self.headings = [meaning(name) for name in self.sheet.names]
 
     def layout(self) -> ColumnLayout:
-        if self.sheet.columns > MOST_COLUMNS:
-            self._refuse(f"{self.sheet.columns} columns; wanted: at most {MOST_COLUMNS}, and a row for each cam angle")
         trusted = self._trusted()
         choice = self._with_columns(trusted)
         self.choice, wanted = choice, choice.angle_unit
@@ -263,14 +266,14 @@ class _Detection:
 
     def _chosen(self, text: str) -> int:
         """The column of this number or name, or the only one whose name begins so."""
-        if text.isdecimal() and 1 <= int(text) <= self.sheet.columns:
-            return int(text) - 1
+        if chosen := number_from_one(text, self.sheet.columns):
+            return chosen - 1
         names, word = [name.casefold().strip() for name in self.sheet.names], text.casefold().strip()
         result = [i for i, name in enumerate(names) if name == word] or [
             i for i, name in enumerate(names) if word and name.startswith(word)
         ]
         if len(result) != 1:
-            there = ", ".join(f"{i + 1} {name}".strip() for i, name in enumerate(self.sheet.names))
+            there = ", ".join(f"{i + 1} {name[:60]}".strip() for i, name in enumerate(self.sheet.names[:100]))
             self._refuse(f"column {text!r}: {'several' if result else 'none'} of that name; there are: {there}")
         return result[0]
 

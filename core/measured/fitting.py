@@ -10,13 +10,14 @@ import numpy as np
 
 from core.design import Design, Motion, Segment, SplineCurve, SplinePoint, require_motion, with_motion
 from core.design.motions import without_marks
-from core.errors import DesignError, Fault, KindynaError
+from core.errors import DesignError, Fault
 from core.frozen import frozen
 from core.laws.polynomial import jerk_rows
 from core.measured.basis import SplineBasis, basis, derivative, distances, natural
+from core.measured.gap import FitError, Gap, filled, turn_gaps
 from core.measured.outliers import Outliers, outliers
 from core.measured.rows import Disagreement, TurnRows, disagreements, integrated, scatter, spoiled_runs, turn_rows
-from core.measured.structure import FoundJump, FoundSegment, Structure, Switches, structured
+from core.measured.structure import FoundJump, FoundSegment, Structure, Switches, far, structured
 from core.measured.table import LEAST_ANGLES, MeasuredColumn, MeasuredTable, distinct
 from core.measured.units import QUANTITIES
 from core.motion import Angles, Program, program
@@ -29,10 +30,6 @@ MET = 3.0  # errors, within which a row that was left out is met by the motion o
 NEAR = 1e-6  # of their range: velocities and accelerations that laws and dwells meet so are met no better by one spline
 EXACT = 1e-9  # of the range of the values: rows that scatter less are exact
 OPEN = 3.0  # times the widest step between neighbours: an end farther from the beginning does not come back
-
-
-class FitError(KindynaError):
-    """No motion can be made of the table with this measuring error."""
 
 
 class Contradiction(FitError):
@@ -70,6 +67,7 @@ class MotionFit:
     spoiled    by the order of a column the rows of it that contradict those beside them
     outliers   of the motion's column the same, and what may be
     left_out   rows the curve ignores: those that are wrong, and those that may be
+    gaps       stretches without a row
     offset     constant that the table adds to a velocity or acceleration; 0 for a displacement
     smoothing  λ of  mean square residual + λ ∫ (d³s/dθ³)² dθ  [deg^(5 - 2k)] for derivative k, of the first stretch that was smoothed
     freedom    how many values the motion was free to choose
@@ -88,6 +86,7 @@ class MotionFit:
     spoiled: Mapping[int, tuple[int, ...]]
     outliers: Outliers
     left_out: tuple[int, ...]
+    gaps: tuple[Gap, ...]
     offset: float
     smoothing: float
     freedom: float
@@ -174,11 +173,13 @@ def fit(
     agrees with the one before it: the answer says which (``contradicted``, ``compared``), and a dialog asks and lays out anew.
 
     Raises SwitchError where a segment cannot be that, FitError where the error is none, or swallows the whole motion, or columns that are
-    trusted contradict each other; Contradiction where rows contradict each other and it cannot be decided which of them are wrong, unless
-    all are kept or the error is 0.
+    trusted contradict each other, the rows leave the turn open, or no motion comes near them; Contradiction where rows contradict each
+    other and it cannot be decided which of them are wrong, unless all are kept or the error is 0.
     """
     stated = _stated(table, error)
     own = stated.get(table.layout.quantity)
+    between = tuple(turn_gaps(table, _at_least_rounding(table, guess_error(table) if own is None else own)))
+    turn = filled(table, between)
     result = outliers(table, (own or 0.0) * abs(table.size))
     all_kept = keep_all or own == 0.0
     doubtful = {*result.wrong, *result.possible, *(row for stretch in result.undecided for row in stretch)}
@@ -194,7 +195,7 @@ def fit(
         else guess_error(table, _of(each, out, others), i)
         for i, each in enumerate(table.columns)
     }
-    rows = _rows(table, errors, out, others)
+    rows = _rows(turn, errors, out, others)
     contradicted = tuple(disagreements(rows)) if rows is not None else ()
     compared = _compared(table, rows, contradicted)
     made, offset = None, 0.0
@@ -202,15 +203,17 @@ def fit(
         moving, offset = integrated(rows.only(set(rows.values) - set(compared)))
         made = structured(moving, table.motion_unit, laws, dwells, switches)
     if made is None or (table.layout.order and not switches):
-        made, offset = _nearer(table, errors[table.layout.quantity], out, made, offset)
+        made, offset = _nearer(turn, errors[table.layout.quantity], out, made, offset)
     motion = made.motion
+    if not table.layout.order and not switches:
+        _require_near(table, motion, _at_least_rounding(table, errors[table.layout.quantity]), out, doubtful)
     compiled = program(motion)
     ends = compiled.state(Angles(compiled.starts, np.arange(compiled.starts.size))).displacement[0] / motion.scale
     low, high = float(ends.min()), float(ends.max())
     wanted = lowest if lowest is not None else (_stands(table) if table.layout.order else low)
     moved = Motion(motion.start + (wanted - low), motion.segments, motion.unit) if wanted != low else motion
     if made.found and out and not table.layout.order:  # a kink looks like a wrong row until its law is found
-        allowed = MET * max(errors[table.layout.quantity], 10.0**-table.decimals / sqrt(12.0)) * abs(table.size)
+        allowed = MET * _at_least_rounding(table, errors[table.layout.quantity])
         left = np.abs(table.values - _measured(motion, 0, table.angles))
         met = {row for row in out if left[row] <= allowed}
         out = tuple(row for row in out if row not in met)
@@ -236,12 +239,42 @@ def fit(
         spoiled={table.layout.order: result.wrong, **others},
         outliers=result,
         left_out=out,
+        gaps=between,
         offset=offset / table.size,
         smoothing=made.smoothing,
         freedom=made.freedom,
         stroke=high - low,
         lowest=wanted,
     )
+
+
+def _at_least_rounding(table: MeasuredTable, error: float) -> float:
+    """A measuring error in the table's unit as that of ``table.values``, at least that of the last digit."""
+    return max(error, 10.0**-table.decimals / sqrt(12.0)) * abs(table.size)
+
+
+def _require_near(
+    table: MeasuredTable, motion: Motion, error: float, out: tuple[int, ...], spoiled: Collection[int]
+) -> None:
+    """Raises FitError where the rows, but those left out and those at the angle of a spoiled one, are far off the motion. error: of a value
+    [as ``table.values``]."""
+    x, y = _means(table, out)
+    right = ~np.isin(x, table.angles[list(spoiled)])
+    off = np.abs(y - _measured(motion, 0, x)) * right
+    worst, allowed = int(np.argmax(off)), far(error, float(np.ptp(y[right] if right.any() else y)))
+    if off[worst] > allowed:
+        size, bound = (f"{value / abs(table.size):.4g} {table.unit}" for value in (off[worst], allowed))
+        raise FitError(
+            f"at {x[worst]:.6g} deg the rows are {size} off the nearest motion; allowed: at most {bound}; correct the rows there, or state "
+            "a larger measuring error"
+        )
+
+
+def _means(table: MeasuredTable, out: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """The different cam angles [deg] of the rows but those left out, and the mean of the values at each."""
+    used = table.used(out)
+    x, place = distinct(table.angles[used])
+    return x, np.bincount(place, table.values[used]) / np.bincount(place)
 
 
 def _stated(table: MeasuredTable, error: Errors) -> dict[str, float]:
@@ -408,8 +441,7 @@ class _Solved:
 
 def _solved(table: MeasuredTable, error: float, out: tuple[int, ...]) -> _Solved:
     used = table.used(out)
-    x, place = distinct(table.angles[used])
-    mean = np.bincount(place, table.values[used]) / np.bincount(place)
+    x, mean = _means(table, out)
     if not np.ptp(mean):  # nothing moves
         few = slice(None, None, -(-x.size // LEAST_ANGLES))
         return _through(table, x[few], mean[few])

@@ -35,10 +35,12 @@ WELL = 10.0  # of χ²: a law that fits worse by no more fits as well
 MOST_TRIED, MOST_COMPARED, MOST_REFINED = 150, 2000, 20_000
 """Rows of a stroke that laws are tried on, that those near enough are fitted to, and that the one taken is refined on."""
 TRIED = 4.0  # χ² a row of a law that may be taken once it is refined
+ESTIMATED, SOLVED = 1e-4, 1e-7  # of a rise: what an estimate, and a fit to few rows, may be off besides the errors
 STARTS = 2  # estimates of a family that it is fitted from
 APART = 0.05  # of a rise, that the level of a reversal may be off its row
 ALIKE = 5e-4  # of a rise: what is nearer to a law than that is no other curve
 SLOWEST = 1e-3  # s' of a law, at least, where it is turned round
+INVERTED = 3  # steps of Newton's method from the nearest of ``SHARES``: rows of seven decimals are met too
 PASSED = 0.03  # shares of the rise, below and above which rows tell little of a law
 NEAR, CLOSE = 1e-3, 1e-10  # of χ², of a law that is tried, and of one that is refined on rows with errors
 STEP = 1e-7  # of a fraction, by which slopes are taken
@@ -205,9 +207,11 @@ def _inverse(candidate: Candidate, share: np.ndarray) -> tuple[np.ndarray, np.nd
     part = place - first
     near, slope = (each[:, first] * (1.0 - part) + each[:, first + 1] * part for each in _turned_round(candidate))
     if not candidate.open:
-        law = _law(candidate, ()).at(near[0])
-        near[0] += (share - law[0]) / np.maximum(law[1], SLOWEST)
-        slope[0] = law[1]
+        table = _law(candidate, ())
+        for _ in range(INVERTED):
+            law = table.at(near[0])
+            near[0] += (share - law[0]) / np.maximum(law[1], SLOWEST)
+        slope[0] = table.at(near[0])[1]
     return near, np.maximum(slope, SLOWEST)
 
 
@@ -295,7 +299,8 @@ class StrokeFit:
         columns = np.stack([slope, slope * u, *(np.broadcast_to(-by, u.shape) for by in opened)], axis=1)
         right = (slope * (x - x[0]))[:, :, None]
         square = columns @ columns.swapaxes(1, 2)
-        square += 1e-13 * np.trace(square, axis1=1, axis2=2)[:, None, None] * np.eye(square.shape[1])
+        ridge = np.diag([1e-13, 1e-13, *(1e-9 for _ in opened)])  # a straight line does not tell where it ends
+        square += np.trace(square, axis1=1, axis2=2)[:, None, None] * ridge
         found = np.linalg.solve(square, columns @ right)
         left = ((right - columns.swapaxes(1, 2) @ found) ** 2).sum(axis=(1, 2))
         made = []
@@ -573,23 +578,21 @@ def _best(
 ) -> tuple[np.ndarray, np.ndarray] | None:
     """The best answer of a candidate; None where it is far off by an estimate, or on the few rows that it is tried on, unless it is wanted
     anyway."""
-    exact = fit.at.rows.exact
-    most = np.inf if anyway else (1e12 if exact else TRIED) * min(fit.bounds[0].size, MOST_TRIED)
+    count, fineness = min(fit.bounds[0].size, MOST_TRIED), abs(levels[1] - levels[0]) / fit.at.rows.errors[0]
+    estimated, most = (np.inf if anyway else (TRIED + (off * fineness) ** 2) * count for off in (ESTIMATED, SOLVED))
     estimates = fit.estimates(candidate, levels)
-    if not estimates:
+    if not estimates or (not candidate.open and estimates[0][0] > estimated):
         return None
-    chi2, start = estimates[0]
-    if candidate.open:
-        tried = []
-        for _, each in estimates[:STARTS]:
-            p, chi2, _, count = fit.solve([candidate], each, MOST_TRIED, 200, NEAR)
-            tried.append((chi2, p.tolist()))
-            if chi2 < 2.0 * count or chi2 > HOPELESS * most:
-                break
-        chi2, start = min(tried)
+    tried = []
+    for _, each in estimates[: STARTS if candidate.open else 1]:
+        p, chi2, _, count = fit.solve([candidate], each, MOST_TRIED, 200, NEAR)
+        tried.append((chi2, p.tolist()))
+        if chi2 < 2.0 * count or chi2 > HOPELESS * estimated:
+            break
+    chi2, start = min(tried)
     if chi2 > most:
         return None
-    p, _, spread, _ = fit.solve([candidate], start, MOST_COMPARED, 60, 1e-15 if exact else CLOSE)
+    p, _, spread, _ = fit.solve([candidate], start, MOST_COMPARED, 60, 1e-15 if fit.at.rows.exact else CLOSE)
     return p, spread
 
 

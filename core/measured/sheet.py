@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from core.bounds import CELLS, COLUMNS, DIGITS, FIELD, ROWS
 from core.design import UNITS
 from core.errors import KindynaError
 from core.frozen import frozen
@@ -29,12 +30,14 @@ DIALECTS = (
 """Delimiter and decimal mark, in the order they are tried."""
 
 MOST_RANGES = 12  # of lines, before the rest is counted only
-MOST_BYTES = 150_000_000  # of a table
 LONG = 5000  # lines, from which on a table of numbers is read at once
 SAMPLE = 400  # lines from which delimiter and columns are detected
+SAMPLE_LINE, SAMPLE_TEXT = 2000, 40_000  # characters of one of them, and of all
+HEADERS = 100  # lines right above the rows that are searched for names
+csv.field_size_limit(FIELD)
 _COMMENT = re.compile(r"\s*(#|%|//)\s?")
 _STATED = re.compile(r"sep=(.)$")  # a spreadsheet's statement of its delimiter
-_PLAIN = r"(?:\d+\.?\d*|\.\d+)"
+_PLAIN = r"(?:\d+(?:\.\d*)?|\.\d+)"
 _EXPONENT = r"(?:[eEdD][+-]?\d+)?"
 _THIN = "\u00a0\u202f\u2009'’"  # what may stand between thousands anywhere
 _NUMBER = re.compile(rf"[+-]?{_PLAIN}{_EXPONENT}")
@@ -65,17 +68,33 @@ class TableError(KindynaError):
         )
 
 
+class LineRuns:
+    """Lines of a file in rising order as ``MOST_RANGES`` runs at most; those behind are counted."""
+
+    def __init__(self, lines: Iterable[int] = ()) -> None:
+        self.count, self._rest = 0, 0
+        self._runs: list[list[int]] = []
+        for line in lines:
+            self.add(line)
+
+    def add(self, line: int) -> None:
+        """One line more."""
+        self.count += 1
+        if not self._rest and self._runs and line == self._runs[-1][1] + 1:
+            self._runs[-1][1] = line
+        elif len(self._runs) < MOST_RANGES:
+            self._runs.append([line, line])
+        else:
+            self._rest += 1
+
+    def __str__(self) -> str:
+        text = ", ".join(str(a) if a == b else f"{a}-{b}" for a, b in self._runs)
+        return f"line{'s' if self.count > 1 else ''} {text}{f' and {self._rest} more' if self._rest else ''}"
+
+
 def line_ranges(lines: Iterable[int]) -> str:
     """``line 4`` or ``lines 4-9, 12 and 30 more``: lines of the file, in order."""
-    runs: list[list[int]] = []
-    for line in sorted(lines):
-        if runs and line == runs[-1][-1] + 1:
-            runs[-1].append(line)
-        else:
-            runs.append([line])
-    text = ", ".join(str(r[0]) if len(r) == 1 else f"{r[0]}-{r[-1]}" for r in runs[:MOST_RANGES])
-    rest = sum(len(r) for r in runs[MOST_RANGES:])
-    return f"line{'s' if sum(map(len, runs)) > 1 else ''} {text}{f' and {rest} more' if rest else ''}"
+    return str(LineRuns(sorted(lines)))
 
 
 @frozen
@@ -112,6 +131,27 @@ class Worksheet:
     def columns(self) -> int:
         """How many columns the sheet has."""
         return len(self.names)
+
+
+@frozen(eq=False)
+class TextRows(Sequence[WorksheetRow]):
+    """The rows of a text, each divided into its cells when it is asked for; places: of its lines among all, from 0."""
+
+    name: str
+    lines: Sequence[str]
+    places: Sequence[int]
+    delimiter: str
+
+    def __len__(self) -> int:
+        return len(self.places)
+
+    def __getitem__(self, index: Any) -> Any:
+        if isinstance(index, slice):
+            return [self[i] for i in range(*index.indices(len(self)))]
+        line = self.places[index]
+        cells = split(_uncommented(self.lines[line]), self.delimiter)
+        require_row(cells, self.name, line + 1)
+        return WorksheetRow(line + 1, cells)
 
 
 @frozen(eq=False)
@@ -179,6 +219,8 @@ def number(cell: str, decimal: str) -> float | None:
     decimal one, twice or together with decimals.
     """
     text = cell.strip().strip('"').strip().replace("\u2212", "-")
+    if len(text) > DIGITS:
+        return None
     if decimal == "comma":
         if "." in text and "," not in text and text.count(".") < 2:
             return None  # a thousand, or a point for the comma?
@@ -192,17 +234,46 @@ def number(cell: str, decimal: str) -> float | None:
 
 
 def split(line: str, delimiter: str) -> tuple[str, ...]:
-    """A line's cells; empty ones at its end are dropped."""
+    """A line's cells; empty ones at its end are dropped, and those behind the last column that a table may have are one."""
     mark = DELIMITERS[delimiter]
     if delimiter == "spaces":
-        cells = line.split()
-    elif '"' in line:
-        cells = [cell.strip() for cell in next(csv.reader([line], delimiter=mark, skipinitialspace=True))]
+        cells = line.split(None, COLUMNS)
+    elif '"' in line and line.count(mark) <= COLUMNS + FIELD:
+        cells = [cell.strip() for cell in _quoted(line, mark)]
     else:
-        cells = [cell.strip() for cell in line.split(mark)]
+        cells = [cell.strip() for cell in line.split(mark, COLUMNS)]
     while cells and not cells[-1]:
         cells.pop()
     return tuple(cells)
+
+
+def _quoted(line: str, mark: str) -> list[str]:
+    """The cells of a line with quotes; where one is too long for the reader the line as it is divided without them."""
+    try:
+        return next(csv.reader([line], delimiter=mark, skipinitialspace=True))
+    except csv.Error:
+        return line.split(mark, COLUMNS)
+
+
+def require_row(cells: Sequence[str], name: str, line: int) -> None:
+    """Raises TableError for a row of too many cells, or with a cell that is too long."""
+    if len(cells) > COLUMNS:
+        raise TableError(name, [RowFault(line, f"more than {COLUMNS} columns; wanted: at most {COLUMNS}")])
+    if any(len(cell) > FIELD for cell in cells):
+        raise TableError(name, [RowFault(line, f"a cell of more than {FIELD} characters; wanted: at most {FIELD}")])
+
+
+def require_lines(text: str, name: str) -> None:
+    """Raises TableError for a text of too many lines."""
+    count = max(text.count("\n"), text.count("\r"))
+    if count > ROWS:
+        raise TableError(name, [RowFault(0, f"{count} lines; wanted: at most {ROWS} rows, thin them out")])
+
+
+def require_cells(rows: int, columns: int, name: str) -> None:
+    """Raises TableError for a table of too many cells."""
+    if rows * columns > CELLS:
+        raise TableError(name, [RowFault(0, f"{rows} rows of {columns} columns; wanted: at most {CELLS} cells in all")])
 
 
 def _numbers(cells: Sequence[str], decimal: str) -> int:
@@ -241,6 +312,7 @@ def read_sheet(
         if long is not None:
             return long
     text, encoding = decoded(data, name)
+    require_lines(text, name)
     lines = re.split(r"\r\n|\r|\n", text)
     stated = _STATED.match(lines[0])
     if stated is not None:
@@ -248,16 +320,16 @@ def read_sheet(
         delimiter = delimiter or next((key for key, mark in DELIMITERS.items() if mark == stated[1]), None)
     comments = {i for i, line in enumerate(lines) if _COMMENT.match(line)}
     plain = [i for i, line in enumerate(lines) if line.strip() and i not in comments]
-    delimiter, decimal = dialect([_uncommented(lines[i]) for i in plain[:SAMPLE]], delimiter, decimal)
-    cells = {i: split(lines[i], delimiter) for i in plain}
-    first = _first_row(plain, cells, lines, delimiter, decimal)
-    if first is None:
+    delimiter, decimal = dialect(_sample(lines[i] for i in plain[:SAMPLE]), delimiter, decimal)
+    start = _first_row(plain, lines, delimiter, decimal)
+    if start is None:
         raise TableError(name, [RowFault(0, "no row holds two numbers; wanted: an angle and a value in each")])
-    start = plain.index(first)
-    rows = tuple(WorksheetRow(i + 1, split(_uncommented(lines[i]), delimiter)) for i in plain[start:])
+    first = plain[start]
+    rows = TextRows(name, lines, plain[start:], delimiter)
     counts = islice((len(row.cells) for row in rows if _numbers(row.cells, decimal) > 1), SAMPLE)
     columns = columns or Counter(counts).most_common(1)[0][0]
-    above = [_COMMENT.sub("", lines[i], count=1) for i in range(first) if lines[i].strip()]
+    require_cells(len(rows), columns, name)
+    above = [_COMMENT.sub("", line, count=1) for line in lines[max(first - HEADERS, 0) : first] if line.strip()]
     return Worksheet(name, encoding, delimiter, decimal, start, _names(above, columns, delimiter), rows)
 
 
@@ -291,30 +363,47 @@ def _long_sheet(data: bytes, name: str, delimiter: str | None, decimal: str | No
     return replace(head, rows=LongRows(data, ends, begin + 1, head.delimiter), numbers=numbers)
 
 
+def _sample(lines: Iterable[str]) -> list[str]:
+    """Lines by which the delimiter is found, without remarks, long ones to their last whole cell within some characters."""
+    sample: list[str] = []
+    size = 0
+    for line in lines:
+        text = line[:SAMPLE_LINE]
+        if len(line) > SAMPLE_LINE:
+            text = text[: max(text.rfind(mark) for mark in DELIMITERS.values())]
+        sample.append(_uncommented(text))
+        size += len(text)
+        if size > SAMPLE_TEXT:
+            break
+    return sample
+
+
 def _uncommented(line: str) -> str:
     """A row of numbers without the remark behind it."""
     return re.split(r"#|%|//", line, maxsplit=1)[0] if re.match(r"\s*[-+.\d]", line) else line
 
 
-def _first_row(
-    plain: Sequence[int], cells: Mapping[int, Sequence[str]], lines: Sequence[str], delimiter: str, decimal: str
-) -> int | None:
-    """The first line of the table: the first of two numbers and nothing else, or of two numbers at all; those right
+def _first_row(plain: Sequence[int], lines: Sequence[str], delimiter: str, decimal: str) -> int | None:
+    """Number among the plain lines of the first row: the first of two numbers and nothing else, or of two numbers at all; those right
     above it that begin with a number are wrong rows, not headers."""
-
-    rows = [split(_uncommented(lines[i]), delimiter) for i in plain]
-    counts = [_numbers(row, decimal) for row in rows]
-    whole = (place for place, row in enumerate(rows) if counts[place] >= max(len(row), 2))
-    place = next(whole, next((place for place, count in enumerate(counts) if count > 1), None))
+    place: int | None = None
+    for i, line in enumerate(plain):
+        cells = split(_uncommented(lines[line]), delimiter)
+        count = _numbers(cells, decimal)
+        if count >= max(len(cells), 2):
+            place = i
+            break
+        if count > 1 and place is None:
+            place = i
     if place is None:
         return None
-    width = len(cells[plain[place]])
+    width = len(split(lines[plain[place]], delimiter))
     while place > 0:
-        above = cells[plain[place - 1]]
+        above = split(lines[plain[place - 1]], delimiter)
         if not above or number(above[0], decimal) is None or len(above) != width:
             break
         place -= 1
-    return plain[place]
+    return place
 
 
 def _names(above: Sequence[str], columns: int, delimiter: str) -> tuple[str, ...]:
@@ -357,7 +446,12 @@ def _header_cells(line: str, columns: int, delimiter: str) -> tuple[str, ...] | 
 def _divided(line: str, delimiter: str) -> Iterator[tuple[str, ...]]:
     """The line in cells, one way after the other."""
     yield from (split(line, mark) for mark in (delimiter, *(d for d in DELIMITERS if d not in (delimiter, "spaces"))))
-    yield tuple(re.split(r"\s{2,}", line.strip()))
-    yield tuple(cell.strip() for cell in re.findall(r"[^\[(]*[\[(][^\])]*[\])]", line))
-    yield tuple(re.findall(r"[^\s\[(]+(?:\s*(?:\[[^\]]*\]|\([^)]*\)))?", line))
-    yield tuple(line.split())
+    yield tuple(re.split(r"\s{2,}", line.strip(), maxsplit=COLUMNS))
+    yield _found(r"(?:^|(?<=[\])]))[^\[(\])]*+[\[(][^\])]*+[\])]", line)
+    yield _found(r"[^\s\[(]++(?:\s*+(?:\[[^\[\]]*+\]|\([^()]*+\)))?", line)
+    yield tuple(line.split(None, COLUMNS))
+
+
+def _found(pattern: str, line: str) -> tuple[str, ...]:
+    """Cells of a line as they match, one more than a table may have at most."""
+    return tuple(match[0].strip() for match in islice(re.finditer(pattern, line), COLUMNS + 1))

@@ -3,7 +3,8 @@
     minimise  Σ_k Σ_i ((y_ki - s⁽ᵏ⁾(x_i))/σ_k)² + λ ∫ s'''²
 
 over curves that are quintics between knots, with s, s', s'' at each (``laws.polynomial``); λ so that the squares come to one a row
-(Reinsch 1967). What is known of an end is kept exactly. The equations are banded, so that the cost grows with rows and knots.
+(Reinsch 1967), and to less where the only error is the rounding of many digits. What is known of an end is kept exactly. The equations
+are banded, so that the cost grows with rows and knots.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from core.numerics.cancellation import checkpoint
 
 FEWEST, MOST = 12, 3000  # steps between knots
 STIFF = 1e-6  # weight of the jerk, at least: it leads the curve where no rows are; less where the errors are a smaller part of the values
+FINE, MET = 1e-6, 6.0  # of the values: rows with smaller errors, those of rounding, are met within so many
 AT_ONCE = 20_000  # rows whose equations are made together
 _BAND = 2 * STATES
 
@@ -76,6 +78,11 @@ def smooth(
             high if beyond(high) < 0.0 else float(brentq(beyond, low, high, xtol=1e-9)) if beyond(low) < 0.0 else low
         )
     states, left = system.solved(weight)
+    order = min(values)
+    fine = errors[order] <= FINE * float(np.nanmax(np.abs(values[order]), initial=0.0))
+    while fine and weight > least and system.largest(states) > MET:
+        weight = max(0.1 * weight, least)
+        states, left = system.solved(weight)
     return Smoothed(system.knots, states, sqrt(left / max(count, 1)), system.freedom(weight), weight * system.scale)
 
 
@@ -158,6 +165,14 @@ class _System:
             self.least = found, left
         away = found - self.least[0]
         return found.reshape(-1, STATES) * self.size, self.least[1] + float(away @ _times(self.rows, away))
+
+    def largest(self, states: np.ndarray) -> float:
+        """The largest residual of the rows, in errors, of the curve with these states (m, 3) by degrees."""
+        at, columns = (states / self.size).ravel(), np.arange(_BAND)
+        return max(
+            float(np.abs(right - (each * at[STATES * piece[:, None] + columns]).sum(axis=1)).max(initial=0.0))
+            for piece, each, right in self.each
+        )
 
     def freedom(self, weight: float) -> float:
         """The trace of what takes rows to the curve."""

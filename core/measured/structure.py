@@ -13,7 +13,7 @@ from core.design import Motion, Segment, SplinePoint, TableCurve, join_angles
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.laws.polynomial import quintics
-from core.measured.recognition import WELL, Stroke, joined, recognise, tiers
+from core.measured.recognition import FAR, WELL, Stroke, joined, recognise, tiers
 from core.measured.rows import TurnRows
 from core.measured.smoothing import End, smooth
 from core.measured.strokes import LEAST_STEPS, Rest, Turned, rests, turned
@@ -28,8 +28,16 @@ LONGEST_CREST = 60.0  # degrees
 SHOWN = 0.02  # of the largest acceleration: what jumps by less at a dwell is the truncation of its rows
 JUMP = 8.0  # times what is usual: by how much velocities change more than their accelerations say where one jumps
 LEVEL = 10.0  # errors that the ends of a stretch may stand apart that is made a dwell
+FAR_ERRORS, FAR_SHARE = 10.0, 1e-3  # errors, share of the stroke: the larger is what a row may be off its law or table
 TABLE, DWELL = "table", "dwell"
 MOST_FITTED = 600  # rows, or means of as many, that tell where a dwell is left
+FINE = 1e-6  # of the largest value: rows with smaller errors are met within two of their last digit
+LEFT_BY = (
+    1e-2,
+    1e-3,
+    1e-4,
+    0.0,
+)  # of the largest value, up to which rows beside a dwell tell where it is left, at least ``ONSET``
 ONSET = 60.0  # errors, up to which the rows beside a dwell tell where it is left
 
 
@@ -71,7 +79,7 @@ class Structure:
 @frozen(eq=False)
 class _Part:
     """A stretch in order: [start, end] deg counted on, levels at both ends; what it is. bends: the acceleration jumps where the dwell
-    before it, or behind it, is left."""
+    before it, or behind it, is left. number: of the stroke that is a law."""
 
     start: float
     end: float
@@ -81,6 +89,7 @@ class _Part:
     dwells: bool = False
     ambiguous: tuple[str, ...] = ()
     bends: tuple[bool, bool] = (False, False)
+    number: int = -1
 
 
 Switches = Sequence[tuple[float, str]]
@@ -120,10 +129,32 @@ def structured(
         return None
     found, strokes = _from_a_rest(at, found, strokes)
     strokes = _switched_strokes(at, found, strokes, switches)
-    parts = _joined_tables(_switched_parts(_parts(at, found, strokes), switches, rows.errors[0], unit))
-    if len(parts) == 1 and not parts[0].dwells and parts[0].stroke is None:
-        return None
-    return _Assembly(at, parts, unit).structure()
+    while True:
+        parts = _joined_tables(_switched_parts(_parts(at, found, strokes), switches, rows.errors[0], unit))
+        if len(parts) == 1 and not parts[0].dwells and parts[0].stroke is None:
+            return None
+        result = _Assembly(at, parts, unit).structure()
+        wrong = set() if switches else _far_laws(at, parts, result.motion)
+        if not wrong:
+            return result
+        strokes = [(None, ()) if k in wrong else each for k, each in enumerate(strokes)]
+
+
+def far(error: float, stroke: float) -> float:
+    """What a row may be off a law or a table, at most."""
+    return max(FAR_ERRORS * error, FAR_SHARE * stroke)
+
+
+def _far_laws(at: Turned, parts: list[_Part], motion: Motion) -> set[int]:
+    """The strokes, by number, whose law is far off a row."""
+    x, y, compiled = at.rows.x, at.rows.values[0], program(motion)
+    off = np.abs(y - compiled.state(compiled.angles(np.deg2rad(x))).displacement[0] / motion.scale)
+    wrong = x[off > far(at.rows.errors[0], float(np.ptp(y)))]
+    return {
+        part.number
+        for part in parts
+        if part.stroke is not None and np.any(np.mod(wrong - part.start, 360.0) <= part.end - part.start)
+    }
 
 
 # -- what the user makes of them --------------------------------------------------------------------------
@@ -319,7 +350,7 @@ def _parts(at: Turned, found: list[Rest], strokes: list[_Recognised]) -> list[_P
         if dwell is not None and rest.level is not None:
             parts.append(_Part(*dwell, rest.level, rest.level, dwells=True))
         if stroke is not None:
-            parts.append(_Part(stroke.start, stroke.end, stroke.low, stroke.high, stroke))
+            parts.append(_Part(stroke.start, stroke.end, stroke.low, stroke.high, stroke, number=k))
             continue
         after = laws[(k + 1) % len(laws)]
         y = at.values[0]
@@ -360,22 +391,41 @@ def _at_zero(stroke: Stroke) -> Stroke:
 
 def onset(at: Turned, rest: Rest, behind: bool, gap: int) -> tuple[float, bool]:
     """Where a dwell is left, behind it or before it [deg], and whether with a jump of acceleration: of c |θ - θ₀|ᵖ, p = 3, 4 or 2, the one
-    that fits the rows beside the dwell best; 2 only where the others do clearly worse. Exact rows tell it themselves. gap: rows to the next
-    rest, of which half are looked at."""
+    that fits the rows beside the dwell best; 2 only where the others do clearly worse. No later than the first row that has left its level.
+    Exact rows tell it themselves. gap: rows to the next rest, of which half are looked at."""
     edge, n = (rest.last if behind else rest.first), at.count
     if at.rows.exact:
         return _angle(at, edge), False
-    sign, error, y = (1 if behind else -1), at.rows.errors[0], at.values[0]
-    height = at.rows.sizes[0]
-    level, most = float(rest.level or 0.0), min(n // 4, max(gap // 2, 1))
-    away = np.abs(y[(edge + sign * np.arange(most)) % n] - level) >= max(ONSET * error, 0.01 * height)
-    reach = int(np.argmax(away)) if away.any() else most
+    sign, error, height = (1 if behind else -1), at.rows.errors[0], at.rows.sizes[0]
+    most = min(n // 4, max(gap // 2, 1))
+    away = np.abs(at.values[0][(edge + sign * np.arange(most)) % n] - float(rest.level or 0.0))
+    fine = error <= FINE * height
+    for share in LEFT_BY if fine else LEFT_BY[:1]:  # as far as one power follows rows that are known so well
+        left = away >= max(ONSET * error, share * height)
+        beyond, bends, explained = _onset(at, rest, behind, int(np.argmax(left)) if left.any() else most)
+        if explained:
+            break
+    gone = np.flatnonzero(away > FAR * error)  # from the first of these rows on nothing is level
+    if gone.size:
+        level, moving = (abs(_angle(at, edge + sign * k) - _angle(at, edge)) for k in (int(gone[0]) - 1, int(gone[0])))
+        if beyond >= moving or (fine and not explained):
+            beyond, bends = level, False
+    angle = _angle(at, edge) + sign * beyond
+    zero = 360.0 * round(angle / 360.0)
+    return zero if abs(angle - zero) < 0.5 * 360.0 / n else angle, bends  # not so near beside cam angle 0
+
+
+def _onset(at: Turned, rest: Rest, behind: bool, reach: int) -> tuple[float, bool, bool]:
+    """How far from its last row [deg] a dwell is left, by so many rows beyond it; whether the acceleration jumps there, and whether the
+    rows agree with that."""
+    sign, edge, n = (1, rest.last, at.count) if behind else (-1, rest.first, at.count)
     inside = min((rest.last - rest.first) // 2, 2 * reach + LEAST_STEPS)
     numbers = edge + sign * np.arange(-inside, reach + 1)
     together = -(-numbers.size // MOST_FITTED)  # rows that count as one, their mean
     numbers = numbers[: numbers.size // together * together]
     x = sign * (at.x[numbers % n] + 360.0 * (numbers // n) - _angle(at, edge)).reshape(-1, together).mean(axis=1)
-    off = sqrt(together) * ((y[numbers % n] - level) / error).reshape(-1, together).mean(axis=1)
+    off = (at.values[0][numbers % n] - float(rest.level or 0.0)) / at.rows.errors[0]
+    off = sqrt(together) * off.reshape(-1, together).mean(axis=1)
     best: dict[int, tuple[float, float]] = {}
     for power in (3, 4, 2):
         tried = np.linspace(x[0], x[-2], 241)
@@ -386,9 +436,8 @@ def onset(at: Turned, rest: Rest, behind: bool, gap: int) -> tuple[float, bool]:
         best[power] = float(left[k]), float(tried[k])
     smooth_power = min((3, 4), key=lambda power: best[power][0])
     bends = best[2][0] < best[smooth_power][0] - 2.0 * WELL
-    angle = _angle(at, edge) + sign * best[2 if bends else smooth_power][1]
-    zero = 360.0 * round(angle / 360.0)
-    return zero if abs(angle - zero) < 0.5 * 360.0 / n else angle, bends  # not so near beside cam angle 0
+    left_over, beyond = best[2 if bends else smooth_power]
+    return beyond, bends, left_over <= off.size + 5.0 * sqrt(2.0 * off.size)
 
 
 def _angle(at: Turned, row: int) -> float:
@@ -680,6 +729,7 @@ __all__ = [
     "SwitchError",
     "Switches",
     "difference",
+    "far",
     "structured",
     "switchable",
 ]

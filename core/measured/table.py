@@ -335,8 +335,6 @@ def _notes(lines: np.ndarray, turned: np.ndarray, angles: np.ndarray, closing: t
         rows = lines[place == int(np.bincount(others).argmax())]
         where = ", ".join(map(str, rows[:4]))
         yield f"{again} {'row repeats' if again == 1 else 'rows repeat'} a cam angle (as lines {where}): their mean counts"
-    for start, end in gaps(angles):
-        yield f"no rows from {start:.6g} to {np.mod(end, 360.0) or 360.0:.6g} deg; the spline bridges the gap"
 
 
 def _closing(turned: np.ndarray, angles: np.ndarray) -> tuple[int, int] | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Mapping
-from functools import cache
+from functools import lru_cache
 from types import MappingProxyType
 
 from core.frozen import frozen
@@ -60,7 +60,7 @@ class ValueUnit:
         return self.size / each**self.order
 
 
-@cache
+@lru_cache(maxsize=4096)
 def value_unit(name: str, motion: str) -> ValueUnit | None:
     """A unit by its name, ``mm/s2``, for a motion in mm or deg; None where it is none."""
     if name == "g" and motion == "mm":
@@ -112,9 +112,16 @@ _SPELLINGS = (
 )
 
 
-@cache
+LONGEST = 200
+"""Characters of a column's name, from its end, in which quantity and unit are searched."""
+_LONGEST_UNIT, _MOST_PARTS = 40, 6
+
+
+@lru_cache(maxsize=4096)
 def unit_of(text: str) -> str:
     """The unit that a text spells, by its name here: ``mm``, ``deg``, ``mm/s2``, ``turns``; empty where it spells none."""
+    if len(text := text.strip()) > _LONGEST_UNIT:
+        return ""
     for sign, plain in (("º", "°"), ("˚", "°"), ("″", "in"), ('"', "in")):
         text = text.replace(sign, plain)
     parts = text.strip().lower().split("_")
@@ -129,6 +136,7 @@ def unit_of(text: str) -> str:
 
 def unknown_unit(name: str) -> str:
     """What stands in square brackets in a column's name, as a unit does, and is none that is known; empty where nothing does."""
+    name = name[-LONGEST:]
     inside = re.findall(r"\[([^\[\]]*)\]", name) or [
         text for text in re.findall(r"\(([^()]*)\)", name) if _NUMBERED.match(text)
     ]
@@ -138,17 +146,18 @@ def unknown_unit(name: str) -> str:
 def unit_in(text: str) -> str:
     """The unit that a column's name ends in: in brackets, behind a comma, slash or ``in``, after an underscore or
     space; empty where there is none."""
-    for inside in re.findall(r"[\[({<]([^\])}>]*)[\])}>]", text):
+    text = text[-LONGEST:]
+    for inside in re.findall(r"[\[({<]([^\[({<\])}>]*)[\])}>]", text):
         if unit_of(inside):
             return unit_of(inside)
     if any(_NUMBERED.match(inside) for inside in re.findall(r"\(([^()]*)\)", text)):
         return ""  # a multiple of a unit that is not known: not that unit
-    tried = [part.strip() for part in re.split(r",|\s/\s|\s/(?=\S+$)|\bin\b(?=\s*\S)", text)[1:]]
+    tried = [part.strip() for part in re.split(r",|\s/\s|\s/(?=\S+$)|\bin\b(?=\s*\S)", text)[1:][-_MOST_PARTS:]]
     words = re.split(r"\s+", text.strip())
     if len(words) > 1:
         tried.append(words[-1])
     pieces = words[-1].split("_")
-    tried += ["_".join(pieces[i:]) for i in range(1, len(pieces))]
+    tried += ["_".join(pieces[i:]) for i in range(max(1, len(pieces) - _MOST_PARTS), len(pieces))]
     if len(text.strip()) > 1:  # a letter alone is a name: s, m, g
         tried.append(text)
     return next((unit_of(part) for part in tried if unit_of(part)), "")
@@ -178,12 +187,13 @@ class ColumnMeaning:
     unit: str
 
 
-@cache
+@lru_cache(maxsize=4096)
 def meaning(name: str) -> ColumnMeaning:
     """Quantity and unit that a column's name states; a unit such as mm/s² implies the quantity."""
+    name = name[-LONGEST:]
     unit = unit_in(name)
     order = max((result.order for motion in BASES if (result := value_unit(unit, motion))), default=0)
-    plain = unicodedata.normalize("NFKC", re.sub(r"[\[({<][^\])}>]*[\])}>]", " ", name)).lower()
+    plain = unicodedata.normalize("NFKC", re.sub(r"[\[({<][^\[({<\])}>]*[\])}>]", " ", name)).lower()
     tokens = [t for t in re.split(r"[^\w]+|_|\d+", plain) if t]
     named = next((q for q, words in _WORDS if any(re.fullmatch(words, token) for token in tokens)), "")
     return ColumnMeaning(DERIVATIVES[order] if order and named != "other" else named, unit)

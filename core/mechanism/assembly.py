@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from types import MappingProxyType
 
 import numpy as np
@@ -65,6 +65,7 @@ def solve_mechanism(mechanism: Mechanism, motion: MotionState, driver_ranges: Dr
         residual=lambda: spread(_residual(plan, solved), n),
         condition=lambda: spread(condition(plan, solved), n),
         singular=lambda: _singular(mechanism, solved, n),
+        transmission=lambda: {joint: spread(dyad.transmission, n) for joint, dyad in _dyads(mechanism, solved)},
         carrier=carrier,
         sense=mechanism.sense,
         driver_on=mechanism.bodies.get(on, FRAME),
@@ -130,15 +131,23 @@ def _require(mechanism: Mechanism, driver_ranges: DriverRanges, solved: Solved, 
 _CALM = 1e-30  # sine of the transmission angle above which three derivatives stay below the largest number
 
 
-def _apart(driver_ranges: DriverRanges, step: SolutionStep, motion: MotionState, lost: np.ndarray) -> NoPosition:
-    """Why the links of a step are nowhere at some angles."""
+def _apart(driver_ranges: DriverRanges, step: SolutionStep, motion: MotionState, lost: np.ndarray) -> NoAssembly:
+    """Why the links of a step do not meet at some angles: the driver's positions at which they do, and, disjoint from these, those to which
+    a motion takes it."""
     links = " and ".join(map(str, step.links)) if len(step.links) == 2 else ", ".join(map(str, step.links))
     joint = f" at {step.joint}" if step.kind != GROUP and is_pin(step.joint) else ""
-    ranges = [(float(np.rad2deg(r.low)), float(np.rad2deg(r.high))) for r in driver_ranges.ranges]
+    driver, y = driver_ranges.plan.driver, motion.displacement[0]
+    scale, unit = (180.0 / np.pi, "deg") if driver.revolute else (1e3, "mm")
+    ends = [float(y.min()), *(end for r in driver_ranges.ranges for end in (r.low, r.high)), float(y.max())]
+    beyond = [(a * scale, b * scale) for a, b in zip(ends[::2], ends[1::2], strict=True) if a < b]
     hint = "change their lengths"
-    if ranges and driver_ranges.plan.driver.revolute:
-        hint = f"they do with the driver within {angle_list(ranges)}"
-    return NoPosition(f"links {links} do not meet{joint}", "linkage.links", hint, angle_ranges(motion.theta, lost))
+    if driver_ranges.ranges:
+        ranges = [(r.low * scale, r.high * scale) for r in driver_ranges.ranges]
+        hint = f"they do with the driver within {angle_list(ranges, unit=unit)}"
+        if driver_ranges.plan.linkage.driver.kind != CRANK and beyond:
+            hint += f", and the motion takes it to {angle_list(beyond, unit=unit)}: lessen its rise, or change their lengths"
+    kind = NoPosition if driver_ranges.plan.linkage.driver.kind == CRANK else NoAssembly
+    return kind(f"links {links} do not meet{joint}", "linkage.links", hint, angle_ranges(motion.theta, lost))
 
 
 def _body(pose: Pose, points: Mapping[str, complex], mechanism: Mechanism, n: int, calm: bool) -> Pose:
@@ -161,7 +170,7 @@ def _body(pose: Pose, points: Mapping[str, complex], mechanism: Mechanism, n: in
         Derivatives(angle, pose.turn.constant),
         points,
         lambda: spread(pose.unit * along if turn else pose.unit, n),
-        lambda: scaled(pose.spin, along) if turn else pose.spin,
+        lambda: (scaled(pose.spin, along) if turn else pose.spin).spread(n),
     )
     return (
         there
@@ -243,13 +252,16 @@ def _residual(plan: SolutionPlan, solved: Solved) -> np.ndarray:
     return worst / plan.size
 
 
+def _dyads(mechanism: Mechanism, solved: Solved) -> Iterator[tuple[str, DyadSolution]]:
+    """Each dyad by its joint."""
+    for (step, _), result in zip(mechanism.plan.steps, solved.steps, strict=True):
+        if isinstance(result, DyadSolution):
+            yield step.joint, result
+
+
 def _singular(mechanism: Mechanism, solved: Solved, n: int) -> Mapping[str, np.ndarray]:
     """What must not vanish: the sine of each dyad's transmission angle, and what the mechanism adds."""
-    found = {
-        mechanism.singular.get(step.joint, step.joint): result.sine
-        for (step, _), result in zip(mechanism.plan.steps, solved.steps, strict=True)
-        if isinstance(result, DyadSolution)
-    }
+    found = {mechanism.singular.get(joint, joint): dyad.sine for joint, dyad in _dyads(mechanism, solved)}
     if mechanism.more_singular is not None:
         found |= mechanism.more_singular(solved)
     return {code: spread(value, n) for code, value in found.items()}

@@ -44,7 +44,7 @@ def findings(
     if turns_fully and locked:
         ranges = angle_list([(degrees(r.low), degrees(r.high)) for r in driver_ranges.ranges])
         ends = [
-            degrees(end)
+            degrees(end) / driver_ranges.turns
             for r in driver_ranges.ranges
             for end, joint in ((r.low, r.low_joint), (r.high, r.high_joint))
             if joint
@@ -52,10 +52,11 @@ def findings(
         values: dict[str, float | str] = {"ranges": ranges, "joints": ", ".join(sorted(locked))}
         found.append(Finding("crank-cannot-turn", ERROR, "linkage.driver.link", ends[0], values))
     linkage = driver_ranges.plan.linkage
-    if turns_fully and linkage.drivers and linkage.turns is None:
-        found.append(Finding("no-common-period", NOTE, "linkage.drivers", None, {"most": MOST_TURNS}))
-    elif turns_fully and not driver_ranges.closes:
-        found.append(Finding("not-periodic", ERROR, "linkage.branch", None))
+    if turns_fully and (linkage.turns is None or not driver_ranges.closes):
+        field = "linkage.drivers" if linkage.drivers else "linkage.links"
+        most = min(MOST_TURNS, 2 * (linkage.turns or MOST_TURNS))
+        shown = "turn is" if driver_ranges.turns == 1 else f"{driver_ranges.turns} turns are"
+        found.append(Finding("no-common-period", NOTE, field, None, {"most": most, "shown": shown}))
     if linkage.drivers:
         found += _wheels(linkage)
     for change in driver_ranges.changes:

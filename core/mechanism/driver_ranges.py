@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from core.design import FRAME_LINK, Linkage, Motion
+from core.design.linkage import MOST_TURNS
 from core.design.topology import GROUP, INPUT
 from core.frozen import frozen
 from core.mechanism.change_points import HALF, Branch, bridge
@@ -103,7 +104,7 @@ class ChangePoint:
 @frozen(eq=False)
 class DriverRanges:
     """Ranges and change points in rising order, cut where the driver's turn begins; the branch; turning by link;
-    closes: after one turn of the driver every link stands as before. Of a linkage that is drawn the range in which it is drawn is
+    closes: after the cycle every link stands as before. Of a linkage that is drawn the range in which it is drawn is
     the only one, ``others`` those besides; swings: a crank goes to and fro in it. turns: of the driver in a
     cycle. plan: None of a whole turn by itself, of no linkage."""
 
@@ -134,22 +135,38 @@ class DriverRanges:
 @lru_cache(maxsize=64)
 def driver_ranges_of(linkage: Linkage, low: float = 0.0, high: float = TURN) -> DriverRanges:
     """Ranges and change points for driver positions low ... high [rad or m]; kept. Of a linkage that is drawn also at the place where it
-    is, and of a crank the whole range to and fro, through 0 too. Raises NoPosition where two ways to assemble it are as near to what
+    is, and of a crank the whole range to and fro, through 0 too. A crank's cycle is as many turns as bring back the links that are driven
+    by a ratio, or twice as many where the others need them. Raises NoPosition where two ways to assemble it are as near to what
     is drawn."""
-    plan, drawn = plan_of(linkage), linkage.drawn
-    turns = (linkage.turns or 1) if high - low == TURN else 1
-    turn = high - low if turns == 1 else TURN * turns
-    high = low + turn
-    whole = turn == TURN * turns
-    if drawn is None:
-        found = _ranges(plan, low, high, whole)
-        return found if turns == 1 else replace(found, turns=turns)
-    place = drawn_place(drawn)
-    if not whole:
+    plan = plan_of(linkage)
+    if high - low != TURN:
+        place = None if linkage.drawn is None else drawn_place(linkage.drawn)
+        if place is None:
+            return _ranges(plan, low, high, False)
         return _around(_ranges(plan, min(low, place), max(high, place), False, place), place)
-    found = _ranges(plan, low, high, True, place % turn)
+    turns = linkage.turns
+    found = _cycle(plan, low, turns or 1)
+    if found.closes or turns is None or 2 * turns > MOST_TURNS:
+        return found
+    twice = _cycle(plan, low, 2 * turns)
+    return twice if twice.closes else found
+
+
+def _cycle(plan: SolutionPlan, low: float, turns: int) -> DriverRanges:
+    """Ranges and change points of a crank through so many turns from ``low`` [rad] on."""
+    drawn, turn = plan.linkage.drawn, TURN * turns
+    if drawn is None:
+        return replace(_ranges(plan, low, low + turn, True), turns=turns)
+    place = drawn_place(drawn)
+    for half in (
+        _HALVES if plan.linkage.turns is None else ()
+    ):  # no turn is like another: only what is around the drawn position counts
+        found = _around(_ranges(plan, place - half, place + half, False, place), place)
+        if found.ranges and found.ranges[0].low_joint and found.ranges[0].high_joint:
+            return replace(found, swings=True)
+    found = _ranges(plan, low, low + turn, True, place % turn)
     if not found.ranges or (len(found.ranges) == 1 and found.ranges[0].free):
-        return found if turns == 1 else replace(found, turns=turns)
+        return replace(found, turns=turns)
     locked = [r.high for r in found.ranges if r.high_joint]  # the turn is cut in the gap behind one of them
     begin = locked[0] if locked else found.ranges[0].low
     beyond = min((r.low for r in found.ranges if r.low > begin), default=begin + turn)
@@ -232,6 +249,7 @@ def guided_ranges(
 PATH = (
     65  # positions through which links are followed from the base: no link turns by more than half a turn between two
 )
+_HALVES = (0.5 * TURN, 4.0 * TURN)  # so far to both sides is a swing searched that no period bounds
 _STANDS = 1e-6  # of the requested positions: in a shorter range nothing moves, and rounding decides its ends
 SIDED = ("RRR", "RRP", "RPR")
 _WITHIN = 1e-2  # of a range: so far from its ends the two ways to assemble a dyad can be told apart

@@ -226,6 +226,14 @@ def apart(driver_ranges: DriverRanges, kinematics: Kinematics, place: float) -> 
     return worst if isfinite(worst) else inf
 
 
+def first_motion(linkage: Linkage, place: float) -> Motion | None:
+    """Dwell, rise, dwell, return from a driver position [rad or m] of a linkage that is drawn; None where it cannot stand there."""
+    half = pi if _unit(linkage) == "deg" else plan_of(linkage).size
+    ranges = driver_ranges_of(linkage, place - half, place + half).ranges
+    here = next((each for each in ranges if each.low <= place <= each.high), None)
+    return None if here is None or here.low == here.high else _first_motion(linkage, here, place)
+
+
 def _first_motion(linkage: Linkage, here: DriverRange, place: float) -> Motion:
     """Dwell, rise, dwell, return from here, to the side with more room, half of it at most."""
     unit = _unit(linkage)

@@ -88,7 +88,7 @@ class CrankProgram:
         none = np.zeros(angles.theta.size)
         if self.swing is not None:
             low, high = self.swing.low, self.swing.high
-            sign = np.where(angles.piece == 0, 1.0, -1.0)
+            sign = np.where(self.ends[angles.piece] <= np.pi, 1.0, -1.0)
             rate = (high - low) / np.pi
             q = np.where(sign > 0.0, low + rate * angles.theta, low + rate * (TURN - angles.theta))
             return MotionState(angles, Derivatives.of((q, rate * sign, none, none)), sign)

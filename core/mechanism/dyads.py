@@ -65,6 +65,12 @@ class DyadSolution:
     sine: Lazy[np.ndarray] = Lazy()
     reach: Lazy[np.ndarray] = Lazy()
 
+    @property
+    def transmission(self) -> np.ndarray:
+        """Transmission angle (n,) [rad], 0 … π/2, by sine and cosine: near 90° the sine alone has lost half of its digits."""
+        c1, c2 = self.columns
+        return np.asarray(np.arctan2(self.sine, np.abs(dot(c1, c2)) / np.abs(c1 * c2)))
+
 
 # -- the kinds --------------------------------------------------------------------------------------------
 

@@ -156,6 +156,7 @@ class Kinematics:
     travel         (n,) complex unit vector: where the reference point goes when the follower moves forward
     sense          of the driver's coordinate: q = start + sense y
     singular       what must not vanish, by the code of its finding: (n,) 0 ... 1
+    transmission   joint of a dyad -> transmission angle (n,) [rad], 0 ... π/2
     coordinates    the follower's own variables and their derivatives, named as in tables (phi, beta, slider_position)
     base           the base position: name -> (value in SI, unit)
     residual       (n,) loop closure relative to the size of the mechanism; ``condition`` (n,) bounds it times eps
@@ -174,6 +175,7 @@ class Kinematics:
     residual: Lazy[np.ndarray] = Lazy()
     condition: Lazy[np.ndarray] = Lazy()
     singular: Lazy[Mapping[str, np.ndarray]] = Lazy(lambda kinematics: MappingProxyType({}))
+    transmission: Lazy[Mapping[str, np.ndarray]] = Lazy(lambda kinematics: MappingProxyType({}))
     by_driver: Lazy[Mapping[str, Pose]] = Lazy(lambda kinematics: MappingProxyType({}))
     carrier: str = ""
     sense: float = 1.0

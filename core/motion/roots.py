@@ -16,6 +16,7 @@ BETWEEN = 33  # points by which a dip towards zero is sampled closer
 Quantity = Callable[[Angles], np.ndarray]
 
 
+@np.errstate(invalid="ignore")  # inf - inf, where a crank locks
 def crossings(quantity: Quantity, angles: Angles, value: np.ndarray) -> Angles:
     """The cam angles at which the quantity changes its sign, each with the piece it is in, by piece and angle.
 

@@ -13,7 +13,7 @@ from core.errors import KindynaError
 from core.numerics.cancellation import checkpoint
 from core.output.channels import ANGLES, channels, existing
 from core.output.summary import answers, runs, summary, to_json
-from core.project.files import write_all
+from core.project.files import write_into
 from core.study import Camshaft, Study
 from core.study.quantities import DYNAMICS, KINEMATICS, LINKAGE, ORBIT, PROFILE, SERVO
 
@@ -156,7 +156,7 @@ def texts(made: Mapping[str, str | Iterator[bytes]]) -> dict[str, str]:
 def export(study: Study, folder: Path, stages: Sequence[str] = ()) -> list[Path]:
     """Write them all into the folder; the paths. Raises NoAnswer, NoSuchStage, FileError, and then writes nothing."""
     made = streams(study, stages)
-    write_all(folder, made)
+    write_into(folder, made)
     return [folder / name for name in made]
 
 

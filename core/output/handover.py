@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import io
+import json
+import os
 import zipfile
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +29,7 @@ from core.output.report.document import Cover
 from core.output.summary import to_json
 from core.output.web import web_page
 from core.project import dumps
-from core.project.files import write, write_all
+from core.project.files import is_folder, read_own, remove_listed, write, write_into
 from core.project.origins import with_own_motions
 from core.requests import asked, typed
 from core.study import Study
@@ -86,26 +89,67 @@ class Handover:
         return {"files": rows, "left_out": [{"what": what, "why": why} for what, why in self.left_out]}
 
     def write(self, out: Path) -> None:
-        """As a folder that is empty or new, or as a zip archive. Raises KindynaError, FileError, and then nothing has changed."""
+        """As a folder that is empty or new, or as a zip archive; a hand-over in that place is replaced where it is as it was written.
+        Raises KindynaError, FileError, and then nothing has changed."""
         made: dict[str, str | bytes] = {each.name: each.data for each in self.files}
         made[CONTENTS] = to_json(self.contents)
-        if out.suffix.lower() == ARCHIVE:
-            if out.exists() and not _is_handover(out):
-                raise KindynaError(f"{out}: this file is there already and is no hand-over; allowed: another name")
+        archive = out.suffix.lower() == ARCHIVE
+        there = os.path.lexists(out) if archive else out.is_dir() and any(out.iterdir())
+        before = (_names_in_archive if archive else _names_in_folder)(out) if there else []
+        if before is None:
+            what = "file is there already" if archive else "folder is not empty"
+            other = "another name" if archive else "an empty or new one, or NAME.zip"
+            raise KindynaError(f"{out}: this {what} and it, or a part of it, is no hand-over; allowed: {other}")
+        if archive:
             write(out, _packed(made))
-            return
-        if out.is_dir() and any(out.iterdir()):
-            raise KindynaError(f"{out}: this folder is not empty; allowed: an empty or new one, or NAME.zip")
-        write_all(out, made)
+        else:
+            write_into(out, made)
+            remove_listed(out, set(before) - made.keys())
 
 
-def _is_handover(path: Path) -> bool:
-    """Whether it is one of before, which may be replaced as the files of every command are."""
-    try:
-        with zipfile.ZipFile(path) as archive:
-            return CONTENTS in archive.namelist()
-    except (OSError, zipfile.BadZipFile):
-        return False
+# -- a hand-over that is replaced ---------------------------------------------------------------------------
+
+MOST_UNPACKED = 1 << 28
+"""Bytes; no hand-over is as large."""
+
+
+def _names_in_archive(path: Path) -> list[str] | None:
+    """The files of a hand-over, which is as it was written; None for any other archive: with a comment, a folder, a file twice."""
+    with suppress(Exception):  # archives from anywhere fail in many ways
+        data = read_own(path)
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            rows = archive.infolist()
+            size = 22 + sum(76 + 2 * len(row.filename.encode()) + row.compress_size for row in rows)
+            if size == len(data) and sum(row.file_size for row in rows) <= MOST_UNPACKED:
+                return _own([row.filename for row in rows], archive.read)
+    return None
+
+
+def _names_in_folder(path: Path) -> list[str] | None:
+    """The files of a hand-over, which is as it was written; None for any other folder, and for a link to one."""
+    with suppress(Exception):  # as lists of contents from anywhere do
+        if is_folder(path):
+            return _own(_files_in(path), lambda name: read_own(path / name))
+    return None
+
+
+def _files_in(path: Path) -> Iterator[str]:
+    """Names of files, links among them, and with a stroke behind those of links to folders and of empty folders."""
+    for place, folders, names in os.walk(path):
+        inside = Path(place).relative_to(path)
+        yield from ((inside / name).as_posix() for name in names)
+        yield from (f"{inside / name}/" for name in folders if not is_folder(Path(place, name)))
+        if not folders and not names:
+            yield f"{inside}/"
+
+
+def _own(names: Iterable[str], read: Callable[[str], bytes]) -> list[str] | None:
+    """The names, where the list of contents has each of them, but itself, with the sha256 of what is read."""
+    hashes = {row["name"]: row["sha256"] for row in json.loads(read(CONTENTS))["files"]}
+    same = sorted(names) == sorted([*hashes, CONTENTS]) and all(
+        hashlib.sha256(read(name)).hexdigest() == value for name, value in hashes.items()
+    )
+    return [*hashes] if same else None
 
 
 def _packed(files: dict[str, str | bytes]) -> bytes:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import io
-from xml.etree import ElementTree
+import warnings
+from xml.parsers import expat
 
+from core.bounds import NESTING, PIXELS
 from core.errors import FileError
 from core.frozen import frozen
 from core.project.files import read_bytes
@@ -38,27 +40,46 @@ def logo_of(head: Letterhead) -> tuple[Logo | None, str]:
         data = read_bytes(head.logo)
     except FileError as error:
         return None, f"{error}; the logo is left out"
-    kind = _kind(data)
+    kind = _svg(data) if data.lstrip()[:1] == b"<" else _image(data)
     if not kind:
-        return None, f"{head.logo}: is no picture that can be read; allowed: PNG, JPEG or SVG; the logo is left out"
+        allowed = f"PNG or JPEG of at most {PIXELS / 1e6:g} megapixels, or SVG"
+        return None, f"{head.logo}: is no picture that can be read; allowed: {allowed}; the logo is left out"
     return Logo(kind, data), ""
 
 
-def _kind(data: bytes) -> str:
-    """Media type; empty of what is none of the three, or broken."""
-    if data.lstrip()[:1] == b"<":
-        try:
-            root = ElementTree.fromstring(data)
-        except ElementTree.ParseError:
-            return ""
-        return SVG if root.tag.rpartition("}")[2] == "svg" else ""
+def _svg(data: bytes) -> str:
+    """Media type of a picture in XML; empty of another, of what is broken, or nested too deeply."""
+    parser, names = expat.ParserCreate(), list[str]()
+    root: list[str] = []
+
+    def start(name: str, attributes: dict[str, str]) -> None:
+        root[:] = root or [name]
+        names.append(name)
+        if len(names) > NESTING:
+            raise ValueError("nested too deeply")
+
+    parser.StartElementHandler = start
+    parser.EndElementHandler = lambda _: names.pop()
+    try:
+        parser.Parse(data, True)
+    except (expat.ExpatError, ValueError, LookupError):
+        return ""
+    return SVG if root[0].rpartition(":")[2] == "svg" else ""
+
+
+def _image(data: bytes) -> str:
+    """Media type of a PNG or JPEG; empty of another, of what is broken, or too large."""
     from PIL import Image  # loading it takes longer than a small report
 
     try:
-        with Image.open(io.BytesIO(data), formats=("PNG", "JPEG")) as picture:
-            picture.load()
-            return str(picture.get_format_mimetype())
-    except (OSError, SyntaxError, ValueError):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", Image.DecompressionBombWarning)
+            with Image.open(io.BytesIO(data), formats=("PNG", "JPEG")) as picture:
+                if picture.width * picture.height > PIXELS:
+                    return ""
+                picture.load()
+                return str(picture.get_format_mimetype())
+    except Exception:  # what is broken makes the decoders raise anything
         return ""
 
 

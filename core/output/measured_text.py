@@ -38,6 +38,9 @@ def _of_the_fit(fit: MotionFit) -> Iterator[str]:
     table, unit = fit.table, fit.table.unit
     if fit.guessed:
         yield f"the measuring error is not stated; {digits(fit.error, 2)} {unit} is what the rows themselves tell"
+    for gap in fit.gaps:
+        what = "the spline bridges the gap" if gap.level is None else "the rows at both ends are level: a dwell"
+        yield f"no rows from {digits(gap.start)} to {digits(float(np.mod(gap.end, 360.0)) or 360.0)} deg; {what}"
     result, left_out = fit.outliers, "left out of the fit" if fit.left_out else "fitted with the others"
     if result.wrong:
         yield f"{table.named(result.wrong)}: wrong, no smooth curve joins them to the rows beside; {left_out}"

@@ -6,19 +6,18 @@ import errno
 import os
 import re
 import stat
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from types import MappingProxyType
 from typing import NoReturn
 
+from core.bounds import BYTES
 from core.errors import FileError
-from core.project.locks import NO_LOCKS, hold
+from core.project.locks import NO_LINK, NO_LOCKS, hold
 
 AnyPath = str | os.PathLike[str]
 Content = bytes | str | Iterator[bytes]
-
-MOST_BYTES = 10_000_000  # no design is larger; a device or a film taken by mistake would fill the memory
 
 _REASONS: Mapping[int, str] = MappingProxyType(
     {
@@ -53,9 +52,9 @@ def inputs_kept() -> Iterator[None]:
         _inputs = before
 
 
-def read_bytes(path: AnyPath, most_bytes: int = MOST_BYTES) -> bytes:
+def read_bytes(path: AnyPath, most_bytes: int = BYTES) -> bytes:
     """What a file holds. Raises FileError where it is missing, no ordinary file, not to be read or too large."""
-    with _as_file_error(path, "read"):
+    with as_file_error(path, "read"):
         status = os.stat(path)
         _ordinary(path, status, "read")
         if _inputs is not None:
@@ -69,7 +68,7 @@ def read_bytes(path: AnyPath, most_bytes: int = MOST_BYTES) -> bytes:
     return data
 
 
-def read_text(path: AnyPath, most_bytes: int = MOST_BYTES) -> str:
+def read_text(path: AnyPath, most_bytes: int = BYTES) -> str:
     """The text of a UTF-8 file, without its byte order mark.
 
     Raises FileError where it is missing, no ordinary file, not to be read, too large or no UTF-8.
@@ -91,14 +90,29 @@ def write(path: AnyPath, data: bytes | str, *, in_place: bool = False) -> None:
 
 def write_all(folder: AnyPath, files: Mapping[str, Content]) -> None:
     """Write all files (name: content) or none; folders that are missing are created. A content of parts is written as its
-    parts come; what making them raises is raised here.
+    parts come; what making them raises is raised here. The user chose the names: symbolic links are followed.
 
     Raises FileError where one cannot be written; then nothing has changed.
     """
     _replace_all({Path(folder) / name: data for name, data in files.items()}, create_folders=True)
 
 
-def _replace_all(files: Mapping[Path, Content], *, create_folders: bool, in_place: bool = False) -> None:
+def write_into(folder: AnyPath, files: Mapping[str, Content], *, typed: str = "") -> None:
+    """As ``write_all``, under names that the program chose, but the one that the user typed.
+
+    Raises FileError also where one of the others is a symbolic link, or lies in a folder that is one.
+    """
+    paths = {Path(folder) / name: data for name, data in files.items()}
+    _replace_all(paths, create_folders=True, without_links=(Path(folder), typed))
+
+
+def _replace_all(
+    files: Mapping[Path, Content],
+    *,
+    create_folders: bool,
+    in_place: bool = False,
+    without_links: tuple[Path, str] | None = None,
+) -> None:
     """First everything that can fail for lack of space or permission, under other names; then the moves.
 
     What is to be taken back or swept up is noted before it is made, so that an interrupt finds it noted.
@@ -107,24 +121,26 @@ def _replace_all(files: Mapping[Path, Content], *, create_folders: bool, in_plac
     with ExitStack() as folders, ExitStack() as leftovers, ExitStack() as undo:
         others = _OtherNames(leftovers)
         targets = {path: _target(path) for path in files}
+        if without_links is not None:
+            _require_inside(targets, *without_links)
         modes = {path: _permissions(path, target, in_place) for path, target in targets.items()}
-        made = {}
+        made, identities = {}, {}
         for path, data in files.items():
-            with _as_file_error(path, "written"):
+            with as_file_error(path, "written"):
                 if create_folders:
                     _create_folders(targets[path].parent, folders)
                 made[path] = others.beside(targets[path])
-                _write_new(made[path], data, modes[path])
+                identities[path] = _write_new(made[path], data, modes[path])
         kept = {}
         if len(files) > 1:  # a single move needs no way back
             for path in (p for p in files if modes[p] is not None):
-                with _as_file_error(path, "written"):
+                with as_file_error(path, "written"):
                     kept[path] = others.beside(targets[path])
                     _keep(targets[path], kept[path])
         for path, target in targets.items():
-            with _as_file_error(path, "written"):
+            with as_file_error(path, "written"):
                 if len(files) > 1:
-                    undo.callback(_take_back, target, kept.get(path))
+                    undo.callback(_take_back, target, kept.get(path), identities[path])
                 os.replace(made[path], target)
         undo.pop_all()
         folders.pop_all()
@@ -134,13 +150,22 @@ def _replace_all(files: Mapping[Path, Content], *, create_folders: bool, in_plac
 
 def _target(path: Path) -> Path:
     """Where the links lead, so that a link stays a link."""
-    with _as_file_error(path, "written"):
+    with as_file_error(path, "written"):
         return Path(os.path.realpath(path))
+
+
+def _require_inside(targets: Mapping[Path, Path], folder: Path, typed: str) -> None:
+    """Raises FileError for a file other than the typed one to which a link inside of the folder leads."""
+    real = _target(folder)
+    for path, target in targets.items():
+        name = path.relative_to(folder)
+        if str(name) != typed and os.path.normcase(target) != os.path.normcase(real / name):
+            _refuse(path, "written", "it is a symbolic link, or behind one; remove the link or choose another folder")
 
 
 def _permissions(path: Path, target: Path, in_place: bool) -> int | None:
     """Permission bits of the file to be replaced, None where there is none."""
-    with _as_file_error(path, "written"):
+    with as_file_error(path, "written"):
         try:
             status = os.stat(target)
         except FileNotFoundError:
@@ -157,13 +182,13 @@ def _permissions(path: Path, target: Path, in_place: bool) -> int | None:
 class _OtherNames:
     """Free names beside targets, each noted to be swept up: ``.kindyna-RUN-1.tmp``, ``.kindyna-RUN-2.tmp`` ...
 
-    In each folder a lock file ``.kindyna-RUN.tmp`` is made before them, held, and removed after them: names whose lock
-    nobody holds were left behind by a process that was killed.
+    In each folder a lock file ``.kindyna-RUN.tmp`` is made before them, held, and removed after them. It lists them after a line
+    that marks it: names in it were left behind by a process that was killed where nobody holds it.
     """
 
     def __init__(self, leftovers: ExitStack) -> None:
         self._leftovers = leftovers
-        self._runs: dict[Path, str] = {}
+        self._runs: dict[Path, tuple[str, int | None]] = {}  # with the handle of the lock
         self._number = 0
 
     def beside(self, target: Path) -> Path:
@@ -172,46 +197,67 @@ class _OtherNames:
             sweep(folder)
             self._runs[folder] = self._begin(folder)
         self._number += 1
-        other = folder / f".kindyna-{self._runs[folder]}-{self._number}.tmp"
-        self._leftovers.callback(_remove, other)
+        run, lock = self._runs[folder]
+        other = folder / f".kindyna-{run}-{self._number}.tmp"
+        if lock is not None:
+            os.write(lock, f"\n{other.name}".encode())
+        self._leftovers.callback(remove, other)
         return other
 
-    def _begin(self, folder: Path) -> str:
+    def _begin(self, folder: Path) -> tuple[str, int | None]:
         while True:
             run = os.urandom(8).hex()
             lock = folder / f".kindyna-{run}.tmp"
-            self._leftovers.callback(_remove, lock)
+            self._leftovers.callback(remove, lock)
             try:
                 handle = hold(lock)
             except OSError as error:
                 if error.errno not in NO_LOCKS:
                     raise
-                return run
+                return run, None
             if handle is not None:  # else another's sweep was quicker
                 self._leftovers.callback(os.close, handle)
-                return run
+                os.write(handle, _mark(run).encode())
+                return run, handle
 
 
 _OTHER_NAME = re.compile(r"\.kindyna-([0-9a-f]{16})(-\d+)?\.tmp")
 
 
-def sweep(folder: AnyPath) -> None:
-    """Remove what killed writes have left in a folder; the names of a write that still runs stay."""
+def _mark(run: str) -> str:
+    """First line of a lock file: no other program writes it."""
+    return f"KINDYNA write {run}"
+
+
+def sweep(folder: AnyPath, *, private: bool = False) -> None:
+    """Remove what killed writes have left in a folder: the names that their lock files list. The names of a write that still
+    runs stay, and files of the user that are called so.
+
+    private: the folder is the program's alone, where the name proves whose a file is.
+    """
     with suppress(OSError):
-        found = [match for name in os.listdir(folder) if (match := _OTHER_NAME.fullmatch(name))]
-        for run in {match[1] for match in found}:
-            lock = Path(folder, f".kindyna-{run}.tmp")
+        matches = [match for name in os.listdir(folder) if (match := _OTHER_NAME.fullmatch(name))]
+        for run in {match[1] for match in matches}:
             with suppress(OSError):
-                handle = hold(lock)
-                if handle is not None:
-                    for match in found:
-                        if match[1] == run:
-                            _remove(Path(folder, match[0]))
-                    _remove(lock)
-                    os.close(handle)
+                _sweep(Path(folder), run, {match[0] for match in matches if match[1] == run}, private)
 
 
-def _write_new(path: Path, data: Content, mode: int | None) -> None:
+def _sweep(folder: Path, run: str, names: set[str], private: bool) -> None:
+    lock = folder / f".kindyna-{run}.tmp"
+    handle = hold(lock, create=private)
+    if handle is None:
+        return
+    try:
+        rows = listed(handle, _mark(run))
+        if private or rows is not None:
+            for name in sorted(names if private else names.intersection(rows or ())):
+                remove(folder / name)
+            remove(lock)
+    finally:
+        os.close(handle)
+
+
+def _write_new(path: Path, data: Content, mode: int | None) -> Identity:
     whole = data.encode() if isinstance(data, str) else data
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
     handle = os.open(path, flags, 0o666 if mode is None else mode)
@@ -221,10 +267,12 @@ def _write_new(path: Path, data: Content, mode: int | None) -> None:
             while rest:
                 rest = rest[os.write(handle, rest) :]
         os.fsync(handle)
+        status = os.fstat(handle)
     finally:
         os.close(handle)
     if mode is not None:
         os.chmod(path, mode)
+    return status.st_dev, status.st_ino
 
 
 def _sync(folder: Path) -> None:
@@ -247,9 +295,9 @@ def _keep(target: Path, other: Path) -> None:
         shutil.copy2(target, other)
 
 
-def _take_back(target: Path, kept: Path | None) -> None:
+def _take_back(target: Path, kept: Path | None, identity: Identity) -> None:
     if kept is None:
-        _remove(target)
+        remove(target, identity)
     else:
         with suppress(OSError):
             os.replace(kept, target)
@@ -265,14 +313,84 @@ def _create_folders(folder: Path, undo: ExitStack) -> None:
         each.mkdir(exist_ok=True)
 
 
-def _remove(path: Path) -> None:
-    with suppress(OSError):
-        path.unlink()
-
-
 def _remove_folder(path: Path) -> None:
     with suppress(OSError):  # someone else may use it by now
         path.rmdir()
+
+
+# -- files of the program's own -----------------------------------------------------------------------------
+
+Identity = tuple[int, int]
+"""Device and number of a file."""
+
+MOST_OWN = 1 << 30
+"""Bytes of such a file."""
+
+
+def remove(path: Path, identity: Identity | None = None) -> None:
+    """Delete a file that the program has written: nothing else deletes a file. A link, a folder, what is no ordinary file and what lies
+    in a folder that is a link stays, and a file of another identity where one is given."""
+    with suppress(OSError):
+        status = os.lstat(path)
+        if (
+            stat.S_ISREG(status.st_mode)
+            and identity in (None, (status.st_dev, status.st_ino))
+            and is_folder(path.parent)
+        ):
+            os.unlink(path)
+
+
+def remove_listed(folder: Path, names: Iterable[str]) -> None:
+    """Delete the files of a folder that a list of the program's own names, and the folders in it where they alone were."""
+    for name in names:
+        path = folder / name
+        remove(path)
+        while path.parent != folder:
+            path = path.parent
+            _remove_folder(path)
+
+
+def is_folder(path: Path) -> bool:
+    """Whether it is a folder, and no link to one."""
+    try:
+        status = os.lstat(path)
+    except OSError:
+        return False
+    return stat.S_ISDIR(status.st_mode) and getattr(status, "st_reparse_tag", 0) != _JUNCTION
+
+
+_JUNCTION = 0xA0000003  # of Windows: a link that lstat takes for a folder
+
+
+def read_own(path: Path) -> bytes:
+    """What an ordinary file holds, opened without following a link. Raises OSError."""
+    handle = os.open(path, os.O_RDONLY | NO_LINK | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
+    with open(handle, "rb") as file:
+        if not stat.S_ISREG(os.fstat(handle).st_mode):
+            raise OSError(errno.EINVAL, os.strerror(errno.EINVAL), str(path))
+        return file.read(MOST_OWN)
+
+
+def require_own_json(path: Path, keys: Iterable[str]) -> None:
+    """Raises FileError for a file that is no JSON object of the program's, which has these keys: it is not replaced unasked."""
+    import json
+
+    if _permissions(path, _target(path), in_place=False) is None:
+        return
+    try:
+        own = json.loads(read_own(path)).keys() >= set(keys)
+    except (OSError, ValueError, AttributeError, RecursionError):
+        own = False
+    if not own:
+        _refuse(path, "written", "it belongs to something else; choose another folder or name")
+
+
+def listed(handle: int, mark: str) -> list[str] | None:
+    """The lines of an open list of the program's own behind the first, its mark; None where another line is the first."""
+    os.lseek(handle, 0, os.SEEK_SET)
+    data = b"".join(iter(lambda: os.read(handle, 1 << 20), b""))
+    first, *lines = data.decode("utf-8", "replace").split("\n")
+    return lines if first == mark else None
 
 
 def _ordinary(path: AnyPath, status: os.stat_result, done: str) -> None:
@@ -283,7 +401,7 @@ def _ordinary(path: AnyPath, status: os.stat_result, done: str) -> None:
 
 
 @contextmanager
-def _as_file_error(path: AnyPath, done: str) -> Iterator[None]:
+def as_file_error(path: AnyPath, done: str) -> Iterator[None]:
     """Raise FileError, in one line, for an error of the system."""
     try:
         yield

@@ -15,8 +15,6 @@ from core.errors import FileError
 from core.project import loads_drawing, save
 from core.project.files import read_bytes, read_text
 
-MOST_OF_SOURCE = 1 << 28
-
 
 class OnDisk(Enum):
     """A file, compared with what was read or written last."""
@@ -86,5 +84,5 @@ class DesignFiles:
 def _held(name: str) -> bytes | None:
     """What a source holds, as a short sum; None where it is gone."""
     with suppress(FileError):
-        return sha256(read_bytes(name, MOST_OF_SOURCE)).digest()
+        return sha256(read_bytes(name)).digest()
     return None

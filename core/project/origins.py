@@ -147,7 +147,7 @@ def _refused(path: str, value: Any, problem: str, allowed: str = "") -> DesignEr
 
 
 def _of_table(origin: Origin, asked: Motion | None, unit: str, folder: str) -> tuple[Motion, list[str]]:
-    from core.measured import MOST_BYTES, ColumnChoice, fit, is_workbook, layout, read_sheet, read_table, read_workbook
+    from core.measured import ColumnChoice, fit, is_workbook, layout, read_sheet, read_table, read_workbook
     from core.measured.sheet import line_ranges
     from core.project.files import read_bytes
 
@@ -155,7 +155,7 @@ def _of_table(origin: Origin, asked: Motion | None, unit: str, folder: str) -> t
     table, column = origin.from_.table, origin.from_.column
     whole, told = os.path.normpath(os.path.join(folder, table)), split_unit(column)[1].symbol
     try:
-        data = read_bytes(whole, MOST_BYTES)
+        data = read_bytes(whole)
         sheet = read_workbook(data, table) if is_workbook(data) else read_sheet(data, table)
         how = layout(
             sheet,
@@ -238,11 +238,16 @@ SAMPLES = 2881  # of the driver's range, between which an output goes monotonous
 DEAD = 1e-6  # of the largest transmission: less is a dead centre
 
 
+REACHED = (
+    1e-8  # of the way between two dead centres: a motion this near reaches one, where its acceleration has no limit
+)
+
+
 class _Branch:
     """The stretch of a linkage's driver between two dead centres of an output in which a motion of that begins: there the driver's position
     x follows from the output's y. Where there are none, and the driver turns, it goes on turn by turn.
 
-    period  of the driver [rad], 0 where it does not go on
+    period  of the driver [rad], the cycle of the linkage; 0 where it does not go on
     """
 
     def __init__(self, design: Design, output: str, asked: Motion) -> None:
@@ -259,29 +264,40 @@ class _Branch:
         first = self._first(design, at, y, begin)
         i = int(np.clip(np.searchsorted(at, first) - 1, 0, SAMPLES - 2))
         sign = np.sign(y[i + 1] - y[i])
-        right = np.flatnonzero(rate[i:] * sign <= slow)
-        left = np.flatnonzero(rate[: i + 2] * sign <= slow)
-        self.period = TURN if whole and not right.size and not left.size else 0.0
+        right = np.flatnonzero(rate[i + 1 :] * sign <= slow)
+        left = np.flatnonzero(rate[: i + 1] * sign <= slow)
+        self.period = self._cycle if whole and not right.size and not left.size else 0.0
         a = 0 if not left.size else int(left[-1])
-        b = SAMPLES - 1 if not right.size else i + int(right[0])
+        b = SAMPLES - 1 if not right.size else i + 1 + int(right[0])
         if whole and not self.period:  # a crank: the stretch may reach beyond the sampled turn
             return self._rolled(at, y, rate, first, sign, slow, begin)
-        self._lay(at[a : b + 1], y[a : b + 1], y[i] + (first - at[i]) / (at[i + 1] - at[i]) * (y[i + 1] - y[i]), begin)
+        here = y[i] + (first - at[i]) / (at[i + 1] - at[i]) * (y[i + 1] - y[i])
+        self._lay(at[a : b + 1], y[a : b + 1], here, begin, (bool(left.size), bool(right.size)))
 
     def _rolled(
         self, at: np.ndarray, y: np.ndarray, rate: np.ndarray, first: float, sign: float, slow: float, begin: float
     ) -> None:
         gain = y[-1] - y[0]
-        three = np.concatenate((at[:-1] - TURN, at[:-1], at + TURN))
+        three = np.concatenate((at[:-1] - self._cycle, at[:-1], at + self._cycle))
         values = np.concatenate((y[:-1] - gain, y[:-1], y + gain))
         rates = np.concatenate((rate[:-1], rate[:-1], rate)) * sign
         i = int(np.searchsorted(three, first) - 1)
-        left, right = np.flatnonzero(rates[: i + 2] <= slow), np.flatnonzero(rates[i:] <= slow)
-        a, b = int(left[-1]), i + int(right[0])
+        left, right = np.flatnonzero(rates[: i + 1] <= slow), np.flatnonzero(rates[i + 1 :] <= slow)
+        a, b = int(left[-1]), i + 1 + int(right[0])
         here = values[i] + (first - three[i]) / (three[i + 1] - three[i]) * (values[i + 1] - values[i])
-        self._lay(three[a : b + 1], values[a : b + 1], here, begin)
+        self._lay(three[a : b + 1], values[a : b + 1], here, begin, (True, True))
 
-    def _lay(self, at: np.ndarray, y: np.ndarray, here: float, begin: float) -> None:
+    def _lay(self, at: np.ndarray, y: np.ndarray, here: float, begin: float, dead: tuple[bool, bool]) -> None:
+        """The stretch from sample to sample, its ends exactly where they are dead centres."""
+        from scipy.optimize import brentq
+
+        at, y = at.copy(), y.copy()
+        for end, inner, is_dead in ((0, 1, dead[0]), (-1, -2, dead[1])):
+            rates = self._within(at[[inner, end]])[1]
+            if is_dead and rates[0] * rates[1] < 0.0:
+                at[end] = brentq(lambda x: self._within(np.array([x]))[1, 0], at[inner], at[end], xtol=1e-14)
+                top = float(self._within(at[[end]])[0, 0])
+                y[end] = top + (TURN * np.rint((y[inner] - top) / TURN) if self._asked.unit == "deg" else 0.0)
         y = y + (TURN * np.rint((begin - here) / TURN) if self._asked.unit == "deg" else 0.0)
         rising = y[-1] > y[0]
         self._x, self._y = (at, y) if rising else (at[::-1], y[::-1])
@@ -299,6 +315,7 @@ class _Branch:
             low, high = swept(program(replace(motion, follows=None)))
             room = 2.0 * plan_of(self._linkage).size
             self._driver_ranges = driver_ranges_of(self._linkage, low - room, high + room)
+        self._cycle = TURN * self._driver_ranges.turns
         found, place = self._driver_ranges.ranges, self._place(design)
         whole = self._turns and len(found) == 1 and found[0].free and not self._driver_ranges.swings
         here = min(found, key=lambda r: max(r.low - place, place - r.high, 0.0))
@@ -368,17 +385,18 @@ class _Branch:
         return np.array([x + turns * self.period, first, second, third])
 
     def _within(self, x: np.ndarray) -> np.ndarray:
-        return self.forward(np.mod(x, TURN) if self._turns and not self._driver_ranges.swings else x)
+        return self.forward(np.mod(x, self._cycle) if self._turns and not self._driver_ranges.swings else x)
 
     def _require_reached(self, theta: np.ndarray, wanted: np.ndarray) -> None:
         if self.period:
             return
-        beyond = (wanted <= self._y[0]) | (wanted >= self._y[-1])
+        close = REACHED * (self._y[-1] - self._y[0])
+        beyond = (wanted <= self._y[0] + close) | (wanted >= self._y[-1] - close)
         if beyond.any():
             scale, unit = self._asked.scale, self._asked.unit
             ends = f"{self._y[0] / scale:.9g} ... {self._y[-1] / scale:.9g} {unit}"
             i = int(np.argmax(beyond))
-            end = self._x[0] if wanted[i] <= self._y[0] else self._x[-1]
+            end = self._x[0] if wanted[i] <= self._y[0] + close else self._x[-1]
             place = f"{np.rad2deg(end):.6g} deg" if self._turns else f"{1e3 * end:.6g} mm"
             raise _refused(
                 "motion.inverse", f"{wanted[i] / scale:.9g} {unit}",

@@ -113,6 +113,15 @@ def from_table(table: Tables, *, unfinished: bool = False) -> Design:
     alone where there is too much of something."""
     require_few_entries(table)
     rules: Rules = blunders if unfinished else faults
+    try:
+        return _read(table, rules)
+    except DesignError as error:
+        from core.project.suggestions import confirmed
+
+        raise DesignError(confirmed(error.faults, table, lambda changed: _read(changed, rules))) from None
+
+
+def _read(table: Tables, rules: Rules) -> Design:
     found = [*_format_faults(table), *_name_faults(table), *_kind_faults(table)]
     kind = next((kind for kind in _KINDS if kind in table), MOTION if _is_alone(table) else "follower")
     design, faults_of_it = (_of_several if kind == "drives" else _of_one)(table, kind, rules)
@@ -145,7 +154,7 @@ def _as_made(table: Tables, design: Design) -> tuple[Design, list[Fault]]:
         for i, row in enumerate(tolerances):
             info = known.get(row.field)
             if info is None or info.choices or info.whole or info.flag:
-                near = did_you_mean(row.field, known)
+                near = did_you_mean(row.field, (p for p, e in known.items() if not (e.choices or e.whole or e.flag)))
                 found.append(
                     Fault(
                         f"tolerances[{i}].field",

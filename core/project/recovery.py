@@ -10,13 +10,12 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Mapping
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from core.errors import FileError
 from core.frozen import frozen
-from core.project.files import read_text, sweep, write
+from core.project.files import read_text, remove, sweep, write
 from core.project.locks import NO_LOCKS, hold
 
 _HEAD = "# unsaved "
@@ -102,12 +101,12 @@ class RecoveryFile:
     def clear(self) -> None:
         """Nothing is unsaved any more."""
         if self._path is not None:
-            _remove(self._path)
+            remove(self._path)
 
     def close(self) -> None:
         """Nothing is unsaved, and the window is closed."""
         if self._path is not None:
-            _remove(self._path)
+            remove(self._path)
             _remove_lock(self._path, self._lock)
             self._path = self._lock = None
 
@@ -122,7 +121,7 @@ class Recoverable:
 
     def discard(self) -> None:
         """Remove it: it is recovered, or not wanted."""
-        _remove(self.file)
+        remove(self.file)
         _remove_lock(self.file, self._lock)
 
     def release(self) -> None:
@@ -134,7 +133,7 @@ class Recoverable:
 def find(folder: Path) -> list[Recoverable]:
     """Unsaved work of processes that have died, the latest first. Their locks without work, and files half written, are
     removed."""
-    sweep(folder)
+    sweep(folder, private=True)
     left = []
     for path in sorted({each.with_suffix(".toml") for each in folder.glob("*") if each.suffix in (".toml", ".lock")}):
         try:
@@ -165,14 +164,9 @@ def _lock_of(path: Path) -> Path:
     return path.with_suffix(".lock")
 
 
-def _remove(path: Path) -> None:
-    with suppress(OSError):
-        path.unlink()
-
-
 def _remove_lock(path: Path, lock: int | None) -> None:
-    _remove(_lock_of(path))
+    remove(_lock_of(path))
     if lock is not None:
         os.close(lock)
     if os.name == "nt":  # where no open file can be removed
-        _remove(_lock_of(path))
+        remove(_lock_of(path))

@@ -113,8 +113,8 @@ def _left_out(part: Any, holder: Any, slot: FileEntry) -> bool:
         return slot.names == ("rise",) and is_dwell(part) and str(part.rise) == "0.0"
     value = values[0] if len(values) == 1 else values
     empty = all(each is None for each in values) or (
-        isinstance(value, tuple) and not value
-    )  # of numpy a number is like no tuple
+        isinstance(value, tuple) and not value and slot.missing is None
+    )  # of numpy a number is like no tuple; the frame of a drawing may hold nothing yet
     return empty or (slot.brief and value == slot.default)
 
 

@@ -58,42 +58,56 @@ def _turning_back(
 # -- where there is no answer: by bisection, so that it does not depend on a sampling ---------------------------
 
 MOST = 1000  # angles that are tried; motions of many more pieces are sampled more coarsely
+_PARTS = np.linspace(0.0, 1.0, 9)[1:-1, None]  # of the interval between an angle that fails and one that does not
 
 
 def failing_ranges(study_at: Callable[[Angles], Any], stage: str, program: Program) -> list[tuple[float, float]]:
     """Ranges of cam angles [deg] at which the stage raises NoAnswer; study_at gives the study at any cam angles."""
-
-    def fails(theta: float, piece: int) -> bool:
-        try:
-            getattr(study_at(Angles(np.array([theta]), np.array([piece]))), stage)
-        except NoAnswer:
-            return True
-        return False
-
-    def edge(good: float, bad: float, piece: int) -> float:
-        """The last cam angle that fails, next to one that does not."""
-        while True:
-            middle = 0.5 * (good + bad)
-            if middle in (good, bad):
-                return bad
-            if fails(middle, piece):
-                bad = middle
-            else:
-                good = middle
-
     angles = piecewise_angles(program)
     step = max(1, angles.theta.size // MOST)
-    theta, piece = angles.theta[::step].tolist(), angles.piece[::step].tolist()
-    bad = np.array([fails(*place) for place in zip(theta, piece, strict=True)])
-    changes = np.flatnonzero(np.diff(bad, prepend=False, append=False)).reshape(
-        -1, 2
-    )  # first bad one, first good one after it
-    ranges = []
-    for first, after in changes.tolist():
-        last, begin, end = after - 1, theta[first], theta[after - 1]
-        if first > 0 and piece[first - 1] == piece[first]:
-            begin = edge(theta[first - 1], begin, piece[first])
-        if after < len(theta) and piece[after] == piece[last]:
-            end = edge(theta[after], end, piece[last])
-        ranges.append((degrees(begin), degrees(end)))
-    return ranges
+    theta, piece = angles.theta[::step], angles.piece[::step]
+    bad = _failing(study_at, stage, theta, piece)
+    first, after = np.flatnonzero(np.diff(bad, prepend=False, append=False)).reshape(-1, 2).T
+    ends = np.array([first, after - 1])  # of each range: the first and the last sample that fails
+    beyond = np.clip([first - 1, after], 0, theta.size - 1)
+    found = theta[ends]
+    inner = (piece[beyond] == piece[ends]) & ~bad[beyond]
+    found[inner] = _edges(study_at, stage, theta[beyond[inner]], theta[ends[inner]], piece[ends[inner]])
+    return [(degrees(begin), degrees(end)) for begin, end in found.T]
+
+
+def _edges(
+    study_at: Callable[[Angles], Any], stage: str, good: np.ndarray, bad: np.ndarray, piece: np.ndarray
+) -> np.ndarray:
+    """The last angles (m,) [rad] that fail, next to ones that do not, between angles (m,) that do not and that do: each interval is cut
+    into many parts at a time, since many angles cost hardly more than one."""
+    columns = np.arange(good.size)
+    while good.size:
+        theta = good + (bad - good) * _PARTS
+        if not ((theta != good) & (theta != bad)).any():
+            break
+        fails = _failing(study_at, stage, theta.ravel(), np.tile(piece, len(_PARTS))).reshape(theta.shape)
+        theta = np.vstack((good, theta, bad))
+        at = np.where(fails.any(axis=0), fails.argmax(axis=0), len(_PARTS))  # the last part before the first that fails
+        good, bad = theta[at, columns], theta[at + 1, columns]
+    return bad
+
+
+def _failing(study_at: Callable[[Angles], Any], stage: str, theta: np.ndarray, piece: np.ndarray) -> np.ndarray:
+    """At which angles (n,) [rad], each in its piece (n,), the stage raises NoAnswer."""
+    bad, rest = np.zeros(theta.size, dtype=bool), np.argsort(theta, kind="stable")
+    while rest.size:
+        try:
+            getattr(study_at(Angles(theta[rest], piece[rest])), stage)
+            break
+        except NoAnswer as error:
+            at = np.rad2deg(theta[rest])
+            named = [(low <= at) & (at <= high) for low, high in error.cam_angles]
+            failed = np.any(named, axis=0) if named else np.ones(rest.size, dtype=bool)
+            if rest.size > 1 and not (named and failed.any()):  # it does not say where: each angle by itself
+                failed = np.array([_failing(study_at, stage, theta[[i]], piece[[i]])[0] for i in rest])
+                bad[rest[failed]] = True
+                break
+            bad[rest[failed]] = True
+            rest = rest[~failed]
+    return bad

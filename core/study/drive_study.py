@@ -127,19 +127,24 @@ class DriveStudy:
         return self.sense * speed if self.by_crank else speed
 
     @cached_property
+    def _crank(self) -> DriverRanges | None:
+        """The ranges of a crank; None where no crank drives, or the links meet nowhere, which their own stage reports."""
+        if not self.by_crank:
+            return None
+        try:
+            return self.driver_ranges
+        except KindynaError:
+            return None
+
+    @property
     def swings(self) -> bool:
         """Whether a crank that cannot turn fully goes to and fro in the range in which it is drawn."""
-        if not self.by_crank or self.design.drive.linkage.drawn is None:
-            return False
-        try:
-            return self.driver_ranges.swings
-        except KindynaError:  # its own stage says so
-            return False
+        return self._crank is not None and self._crank.swings
 
-    @cached_property
+    @property
     def turns(self) -> int:
-        """Turns of a crank in one cycle, after which second drivers come back too."""
-        return self.driver_ranges.turns if self.by_crank and self.design.drive.linkage.drivers else 1
+        """Turns of a crank in one cycle, after which every link is back."""
+        return 1 if self._crank is None else self._crank.turns
 
     @property
     def by_cycle(self) -> bool:
@@ -635,8 +640,8 @@ class DriveStudy:
         if self.turns > 1:
             raise NoPosition(
                 f"its cycle is {self.turns} turns of the crank, and what it asks of a shaft is known for one turn",
-                "linkage.drivers",
-                "take a whole ratio",
+                "linkage.drivers" if self.design.drive.linkage.drivers else "linkage.links",
+                "choose ratios and lengths with which it returns after one turn",
             )
         if self.by_crank and not (len(self.driver_ranges.ranges) == 1 and self.driver_ranges.ranges[0].free):
             raise NoPosition(

@@ -174,18 +174,27 @@ def _through_cusp(found: Range) -> Range:
 
 def _limit(study: Study, name: str, extreme: Extreme) -> Extreme:
     """An extreme right at a dead centre, or at a change point, is infinite where it grows without limit there."""
+    for place, near, inwards in _singular_places(study):
+        if abs(extreme.theta - place) < near and _grows(study, name, place, inwards):
+            return Extreme(float(np.copysign(np.inf, extreme.value)), place)
+    return extreme
+
+
+def is_unlimited(study: Study, name: str, theta: float) -> bool:
+    """Whether a quantity grows without limit towards an angle [rad], where a crank locks or its circuits meet."""
+    places = _singular_places(study) if study.by_crank else []
+    return any(abs(theta - place) < _AT_END and _grows(study, name, place, inwards) for place, _, inwards in places)
+
+
+def _singular_places(study: Study) -> list[tuple[float, float, float]]:
+    """Dead centres and change points of a crank: angle [rad], distance from it that counts as there, and sign of the way inwards."""
+    if study.swings:  # it locks where the cycle begins, and where it turns round
+        return [(0.0, _AT_END, 1.0), (np.pi, _AT_END, -1.0), (TURN, _AT_END, -1.0)]
     driver_ranges = study.driver_ranges
     places = [(r.low, _AT_END, 1.0) for r in driver_ranges.ranges if r.low_joint]
     places += [(r.high, _AT_END, -1.0) for r in driver_ranges.ranges if r.high_joint]
     places += [(change.at, _AT_CHANGE, 1.0) for change in driver_ranges.changes]
-    if study.turns > 1:
-        places = [(place / study.turns, near, inwards) for place, near, inwards in places]
-    if study.swings:  # it locks where the cycle begins, and where it turns round
-        places = [(0.0, _AT_END, 1.0), (np.pi, _AT_END, -1.0), (TURN, _AT_END, -1.0)]
-    for place, near, inwards in places:
-        if abs(extreme.theta - place) < near and _grows(study, name, place, inwards):
-            return Extreme(float(np.copysign(np.inf, extreme.value)), place)
-    return extreme
+    return [(place / study.turns, near, inwards) for place, near, inwards in places]
 
 
 def _grows(study: Study, name: str, place: float, inwards: float) -> bool:

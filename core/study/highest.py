@@ -21,8 +21,9 @@ PARTS = 8  # that a bracket is cut into where its quantity is not smooth
 PASSES = 16
 SMOOTH_AFTER = 2  # passes: then a parabola takes over where it is smooth
 BESIDE = 0.02  # of a bracket: how far from a foreseen maximum slope and bend are taken
+CREASE = 0.03  # of the distance of samples: how near a crease is to where the lines on its two sides meet
 ALIKE = 0.3  # of the bend of the quartic through the nodes: what that found there may differ by
-ENOUGH = 1e-9  # of the largest value: what may still be found above
+ENOUGH = 1e-11  # of the largest value: what may still be found above
 SAME = 1e-9  # of an extreme: of values that are equal to that the smallest cam angle is named
 
 At = Callable[[np.ndarray, np.ndarray, np.ndarray], Mapping[str, np.ndarray]]
@@ -306,6 +307,8 @@ def _narrowed(brackets: _Brackets, tops: np.ndarray, rows: Sequence[np.ndarray],
             smooth = going & (top >= 2) & (top <= PARTS - 2)
             vertex = _vertex(which[smooth], theta[smooth], value[smooth], top[smooth], values, brackets)
             going[np.flatnonzero(smooth)[vertex]] = False
+            creased = smooth & going
+            _to_crease(which[creased], theta[creased], value[creased], top[creased], values, brackets)
         brackets.active[which] = going
 
 
@@ -341,6 +344,25 @@ def _vertex(
         place = theta[row[good], top[good]] - step * slope[good] / bend[good]
         _raise(brackets, which[good], place[:, None], values(which[good], place[:, None]))
     return good
+
+
+def _to_crease(
+    which: np.ndarray, theta: np.ndarray, value: np.ndarray, top: np.ndarray, values: Values, brackets: _Brackets
+) -> None:
+    """Narrow brackets to where the lines through two samples on either side meet, if the quantity is highest there."""
+    if not which.size:
+        return
+    a, b, _, c, d = value[np.arange(which.size)[:, None], top[:, None] + np.arange(-2, 3)].T
+    bend = (b - a) - (d - c)
+    meet = np.where(bend > 0.0, (2.0 * c - d - 2.0 * b + a) / np.where(bend > 0.0, bend, 1.0), 0.0)
+    near = top[:, None] + np.clip(meet, -1.0, 1.0)[:, None] + CREASE * np.array([-1.0, 0.0, 1.0])
+    place = theta[:, :1] + (theta[:, 1:2] - theta[:, :1]) * near
+    found = values(which, place)
+    _raise(brackets, which, place, found)
+    inside = (found.argmax(axis=1) == 1) & (place[:, 0] > brackets.left[which]) & (place[:, 2] < brackets.right[which])
+    mine = which[inside]
+    brackets.left[mine], brackets.right[mine] = place[inside, 0], place[inside, 2]
+    brackets.at_left[mine], brackets.at_right[mine] = found[inside, 0], found[inside, 2]
 
 
 # -- nodes -------------------------------------------------------------------------------------------------

@@ -443,7 +443,7 @@ OF_MEMBERS: Mapping[str, tuple[Quantity, ...]] = MappingProxyType(
         ),
         "dyad": (
             Quantity(TRANSMISSION, "transmission_{}_deg", "Transmission angle at {}", "μ_{}", "pressure-angle",
-                     "arcsin(|c1 × c2|/(|c1||c2|))", "angle between the links at the joint", "linkage", transmission),
+                     "atan2(|c1 × c2|, |c1 · c2|)", "angle between the links at the joint", "linkage", transmission),
         ),
         "guide": (
             Quantity("force.{}_x", "link{}_guide_x_n", "Guide of link {}, x", "F_{}x", "force", "dyad by dyad", "balance of the links",
@@ -643,7 +643,7 @@ def _members(design: Design) -> Iterator[tuple[str, str]]:
 def _links(design: Design) -> Iterator[tuple[str, str]]:
     """The moving links, slides, points and dyads."""
     linkage = design.drive.linkage
-    if design.by_crank and (linkage.drawn is not None or linkage.drivers):
+    if design.by_crank:
         yield "swing", ""
     for number in sorted(linkage.by_number):
         if number != FRAME_LINK and not (

@@ -94,7 +94,7 @@ def singular(study: Study, code: str) -> np.ndarray:
 
 def transmission(study: Study, joint: str) -> np.ndarray:
     """Transmission angle (n,) [rad] at a joint, 0 ... π/2."""
-    return np.asarray(np.arcsin(np.minimum(study.linkage.singular[joint], 1.0)))
+    return np.asarray(study.linkage.transmission[joint])
 
 
 def point_part(study: Study, point: str, what: str) -> np.ndarray:

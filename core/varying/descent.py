@@ -95,7 +95,8 @@ class Descent:
             signs = ()
         if signs and at_once(self.design, self.paths, self._numbers(np.full((len(self.paths), 1), 0.5))).apart.any():
             signs = ()
-        roller = float(getattr(self.design.drive.face, "radius_mm", 0.0)) if asked.name == "profile_curvature" else 0.0
+        face = self.design.drives[asked.drive or 0].face if asked.name == "profile_curvature" else None
+        roller = float(getattr(face, "radius_mm", 0.0))
         return Term(row, asked, side, bound, signs, roller)
 
     def _numbers(self, u: np.ndarray) -> np.ndarray:

@@ -248,7 +248,10 @@ def _field_faults(row: Vary, path: str, design: Design) -> Iterator[Fault]:
     """What a field does not take."""
     info = field_info(design, row.field)
     if info is None:
-        near = did_you_mean(row.field, all_paths(design))
+        known = ((path, field_info(design, path)) for path in all_paths(design))
+        near = did_you_mean(
+            row.field, (path for path, each in known if each is not None and bool(each.choices) == bool(row.choices))
+        )
         yield Fault(
             f"{path}.field", row.field, f"no number or word of this design{near}", "a path, as cam.base_radius_mm"
         )

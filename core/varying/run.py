@@ -7,7 +7,9 @@ import hashlib
 import io
 import os
 import re
+import sys
 import time
+import zipfile
 from collections import Counter, deque
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
@@ -22,7 +24,9 @@ from core import __version__
 from core.errors import FileError, KindynaError
 from core.frozen import frozen
 from core.project import dumps, dumps_table
-from core.project.files import read_bytes, write, write_all
+from core.project.files import is_folder
+from core.project.own_folder import OwnFolder
+from core.resources import resources
 from core.varying.request import StudyOfMany
 from core.varying.space import Column, Space, evaluated
 
@@ -50,7 +54,7 @@ class Run:
     """A study computed, or to be computed. ``blocks`` gives the results in their order, one block in memory at a time."""
 
     def __init__(self, study: StudyOfMany, folder: Path | None = None) -> None:
-        """folder: where results are kept; beside the design where it is None."""
+        """folder: where results are kept; as ``cache_folder`` where it is None. Raises FileError where they cannot be kept."""
         if not study.asked:
             raise KindynaError(
                 "quantities: none is asked for; state at least one [[quantities]], [[limits]] or [[goals]]"
@@ -60,7 +64,12 @@ class Run:
         if self.count > MOST_DESIGNS:
             raise KindynaError(self._too_many())
         self.blocks_count = -(-self.count // BLOCK)
-        self.folder = (study.folder / CACHE if folder is None else folder) / key_of(study)
+        self._kept = _run_folder(study, folder)
+
+    @property
+    def folder(self) -> Path:
+        """Where results are kept."""
+        return self._kept.path
 
     def _too_many(self) -> str:
         columns = self.space.columns(0, PROBE)
@@ -84,10 +93,10 @@ class Run:
 
         A block whose process died is computed again. Raises FileError where results cannot be kept.
         """
-        if not resume:
+        if not resume or not self._kept.is_own():
             self.forget()
         _forget_old(self.folder)
-        todo = deque(i for i in range(self.blocks_count) if self._kept(i) is None)
+        todo = deque(i for i in range(self.blocks_count) if self._block(i) is None)
         done = self.count - sum(self._size(i) for i in todo)
         tries: Counter[int] = Counter()
         at_work: dict[Future[bytes], int] = {}
@@ -119,38 +128,37 @@ class Run:
     def blocks(self) -> Iterator[BlockOfDesigns]:
         """All blocks in their order, of a run that is computed."""
         for i in range(self.blocks_count):
-            kept = self._kept(i)
+            kept = self._block(i)
             if kept is None:
                 raise KindynaError(f"{self.folder}: block {i} of the results is gone; run it again")
             yield BlockOfDesigns(self.space.columns(i * BLOCK, i * BLOCK + self._size(i)), *kept)
 
     def forget(self) -> None:
         """Take away what is kept."""
-        _remove(self.folder)
+        self._kept.delete()
 
     def _size(self, i: int) -> int:
         return min(BLOCK, self.count - i * BLOCK)
 
-    def _name(self, i: int) -> Path:
-        return self.folder / f"{i:05d}.npz"
-
     def _keep(self, i: int, data: bytes) -> None:
-        if self.folder.is_dir():
-            write(self._name(i), data)
-        else:
-            write_all(self.folder, {self._name(i).name: data})
+        self._kept.write(_name(i), data)
 
-    def _kept(self, i: int) -> tuple[np.ndarray, np.ndarray] | None:
-        """Values and reasons of a block; None where it is not kept, or cannot be read."""
-        if not self._name(i).exists():
+    def _block(self, i: int) -> tuple[np.ndarray, np.ndarray] | None:
+        """Values and reasons of a block; None where it is not kept, or not as it was written."""
+        data = self._kept.read(_name(i))
+        if data is None:
             return None
         try:
-            with np.load(io.BytesIO(read_bytes(self._name(i), 1 << 30)), allow_pickle=False) as found:
-                value, reason = found["value"], found["reason"]
-        except (FileError, ValueError, OSError, KeyError, EOFError):
+            with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
+                value, reason = arrays["value"], arrays["reason"]
+        except (ValueError, OSError, KeyError, EOFError, MemoryError, zipfile.BadZipFile):
             return None
         right = value.shape == (len(self.study.asked), self._size(i)) and reason.shape == (self._size(i),)
         return (value, reason) if right else None
+
+
+def _name(i: int) -> str:
+    return f"{i:05d}.npz"
 
 
 def computed(study: StudyOfMany, i: int) -> bytes:
@@ -179,23 +187,38 @@ def _forget_old(folder: Path) -> None:
     """Of the runs kept beside a design take away the oldest, but this one."""
     with suppress(OSError):
         others = [
-            each for each in folder.parent.iterdir() if each != folder and re.fullmatch(r"[0-9a-f]{24}", each.name)
+            path for path in folder.parent.iterdir() if path != folder and re.fullmatch(r"[0-9a-f]{24}", path.name)
         ]
-        for each in sorted(others, key=lambda each: each.stat().st_mtime, reverse=True)[MOST_RUNS - 1 :]:
-            _remove(each)
+        runs = [run for run in map(OwnFolder, others) if run.is_own()]
+        for run in sorted(runs, key=lambda run: run.path.lstat().st_mtime, reverse=True)[MOST_RUNS - 1 :]:
+            run.delete()
 
 
-def _remove(folder: Path) -> None:
-    with suppress(OSError):
-        for each in sorted(folder.iterdir()):
-            each.unlink()
-        folder.rmdir()
+def cache_folder(study: StudyOfMany) -> Path:
+    """Where results are kept: beside the design; in the user's cache for a design that ships with the program, and where the user cannot
+    write or has put a link or a file in that place."""
+    folder = study.folder.resolve()
+    beside = folder / CACHE
+    place = beside if os.path.lexists(beside) else folder
+    shipped = folder.is_relative_to(resources().resolve())
+    return beside if not shipped and is_folder(place) and os.access(place, os.W_OK) else user_cache()
 
 
-def cache_folder(study: StudyOfMany, out: Path) -> Path:
-    """Where results are kept: beside the design, or beside the table where that folder is write-protected."""
-    beside = study.folder if os.access(study.folder, os.W_OK) else out.parent
-    return beside / CACHE
+def user_cache() -> Path:
+    """The folder of results in the user's cache, which the desktop names."""
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA") or Path.home()) / "KINDYNA" / "studies"
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "KINDYNA" / "studies"
+
+
+def _run_folder(study: StudyOfMany, folder: Path | None) -> OwnFolder:
+    """The folder of a run; in the user's cache where another of its name is in that place. Raises FileError."""
+    key = key_of(study)
+    for base in (cache_folder(study) if folder is None else folder, user_cache()):
+        run = OwnFolder(base / key)
+        if run.is_usable():
+            return run
+    raise FileError(f"{run.path}: cannot be written: it is a link, or holds files of others; move it away")
 
 
 def duration(seconds: float) -> str:

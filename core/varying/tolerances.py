@@ -32,6 +32,8 @@ CONFIDENT = 1.959963984540054
 PERCENTILES = {"p0.135": 0.135, "p5": 5.0, "p50": 50.0, "p95": 95.0, "p99.865": 99.865}
 ONE_SIDED = 2.7822
 """z that 99.73 % of a normal distribution lie below."""
+ROUNDING = 1e-10
+"""Of the largest value of a quantity: a smaller change over a tolerance is none."""
 HALVINGS = 2  # of a tolerance, at most
 MOST_SETS = 20_000  # of tolerances to halve, tried in the order of their cost
 CHECKED = 8  # of these, that keep the limits by the linear model
@@ -146,8 +148,19 @@ class Scatter:
     # -- by the sensitivities ------------------------------------------------------------------------------
 
     def slopes(self) -> np.ndarray:
-        """(k, q) of each quantity by each field, in the units of both."""
-        return sensitivity(Study(self.design), list(self.own), self.keys) if self.own else np.zeros((0, len(self.keys)))
+        """(k, q) of each quantity by each field, in the units of both; 0 where the whole tolerance changes it by rounding alone."""
+        if not self.own:
+            return np.zeros((0, len(self.keys)))
+        slopes = sensitivity(Study(self.design), list(self.own), self.keys)
+        widths = np.array([2.0 * row.half for row in self.tolerances])[:, None]
+        slopes[np.abs(slopes) * widths < ROUNDING * self._largest()] = 0.0
+        return slopes
+
+    def _largest(self) -> np.ndarray:
+        """(q,) the largest size over the turn of what is asked, of the design itself."""
+        keys = [row.key if row.of is None else f"{row.quantity}:abs" for row in self.study.asked]
+        found = many(self.design, as_it_is(self.design, 1), keys)
+        return np.array([abs(float(found.value[key][0])) for key in keys])
 
     def parts(self, slopes: np.ndarray) -> np.ndarray:
         """(k, q) which part of a quantity's variance comes from a field, to first order: (S σ)² over the sum of these."""

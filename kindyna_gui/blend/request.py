@@ -57,6 +57,9 @@ SETTINGS: Mapping[str, Setting] = MappingProxyType(
             Setting("h6", "h6", "h6", "{u}", 0.1, "height of the last curve of the return"),
             Setting("vcv2", "Vcv2", "Vcv2", "{u}/°", 0.4, "largest velocity of the return, per degree of cam angle"),
             Setting("length", "Length", "length", "°", 0.5, "cam angle that the constant velocity takes"),
+            Setting(
+                "length2", "Length 2", "length2", "°", 0.5, "cam angle that the constant velocity of the return takes"
+            ),
             Setting("peak", "Peak at", "peak", "°", 0.5, "cam angle of the highest point"),
             *(
                 row

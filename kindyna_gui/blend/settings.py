@@ -9,7 +9,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QPalette
 from PySide6.QtWidgets import QGridLayout, QScrollArea, QToolButton, QVBoxLayout, QWidget
 
-from core.blend import FLATS, SIZES, BlendError
+from core.blend import FLATS, LENGTHS, SIZES, BlendError
 from core.design import UNITS, Unit
 from core.design.fields import LARGEST
 from kindyna_gui.blend.fields import PrecisionPointRow, RangedRow, SettingRow
@@ -20,7 +20,7 @@ from kindyna_gui.pictures.units import nice_below
 from kindyna_gui.rebuilt import take_away
 
 STEPS = 150.0  # of an arrow, from nothing to what is usual
-ANGLES = ("length", "peak", *FLATS)
+ANGLES = (*LENGTHS, "peak", *FLATS)
 
 
 class SettingsArea(QScrollArea):
@@ -125,7 +125,7 @@ class SettingsArea(QScrollArea):
         self._frame = request.start, request.end, request.stroke
         stroke, span = request.stroke, request.end - request.start
         usual = {"vcv": 1.5 * stroke / span, "vcv2": 1.5 * stroke / span, "acceleration": 12.0 * stroke / span**2,
-                 "length": 0.5 * span, "peak": request.start + 0.5 * span,
+                 **dict.fromkeys(LENGTHS, 0.5 * span), "peak": request.start + 0.5 * span,
                  **dict.fromkeys(FLATS, 0.1 * span), **dict.fromkeys(SIZES, 12.0 * stroke / span**2)}  # fmt: skip
         for row in self.rows.values():
             size = usual.get(row.name, stroke)

@@ -69,9 +69,9 @@ class CompareView(View):
         return self.table.number
 
     def refresh(self, study: Study) -> None:
-        names = [each.name for each in reversed(self.pins.rows)]
         self.choice.clear()
-        self.choice.addItems(names)
+        for each in reversed(self.pins.rows):
+            self.choice.addItem(each.name, each)
         pinned = self.pins.whole_study
         if pinned is None:
             self.found = None
@@ -84,7 +84,7 @@ class CompareView(View):
         self.table.show_rows(_rows(self.found, self.session))
 
     def _choose(self, place: int) -> None:
-        self.pins.bring(len(self.pins.rows) - 1 - place)
+        self.pins.bring(self.choice.itemData(place))
 
     def _save(self) -> None:
         path = dialogs.comparison_to_save(self, Settings().folder / "what_changed.html")

@@ -64,9 +64,10 @@ class Pins(QObject):
         """Let the one in front go."""
         self._keep(self.rows[:-1])
 
-    def bring(self, number: int) -> None:
-        """Bring one to the front."""
-        self._keep((*self.rows[:number], *self.rows[number + 1 :], self.rows[number]))
+    def bring(self, row: Pin) -> None:
+        """Bring one to the front, unless it has gone."""
+        if any(each is row for each in self.rows):
+            self._keep((*(each for each in self.rows if each is not row), row))
 
     def _keep(self, rows: tuple[Pin, ...]) -> None:
         self.rows = rows

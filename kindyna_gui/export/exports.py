@@ -17,9 +17,10 @@ from PySide6.QtWidgets import QWidget
 
 from core.design import Design, in_machine, slug
 from core.errors import KindynaError
+from core.file_names import file_name
 from core.frozen import frozen
 from core.numerics.cancellation import checkpoint
-from core.project.files import write_all
+from core.project.files import write_all, write_into
 from core.study import SAMPLES, Study
 from kindyna_gui import dialogs, waiting
 from kindyna_gui.documents.session import Session
@@ -44,12 +45,12 @@ def write_tables(design: Design, folder: Path, samples: int = SAMPLES) -> list[s
     """Write tables and summary into a folder; their names. Raises NoAnswer, FileError, and then writes nothing."""
     made = tables_of(design, samples)
     checkpoint()  # the last at which it may be cancelled
-    write_all(folder, made)
+    write_into(folder, made)
     return list(made)
 
 
 def _into(folder: Path, files: Mapping[str, bytes]) -> list[Path]:
-    write_all(folder, files)
+    write_into(folder, files)
     return [folder]
 
 
@@ -162,7 +163,7 @@ class Exports(QObject):
         """A name for files: that of the design's own file, else of the design."""
         path = self._session.path
         stem = path.stem if path is not None else self._session.whole.name
-        return "".join(c if c.isalnum() or c in "-_" else "_" for c in stem).strip("_") or "design"
+        return file_name("".join(c if c.isalnum() or c in "-_" else "_" for c in stem).strip("_")) or "design"
 
     @property
     def _drive_name(self) -> str:

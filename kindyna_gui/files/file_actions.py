@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QApplication, QWidget
 
 from core.design import Design, faults
 from core.errors import KindynaError
+from core.file_names import file_name
 from core.project import differences, load
 from core.project.on_disk import OnDisk
 from kindyna_gui import dialogs
@@ -160,7 +161,7 @@ class Documents(QObject):
         return session.draft is None or session.unfinished or answer in (Unfinished.AS_TYPED, Unfinished.LAST_FITTING)
 
     def _save_as(self) -> bool:
-        stem = self._session.whole.name.replace("/", "-").replace("\\", "-").strip(". ") or "design"
+        stem = file_name(self._session.whole.name) or "design"
         suggestion = self._session.path or self._settings.folder / f"{stem}.toml"
         path = dialogs.design_to_save(self._window, suggestion)
         if path is None:

@@ -19,10 +19,11 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from core.bounds import PROGRAM_BYTES
 from core.design import faults
 from core.errors import KindynaError
 from core.linkage_programs import Made, read_linkage
-from core.linkage_programs.read import MOST_BYTES, UNITS
+from core.linkage_programs.read import UNITS, decoded
 from core.mechanism.unfinished import unfinished
 from core.requests import options
 from kindyna_gui import dialogs
@@ -87,11 +88,11 @@ class LinkageDialog(QDialog):
         self._read()
 
     def _open(self) -> None:
-        opened = dialogs.opened_file(self, TITLE, FILES, MOST_BYTES)
+        opened = dialogs.opened_file(self, TITLE, FILES, PROGRAM_BYTES)
         if opened is not None:
             path, data = opened
             self._name = path.stem
-            self.text.setPlainText(data.decode("utf-8", "replace").removeprefix("\ufeff"))
+            self.text.setPlainText(decoded(data))
             self._file = str(path), self.text.toPlainText()
 
     def _as_command(self) -> str:

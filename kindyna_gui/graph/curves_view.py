@@ -27,6 +27,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from core.bounds import bounded_json
 from core.errors import KindynaError
 from core.output.channels import channels
 from core.output.graph import (
@@ -75,6 +76,7 @@ from kindyna_gui.pictures.plots.graph_plot import Bands as Shaded
 from kindyna_gui.pictures.plots.lines import closed
 from kindyna_gui.pictures.units import readable, short, with_unit
 from kindyna_gui.player import Player
+from kindyna_gui.rebuilt import clear_menu
 from kindyna_gui.saving import save_picture, written
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import View
@@ -237,7 +239,7 @@ class CurvesView(View):
         self.ready_button.setEnabled(bool(rows))
         if [(action.text(), action.statusTip()) for action in menu.actions()] == [(row.text, row.tip) for row in rows]:
             return
-        menu.clear()
+        clear_menu(menu)
         for row in rows:
             action = menu.addAction(row.text)
             action.setToolTip(row.tip)
@@ -538,7 +540,7 @@ class CurvesView(View):
         """The graph of the last run; its files beside the design at hand where they are there, else where they were."""
         usual = add_curve(Graph(), GraphCurve(y=self._begin_with()))
         try:
-            data = json.loads(Settings().graph or "{}")
+            data = bounded_json(Settings().graph or "{}")
         except ValueError:
             return usual
         if not isinstance(data, dict) or "graph" not in data:

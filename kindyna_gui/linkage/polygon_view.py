@@ -92,13 +92,12 @@ class PolygonView(View):
         rows = [((VELOCITIES, ""), "Velocities")] if lists_links(study.design) else []
         try:
             mechanism = study.mechanism
+            pairs = mechanism.pair_names.values()  # of a drawing that can be put together
         except KindynaError:
             return rows or [((VELOCITIES, ""), "Velocities")]
         bodies = [body for body in mechanism.bodies.values() if body != FRAME] + [CAM] * ("cam" in study.stages)
         rows += [((FORCES_ON, body), f"Forces on {body_label(body)}") for body in bodies]
-        return rows + [
-            ((FORCE_IN, name), f"Force at {pair_label(name)} over the turn") for name in mechanism.pair_names.values()
-        ]
+        return rows + [((FORCE_IN, name), f"Force at {pair_label(name)} over the turn") for name in pairs]
 
     def _choose(self, index: int) -> None:
         if index >= 0:

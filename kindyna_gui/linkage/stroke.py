@@ -7,6 +7,7 @@ from functools import partial
 from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QMouseEvent
 
+from core.design.linkage import FRAME_LINK
 from kindyna_gui.linkage.draw_tools import CHOOSE, TOOLS, Drawing, DrawTool
 from kindyna_gui.linkage.drawn_linkage import DrawnLinkage
 from kindyna_gui.linkage.snapping import Snap, snapped
@@ -79,11 +80,17 @@ class Stroke:
 
     def set(self, snap: Snap, length_mm: float | None = None, typed: bool = False) -> bool:
         """One place more for the tool; with the last one it makes what it makes."""
-        self.snaps.append(snap)
+        self.snaps = [*filter(self._is_there, self.snaps), snap]
         if len(self.snaps) < self.tool.clicks:
             self.drawn.changed.emit()
             return True
         return self.finish(length_mm, typed)
+
+    def _is_there(self, snap: Snap) -> bool:
+        """Whether the drawing still has what a place was set on."""
+        design, places = self.drawn.sheet
+        links = design.drive.linkage.by_number
+        return snap.point in places if snap.point else snap.link in (None, FRAME_LINK, *links)
 
     def finish(self, length_mm: float | None = None, typed: bool = False) -> bool:
         """The tool makes what it makes of the places that it has."""

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from PySide6.QtCore import QEvent, QObject, QPointF, QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QImage, QMouseEvent, QPainter, QPainterPath, QPen, QTransform
+from PySide6.QtGui import QColor, QImage, QImageReader, QMouseEvent, QPainter, QPainterPath, QPen, QTransform
 from PySide6.QtWidgets import (
     QCheckBox,
     QDialog,
@@ -23,6 +23,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from core.bounds import PIXELS
 from core.contour.underlay import DXF, ENDINGS, Underlay, keep_underlay, read_lines, read_underlay
 from core.design import UNITS, Info, Unit
 from core.errors import FileError, KindynaError
@@ -53,6 +54,7 @@ class Sheet:
     lines: QPainterPath | None = None
     marks: Sequence[complex] = ()
     unit_mm: float = 0.0
+    notes: Sequence[str] = ()
 
     def paint(self, painter: QPainter, underlay: Underlay, view: QTransform) -> None:
         """As it lies, seen through a view of the plane."""
@@ -79,7 +81,8 @@ def read_sheet(path: Path) -> Sheet:
             lines.moveTo(QPointF(z[0].real, z[0].imag))
             for at in z[1:].tolist():
                 lines.lineTo(QPointF(at.real, at.imag))
-        return Sheet(lines=lines, marks=[*drawn.corners.tolist(), *drawn.centres.tolist()], unit_mm=drawn.unit_mm)
+        marks = [*drawn.corners.tolist(), *drawn.centres.tolist()]
+        return Sheet(lines=lines, marks=marks, unit_mm=drawn.unit_mm, notes=drawn.notes)
     if not path.is_file():
         raise FileError(f"{path}: no such file; choose another, or put it back")
     if ending == ".svg":
@@ -97,7 +100,13 @@ def read_sheet(path: Path) -> Sheet:
             painter.end()
             return Sheet(image, size.width(), size.height(), unit_mm=SVG_MM)
     else:
-        image = QImage(str(path))
+        reader = QImageReader(str(path))
+        reader.setAutoTransform(False)
+        size = reader.size()
+        if size.width() * size.height() > PIXELS:
+            at_most = f"{PIXELS / 1e6:g} megapixels"
+            raise FileError(f"{path}: {size.width()} x {size.height()} pixels; allowed: at most {at_most}")
+        image = reader.read()
         if not image.isNull():
             return Sheet(image, image.width(), image.height())
     raise FileError(f"{path}: no picture that can be read; allowed: {' | '.join(ENDINGS)}")
@@ -183,6 +192,8 @@ class UnderlayDesk(QObject):
             except KindynaError as error:
                 self._tell_missing(str(error))
         self._placed()
+        if self._sheet is not None and self._sheet.notes:
+            self.told.emit(f"Underlay: {'; '.join(self._sheet.notes)}")
 
     def _placed(self) -> None:
         sheet, underlay = self._sheet, self.underlay

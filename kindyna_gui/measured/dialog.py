@@ -25,7 +25,7 @@ from PySide6.QtWidgets import (
 
 from core.design import Info, require_motion
 from core.errors import KindynaError
-from core.measured import MOST_BYTES, MotionFit, into_design, is_workbook, sheet_names
+from core.measured import MotionFit, into_design, is_workbook, sheet_names
 from core.measured.columns import LETTERS
 from core.output.measured_text import figures
 from core.project.files import read_bytes
@@ -76,6 +76,8 @@ class MeasuredDialog(PutDialog):
         self.residual_of.setToolTip("The column whose residuals are shown")
         self.keep_all = QCheckBox("&Keep wrong rows")
         self.keep_all.setToolTip("Else rows that no smooth curve joins to those beside them are left out")
+        self.mirror = QCheckBox("M&irror")
+        self.mirror.setToolTip("The rows are half a lobe, which is reflected in the row of its largest lift (--mirror)")
         self.laws, self.dwells = (
             QCheckBox("La&ws"),
             QCheckBox("&Dwells"),
@@ -141,7 +143,7 @@ class MeasuredDialog(PutDialog):
         left.addLayout(heading)
         left.addLayout(self._numbers())
         checks = QHBoxLayout()
-        for check in (self.laws, self.dwells, self.keep_all):
+        for check in (self.laws, self.dwells, self.keep_all, self.mirror):
             checks.addWidget(check)
         left.addLayout(checks)
         result = QWidget()
@@ -170,7 +172,8 @@ class MeasuredDialog(PutDialog):
         self.frame(left, LEFT_WIDTH, right, USUAL, LEAST)
 
         reading = (self.again, self.pages, self.cells, *self.form.boxes.values(), self.estimate, *self.errors.values())
-        fitting = (self.lowest, self.residual_of, self.laws, self.dwells, self.keep_all, tabs.tabBar(), self.sheet)
+        checked = (self.laws, self.dwells, self.keep_all, self.mirror)
+        fitting = (self.lowest, self.residual_of, *checked, tabs.tabBar(), self.sheet)
         ends = self.buttons.buttons()
         order = (*reading, *fitting, self.segments, self.entries, self.leave, self.readings, *ends)
         for before, after in pairwise(order):
@@ -226,6 +229,7 @@ class MeasuredDialog(PutDialog):
             box.unreadable.connect(lambda box=box: box.set_refused(True))
         self.estimate.clicked.connect(lambda: self._change_request(errors={}))
         self.keep_all.toggled.connect(lambda on: self._change_request(keep_all=on))
+        self.mirror.toggled.connect(lambda on: self._change_request(mirror=on))
         self.laws.toggled.connect(lambda on: self._change_request(laws=on))
         self.dwells.toggled.connect(lambda on: self._change_request(dwells=on))
         self.again.clicked.connect(self._read_again)
@@ -289,7 +293,7 @@ class MeasuredDialog(PutDialog):
         elif answer.refused:  # the last curve stays
             if answer.of_switch:
                 self.segments.refuse()
-            else:
+            elif not answer.is_open:
                 self.error.set_refused(True)
             self.show_message(sentence(spelled(answer.faults[0].text)), wrong=True)
         else:
@@ -366,7 +370,7 @@ class MeasuredDialog(PutDialog):
 
     def _read_again(self) -> None:
         try:
-            self._reader = self._read(read_bytes(self._path, MOST_BYTES))
+            self._reader = self._read(read_bytes(self._path))
         except KindynaError as error:
             dialogs.show_faults(self, f"{self._path.name} cannot be read.", str(error).splitlines())
         else:
@@ -450,7 +454,7 @@ class MeasuredDialog(PutDialog):
 
 def import_measured(session: Session, parent: QWidget) -> MeasuredDialog | None:
     """Ask for a table and open the dialog over a window; it is deleted once closed."""
-    opened = dialogs.opened_file(parent, "Import measured motion", TABLES, MOST_BYTES)
+    opened = dialogs.opened_file(parent, "Import measured motion", TABLES)
     if opened is None:
         return None
     dialog = MeasuredDialog(session, *opened, parent)

@@ -18,6 +18,7 @@ from core.measured import (
     FitError,
     MeasuredTable,
     MotionFit,
+    OpenTurnError,
     RowFault,
     SwitchError,
     Switches,
@@ -26,6 +27,7 @@ from core.measured import (
     fit,
     is_workbook,
     layout,
+    mirrored,
     read_sheet,
     read_table,
     read_workbook,
@@ -48,6 +50,7 @@ class TableRequest:
     errors: Mapping[str, float] = field(default_factory=dict)
     lowest: float | None = None
     keep_all: bool = False
+    mirror: bool = False
     leave_out: tuple[int, ...] = ()
     page: str = ""
     cells: str = ""
@@ -56,8 +59,9 @@ class TableRequest:
     switches: Switches = ()
 
 
-Key = tuple[str, str, ColumnChoice, tuple[int, ...], str, str]
-"""What a table is read by: delimiter, decimal mark, columns, lines that are left out, sheet of a workbook, cells of it."""
+Key = tuple[str, str, ColumnChoice, tuple[int, ...], str, str, bool]
+"""What a table is read by: delimiter, decimal mark, columns, lines that are left out, sheet of a workbook, cells of it, whether half a lobe
+is mirrored."""
 
 
 @frozen(eq=False)
@@ -67,7 +71,8 @@ class TableAnswer:
     table    as it was read by ``key``
     fit      where there are faults too: of all rows, only to be shown
     faults   why there is no motion to put into the design
-    refused  the file can be read, but no motion can be made of it as requested; of_switch: of the segments that are wanted
+    refused  the file can be read, but no motion can be made of it as requested; of_switch: of the segments that are wanted; is_open: the
+             rows leave the turn open
     """
 
     key: Key | None = None
@@ -78,6 +83,7 @@ class TableAnswer:
     faults: tuple[RowFault, ...] = ()
     refused: bool = False
     of_switch: bool = False
+    is_open: bool = False
 
 
 @frozen(eq=False)
@@ -92,21 +98,23 @@ class TableReader:
     def answer(self, request: TableRequest, before: TableAnswer) -> TableAnswer:
         """Read and fit, ``before`` being the last answer: only where delimiter, decimal mark or columns are others is the file read
         anew. Its faults are part of the answer, not raised."""
-        key = (request.delimiter, request.decimal, request.columns, request.leave_out, request.page, request.cells)
+        cells = request.delimiter, request.decimal, request.columns, request.leave_out, request.page, request.cells
+        key = (*cells, request.mirror)
         read = before if key == before.key else self._read(key)
         if read.table is None:
             return read
-        table, read = read.table, replace(read, fit=None, faults=(), refused=False, of_switch=False)
+        table, read = read.table, replace(read, fit=None, faults=(), refused=False, of_switch=False, is_open=False)
         try:
             return replace(read, fit=_fit(table, request, request.keep_all))
         except Contradiction as error:
             return replace(read, fit=_of_all_rows(table, request), faults=(RowFault(0, str(error)),))
         except (FitError, SwitchError) as error:
             of_switch = isinstance(error, SwitchError)
-            return replace(read, faults=(RowFault(0, str(error)),), refused=True, of_switch=of_switch)
+            is_open = isinstance(error, OpenTurnError)
+            return replace(read, faults=(RowFault(0, str(error)),), refused=True, of_switch=of_switch, is_open=is_open)
 
     def _read(self, key: Key) -> TableAnswer:
-        delimiter, decimal, columns, leave_out, page, cells = key
+        delimiter, decimal, columns, leave_out, page, cells, mirror = key
         answer = TableAnswer(key)
         try:
             if is_workbook(self.data):
@@ -116,7 +124,8 @@ class TableReader:
             answer = replace(answer, sheet=sheet)
             how = layout(sheet, columns, self.motion_unit, self.speed_rpm)
             answer = replace(answer, layout=how)
-            return replace(answer, table=read_table(sheet, how, self.speed_rpm, leave_out))
+            table = read_table(sheet, how, self.speed_rpm, leave_out)
+            return replace(answer, table=mirrored(table) if mirror else table)
         except TableError as error:
             return replace(answer, faults=error.faults)
 
@@ -141,6 +150,7 @@ def as_command(request: TableRequest, table: Path, into: Path, drive: str) -> st
         "leave_out": ",".join(map(str, request.leave_out)) or (),
         "lowest": request.lowest,
         "keep_all": request.keep_all,
+        "mirror": request.mirror,
         "no_laws": not request.laws,
         "no_dwells": not request.dwells,
         "switch": ",".join(f"{angle!r}={kind}" for angle, kind in request.switches) or (),

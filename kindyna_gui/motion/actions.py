@@ -11,6 +11,7 @@ from core.design import (
     insert_segment,
     lacks,
     mirror_stroke,
+    motion_of,
     remove_laid_out,
     require_motion,
 )
@@ -50,8 +51,10 @@ class SegmentAction:
 
     def makes_sense(self, design: Design, index: int) -> bool:
         """Whether it can be done with a segment of a design, whose motion need not be whole."""
-        follows = require_motion(design).follows is not None  # from other files, where it is changed
-        return not (follows or (self.whole and lacks(design))) and self.able(design, index)
+        motion = motion_of(design)
+        if motion is None or motion.follows is not None or index >= len(motion.segments):
+            return False  # none, or one that is changed in other files
+        return not (self.whole and lacks(design)) and self.able(design, index)
 
 
 def _span(design: Design, index: int) -> float:

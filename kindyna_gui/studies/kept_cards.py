@@ -7,9 +7,10 @@ from collections.abc import Sequence
 from hashlib import sha256
 from pathlib import Path
 
+from core.bounds import bounded_json
 from core.errors import KindynaError
 from core.project import dumps, loads
-from core.project.files import write_all
+from core.project.files import read_text, write_into
 from kindyna_gui.places import state_folder
 from kindyna_gui.studies.board import Card
 
@@ -23,7 +24,7 @@ def _file(of: str) -> Path:
 def read_cards(of: str) -> list[Card]:
     """Those of a design, by its file or its name; none where nothing was kept, or what was kept cannot be read."""
     try:
-        rows = json.loads(_file(of).read_text("utf-8"))["cards"]
+        rows = bounded_json(read_text(_file(of)))["cards"]
         return [
             Card(loads(row["design"]), {name: (value, text) for name, (value, text) in row["values"].items()})
             for row in rows
@@ -36,7 +37,7 @@ def write_cards(of: str, cards: Sequence[Card]) -> None:
     """Keep them. Raises FileError."""
     rows = [{"design": dumps(card.design), "values": dict(card.values)} for card in cards]
     text = json.dumps({"of": of, "cards": rows}, ensure_ascii=False, indent=1)
-    write_all(_file(of).parent, {_file(of).name: text})
+    write_into(_file(of).parent, {_file(of).name: text})
 
 
 __all__ = ["read_cards", "write_cards"]

@@ -13,6 +13,7 @@ from core.design import Design
 from core.resources import resources
 from core.varying import READY, ready_study
 from kindyna_gui import dialogs
+from kindyna_gui.rebuilt import clear_menu
 
 
 def example_studies() -> list[tuple[str, Path]]:
@@ -41,7 +42,7 @@ class StudyMenu(QPushButton):
 
     def _fill(self) -> None:
         menu = self.menu()
-        menu.clear()
+        clear_menu(menu)
         design, drive = self._of()
         menu.addSection("For this design")
         for name, row in READY.items():

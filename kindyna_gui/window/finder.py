@@ -12,6 +12,7 @@ from typing import Any
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QFocusEvent, QKeyEvent, QKeySequence
 from PySide6.QtWidgets import QAbstractItemView, QFrame, QHeaderView, QLineEdit, QMenu, QTableView, QVBoxLayout, QWidget
+from shiboken6 import isValid
 
 from core.design import Design, Entry, only, path_of
 from core.design.fields import USUAL
@@ -301,7 +302,7 @@ class Finder(QFrame):
     def leave(self) -> None:
         """Go, and give the keys back."""
         self.hide()
-        if self._back is not None and self._back.isVisible():
+        if self._back is not None and isValid(self._back) and self._back.isVisible():
             self._back.setFocus(Qt.FocusReason.OtherFocusReason)
         self._back = None
 

@@ -5,16 +5,17 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from core.bounds import PROGRAM_BYTES
 from core.commands import DONE, Painter
 from core.commands.common import as_json, ending_with
 from core.design.fields import choice, flag
 from core.frozen import frozen
 from core.linkage_programs import FORMATS, Made, read_linkage
-from core.linkage_programs.read import MOST_BYTES, UNITS
+from core.linkage_programs.read import UNITS, decoded
 from core.output.lines import printable
 from core.output.summary import to_json
 from core.project import dumps
-from core.project.files import read_text, write
+from core.project.files import read_bytes, write
 from core.requests import asked, typed
 
 
@@ -41,7 +42,7 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
     text, name = arguments.text, ""
     if len(text) < 4096 and "\n" not in text and os.path.exists(text):
         name = Path(text).stem
-        text = read_text(text, MOST_BYTES)
+        text = decoded(read_bytes(text, PROGRAM_BYTES))
     made = read_linkage(
         text, arguments.format, name=name, units=arguments.units, mirror=arguments.mirror, inputs=arguments.inputs
     )

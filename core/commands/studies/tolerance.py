@@ -17,7 +17,7 @@ from core.motion import degrees
 from core.output.export import csv
 from core.output.summary import to_json
 from core.project import loads, parsed
-from core.project.files import read_text, write_all
+from core.project.files import read_text, write_into
 from core.requests import asked, typed
 from core.varying import Scatter, Share, StudyOfMany, load_study, tolerance_study
 from core.varying.tolerances import MACHINES, PERCENTILES, SHARE
@@ -72,7 +72,7 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
     if bands:
         names = [f"{slug}_{level}" for slug in bands for level in PERCENTILES]
         files[BANDS] = csv(["cam_angle_deg", *names], [degrees(360), *(row for rows in bands.values() for row in rows)])
-    write_all(arguments.out, files)
+    write_into(arguments.out, files)
     print(_text(data, share))
     return DONE
 

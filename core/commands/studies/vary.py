@@ -16,7 +16,7 @@ from core.errors import KindynaError
 from core.frozen import frozen
 from core.output.summary import to_json
 from core.requests import asked, typed
-from core.varying import Run, cache_folder, duration, load_study, none_built, workers, write_table
+from core.varying import Run, duration, load_study, none_built, workers, write_table
 from core.varying.table import PARQUET, headings
 
 MOST_WORKERS = 256
@@ -41,7 +41,7 @@ class Arguments:
 def run(arguments: Arguments, painter: Painter | None) -> int:
     """The table as a file, how many designs it holds and why some have no values on the terminal."""
     study = load_study(arguments.study)
-    made = Run(study, cache_folder(study, arguments.out))
+    made = Run(study)
     progress = Progress()
     with workers(arguments.workers, arguments.scheduler) as (executor, ahead):
         made.compute(resume=arguments.resume, executor=executor, ahead=ahead, tell=progress.tell)

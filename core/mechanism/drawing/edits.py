@@ -27,7 +27,7 @@ from core.design.linkage import (
     Slider,
 )
 from core.design.parts import Motion, Segment
-from core.design.topology import driver_pair, is_pin
+from core.design.topology import driver_pair, input_slides, is_pin, pins
 from core.design.whole import Design, with_drive
 from core.mechanism.drawing.holds import loads_of, pruned, renamed
 from core.mechanism.drawing.sheet import (
@@ -173,10 +173,14 @@ def with_driving_link(design: Design, number: int, speed_rpm: float | None = Non
         raise fault(
             f"link {number} is not held on the frame by one pair", "a link pinned to the frame, or sliding on it"
         )
-    kind = CRANK if is_pin(pair) and design.drive.motion is None else MOTION
+    turns, drive = is_pin(pair), design.drive
+    suits = drive.motion is not None and drive.motion.unit == ("deg" if turns else "mm")
+    kind = CRANK if turns and not suits and drive.cam is None else MOTION
     driver = Driver(number, kind, old.speed_rpm if speed_rpm is None else speed_rpm, made.driver.on)
-    drawn = with_places(design, places_of(linkage), replace(linkage, driver=driver))
-    if kind != MOTION or design.drive.motion is not None:
+    if kind == CRANK:
+        design = with_drive(design, motion=None)
+    drawn = pruned(with_places(design, places_of(linkage), replace(linkage, driver=driver)))
+    if kind == CRANK or suits:
         return drawn
     at = drawn.drive.linkage.drawn or Drawn()
     unit, start = ("mm", at.driver_mm) if at.driver_deg is None else ("deg", at.driver_deg)
@@ -276,7 +280,8 @@ def with_length(design: Design, number: int, one: str, other: str, length_mm: fl
 
 
 def without(design: Design, points: Collection[str] = (), links: Collection[int] = ()) -> Design:
-    """Points and links taken away, with what holds on to them. A bar ends with either of its pins, a block with its own."""
+    """Points and links taken away, with what holds on to them, and so on down the chain. A bar ends with either of its pins, a block with
+    its own pin or with the link that it slides on; a link with two pins or more stays without its line."""
     linkage = design.drive.linkage
     places = places_of(linkage)
     gone = set(links) - {FRAME_LINK}
@@ -286,15 +291,21 @@ def without(design: Design, points: Collection[str] = (), links: Collection[int]
         few = len(left) < min(2, len(link.points))
         if link.number == FRAME_LINK or (link.number not in gone and not (few and left != link.points)):
             kept.append(replace(link, points=left))
-    numbers = {link.number for link in kept}
-    sliders = tuple(s for s in linkage.sliders if {s.link, s.on} <= numbers)
-    lost = {s.link for s in linkage.sliders} - {s.link for s in sliders}
-    kept = [link for link in kept if link.number not in lost or len(link.points) > 1]
-    remaining = {link.number for link in kept}
-    drivers = tuple(d for d in linkage.drivers if {d.link, d.on} <= remaining)
-    driver = linkage.driver if {linkage.driver.link, linkage.driver.on} <= remaining else NO_DRIVER
-    made = replace(linkage, links=tuple(kept), sliders=sliders, drivers=drivers, driver=driver)
-    return pruned(with_places(design, places, made))
+    sliders, before = linkage.sliders, -1
+    while len(kept) != before:
+        before, numbers = len(kept), {link.number for link in kept}
+        sliders = tuple(s for s in sliders if {s.link, s.on} <= numbers)
+        lost = {s.link for s in linkage.sliders} - {s.link for s in sliders}
+        kept = [link for link in kept if link.number not in lost or len(link.points) > 1]
+    made = replace(linkage, links=tuple(kept), sliders=sliders)
+    remaining, driver = {link.number for link in kept}, linkage.driver
+    pinned = {number for pin in pins(made) for number in pin.links}
+    drivers = tuple(
+        d for d in linkage.drivers if {d.link, d.on} <= remaining and (d.link in pinned or input_slides(made, d))
+    )
+    if not {driver.link, driver.on} <= remaining or (driver_pair(linkage) and not driver_pair(made)):
+        driver = NO_DRIVER
+    return pruned(with_places(design, places, replace(made, drivers=drivers, driver=driver)))
 
 
 def with_joined(design: Design, one: str, other: str) -> Design:

@@ -6,17 +6,17 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import field
 from itertools import chain, islice
-from string import Formatter
 
 import numpy as np
 
+from core.bounds import BYTES, ROWS
 from core.errors import KindynaError
 from core.frozen import frozen
+from core.output.controllers import template
 from core.output.controllers.row import Controller
 
 LARGEST_COUNT = 2**31 - 1
-_NUMBER = r"[-+]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eEdD][-+]?\d+)?"
-_LEADING = re.compile(r"\s*")
+_BLANKS, _SPACE = re.compile(r"[ \t]{2,}+"), re.compile(r"\s*+")
 _IDENTIFIER = re.compile(r"\W+", re.ASCII)
 
 
@@ -92,10 +92,13 @@ def written(row: Controller, table: FileTable, name: str, interpolation: str) ->
         "interpolation": word,
     }  # fmt: skip
     shared = {"sep": row.separator, "interpolation": word, "last": str(count - 1)}
-    lines = [row.row.format(**shared, **{key: text[i] for key, text in texts.items()}) for i in range(count)]
+    lines = template.rows(row.row, shared, texts, count)
+    first = next(lines)
+    if count * (len(first) + len(row.between[0])) > BYTES:
+        raise KindynaError(f"{row.slug}: {count} rows make more than {BYTES / 1e6:g} MB; allow fewer rows")
     between = islice(row.gaps(), count - 1)
-    body = "".join(chain.from_iterable(zip(lines, chain(between, [""]), strict=True)))
-    text = row.header.format(**places) + body + row.footer.format(**places)
+    body = "".join(chain.from_iterable(zip(chain([first], lines), chain(between, [""]), strict=True)))
+    text = template.filled(row.header, places) + body + template.filled(row.footer, places)
     try:
         return text.replace("\n", row.newline).encode(row.encoding)
     except UnicodeEncodeError as error:
@@ -177,6 +180,7 @@ def read(row: Controller, data: bytes, turn: float = 360.0) -> FileTable:
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     if row.comment:
         text = re.sub(re.escape(row.comment) + r"[^\n]*", "", text)
+    text = _BLANKS.sub(lambda blanks: "\t" if "\t" in blanks[0] else " ", text)
     begin, end = _body(row, text)
     places = _places(row, text[:begin], row.header) | _places(row, text[end:], row.footer)
     columns = _rows(row, text, begin, end, places)
@@ -231,21 +235,37 @@ def _value(text: str) -> float:
     return float(text.replace(",", ".").translate(str.maketrans("dD", "ee")))
 
 
-_KINDS = {"rows": r"\d+", "last": r"-?\d+", "index": r"\d+", "name": r"\w*", "Name": r"\w*", "interpolation": r"\w+"}
+_COUNTS = {"rows": r"\d{1,18}+", "last": r"-?\d{1,18}+", "index": r"\d{1,18}+"}
+_WORDS = ("name", "Name", "interpolation")
 
 
-def _pattern(row: Controller, template: str) -> str:
-    """A template as a regular expression: blanks as many as there are, a place once by its name, numbers with either mark."""
-    number = _NUMBER.replace("[.,]", r"[.]") if "," in row.separator else _NUMBER
+def _pattern(row: Controller, text: str) -> str:
+    """A template as a regular expression: blanks as many as there are, a place once by its name, numbers with either mark. What a place
+    has taken it does not give back, so that a line is read in one go."""
     parts, seen = [], set()
-    for literal, name, _, _ in Formatter().parse(template.replace("{sep}", row.separator)):
-        blank_comment = literal.split(row.comment)[0] if row.comment else literal
-        parts += [_literal(blank_comment)]
-        if name is not None:
-            kind = _KINDS.get(name, number)
+    separator = row.separator.replace("{", "{{").replace("}", "}}")
+    places = template.places(text.replace("{sep}", separator))
+    for (literal, name), (behind, _) in zip(places, [*places[1:], ("", "")], strict=True):
+        parts.append(_literal(literal.split(row.comment)[0] if row.comment else literal))
+        if name:
+            kind = _COUNTS.get(name) or (_word(behind) if name in _WORDS else _number(row, behind))
             parts.append(kind if name in seen else f"(?P<{name}>{kind})")
             seen.add(name)
     return "".join(parts)
+
+
+def _word(behind: str) -> str:
+    """An identifier before a text, which it may run into."""
+    return r"\w{0,60}" if behind[:1].isalnum() or behind[:1] == "_" else r"\w{0,400}+"
+
+
+def _number(row: Controller, behind: str) -> str:
+    """A number before a text: a mark with which that begins belongs to the number only where digits follow it, or not at all where it
+    is not the controller's decimal mark."""
+    mark = behind[:1] if behind[:1] in (".", ",") else ""
+    marks = "." if "," in row.separator or mark == "," != row.decimal else "," if mark == "." != row.decimal else ".,"
+    some = "{1,400}" if mark else "{0,400}"
+    return rf"(?>[-+]?(?:\d{{1,400}}(?:[{marks}]\d{some})?|[{marks}]\d{{1,400}})(?:[eEdD][-+]?\d{{1,4}})?)"
 
 
 def _literal(text: str) -> str:
@@ -262,8 +282,8 @@ def _literal(text: str) -> str:
     return "".join(made)
 
 
-def _template_lines(template: str) -> list[str]:
-    return [line for line in template.split("\n") if line.strip()]
+def _template_lines(text: str) -> list[str]:
+    return [line for line in text.split("\n") if line.strip()]
 
 
 def _line(row: Controller, line: str) -> str:
@@ -283,26 +303,21 @@ def _body(row: Controller, text: str) -> tuple[int, int]:
         whole = last + ("$" if row.header.endswith("\n") else "")
         found = re.search(r"^" + _line(row, last) + (r"[ \t]*$" if whole != last else ""), text, re.MULTILINE)
         if found is None:
-            raise KindynaError(f"{row.slug}: no line as {last.format_map(_Shown())!r}; name a file of this controller")
+            raise KindynaError(f"{row.slug}: no line as {template.filled(last, {})!r}; name a file of this controller")
         begin = found.end()
     end = len(text)
     if lines := _template_lines(row.footer):
         found = re.compile(_line(row, lines[0])).search(text, begin)
         if found is None:
-            raise KindynaError(f"{row.slug}: no end as {lines[0].format_map(_Shown())!r}; name a whole file")
+            raise KindynaError(f"{row.slug}: no end as {template.filled(lines[0], {})!r}; name a whole file")
         end = found.start()
     return begin, end
 
 
-class _Shown(dict[str, str]):
-    def __missing__(self, key: str) -> str:
-        return "..."
-
-
-def _places(row: Controller, text: str, template: str) -> dict[str, str]:
+def _places(row: Controller, text: str, lines: str) -> dict[str, str]:
     """What stands at the places of header or footer, as far as it is there."""
     found: dict[str, str] = {}
-    for line in _template_lines(template):
+    for line in _template_lines(lines):
         match = re.search(_line(row, line), text)
         if match is not None:
             found |= match.groupdict()
@@ -324,22 +339,40 @@ def _rows(row: Controller, text: str, begin: int, end: int, places: dict[str, st
 
 
 def _matches(row: Controller, pattern: re.Pattern[str], body: str, line: int) -> Iterator[re.Match[str]]:
-    """One match a row, with what stands between two of them left out; line: number of the first."""
-    texts = {text.strip(): None for text in (row.first_between or "", *row.between)}
-    marks = "|".join(r"\s*".join(map(re.escape, text.split())) for text in sorted(texts, key=len, reverse=True) if text)
-    between = re.compile(rf"\s*(?:{marks})?\s*" if marks else r"[ \t]*(?:\n\s*)?")
-    place, end = _LEADING.match(body).end(), len(body.rstrip())  # type: ignore[union-attr]
-    parted = True
+    mark = _between(row)
+    place, end, count, between = 0, len(body.rstrip()), 0, re.compile(rf"\s*+(?:{mark})")
     while place < end:
-        match = pattern.match(body, place) if parted else None
+        match = pattern.match(body, place)
+        at = _behind(_SPACE, body, place)
         if match is None:
-            text, number = body[place : place + 60].split("\n", 1)[0], line + body.count("\n", 0, place)
-            wrong = "is no row" if parted else "is too much"
-            raise KindynaError(f"{row.slug}: line {number}: {text!r} {wrong}; allowed: as in {row.row!r}")
+            text = body[at : at + 60].split("\n", 1)[0]
+            raise KindynaError(
+                f"{row.slug}: line {line + body.count(chr(10), 0, at)}: {text!r} is no row; allowed: as in {row.row!r}"
+            )
         yield match
-        gap = between.match(body, match.end())
-        assert gap is not None, "it may be empty"
-        place, parted = gap.end(), bool(marks) or "\n" in gap[0]
+        count += 1
+        if count > ROWS:
+            raise KindynaError(f"{row.slug}: more than {ROWS} rows; allowed: at most {ROWS}")
+        place, at = match.end(), _behind(_SPACE, body, match.end())
+        if mark:
+            place = _behind(between, body, place)
+        elif place < end and "\n" not in body[place:at]:
+            text = body[place : place + 60].split("\n", 1)[0]
+            raise KindynaError(
+                f"{row.slug}: line {line + body.count(chr(10), 0, place)}: {text!r} is too much; allowed: as in {row.row!r}"
+            )
+
+
+def _between(row: Controller) -> str:
+    """What stands between two rows, but for blanks, as a regular expression; empty where it is a new line."""
+    texts = dict.fromkeys(text.strip() for text in (row.first_between or "", *row.between))
+    return "|".join(r"\s*+".join(map(re.escape, text.split())) for text in sorted(texts, key=len, reverse=True) if text)
+
+
+def _behind(pattern: re.Pattern[str], text: str, at: int) -> int:
+    """Where a pattern that stands at a place ends; that place where it does not."""
+    match = pattern.match(text, at)
+    return at if match is None else match.end()
 
 
 __all__ = ["FileTable", "as_read", "decimals_of", "read", "rounded", "rounding_of", "steps", "written"]

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
-import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, field, fields
 from itertools import chain, cycle
 from pathlib import Path
-from string import Formatter
 from typing import Any
 
 from core.errors import MISSING as ABSENT
 from core.errors import DesignError, Fault, KindynaError
 from core.frozen import frozen
+from core.output.controllers.template import names
+from core.project import parsed
 from core.project.files import read_text
 from core.resources import resources
 
@@ -31,7 +32,12 @@ _OF_TABLE = frozenset(
 )  # fmt: skip
 _OF_ROW = frozenset({*COLUMNS, "sep", "last", "interpolation"})
 FILE = "controllers.toml"
-MOST_ROWS = 100_000
+MOST_ROWS, LARGEST_ROWS = 100_000, 10_000_000
+"""Rows of a table where a controller's row does not say it, and the most that it may say."""
+LONGEST, MOST_TEXTS = 10_000, 100
+"""Characters of a text, and texts of a list."""
+ENCODINGS = ("utf-8", "ascii", "latin-1", "cp1252", "utf-16")
+_EXTENSION = re.compile(r"\.[A-Za-z0-9._-]{0,15}[A-Za-z0-9_-]")
 
 
 @frozen
@@ -108,26 +114,34 @@ class Controller:
 
 
 def _is_texts(value: Any) -> bool:
-    return isinstance(value, list) and all(isinstance(each, str) for each in value)
+    return isinstance(value, list) and len(value) <= MOST_TEXTS and all(map(_is_text, value))
 
 
 def _is_counts(value: Any) -> bool:
-    return isinstance(value, list) and all(type(each) is int and each > 0 for each in value)
+    return isinstance(value, list) and all(type(each) is int and 0 < each <= LARGEST_ROWS for each in value)
+
+
+def _is_text(value: Any) -> bool:
+    return isinstance(value, str) and len(value) <= LONGEST
 
 
 def _has_places(text: Any, known: frozenset[str]) -> bool:
-    if not isinstance(text, str):
-        return False
     try:
-        return {name for _, name, _, _ in Formatter().parse(text) if name is not None} <= known
+        return _is_text(text) and names(text) <= known
     except ValueError:
         return False
 
 
-_TEXT = (lambda value: isinstance(value, str), "text")
+_TEXT = (_is_text, f"text of at most {LONGEST} characters")
 _FLAG = (lambda value: isinstance(value, bool), "true | false")
 _POSITIVE = (lambda value: type(value) in (int, float) and 0.0 < value < 1e9, "> 0, < 1e9")
-_PLACES = (lambda value: _has_places(value, _OF_TABLE), "text; places: {" + "} {".join(sorted(_OF_TABLE)) + "}")
+
+
+def _with_places(known: frozenset[str]) -> tuple[Callable[[Any], bool], str]:
+    names_of = "} {".join(sorted(known))
+    return lambda value: _has_places(
+        value, known
+    ), f"text with no other places than {{{names_of}}}; {{{{ and }}}} for braces"
 
 
 def _one_of(*words: str) -> tuple[Callable[[Any], bool], str]:
@@ -139,30 +153,25 @@ def _some_of(words: tuple[str, ...]) -> tuple[Callable[[Any], bool], str]:
 
 
 _ALLOWED: Mapping[str, tuple[Callable[[Any], bool], str]] = {
-    "slug": (lambda value: isinstance(value, str) and value != "" and value.replace("-", "").isalnum(), "letters, digits and -"),
-    "label": _TEXT, "source": _TEXT, "header": _PLACES, "footer": _PLACES,
-    "row": (lambda value: _has_places(value, _OF_ROW), "text; places: {" + "} {".join(sorted(_OF_ROW)) + "}"),
-    "between": (lambda value: isinstance(value, str) or (_is_texts(value) and bool(value)), "text, or a list of texts"),
+    "slug": (lambda value: _is_text(value) and value != "" and value.replace("-", "").isalnum(), "letters, digits and -"),
+    "label": _TEXT, "source": _TEXT, "header": _with_places(_OF_TABLE), "footer": _with_places(_OF_TABLE),
+    "row": _with_places(_OF_ROW),
+    "between": (lambda value: _is_text(value) or (_is_texts(value) and bool(value)), "text, or a list of texts"),
     "first_between": _TEXT, "unit": _POSITIVE, "least_step": _POSITIVE,
-    "words": (lambda value: isinstance(value, dict) and set(value) <= {*INTERPOLATIONS}, "words of interpolations"),
+    "words": (lambda value: isinstance(value, dict) and set(value) <= {*INTERPOLATIONS} and all(map(_is_text, value.values())),
+              "words of interpolations"),
     "interpolation": _some_of(INTERPOLATIONS), "interpolation_asked": _FLAG, "columns": _some_of(COLUMNS),
     "comment": _TEXT, "separator": _TEXT, "decimal": _one_of(".", ","), "newline": _one_of("\n", "\r\n", "\r"),
-    "encoding": (lambda value: _is_encoding(value), "the name of an encoding, such as utf-8"),
+    "encoding": _one_of(*ENCODINGS),
     "digits": (lambda value: type(value) is int and 1 <= value <= 17, "1 ... 17"), "integer": _FLAG, "point": _FLAG,
     "equal_steps": _FLAG, "step_units": (_is_counts, "a list of whole numbers > 0"), "closes": _FLAG,
     "first_row": _one_of("start", "one-step"), "last_row": _one_of("end", "before-end"),
     "open": (_is_texts, "a list of texts"), "normalised": _FLAG, "last_is_one": _FLAG,
-    "rows": (lambda value: _is_counts(value) and len(value) == 2 and 2 <= value[0] <= value[1], "[least, most], from 2 on"),
-    "extension": (lambda value: isinstance(value, str) and value.startswith(".") and len(value) > 1, "such as .txt"),
+    "rows": (lambda value: _is_counts(value) and len(value) == 2 and 2 <= value[0] <= value[1] <= LARGEST_ROWS,
+             f"[least, most], from 2 on, to {LARGEST_ROWS}"),
+    "extension": (lambda value: isinstance(value, str) and bool(_EXTENSION.fullmatch(value)),
+                  "a dot, then 1 ... 16 letters, digits, dots, _ or -, no dot at the end, such as .txt"),
 }  # fmt: skip
-
-
-def _is_encoding(value: Any) -> bool:
-    try:
-        "".encode(value)
-    except (LookupError, TypeError):
-        return False
-    return True
 
 
 def _made(table: Any, path: str) -> Controller:
@@ -198,7 +207,7 @@ def _made(table: Any, path: str) -> Controller:
 def _require_whole(row: Controller, table: Mapping[str, Any], path: str) -> None:
     """Raises DesignError where its keys contradict each other."""
     faults = []
-    places = {name or "" for _, name, _, _ in Formatter().parse(row.row)}
+    places = names(row.row)
     if "slave" not in row.columns:
         faults.append(Fault(f"{path}.columns", table["columns"], "no slave", "a list with slave"))
     for name in row.columns:
@@ -238,10 +247,7 @@ def settings_folder() -> Path:
 
 def rows_of(text: str, source: str) -> dict[str, Controller]:
     """Slug -> row of a file's text. Raises KindynaError with a line for each fault, which names the field."""
-    try:
-        table = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise KindynaError(f"{source}: not TOML: {error}") from error
+    table = parsed(text, source)
     listed = table.get("controllers", [])
     if set(table) - {"controllers"} or not isinstance(listed, list):
         raise KindynaError(f"{source}: holds [[controllers]] and nothing else")
@@ -251,7 +257,9 @@ def rows_of(text: str, source: str) -> dict[str, Controller]:
         try:
             row = _made(each, path)
         except DesignError as error:
-            raise KindynaError("\n".join(f"{source}: {line}" for line in str(error).splitlines())) from error
+            slug = each.get("slug") if isinstance(each, dict) else None
+            named = f"{source}: {slug[:60]}" if isinstance(slug, str) and slug.isprintable() else source
+            raise KindynaError("\n".join(f"{named}: {line}" for line in str(error).splitlines())) from error
         if row.slug in rows:
             raise KindynaError(
                 f"{source}: {path}.slug = {row.slug!r}: stands there twice; allowed: one row of each name"

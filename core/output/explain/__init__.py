@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -14,15 +14,17 @@ from core.frozen import frozen
 from core.motion.extremes import Extreme
 from core.output.channels import channels, existing
 from core.output.explain.figures import FIGURES, Figure
-from core.output.explain.letters import Letter, first, letter
+from core.output.explain.letters import Letter, first
+from core.output.explain.of_shaft import shaft_columns
 from core.output.explain.workings import working_of
 from core.output.lines import columns, digits
 from core.study import Quantity, Study, certificate_of, extremes_of
-from core.study.extremes import exists
+from core.study.extremes import exists, is_unlimited
 from core.study.quantities import member_of, shape_of
 
 BESIDE = 1e-10  # rad from a jump, where its side is looked at
 APART = 1e-9  # of an extreme: the value at its angle is that of the other side
+S = TypeVar("S")
 
 
 @frozen
@@ -56,6 +58,7 @@ class Explanation:
         return f"{text}: {self.why}" if self.why else text
 
 
+@np.errstate(all="ignore")  # where a crank locks, or a curve has a cusp
 def explained(study: Study, name: str, at_deg: float | None = None) -> Explanation:
     """The quantity of a column, or a figure of the summary; at_deg: without, at the angle of its largest absolute value.
 
@@ -72,17 +75,23 @@ def explained(study: Study, name: str, at_deg: float | None = None) -> Explanati
             f"explain {name}: this design has no such quantity; allowed: {', '.join(explainable(study))}"
         )
     largest = _largest(study, row) if at_deg is None else None
-    angle = at_deg if largest is None else math.degrees(largest.theta) % 360.0
-    assert angle is not None
+    angle = at_deg if at_deg is not None else math.degrees(largest.theta if largest else study.theta[0]) % 360.0
     _require_angle(angle)
-    there = study.at_theta(np.array([math.radians(angle)])) if largest is None else _standing(study, row, largest)
+    if largest is None:
+        there = study.at_theta(np.array([math.radians(angle)]))
+    else:
+        there = _standing(study.at_theta, row.values, largest.theta, largest.value / row.unit.factor)
     working = working_of(there, shape_of(row.name), member_of(row.name))
     value = float(row.values(there)[0])
     if largest is not None and not math.isfinite(largest.value):
         value = largest.value
-    lines, letters, why = working.lines or (f"{row.symbol} = {row.equation}",), working.letters, ""
+    elif is_unlimited(study, row.name, math.radians(angle)):
+        value = math.copysign(math.inf, value)
+    lines, letters, why = working.lines, working.letters, ""
     if not math.isfinite(value):
-        letters, why = (), _why_infinite(study, row.name)
+        letters, why = (), _why_infinite(study, row)
+    elif not all(math.isfinite(each.value) for each in letters):
+        raise KindynaError(f"explain {name} --at {angle:g}: it has no value there; {_why_infinite(study, row)}")
     return Explanation(
         row.slug, row.label, value, row.unit.symbol, angle, lines, row.source, letters, _proof(study, row.stage), why
     )
@@ -90,54 +99,45 @@ def explained(study: Study, name: str, at_deg: float | None = None) -> Explanati
 
 def explainable(study: Study) -> list[str]:
     """The columns and figures that this design has."""
-    if study.design.listed:
-        camshaft = study.camshaft
-        rows = [
-            "torque_nm",
-            *(f"{camshaft.slugs[name]}_torque_nm" for name in camshaft.carried if name not in camshaft.failures),
-        ]
-    else:
-        rows = [row.slug for row in existing(study, channels(study.design))]
+    rows = (
+        [*shaft_columns(study)]
+        if study.design.listed
+        else [row.slug for row in existing(study, channels(study.design))]
+    )
     return [*rows, *(name for name, figure in FIGURES.items() if figure.exists(study))]
 
 
 def labels_of(study: Study) -> dict[str, str]:
-    """What columns and figures of this design are called."""
+    """Labels of the columns and figures of this design."""
     columns = {row.slug: row.label for row in channels(study.design)}
     return columns | {name: figure.label for name, figure in FIGURES.items()}
 
 
 def _of_shaft(study: Study, name: str, at_deg: float | None) -> Explanation:
     """The torque of all that turns on one shaft by the machine's angle, and that of one drive."""
-    camshaft = study.camshaft
-    carried = [each for each in camshaft.carried if each not in camshaft.failures]
-    slugs = {f"{camshaft.slugs[each]}_torque_nm": each for each in carried}
-    if name not in ("torque_nm", *slugs):
+    columns = shaft_columns(study)
+    if name not in columns:
         raise KindynaError(
             f"explain {name}: this shaft has no such quantity; allowed: {', '.join(explainable(study))}, or with --drive"
         )
-    wanted = [slugs[name]] if name in slugs else carried
-    worst = camshaft.peak_torque if name == "torque_nm" else camshaft.drive_peak(slugs[name])
-    angle = math.degrees(worst.theta) % 360.0 if at_deg is None else at_deg
-    _require_angle(angle)
-    there = camshaft.at_theta(np.radians([angle]))
-    parts = [
-        letter(f"T_{i}", f"torque of {each} there", first(there.drive_torque(each)), "nm")
-        for i, each in enumerate(wanted, 1)
-    ]
-    if name == "torque_nm" and there.balancer is not None:
-        parts.append(letter("T_b", "torque of the balance cam there", first(there.balancer_torque), "nm"))
-    value = sum(each.value for each in parts)
-    line = f"T = {' + '.join(each.symbol for each in parts)}"
+    column, camshaft = columns[name], study.camshaft
+    if at_deg is None:
+        largest = column.largest(camshaft)
+        angle = math.degrees(largest.theta) % 360.0
+        there = _standing(camshaft.at_theta, column.values, largest.theta, largest.value)
+    else:
+        _require_angle(at_deg)
+        angle, there = at_deg, camshaft.at_theta(np.radians([at_deg]))
+    working = column.working(there)
     return Explanation(
         name,
-        f"Torque of {slugs[name]}" if name in slugs else "Torque of the shaft",
-        value,
-        "N·m",
+        column.label,
+        first(column.values(there)) / column.unit.factor,
+        column.unit.symbol,
         angle,
-        (line,),
+        working.lines,
         "one shaft: T(θ) = Σ T_k(θ - θ_k)",
-        tuple(parts),
+        working.letters,
         _proof(study, "dynamics"),
     )
 
@@ -163,29 +163,28 @@ def _of_figure(study: Study, name: str, figure: Figure) -> Explanation:
     )
 
 
-def _largest(study: Study, row: Quantity) -> Extreme:
-    """Largest without regard to its sign; of what goes round where the turn begins."""
+def _largest(study: Study, row: Quantity) -> Extreme | None:
+    """Largest without regard to its sign; None of an angle that goes round."""
     found = extremes_of(study, row.stage).get(row.name)
-    if found is None:
-        return Extreme(0.0, float(study.theta[0]))
-    return max((found.low, found.high), key=lambda each: abs(each.value))
+    return None if found is None else max((found.low, found.high), key=lambda each: abs(each.value))
 
 
-def _standing(study: Study, row: Quantity, largest: Extreme) -> Study:
-    """The study at an extreme; where the quantity jumps there, on the side that the extreme is taken from."""
-    there = study.at_theta(np.array([largest.theta]))
-    value, meant = float(row.values(there)[0]), largest.value / row.unit.factor
-    if abs(value - meant) <= APART * abs(meant) or not math.isfinite(meant):
+def _standing(at_theta: Callable[[np.ndarray], S], values: Callable[[S], np.ndarray], theta: float, value: float) -> S:
+    """The study or shaft at an extreme; where the quantity jumps there, on the side that the extreme is taken from."""
+    there = at_theta(np.array([theta]))
+    if abs(first(values(there)) - value) <= APART * abs(value) or not math.isfinite(value):
         return there
-    sides = [there, *(study.at_theta(np.array([largest.theta + by])) for by in (-BESIDE, BESIDE))]
-    return min(sides, key=lambda each: abs(float(row.values(each)[0]) - meant))
+    sides = [there, *(at_theta(np.array([theta + by])) for by in (-BESIDE, BESIDE))]
+    return min(sides, key=lambda side: abs(first(values(side)) - value))
 
 
-def _why_infinite(study: Study, name: str) -> str:
+def _why_infinite(study: Study, row: Quantity) -> str:
     """Why a quantity grows without limit towards an angle."""
-    if "instant_centre" in name:
+    if row.stage == "dynamics" and study.jam is not None:
+        return "friction jams there"
+    if "instant_centre" in row.name:
         return "the follower turns as fast as the cam there, and their instant centre is infinitely far away"
-    if "curvature" in name:
+    if "curvature" in row.name:
         return "the curve has a cusp there, where its radius of curvature passes through 0"
     ranges = study.driver_ranges.ranges if study.by_crank else ()
     joints = sorted({joint for each in ranges for joint in (each.low_joint, each.high_joint) if joint})

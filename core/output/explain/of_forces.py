@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from types import MappingProxyType
 
@@ -11,6 +11,8 @@ import numpy as np
 from core.cam import SECOND
 from core.design import UNITS
 from core.dynamics.free_body import CONTACT, DRIVE, FRICTION, INERTIA, REACTION, WEIGHT, ForceOnBody
+from core.dynamics.walk import input_of
+from core.mechanism import body_name
 from core.mechanism.kinematics import REVOLUTE
 from core.numerics.vectors import cross, dot
 from core.output.explain.letters import (
@@ -56,11 +58,19 @@ def _moved(study: Study, row: ForceOnBody) -> float:
 
 
 def _virtual(study: Study) -> list[tuple[str, str, float]]:
-    """Virtual power of everything but reactions, the cam and the drive: kind, in words, value; friction on both bodies as one."""
+    """Virtual power of everything but reactions, the cam and the driver: kind, in words, value; friction on both bodies as one.
+
+    A second input is included where its own motion leads it; by a ratio it gives what it requires of the driver.
+    """
+    motors = {input_of(dyad.bodies[0]) for dyad in study.linkage.dyads if dyad.by_motion}
     found: dict[tuple[str, str], float] = {}
     for rows in study.free_bodies.values():
         for row in rows:
-            if row.kind in (REACTION, CONTACT, DRIVE) or row.body == "cam" or row.by == "cam":
+            if (
+                row.kind in (REACTION, CONTACT)
+                or (row.kind == DRIVE and row.name not in motors)
+                or "cam" in (row.body, row.by)
+            ):
                 continue
             key = row.kind, named_force(row)
             found[key] = found.get(key, 0.0) + _moved(study, row)
@@ -75,7 +85,9 @@ def _powers(study: Study) -> tuple[str, list[Letter]]:
         letter(f"Q_{i}", f"{words}, on the driver by virtual power", value, "", LOADS if kind in (WEIGHT, INERTIA) else DYNAMICS, shown)
         for i, (kind, words, value) in enumerate(_virtual(study), 1)
     ]  # fmt: skip
-    return " + ".join(row.symbol for row in rows) or "0", rows
+    if not rows:
+        rows = [letter("Q", "virtual power on the driver: no mass, spring or load acts", 0.0, "", LOADS, shown)]
+    return " + ".join(row.symbol for row in rows), rows
 
 
 def _contact_force(study: Study, _: str) -> Working:
@@ -87,28 +99,42 @@ def _contact_force(study: Study, _: str) -> Working:
         first(study.dynamics.contact) < 0.0 and study.holds and len(contacts) > 1
     ):  # of a groove the other flank, drawn negative
         lever = -first(contacts[1].lever)
-    if study.holds and first(contacts[0].force) == 0.0 and any(f.name == SECOND for f in study.cam.flanks):
-        return Working(("F_c = 0",), ())
-    turns = study.linkage.driver_pair.kind == REVOLUTE
-    meaning = "what one newton of contact force asks of the driver"
-    return Working((f"{symbol} = ({sums})/l",), (*rows, letter("l", meaning, lever, "mm" if turns else "", CAM)))
+    pair = any(flank.name == SECOND for flank in study.cam.flanks)
+    return _pushed(study, f"max(({sums})/l, 0)" if pair else f"({sums})/l", symbol, rows, lever)
 
 
 def _second_contact(study: Study, _: str) -> Working:
-    contact = study.dynamics.contacts[1]
-    if first(contact.force) == 0.0:
-        return Working(("F_c2 = 0",), ())
     sums, rows = _powers(study)
+    return _pushed(study, f"max(({sums})/l, 0)", "F_c2", rows, first(study.dynamics.contacts[1].lever))
+
+
+def _pushed(study: Study, line: str, symbol: str, rows: list[Letter], lever: float) -> Working:
+    """A contact force by its lever l; of a conjugate pair the roller that would have to pull is idle."""
     turns = study.linkage.driver_pair.kind == REVOLUTE
-    meaning = "what one newton of contact force asks of the driver"
-    return Working(
-        (f"F_c2 = ({sums})/l",), (*rows, letter("l", meaning, first(contact.lever), "mm" if turns else "", CAM))
-    )
+    meaning = "force or torque that one newton of contact force requires of the driver"
+    return Working((f"{symbol} = {line}",), (*rows, letter("l", meaning, lever, "mm" if turns else "", CAM)))
 
 
 def _driver(study: Study, _: str, symbol: str) -> Working:
     sums, rows = _powers(study)
-    return Working((f"{symbol} = -({sums})" if rows else f"{symbol} = 0",), tuple(rows))
+    return Working((f"{symbol} = -({sums})",), tuple(rows))
+
+
+def _input(study: Study, number: str) -> Working:
+    """The torque of a second input about its pin, or its force along its line, by the balance of its link."""
+    body = body_name(int(number))
+    (name,) = next(dyad.pairs for dyad in study.linkage.dyads if dyad.on and dyad.bodies == (body,))
+    rows = [
+        row
+        for row in study.free_bodies.get(body, ())
+        if (row.kind, row.name) not in ((REACTION, name), (DRIVE, input_of(body)))
+    ]
+    if study.linkage.pairs[name].kind == REVOLUTE:
+        sums, letters = _moments(study, name, rows)
+        return Working((f"T = -({sums})",), letters)
+    line = complex(np.atleast_1d(study.linkage.line(study.linkage.pairs[name]))[0])
+    sums, letters = _terms(rows, "K_{}", "{}, along the line", lambda row: dot(row.force, np.array([line])), "n")
+    return Working((f"F = -({sums})",), letters)
 
 
 def _output_power(study: Study, _: str) -> Working:
@@ -142,12 +168,33 @@ def _follower_torque(study: Study, _: str) -> Working:
 
 
 def _side(study: Study, name: str) -> tuple[float, list[ForceOnBody]]:
-    """The sign of a pair's force on one of its bodies that move, and the other forces on that."""
+    """The sign of a pair's force on one of its bodies that move, and the other forces on that, what drives there included."""
     pair = study.linkage.pairs[name]
     body, sign = (pair.body, 1.0) if pair.body in study.free_bodies else (pair.on, -1.0)
-    own = (REACTION, FRICTION, DRIVE)
+    own = (REACTION, FRICTION)
     rows = [row for row in study.free_bodies.get(body, ()) if not (row.name == name and row.kind in own)]
     return sign, rows
+
+
+def _terms(
+    rows: list[ForceOnBody], symbol: str, meaning: str, value: Callable[[ForceOnBody], np.ndarray], unit: str
+) -> tuple[str, tuple[Letter, ...]]:
+    """A sum over forces on a body, and its letters."""
+    letters = tuple(
+        letter(symbol.format(i), meaning.format(named_force(row)), first(value(row)), unit,
+               LOADS if row.kind in (WEIGHT, INERTIA) else DYNAMICS)
+        for i, row in enumerate(rows, 1)
+    )  # fmt: skip
+    return " + ".join(each.symbol for each in letters), letters
+
+
+def _moments(study: Study, pair: str, rows: list[ForceOnBody]) -> tuple[str, tuple[Letter, ...]]:
+    """The sum of moments about a pair's point."""
+    joined = study.linkage.pairs[pair]
+    bodies = study.linkage.bodies
+    at = bodies[joined.body if joined.body in bodies else joined.on].place(joined.point)
+    meaning = "moment of {} about the pair's point"
+    return _terms(rows, "M_{}", meaning, lambda row: cross(row.at - at, row.force) + row.couple, "nm")
 
 
 def _bearing(study: Study, _: str, axis: str) -> Working:
@@ -166,28 +213,18 @@ def _reaction(study: Study, pair: str, axis: str, symbol: str = "F") -> Working:
     if pair == "bearing":
         return _bearing(study, "", axis)
     sign, rows = _side(study, pair)
-    letters = [
-        letter(f"K_{i}{axis}", f"{named_force(row)}, {axis}", first(row.force.real if axis == "x" else row.force.imag), "n",
-               LOADS if row.kind in (WEIGHT, INERTIA) else DYNAMICS)
-        for i, row in enumerate(rows, 1)
-    ]  # fmt: skip
-    sums = " + ".join(each.symbol for each in letters) or "0"
+    sums, letters = _terms(
+        rows, f"K_{{}}{axis}", f"{{}}, {axis}", lambda row: row.force.real if axis == "x" else row.force.imag, "n"
+    )
     minus = "-" if sign > 0.0 else ""
-    return Working((f"{symbol}_{axis} = {minus}({sums})",), tuple(letters))
+    return Working((f"{symbol}_{axis} = {minus}({sums})",), letters)
 
 
 def _couple(study: Study, pair: str) -> Working:
     """The couple of a pair by the moments about its point."""
     sign, rows = _side(study, pair)
-    joined = study.linkage.pairs[pair]
-    at = study.linkage.bodies[joined.body].place(joined.point)
-    letters = [
-        letter(f"M_{i}", f"moment of {named_force(row)} about the pair's point", first(cross(row.at - at, row.force) + row.couple), "nm",
-               LOADS if row.kind in (WEIGHT, INERTIA) else DYNAMICS)
-        for i, row in enumerate(rows, 1)
-    ]  # fmt: skip
-    sums = " + ".join(each.symbol for each in letters) or "0"
-    return Working((f"M = {'-' if sign > 0.0 else ''}({sums})",), tuple(letters))
+    sums, letters = _moments(study, pair, rows)
+    return Working((f"M = {'-' if sign > 0.0 else ''}({sums})",), letters)
 
 
 def _guide_force(study: Study, _: str) -> Working:
@@ -269,32 +306,45 @@ def _motor_torque(study: Study, _: str) -> Working:
             (letter("σ", "-1 of a crank that turns clockwise", sign, "", "shaft.rotation"), other(study, row, "T")),
         )
     wheel = study.flywheel
-    speed = first(wheel.speed(study.angles))
-    k = float(study.design.camshaft.motor_slope_nm_s_per_rad)
-    slope = letter("k", "slope of the motor", k, "nm_s_per_rad", "shaft.motor_slope_nm_s_per_rad")
-    mean = letter("T̄", "mean torque of the turn", wheel.mean_torque, "nm", DYNAMICS)
-    nominal = letter("ω̄", "mean speed", study.omega, "rad_s", speed_field(study))
-    return Working(
-        ("T_m = T̄ + k (ω̄ - ω)",), (mean, slope, nominal, letter("ω", "speed there", speed, "rad_s", DYNAMICS))
-    )
+    return motor_torque(study, wheel.mean_torque, first(wheel.speed(study.angles)))
 
 
 def _speed(study: Study, _: str) -> Working:
-    """From the motor's line, what it gives there having come out of the energy of the turn; without a flywheel the mean speed."""
-    mean = letter("n̄", "mean speed", study.omega, "rpm", speed_field(study))
-    k = float(study.design.camshaft.motor_slope_nm_s_per_rad)
-    if not study.levelled or not k:
-        change = first(quantity("camshaft_speed").value(study)) - study.omega
-        return Working(
-            ("n = n̄ + δ",), (mean, letter("δ", "what the energy of the turn changes", change, "rpm", DYNAMICS))
-        )
+    if not study.levelled:
+        return shaft_speed(study, first(quantity("camshaft_speed").value(study)), None)
     wheel = study.flywheel
-    slope = letter("k", "slope of the motor", k, "nm_s_per_rad", "shaft.motor_slope_nm_s_per_rad")
-    given = letter("T_m", "torque of the motor", first(wheel.motor_torque(study.angles)), "nm", DYNAMICS)
-    return Working(
-        ("n = n̄ + (T̄ - T_m)/k",),
-        (mean, letter("T̄", "mean torque of the turn", wheel.mean_torque, "nm", DYNAMICS), given, slope),
+    return shaft_speed(
+        study, first(wheel.speed(study.angles)), (wheel.mean_torque, first(wheel.motor_torque(study.angles)))
     )
+
+
+def _slope(study: Study) -> Letter:
+    k = float(study.design.camshaft.motor_slope_nm_s_per_rad)
+    return letter("k", "slope of the motor", k, "nm_s_per_rad", "shaft.motor_slope_nm_s_per_rad")
+
+
+def motor_torque(study: Study, mean: float, speed: float) -> Working:
+    """The motor's line at a speed [rad/s]; mean: torque of the turn [N m]."""
+    letters = (
+        letter("T̄", "mean torque of the turn", mean, "nm", DYNAMICS),
+        _slope(study),
+        letter("ω̄", "mean speed", study.omega, "rad_s", speed_field(study)),
+        letter("ω", "speed there", speed, "rad_s", DYNAMICS),
+    )
+    return Working(("T_m = T̄ + k (ω̄ - ω)",), letters)
+
+
+def shaft_speed(study: Study, speed: float, torques: tuple[float, float] | None) -> Working:
+    """The speed [rad/s] by the motor's line, from the mean torque and the motor's [N m]; by the energy of the turn where the motor has no
+    slope, or no flywheel levels the speed."""
+    mean = letter("n̄", "mean speed", study.omega, "rpm", speed_field(study))
+    slope = _slope(study)
+    if torques is None or not slope.value:
+        change = letter("δ", "change of speed by the energy of the turn", speed - study.omega, "rpm", DYNAMICS)
+        return Working(("n = n̄ + δ",), (mean, change))
+    rows = zip(("T̄", "T_m"), ("mean torque of the turn", "torque of the motor"), torques, strict=True)
+    letters = (letter(symbol, meaning, value, "nm", DYNAMICS) for symbol, meaning, value in rows)
+    return Working(("n = n̄ + (T̄ - T_m)/k",), (mean, *letters, slope))
 
 
 def _linear(study: Study, _: str) -> Working:
@@ -405,6 +455,8 @@ ROWS: Mapping[str, Maker] = MappingProxyType(
         "couple.{}": _couple,
         "driver_torque": partial(_driver, symbol="T"),
         "driver_force": partial(_driver, symbol="F_d"),
+        "link{}_input_torque": _input,
+        "link{}_input_force": _input,
         "force": partial(_driver, symbol="F"),
         "output_torque": partial(_driver, symbol="T"),
         "output_power": _output_power,
@@ -412,4 +464,4 @@ ROWS: Mapping[str, Maker] = MappingProxyType(
 )  # fmt: skip
 """Quantity, or row of the members of a linkage -> how it is worked out."""
 
-__all__ = ["ROWS"]
+__all__ = ["ROWS", "motor_torque", "shaft_speed"]

@@ -10,6 +10,7 @@ import numpy as np
 
 from core.dynamics import CAM_FACE
 from core.dynamics.free_body import FRICTION, WEIGHT, ForceOnBody, acting_of
+from core.mechanism import link_number
 from core.mechanism.kinematics import REVOLUTE
 from core.output.explain.letters import (
     DYNAMICS,
@@ -50,6 +51,21 @@ def _derived(study: Study, symbol: str, key: str, order: int, unit: str) -> Work
     shown = letter(f"{symbol}{mark}", "derivative by the angle of cam or crank", slope, unit, LINKAGE)
     dot_ = {1: "\u0307", 2: "\u0308"}[order]
     return Working((f"{symbol}{dot_} = {power} {symbol}{mark}",), (*known(study, "ω"), shown))
+
+
+def _driver_angle(study: Study, _: str) -> Working:
+    """The crank's angle in its cycle: to one end and back, or several turns."""
+    rate, theta = first(study.drive.displacement[1]), first(study.theta)
+    swing = study.driver_ranges.ranges[0]
+    back = study.swings and rate < 0.0
+    start, begin = (swing.high, np.pi) if back else (swing.low, 0.0) if study.swings else (0.0, 0.0)
+    return Working(
+        ("φ = φ_0 + r (θ - θ_0)",),
+        (letter("φ_0", "driver angle from which it goes", start, "deg", LINKAGE),
+         letter("r", "turning of the driver by the angle of the cycle", rate, "", LINKAGE),
+         letter("θ", "angle of the cycle", theta, "deg", "--at"),
+         letter("θ_0", "angle of the cycle there", begin, "deg", LINKAGE)),
+    )  # fmt: skip
 
 
 def _slide(study: Study, number: str) -> Working:
@@ -97,8 +113,13 @@ def _point_speed(study: Study, point: str) -> Working:
 
 
 def _transmission(study: Study, joint: str) -> Working:
-    sine = float(np.minimum(np.atleast_1d(study.linkage.singular[joint])[0], 1.0))
-    return Working(("μ = arcsin c",), (letter("c", "|c₁ × c₂|/(|c₁||c₂|) of the two links there", sine, "", LINKAGE),))
+    sine = first(study.linkage.singular[joint])
+    cosine = first(np.cos(study.linkage.transmission[joint]))
+    return Working(
+        ("μ = atan2(s, c)",),
+        (letter("s", "|c₁ × c₂|/(|c₁||c₂|) of the two links there", sine, "", LINKAGE),
+         letter("c", "|c₁ · c₂|/(|c₁||c₂|)", cosine, "", LINKAGE)),
+    )  # fmt: skip
 
 
 def _masses(study: Study, bodies: Iterable[str]) -> list[tuple[str, float, float, float, float]]:
@@ -151,7 +172,7 @@ def _work_rate(study: Study, rows: list[ForceOnBody]) -> Working:
         (v, turn), force, couple = _velocity(study, row), complex(row.force[0]), float(row.couple[0])
         words = f"{named_force(row)} on the {row.body.replace('_', ' ')}"
         origin = LOADS if row.kind == WEIGHT else DYNAMICS
-        if force:
+        if force or not couple:
             parts.append(f"F_{i}x v_{i}x + F_{i}y v_{i}y")
             for axis, of in (("x", "real"), ("y", "imag")):
                 letters += [letter(f"F_{i}{axis}", f"{words}, {axis}", getattr(force, of), "n", origin),
@@ -160,7 +181,9 @@ def _work_rate(study: Study, rows: list[ForceOnBody]) -> Working:
             parts.append(f"M_{i} ω_{i}")
             letters += [letter(f"M_{i}", f"{words}, couple", couple, "nm", origin),
                         letter(f"ω_{i}", "angular velocity there", turn, "rad_s", LINKAGE)]  # fmt: skip
-    return Working((f"P = {' + '.join(parts) or '0'}",), tuple(letters))
+    if not parts:
+        parts, letters = ["P_0"], [letter("P_0", "nothing acts here", 0.0, "w", LOADS)]
+    return Working((f"P = {' + '.join(parts)}",), tuple(letters))
 
 
 def _of_friction(study: Study, pair: str) -> Working:
@@ -177,20 +200,26 @@ def _of_element(study: Study, name: str) -> Working:
 def _of_drive(study: Study, _: str) -> Working:
     if "cam" in study.stages:
         return Working(("P = T ω",), (other(study, "drive_torque", "T"), *known(study, "ω")))
-    pair = study.linkage.driver_pair
-    speed = (
-        first(study.linkage.slip(study.linkage.driver_name))
-        * study.linkage.sense
-        * first(study.linkage.motion.displacement[1])
-        * study.omega
-    )
-    if pair.kind == REVOLUTE:
-        turning = letter("ω_d", "angular velocity of the driver", speed, "rad_s", LINKAGE)
-        return Working(("P = T ω_d",), (other(study, "driver_torque", "T"), turning))
-    return Working(
-        ("P = F_d v_d",),
-        (other(study, "driver_force", "F_d"), letter("v_d", "velocity of the driver", speed, "mm_s", LINKAGE)),
-    )
+    linkage, omega = study.linkage, study.omega
+    driver = first(linkage.slip(linkage.driver_name)) * linkage.sense * first(linkage.motion.displacement[1]) * omega
+    if linkage.driver_pair.kind == REVOLUTE:
+        parts = ["T ω_d"]
+        letters = [other(study, "driver_torque", "T"),
+                   letter("ω_d", "angular velocity of the driver", driver, "rad_s", LINKAGE)]  # fmt: skip
+    else:
+        parts = ["F_d v_d"]
+        letters = [
+            other(study, "driver_force", "F_d"),
+            letter("v_d", "velocity of the driver", driver, "mm_s", LINKAGE),
+        ]
+    for i, dyad in enumerate((each for each in linkage.dyads if each.by_motion), 1):
+        body, on = (linkage.bodies[name].turn[1] for name in (dyad.bodies[0], dyad.on))
+        link = link_number(dyad.bodies[0])
+        parts.append(f"T_{i} ω_{i}")
+        letters += [other(study, f"link{link}_input_torque", f"T_{i}"),
+                    letter(f"ω_{i}", f"angular velocity of link {link} against what carries its motor",
+                           first(np.atleast_1d(body - on)) * omega, "rad_s", LINKAGE)]  # fmt: skip
+    return Working((f"P = {' + '.join(parts)}",), tuple(letters))
 
 
 ROWS: Mapping[str, Maker] = MappingProxyType(
@@ -198,6 +227,7 @@ ROWS: Mapping[str, Maker] = MappingProxyType(
         "link.{}": _link_angle,
         "link.{}_velocity": lambda s, n: _derived(s, "θ", f"link{n}", 1, ""),
         "link.{}_acceleration": lambda s, n: _derived(s, "θ", f"link{n}", 2, ""),
+        "driver_angle": _driver_angle,
         "slide.{}": _slide,
         "slide.{}_velocity": lambda s, n: _derived(s, "s", f"slide{n}", 1, "mm"),
         "slide.{}_acceleration": lambda s, n: _derived(s, "s", f"slide{n}", 2, "mm"),

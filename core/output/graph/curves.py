@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from core.bounds import number_from_one
 from core.design import split_unit
 from core.errors import KindynaError
 from core.frozen import frozen
@@ -136,8 +137,8 @@ def heading_of(
             )
         return headings[usual]
     named = next((each for each in headings if name in (each.name, split_unit(each.name)[0])), None)
-    if named is None and name.isdecimal() and 1 <= int(name) <= len(headings):
-        named = headings[int(name) - 1]
+    if named is None and (number := number_from_one(name, len(headings))):
+        named = headings[number - 1]
     if named is None:
         text = f"{where} has no column {name!r} (any longer); choose another"
         if of_design:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, field, fields, replace
 from types import MappingProxyType
 from typing import Any
@@ -23,6 +23,7 @@ MARKS = ("none", "circle", "square", "triangle", "cross", "plus", ANGLES)
 ALL, WHOLE = "(all)", "(shaft)"
 """In place of a drive's name: each of them, a curve for each; and what the shaft has as a whole."""
 LEAST_WIDTH, MOST_WIDTH = 0.5, 6.0
+MOST_ROWS = 200  # of a file, before the rest is left out
 
 
 @frozen
@@ -157,15 +158,14 @@ def from_data(data: Any) -> Graph:
     """The graph of such data. What is of another kind than it should be is left out: a file of settings may be older, or newer."""
     if not isinstance(data, Mapping):
         return Graph()
-    graph = Graph(title=_title(data), **{name: _part(GraphAxis, data.get(name)) for name in ("x", "left", "right")})
+    axes = {name: _part(GraphAxis, data.get(name)) for name in ("x", "left", "right")}
     rows = data.get("curves")
-    keys: set[str] = set()
-    for row in rows if isinstance(rows, Sequence) and not isinstance(rows, str) else ():
+    curves: dict[str, GraphCurve] = {}
+    for row in rows[:MOST_ROWS] if isinstance(rows, list | tuple) else ():
         curve = _part(GraphCurve, row)
-        if curve.key and curve.key not in keys:
-            keys.add(curve.key)
-            graph = replace(graph, curves=(*graph.curves, curve))
-    return graph
+        if curve.key:
+            curves.setdefault(curve.key, curve)
+    return Graph(title=_title(data), curves=tuple(curves.values()), **axes)
 
 
 def _title(data: Mapping[str, Any]) -> str:

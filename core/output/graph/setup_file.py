@@ -7,6 +7,7 @@ import os
 from dataclasses import replace
 from pathlib import Path
 
+from core.bounds import bounded_json
 from core.errors import KindynaError
 from core.output.graph.model import Graph, from_data, to_data
 from core.project.files import read_text, write
@@ -46,8 +47,8 @@ def save_setup(graph: Graph, path: Path) -> None:
 def load_setup(path: Path) -> Graph:
     """Read them. Raises FileError, KindynaError where it is no such file."""
     try:
-        data = json.loads(read_text(path))
-    except (ValueError, RecursionError):
+        data = bounded_json(read_text(path))
+    except ValueError:
         data = None
     if not isinstance(data, dict) or "curves" not in data:
         raise KindynaError(f"{path.name}: no graph; wanted: a file that the graph page saved (*{ENDING})")

@@ -10,15 +10,27 @@ from pathlib import Path
 
 import numpy as np
 
+from core.bounds import COLUMNS
 from core.frozen import frozen
-from core.measured.sheet import DELIMITERS, Worksheet, decoded, line_ranges, number, read_sheet, split
+from core.measured.sheet import (
+    DELIMITERS,
+    LineRuns,
+    RowFault,
+    TableError,
+    Worksheet,
+    decoded,
+    number,
+    read_sheet,
+    require_cells,
+    require_lines,
+    split,
+)
 from core.numerics.cancellation import checkpoint
 from core.project.files import read_bytes
 
-MOST_BYTES = 1_000_000_000
 SAMPLE, LEAST_SAMPLE = 500, 50  # lines by which header, delimiter and decimal mark are found, fewer of long ones
 SAMPLE_TEXT = 100_000  # characters of them
-AT_ONCE = 20_000  # lines between two looks at whether the table is still wanted
+LINES_AT_ONCE, CELLS_AT_ONCE = 20_000, 1_000_000  # between two looks at whether the table is still wanted
 FEW = 3  # cells that are no numbers, of one column, before the rest is counted
 _COMMENTS = ("#", "%", "//")
 
@@ -39,7 +51,7 @@ class NumberTable:
 
 def read_table_file(path: Path, progress: Progress = lambda part: None) -> NumberTable:
     """The table in a file. Raises FileError where it cannot be read, TableError where no row holds two numbers."""
-    return read_numbers(read_bytes(path, MOST_BYTES), path.name, progress)
+    return read_numbers(read_bytes(path), path.name, progress)
 
 
 def read_numbers(data: bytes, name: str, progress: Progress = lambda part: None) -> NumberTable:
@@ -48,20 +60,27 @@ def read_numbers(data: bytes, name: str, progress: Progress = lambda part: None)
     Blocks of lines that hold numbers and nothing else are read at once, others line by line. Raises TableError.
     """
     text, _ = decoded(data, name)
+    require_lines(text, name)
     lines = re.split(r"\r\n|\r", text) if "\r" in text and "\n" not in text else text.replace("\r\n", "\n").split("\n")
     widest = max(map(len, lines[:LEAST_SAMPLE])) + 1
     sample = "\n".join(lines[: max(LEAST_SAMPLE, min(SAMPLE, SAMPLE_TEXT // widest))]).encode()
     sheet = read_sheet(sample, name)
     if wider := _wider(sheet, lines):
         sheet = read_sheet(sample, name, columns=wider)
+    if sheet.columns > COLUMNS:
+        raise TableError(name, [RowFault(0, f"more than {COLUMNS} columns; wanted: at most {COLUMNS}")])
     reader = _Reader(sheet.delimiter, sheet.decimal, sheet.columns)
     begin = sheet.rows[0].line - 1
-    blocks = []
-    for at in range(begin, len(lines), AT_ONCE):
+    require_cells(len(lines) - begin, sheet.columns, name)
+    values, count = np.empty((sheet.columns, len(lines) - begin)), 0
+    step = min(LINES_AT_ONCE, max(1, CELLS_AT_ONCE // sheet.columns))
+    for at in range(begin, len(lines), step):
         checkpoint()
         progress((at - begin) / max(1, len(lines) - begin))
-        blocks.append(reader.block(lines[at : at + AT_ONCE], at))
-    values = np.ascontiguousarray(np.concatenate(blocks).T)
+        block = reader.block(lines[at : at + step], at)
+        values[:, count : count + len(block)] = block.T
+        count += len(block)
+    values = values[:, :count] if count == values.shape[1] else values[:, :count].copy()
     names = _named(sheet.names)
     header = [] if any(sheet.names) else ["there is no header: columns are called by their numbers"]
     return NumberTable(name, names, values, (*header, *reader.notes(names)))
@@ -95,10 +114,11 @@ class _Reader:
     delimiter: str
     decimal: str
     columns: int
-    wrong: dict[int, list[tuple[int, str]]] = field(default_factory=dict)
-    short: dict[int, list[int]] = field(default_factory=dict)
-    long: list[int] = field(default_factory=list)
-    empty: dict[int, list[int]] = field(default_factory=dict)
+    wrong: dict[int, list[str]] = field(default_factory=dict)
+    more: Counter[int] = field(default_factory=Counter)
+    short: dict[int, LineRuns] = field(default_factory=dict)
+    long: LineRuns = field(default_factory=LineRuns)
+    empty: dict[int, LineRuns] = field(default_factory=dict)
 
     def block(self, lines: Sequence[str], at: int) -> np.ndarray:
         """The rows (n, columns) of lines; at: the number of the first, from 0."""
@@ -134,35 +154,35 @@ class _Reader:
             )
             used[i] = True
             if len(cells) < self.columns:
-                self.short.setdefault(len(cells), []).append(at + i + 1)
+                self.short.setdefault(len(cells), LineRuns()).add(at + i + 1)
             elif len(cells) > self.columns:
-                self.long.append(at + i + 1)
+                self.long.add(at + i + 1)
             for column, cell in enumerate(cells[: self.columns]):
                 value = number(cell, self.decimal)
                 if value is not None and np.isfinite(value):
                     made[i, column] = value
                 elif not cell:
-                    self.empty.setdefault(column, []).append(at + i + 1)
+                    self.empty.setdefault(column, LineRuns()).add(at + i + 1)
                 elif cell.lower() not in ("nan", "-", "na", "n/a"):
-                    self.wrong.setdefault(column, []).append((at + i + 1, cell))
+                    shown = self.wrong.setdefault(column, [])
+                    if len(shown) < FEW:
+                        shown.append(f"line {at + i + 1}: {cell[:30]!r}")
+                    else:
+                        self.more[column] += 1
         return made[used]
 
     def notes(self, names: Sequence[str]) -> tuple[str, ...]:
         """A line for each kind of fault."""
         made = []
         for column, cells in sorted(self.wrong.items()):
-            shown = "; ".join(f"line {line}: {cell[:30]!r}" for line, cell in cells[:FEW])
-            more = f"; and {len(cells) - FEW} more" if len(cells) > FEW else ""
-            made.append(f"{names[column]}, {shown}{more}: no number, left out")
-        made += [
-            f"{names[column]}: nothing in {line_ranges(lines)}, a gap" for column, lines in sorted(self.empty.items())
-        ]
+            more = f"; and {self.more[column]} more" if self.more[column] else ""
+            made.append(f"{names[column]}, {'; '.join(cells)}{more}: no number, left out")
+        made += [f"{names[column]}: nothing in {lines}, a gap" for column, lines in sorted(self.empty.items())]
         for count, lines in sorted(self.short.items()):
-            one = len(lines) == 1
-            short = f"{line_ranges(lines)} {'has' if one else 'have'} {count} of {self.columns} columns"
+            short = f"{lines} {'has' if lines.count == 1 else 'have'} {count} of {self.columns} columns"
             made.append(f"{short}: those behind end, or have a gap, there")
-        if self.long:
-            made.append(f"{line_ranges(self.long)}: more than {self.columns} columns; what is behind them is left out")
+        if self.long.count:
+            made.append(f"{self.long}: more than {self.columns} columns; what is behind them is left out")
         return tuple(made)
 
 

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from core.errors import FileError, KindynaError
+from core.errors import KindynaError
 from core.output.export import SUMMARY, csv
 from core.output.inspection.comparison import ProfileComparison
 from core.output.inspection.lift import Inspection
 from core.output.profile.drawing import SENSES
 from core.output.summary import to_json
-from core.project.files import write_all
+from core.project.files import require_own_json, write_into
 
 ENDING = ".csv"
 COLUMNS = ("cam_angle_deg", "lift_mm", "lower_mm", "upper_mm")
@@ -37,19 +36,6 @@ def require_name(path: Path) -> None:
         raise KindynaError(
             f"{path}: no table of lift is written as {path.suffix or 'a name without ending'}; allowed: {ENDING}"
         )
-
-
-def _require_own(path: Path) -> None:
-    """A summary that stands at this path already must be of such a table, too: that of an export is not replaced unasked. Raises
-    FileError."""
-    if not path.exists():
-        return
-    try:
-        own = json.loads(path.read_text("utf-8")).keys() >= {"file", "base_mm"}
-    except (OSError, ValueError, AttributeError):
-        own = False
-    if not own:
-        raise FileError(f"{path}: cannot be written: it belongs to something else; choose another folder")
 
 
 def _names(path: Path, compared: bool) -> list[str]:
@@ -137,8 +123,8 @@ def write(made: Inspection, path: Path, comparison: ProfileComparison | None = N
     """Write the tables and the summary beside them; the paths. Raises FileError, KindynaError, and then nothing has changed."""
     require_name(path)
     texts = files(made, path, comparison)
-    _require_own(path.parent / SUMMARY)
-    write_all(path.parent, texts)
+    require_own_json(path.parent / SUMMARY, {"file", "base_mm"})
+    write_into(path.parent, texts, typed=path.name)
     return [path.parent / name for name in texts]
 
 

@@ -15,7 +15,7 @@ from core.output.profile.drawing import ProfileDrawing, comment, drawn_profiles,
 from core.output.profile.made import exact_curve, fitted
 from core.output.profile.request import Request
 from core.output.summary import to_json
-from core.project.files import write_all
+from core.project.files import require_own_json, write_into
 from core.study import Study
 
 
@@ -104,7 +104,8 @@ def files(job: ProfileDrawing, path: Path) -> dict[str, bytes]:
 def write(job: ProfileDrawing, path: Path) -> list[Path]:
     """Write the file, and what it is beside it; the paths. Raises FileError, and then nothing has changed."""
     made = files(job, path)
-    write_all(path.parent, made)
+    require_own_json(path.parent / f"{path.name}.json", {"file", "deviation_mm"})
+    write_into(path.parent, made, typed=path.name)
     return [path.parent / name for name in made]
 
 

@@ -153,9 +153,8 @@ def _untitled(sections: Iterable[Section]) -> list[Section]:
 def _glance(subject: Subject) -> list[Section]:
     """The machine, the figures that a reader asks for first, and what is wrong with it: the first page."""
     study = subject.study
-    pictures = (
-        subject.pictures({GLANCE: "The machine, to scale."}) if subject.of != SHAFT or answers(study.camshaft) else ()
-    )
+    drawn = answers(study.camshaft) if subject.of == SHAFT else "linkage" in study.stages
+    pictures = subject.pictures({GLANCE: "The machine, to scale."}) if drawn else ()
     rows = [
         (label, value, unit, Number(angle) if angle is not None else "") for label, value, unit, angle in _five(subject)
     ]
@@ -244,9 +243,8 @@ def _timing(subject: Subject) -> list[Section]:
 def _motion(subject: Subject) -> list[Section]:
     if "motion" not in subject.study.stages:
         return []
-    caption = (
-        "Displacement, velocity, acceleration and jerk of the follower over one turn of the cam, with their extremes."
-    )
+    of = " of the follower over one turn of the cam" if "cam" in subject.study.stages else " over one turn"
+    caption = f"Displacement, velocity, acceleration and jerk{of}, with their extremes."
     typed = [replace(each, title="Segments") for each in of_study.motion(subject.study)]
     return [*typed, *of_study.cycle(subject.study), *section("Curves", *subject.pictures({"motion": caption}))]
 
@@ -259,7 +257,7 @@ def _cam(subject: Subject) -> list[Section]:
 
 
 def _links(subject: Subject) -> list[Section]:
-    if "cam" in subject.study.stages:
+    if "cam" in subject.study.stages or "linkage" not in subject.study.stages:
         return []
     curves = {"links": "Motion and transmission angles of the links over one turn."}
     return _mechanism(subject, "Curves of the links", curves, "")

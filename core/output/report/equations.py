@@ -144,7 +144,7 @@ EQUATIONS: tuple[Equation, ...] = (
     ),
     Equation(
         "Transmission angle",
-        ("μ = arcsin(|c₁ × c₂|/(|c₁||c₂|))",),
+        ("μ = atan2(|c₁ × c₂|, |c₁ · c₂|)",),
         "angle between the links at the joint",
         "c₁, c₂ from the joint along its two links",
         ("transmission\\..*",),

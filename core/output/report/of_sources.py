@@ -10,16 +10,21 @@ from core.output.report.parts import Section, Sentences, section, table
 from core.study import Study
 from core.study.cam_checks import limit_rows
 
-CONVENTIONS: tuple[str, ...] = (
-    "Global frame: origin at the centre of the cam or at the frame of the linkage, x to the right, y upwards, angles counter-clockwise.",
-    "The cam angle θ grows with time, whichever way the shaft turns; angle 0 is the start of the first segment.",
-    "Vectors of the plane are written as complex numbers; · and × are their scalar and vector product, a bar the conjugate of a "
-    "vector, or the mean of a scalar.",
-    "A curvature is positive where the cam is convex. The contact force is positive where it presses the follower on the cam. "
-    "A drive torque is positive where it drives.",
-    "Extremes are refined to the true extreme of the continuous curve, not read from a table; where a quantity jumps, both sides count.",
-    "Numbers are rounded for reading; summary.json of the same design holds all their digits.",
+CONVENTIONS: Mapping[str, bool] = MappingProxyType(
+    {
+        "Global frame: origin at the centre of the cam or at the frame of the linkage, x to the right, y upwards, angles "
+        "counter-clockwise.": True,
+        "The cam angle θ grows with time, whichever way the shaft turns; angle 0 is the start of the first segment.": False,
+        "Vectors of the plane are written as complex numbers; · and × are their scalar and vector product, a bar the conjugate of a "
+        "vector, or the mean of a scalar.": True,
+        "A curvature is positive where the cam is convex. The contact force is positive where it presses the follower on the cam. "
+        "A drive torque is positive where it drives.": True,
+        "Extremes are refined to the true extreme of the continuous curve, not read from a table; where a quantity jumps, both sides "
+        "count.": False,
+        "Numbers are rounded for reading; summary.json of the same design holds all their digits.": False,
+    }
 )
+"""Convention -> whether it is of a mechanism; the others hold of a motion alone too."""
 
 SOURCES: Mapping[str, str] = MappingProxyType(
     {
@@ -50,4 +55,6 @@ def conventions(study: Study) -> list[Section]:
         else ""
     )
     remark = Sentences((corrected,), mark=True) if corrected else None
-    return [Section("", (Sentences(CONVENTIONS),)), *section("Sources", table((), rows, left=2), remark)]
+    moves = any("linkage" in each.stages for each in study.answering.values())
+    texts = tuple(text for text, of_mechanism in CONVENTIONS.items() if moves or not of_mechanism)
+    return [Section("", (Sentences(texts),)), *section("Sources", table((), rows, left=2), remark)]

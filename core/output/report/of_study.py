@@ -121,6 +121,10 @@ def _law_label(slug: str) -> str:
     return law.label if law is not None else slug
 
 
+PER_RADIAN = {"s": "", "v": "/rad", "a": "/rad²", "j": "/rad³"}
+"""Displacement and its derivatives by cam angle -> what their unit is divided by."""
+
+
 def motion(study: Study) -> list[Section]:
     """Its segments, and what jumps between them."""
     if "motion" not in study.stages:
@@ -133,15 +137,17 @@ def motion(study: Study) -> list[Section]:
         end = at + segment.span_deg
         rows.append((_law_label(segment.curve.law), f"{at:.10g}", f"{end:.10g}", f"{segment.rise:.10g}"))
         at = end
-    jumps: list[Sequence[Cell]] = [(Number(j["cam_angle_deg"]), *(Number(j[k]) for k in "svaj")) for j in joins(study)]
+    jumps: list[Sequence[Cell]] = [
+        (Number(j["cam_angle_deg"]), *(Number(j[k]) for k in PER_RADIAN)) for j in joins(study)
+    ]
     return section(
         "Motion",
         table(("Segment", "from °", "to °", f"rise {unit}"), rows),
         table(
-            ("Join at °", "s", "v", "a", "j"),
+            ("Join at °", *(f"{letter} {unit}{per}" for letter, per in PER_RADIAN.items())),
             jumps,
             left=0,
-            title=f"Jumps at the joins, {unit} per radian of cam angle",
+            title="Jumps at the joins, by cam angle",
             slug="joins",
         ),
     )

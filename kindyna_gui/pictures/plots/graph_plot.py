@@ -365,7 +365,7 @@ class GraphPlot(FixedPlot):
             at = view.mapSceneToView(scene)
             across, upwards = view.viewPixelSize()
             x, y = self._items[number].getOriginalDataset()
-            if x is None or not len(x):
+            if x is None or not len(x) or not (across and upwards):  # without a curve, or without an extent
                 continue
             near = slice(None)
             if series.ordered:

@@ -10,7 +10,7 @@ from itertools import pairwise
 from types import MappingProxyType
 from typing import Any
 
-from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, Qt
+from PySide6.QtCore import QEvent, QEventLoop, QPoint, QPointF, QRect, Qt
 from PySide6.QtGui import QAction, QKeySequence, QMouseEvent
 from PySide6.QtWidgets import QAbstractItemView, QApplication, QMenu, QWidget
 
@@ -39,9 +39,9 @@ class Deed:
 
 
 def settle() -> None:
-    """Let the events at hand run, and those that they start."""
+    """Let the events at hand run, and those that they start. Mouse and keys of the user wait: they could end what is being played."""
     for _ in range(5):
-        QApplication.processEvents()
+        QApplication.processEvents(QEventLoop.ProcessEventsFlag.ExcludeUserInputEvents)
 
 
 def wait_for(condition: Callable[[], object], what: str) -> None:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from weakref import WeakSet
+
 from PySide6.QtCore import QPoint, QRect, Qt, QTimer
 from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSizePolicy, QToolBar, QWidget
+from shiboken6 import isValid
 
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.places import example
@@ -20,20 +23,18 @@ EDGE = 4  # pixels between a mark and what it marks
 
 
 class Mark(QWidget):
-    """A frame around a place of the window; the mouse goes through it."""
+    """A frame around a place of a window, dialog or menu, which it belongs to and goes with; the mouse goes through it."""
 
-    def __init__(self) -> None:
-        super().__init__()
+    def __init__(self, top: QWidget) -> None:
+        super().__init__(top)
         self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self.setAccessibleName("Place of this step")
 
     def put(self, widget: QWidget, rect: QRect) -> None:
         """Around a part of a widget, in front of its window."""
-        top = widget.window()
+        top = self.window()
         wanted = QRect(widget.mapTo(top, QPoint(0, 0)) + rect.topLeft(), rect.size())
         wanted = wanted.adjusted(-EDGE, -EDGE, EDGE, EDGE) & top.rect()
-        if self.parentWidget() is not top:
-            self.setParent(top)
         if self.geometry() != wanted or not self.isVisible():
             self.setGeometry(wanted)
             self.show()
@@ -76,12 +77,17 @@ class TutorialStrip(QToolBar):
             button.clicked.connect(act)
             row.addWidget(button)
         self.addWidget(content)
-        self.mark = Mark()
-        self._met_before = False
+        self._marks: WeakSet[Mark] = WeakSet()
+        self._met_before = self._plays = self.ended = False
         self._look = QTimer(self, interval=LOOK_MS)
         self._look.timeout.connect(self.look)
         self._begin()
         self._look.start()
+
+    @property
+    def marks(self) -> list[Mark]:
+        """Those whose windows are still there."""
+        return [mark for mark in self._marks if isValid(mark)]
 
     @property
     def step(self) -> Step | None:
@@ -118,10 +124,14 @@ class TutorialStrip(QToolBar):
     def show_mark(self) -> None:
         """Where the step is done, as far as that is in sight."""
         place = place_of(self.host, self.step.do) if self.step is not None else None
-        if place is None:
-            self.mark.hide()
-        else:
-            self.mark.put(*place)
+        top = None if place is None else place[0].window()
+        for mark in self.marks:
+            if mark.parentWidget() is not top:
+                mark.hide()
+        if place is not None and top is not None:
+            mark = next((each for each in self.marks if each.parentWidget() is top), None) or Mark(top)
+            self._marks.add(mark)
+            mark.put(*place)
 
     def go_on(self) -> None:
         """The next step."""
@@ -137,18 +147,30 @@ class TutorialStrip(QToolBar):
     def _do(self) -> None:
         if self.step is None:
             return
+        if self.isAncestorOf(self.host.focusWidget()):
+            self.host.setFocus()  # the keys that are played are not for the button that was clicked
+        self.setEnabled(False)
+        self._plays = True
         try:
             play(self.host, self.step.do)
         except CannotDo as error:
             self.host.status.show_message(str(error))
-        self.look()
+        self._plays = False
+        self.setEnabled(True)
+        if self.ended:
+            take_away(self)
+        else:
+            self.look()
 
     def end(self) -> None:
-        """Take the strip away; the design stays as it is."""
+        """Take the strip away, or let it go once it has played; the design stays as it is."""
+        self.ended = True
         self._look.stop()
-        take_away(self.mark)
+        for mark in self.marks:
+            take_away(mark)
         self.host.removeToolBar(self)
-        take_away(self)
+        if not self._plays:
+            take_away(self)
 
 
 def begin(window: Window, lesson: Lesson) -> TutorialStrip:

@@ -96,6 +96,18 @@ def test_the_best_keeps_what_is_set() -> None:
     assert as_motion(point).level(150.0) == pytest.approx(9.0, rel=1e-9)
 
 
+def test_both_constant_velocities_last_as_long_as_given() -> None:
+    with pytest.raises(BlendError, match="no constant velocity left on the return; give length2 or h5"):
+        best(request("DRRD", "both", {"length": 40.0}), "acceleration")
+    got = best(request("DRRD", "both", {"length": 40.0, "length2": 25.0}), "acceleration").solution
+    assert (got.spans[1], got.spans[4]) == (pytest.approx(40.0, rel=1e-9), pytest.approx(25.0, rel=1e-9))
+    exact = {"length": 40.0, "length2": 70.0, "h1": 4.0, "h6": 3.0}
+    got = blend(request("DRRD", "both", exact)).solution
+    assert (got.heights[0], got.heights[5], got.spans[1], got.spans[4]) == pytest.approx(
+        (4.0, 3.0, 40.0, 70.0), rel=1e-12
+    )
+
+
 def test_of_equally_gentle_motions_one_keeps_its_constant_velocity() -> None:
     """The torque is that of the rise, whose speed and length are set: that of the return leaves room for its CV2."""
     given = {"vcv": 0.7758022957, "length": 6.9081050623}
@@ -110,7 +122,10 @@ def test_of_equally_gentle_motions_one_keeps_its_constant_velocity() -> None:
 @pytest.mark.parametrize(
     ("wish", "phrase"),
     [
-        ({"settings": {}}, "best acceleration: the gentlest has no constant velocity left; give its length or height"),
+        (
+            {"settings": {}},
+            "best acceleration: the gentlest has no constant velocity left on the rise; give length or h2",
+        ),
         ({"settings": {"length": 320.0}}, "length = 320 deg is not feasible; feasible: "),
         ({"settings": {"h1": 30.0}}, "h1 = 30 mm is not feasible; feasible: 0 < h1 < 20 mm"),
         ({"settings": {"h5": 3.0}}, "no sequence of this motion takes these settings: h5"),

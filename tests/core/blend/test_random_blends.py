@@ -149,7 +149,14 @@ def test_ranges_are_those_of_a_scan_from_outside(case: Case, pick: random.Random
         assert f"{last} = {value:.9g}" in text
         assert error.setting == last
         assert error.allowed == (ranges[0].low, ranges[-1].high)
-        unit = {"length": "deg", "peak": "deg", "vcv": "mm/deg", "vcv2": "mm/deg", "acceleration": "mm/deg^2"}
+        unit = {
+            "length": "deg",
+            "length2": "deg",
+            "peak": "deg",
+            "vcv": "mm/deg",
+            "vcv2": "mm/deg",
+            "acceleration": "mm/deg^2",
+        }
         assert text.endswith(f" {unit.get(last, 'mm')}")
 
 

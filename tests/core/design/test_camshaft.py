@@ -109,6 +109,10 @@ BAD: dict[str, tuple[Callable[[dict[str, Any]], object], dict[str, str]]] = {
         drives(lambda d: d[1].update(name="feed")),
         {"drives[1].name": "has the slug of drives[0].name, feed"},
     ),
+    "one slug with a device": (
+        drives(lambda d: (d[3].update(name="CON"), d[4].update(name="con_"))),
+        {"drives[4].name": "has the slug of drives[3].name, con_"},
+    ),
     "empty": (drives(lambda d: d[1].update(name=" - ")), {"drives[1].name": "has no letter and no digit"}),
     "long": (drives(lambda d: d[1].update(name="x" * 201)), {"drives[1].name": "is too long for the name of a folder"}),
     "motor": (
@@ -160,6 +164,14 @@ def test_what_is_wrong_in_a_file_of_drives_is_named_by_its_path(name: str) -> No
         assert text in found.pop(path)
     if name not in ("beside", "shaft"):
         assert found == {}
+
+
+@pytest.mark.parametrize("name", ["CON", "aux", "Prn", "NUL", "com1", "COM0", "Lpt9", "com¹"])
+def test_a_slug_is_no_device_of_windows(name: str) -> None:
+    assert slug(name) == f"{name.lower()}_"
+    assert [slug(f"{name}{more}") for more in (" 2", "a", "_")] == [
+        f"{name.lower()}{more}" for more in ("_2", "a", "_")
+    ]
 
 
 def test_slugs_keep_letters_and_digits_of_any_script() -> None:

@@ -164,6 +164,8 @@ def test_a_limit_that_is_stated_takes_the_place_of_the_same_one_only(tmp_path: P
     both = found(plain, "base-radius", "pressure_angle_deg=36")
     assert both["limits"] == {"pressure_angle_deg": 36.0, "convex_radius_mm": 5.0}
     assert both["reached"]["pressure_angle_deg"] == pytest.approx(36.0, rel=1e-9)
+    of_stretches = [both["reached"][f"pressure_angle_{stretch}_deg"] for stretch in ("rise", "return")]
+    assert max(of_stretches) == both["reached"]["pressure_angle_deg"] > min(of_stretches)
 
 
 def test_base_radius_for_a_radius_of_curvature_under_a_flat_face(tmp_path: Path) -> None:
@@ -223,6 +225,14 @@ def test_offset_of_least_pressure_angle_against_a_scan(tmp_path: Path) -> None:
     assert data["reached"]["pressure_angle_deg"] == pytest.approx(
         translating_worst(data["answer"]["follower.offset_mm"], 1), abs=1e-9
     )
+    root = math.sqrt(60.0**2 - data["answer"]["follower.offset_mm"] ** 2)
+    for stretch, sign in (("rise", 1.0), ("return", -1.0)):
+        tangents = [
+            (np.abs(v + data["answer"]["follower.offset_mm"]) / (root + s))[sign * v > 0.0]
+            for s, v, _ in stretches(DRDR, 1)
+        ]
+        worst = max(float(np.degrees(np.arctan(part)).max()) for part in tangents if part.size)
+        assert data["reached"][f"pressure_angle_{stretch}_deg"] == pytest.approx(worst, abs=1e-6)
     beside = (translating_worst(data["answer"]["follower.offset_mm"] + by, 1) for by in (-1e-4, 1e-4))
     assert min(beside) > data["reached"]["pressure_angle_deg"]
     assert data["reached"]["pressure_angle_deg"] < translating_worst(0.0) - 1.0

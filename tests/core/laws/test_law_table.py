@@ -113,3 +113,22 @@ def test_every_curve_has_a_short_name_of_its_own() -> None:
     assert max(len(name) for name in names) <= 5
     assert named_law("c3").short_name == "C3"
     assert named_law("harmonic").short_name == named_law("simple-harmonic").short_name == "SH"
+
+
+@pytest.mark.parametrize("slug", ["p1", "p2"])
+def test_the_eighth_degree_accelerates_most_inside_its_span(slug: str) -> None:
+    """Its end has 216/41 = 5.268292683, a place at 0.241682 of the span a little more."""
+    polynomial = np.polynomial.Polynomial([0, 0, 0, 250, 0, -852, 1096, -558, 105]) / 41
+    inside = max(abs(polynomial.deriv(2)(u.real)) for u in polynomial.deriv(3).roots() if 0.1 < u.real < 0.9)
+    assert peaks(LAWS[slug]).ca == pytest.approx(inside, rel=1e-12)
+    assert peaks(LAWS[slug]).ca == pytest.approx(5.268301041, abs=5e-10)
+
+
+@pytest.mark.parametrize("slug", sorted(LAWS))
+def test_no_place_of_a_law_exceeds_its_peaks(slug: str) -> None:
+    """Several tops may be nearly as high, and the highest one fall between two samples."""
+    u = np.linspace(0.0, 1.0, 20_001)
+    _, v, a, j = LAWS[slug](u)
+    found = peaks(LAWS[slug])
+    for values, peak in ((v, found.cv), (a, found.ca), (j, found.cj), (v * a, found.cm)):
+        assert np.abs(values).max() <= peak * (1.0 + 1e-12)

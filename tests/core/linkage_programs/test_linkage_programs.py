@@ -24,6 +24,7 @@ FOUR_BAR = (
     "00.Fe.A,0.101.6A,A,0,0,0.0B,B,0,VG,0.0C,C,1E8,_W,0.4D,D,1Tm,0,0..YRAB,AB,Fe,Fe,0,0,808080,A,B,,."
     "YRBC,BC,Fe,Fe,0,0,808080,B,C,,.YRCD,CD,Fe,Fe,0,0,808080,C,D,,...Nb"
 )
+PIXEL = 25.4 / 96.0  # mm: the unit of .linkage2 files
 LINKAGE2 = """<linkage2><program units="Millimeters" scalefactor="1"/>
  <connector id="0" x="0" y="0" anchor="true" input="true" rpm="30"/><connector id="1" x="20" y="0"/>
  <connector id="2" x="60" y="40"/><connector id="3" x="60" y="0" anchor="true"/>
@@ -92,7 +93,7 @@ def test_wheels_of_linkage2_are_a_second_driver_that_stands_where_it_is_drawn() 
     study = Study(made.design, 36)
     assert study.turns == 2
     pose = study.at_theta(np.zeros(1)).linkage
-    at = {name: complex(pose.bodies[pose.body_of(name)].place(name)[0]) * 1e3 for name in ("C1", "C2", "C3")}
+    at = {name: complex(pose.bodies[pose.body_of(name)].place(name)[0]) * 1e3 / PIXEL for name in ("C1", "C2", "C3")}
     assert at == pytest.approx({"C1": 20 + 0j, "C2": 40 + 60j, "C3": 60 + 15j}, abs=1e-9)
 
 
@@ -164,8 +165,9 @@ def test_a_pmks_slider_and_a_weld() -> None:
 def test_linkage2_with_a_slider_on_a_link_a_gear_and_an_actuator() -> None:
     made = read_linkage(LINKAGE2, mirror=True)
     assert (made.links, made.joints) == (4, 4)
-    assert made.design.drive.linkage.driver.speed_rpm == -30.0
-    assert made.design.drive.linkage.drawn.places["C2"] == 60 - 40j
+    assert made.design.drive.linkage.driver.speed_rpm == 30.0
+    assert made.design.drive.linkage.drawn.places["C2"] == pytest.approx((60 - 40j) * PIXEL, abs=1e-12)
+    assert read_linkage(LINKAGE2, units="in").design.drive.linkage.drawn.places["C2"] == (60 + 40j) * 25.4
     slider = LINKAGE2.replace(
         '<connector id="2" x="60" y="40"/><connector id="3" x="60" y="0" anchor="true"/>',
         '<connector id="2" x="60" y="0" slider="true"><slidelimit id="3"/><slidelimit id="4"/></connector>'
@@ -176,9 +178,12 @@ def test_linkage2_with_a_slider_on_a_link_a_gear_and_an_actuator() -> None:
     c2 = study.linkage.bodies[study.linkage.body_of("C2")].place("C2") * 1e3
     a = study.linkage.bodies["link2"].place("C1") * 1e3
     assert np.abs(c2.imag).max() < 1e-12
-    assert np.abs(np.abs(c2 - a) - 40.0).max() < 1e-12
+    assert np.abs(np.abs(c2 - a) - 40.0 * PIXEL).max() < 1e-12
     curved = read_linkage(slider.replace('slider="true"', 'slider="true" slideradius="30"'))
-    assert [each.why for each in curved.left_out if "C2" in each.what] == ["it is curved"]
+    centre = curved.design.drive.linkage.by_number[1].places[
+        "C2_centre"
+    ]  # of an arc through (60, 0) and (90, 0), left of them
+    assert centre == pytest.approx((75 + 1j * np.sqrt(30**2 - 15**2)) * PIXEL, abs=1e-12)
     driven = read_linkage(LINKAGE2.replace('<Link id="1">', '<Link id="1" actuator="true" throw="5">'))
     assert "actuator 1" in {each.what for each in driven.left_out}
 
@@ -223,15 +228,15 @@ def test_the_commands_read_a_file_and_write_curves_and_poses(
     assert rows[0] == ["driver_angle_deg", "C2_x_mm", "C2_y_mm"]
     assert len(rows) == 13
     curve = np.array([[float(x), float(y)] for _, x, y in rows[1:]])
-    assert np.abs(np.hypot(curve[:, 0] - 60.0, curve[:, 1]) - 40.0).max() < 1e-12
+    assert np.abs(np.hypot(curve[:, 0] - 60.0 * PIXEL, curve[:, 1]) - 40.0 * PIXEL).max() < 1e-12
     for ending in ("dxf", "svg"):
         assert main(["curves", design, "--out", str(tmp_path / f"c.{ending}"), "--time-marks", "6"]) == 0
         assert main(["pose", design, "--angle", "0", "--out", str(tmp_path / f"p.{ending}")]) == 0
     drawing = ezdxf.readfile(tmp_path / "p.dxf")
     (bar,) = drawing.modelspace().query('LWPOLYLINE[layer=="LINK_3"]')
-    assert np.abs(np.array(bar.get_points("xy")) - [[20, 0], [60, 40]]).max() < 1e-12
+    assert np.abs(np.array(bar.get_points("xy")) / PIXEL - [[20, 0], [60, 40]]).max() < 1e-12
     marks = ezdxf.readfile(tmp_path / "c.dxf").modelspace().query('CIRCLE[layer=="C1"]')
-    assert sorted(round(c.dxf.center.x, 9) for c in marks) == [-20, -10, -10, 10, 10, 20]
+    assert sorted(round(c.dxf.center.x / PIXEL, 9) for c in marks) == [-20, -10, -10, 10, 10, 20]
     svg = (tmp_path / "p.svg").read_text("utf-8")
     assert '<g id="LINK_4"' in svg
     assert main(["curves", design, "--out", str(tmp_path / "c.csv"), "--points", "Q"]) == 2

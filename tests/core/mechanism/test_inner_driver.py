@@ -198,10 +198,11 @@ def test_an_actuator_of_linkage_drives_by_its_length() -> None:
     assert (linkage.driver.kind, linkage.driver.speed_rpm) == (MOTION, 6.0)
     study = Study(made.design, 36)
     b = study.linkage.bodies[study.linkage.body_of("C1")].place("C1")
-    start = abs(100 + 500j) * 1e-3
-    wanted = start + 0.06 * (1.0 - np.cos(study.theta))
-    assert np.abs(np.abs(b - (0.4 - 0.2j)) - wanted).max() < 1e-12
-    assert np.abs(np.abs(b) - abs(500 + 300j) * 1e-3).max() < 1e-12
+    pixel = 25.4e-3 / 96.0
+    way = 1.0 - np.abs(1.0 - study.theta / np.pi)  # out and back at constant speed
+    length = pixel * (abs(100 + 500j) + 120.0 * way)
+    assert np.abs(np.abs(b - pixel * (400 - 200j)) - length).max() < 1e-12
+    assert np.abs(np.abs(b) - pixel * abs(500 + 300j)).max() < 1e-12
     driven = read_linkage(ACTUATOR.replace('id="0" x="0" y="0"', 'id="0" x="0" y="0" input="true"'))
     assert any("something else drives" in each.why for each in driven.left_out)
 

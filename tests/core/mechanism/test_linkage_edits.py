@@ -9,7 +9,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from linkages import four_bar, link
 
-from core.design import Attachment, Design, Drive, LinkageLoads, LinkMass, Slider, with_drive, with_new_row
+from core.design import (
+    NO_DRIVER,
+    Attachment,
+    Design,
+    Drive,
+    LinkageLoads,
+    LinkMass,
+    Slider,
+    faults,
+    with_drive,
+    with_new_row,
+)
 from core.errors import DesignError, NoPosition
 from core.mechanism.drawing.copies import part_of, with_part
 from core.mechanism.drawing.edits import (
@@ -31,6 +42,8 @@ from core.mechanism.drawing.edits import (
 )
 from core.mechanism.drawing.settling import settled
 from core.mechanism.drawing.sheet import Spot, places_of, pose_of, with_places
+from core.mechanism.drivers import with_roller
+from core.project import dumps, loads
 
 SHEET = Design("sheet", None, (Drive(None, empty_linkage(), None, LinkageLoads()),))
 
@@ -187,6 +200,69 @@ def test_what_is_taken_away_takes_its_loads_along() -> None:
     assert [row.link for row in left.drive.loads.masses] == [4]
     assert [each.number for each in without(design, points=["B"]).drive.linkage.links] == [1, 2]
     assert without(design, points=["O2"]).drive.linkage.by_number[1].places == {"O1": 0j}
+
+
+def led_by_a_slide(links: str = "", sliders: str = "", rest: str = "") -> Design:
+    """A slider-crank that its block drives, with more links and lines."""
+    return loads(
+        f"""
+format = 1
+name = "slides"
+[motion]
+start_mm = 10.0
+segments = [{{ law = "cycloidal", span_deg = 180.0, rise_mm = 20.0 }}, {{ law = "cycloidal", span_deg = 180.0, rise_mm = -20.0 }}]
+[linkage]
+driver = {{ link = 2, kind = "motion", speed_rpm = 60.0 }}
+drawn = {{ driver_mm = 10.0, A = [10, 0], B = [60, 40] }}
+links = [
+    {{ number = 1, points = {{ O4 = [90, 0] }} }}, {{ number = 2, points = {{ A = [0, 0] }} }},
+    {{ number = 3, points = {{ A = [0, 0], B = [64.03, 0] }} }}, {{ number = 4, points = {{ O4 = [0, 0], B = [50, 0] }} }}, {links}
+]
+sliders = [{{ link = 2, on = 1 }}, {sliders}]
+{rest}""",
+        unfinished=True,
+    )
+
+
+def blocks_on_blocks() -> Design:
+    links = "{ number = 5, points = { P = [0, 0] } }, { number = 6, points = { Q = [0, 0] } }, "
+    links += "{ number = 7, points = { C = [0, 0], D = [60, 0] } }"
+    sliders = "{ link = 5, on = 3, angle_deg = 20 }, { link = 6, on = 5, angle_deg = 70 }, { link = 7, on = 6, angle_deg = 10 }"
+    return led_by_a_slide(links, sliders, '[[loads.pair_friction]]\npair = "6"\ncoefficient = 0.1\n')
+
+
+@pytest.mark.parametrize(
+    ("gone", "links", "sliding"),
+    [(3, [1, 2, 4, 7], ["2"]), (5, [1, 2, 3, 4, 7], ["2"]), (6, [1, 2, 3, 4, 5, 7], ["2", "5"]), (2, [1, 3, 4, 5, 6, 7], ["5", "6", "7"])],
+)  # fmt: skip
+def test_what_slides_on_a_deleted_link_goes_with_it_down_the_chain(
+    gone: int, links: list[int], sliding: list[str]
+) -> None:
+    """A block on a block is nothing by itself; a bar with two pins stays, without its line. The drawing can be saved and read."""
+    drawn = blocks_on_blocks()
+    left = without(drawn, links=[gone])
+    linkage = left.drive.linkage
+    assert [each.number for each in linkage.links] == links
+    assert [str(each.link) for each in linkage.sliders] == sliding
+    assert len(left.drive.loads.pair_friction) == ("6" in sliding)
+    assert linkage.driver == (NO_DRIVER if gone == 2 else drawn.drive.linkage.driver)
+    assert loads(dumps(left), unfinished=True) == left
+
+
+def test_a_driver_that_slid_and_now_turns_has_no_motion_in_mm() -> None:
+    slides = led_by_a_slide()
+    assert faults(slides) == []
+    turns = with_driving_link(slides, 4)
+    assert turns.drive.motion is None
+    assert turns.drive.linkage.driver.kind == "crank"
+    assert faults(turns) == []
+    back = with_driving_link(turns, 2)
+    assert back.drive.motion is not None
+    assert (back.drive.motion.unit, faults(back)) == ("mm", [])
+    on_cam = with_roller(slides, 4, "B")
+    led = with_driving_link(on_cam, 4)
+    assert led.drive.motion is not None
+    assert (led.drive.motion.unit, led.drive.linkage.driver.kind, faults(led)) == ("deg", "motion", [])
 
 
 def test_a_name_is_changed_wherever_it_stands() -> None:

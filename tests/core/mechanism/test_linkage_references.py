@@ -150,9 +150,9 @@ def test_change_points_are_told_where_the_circuits_meet() -> None:
 
 @pytest.mark.parametrize(("crank", "rod"), [(40.0, 60.0), (33.3, 57.7)])
 def test_a_rod_that_is_just_long_enough_has_its_change_point_to_the_last_digits(crank: float, rod: float) -> None:
-    """A slider-crank whose rod is as long as crank and offset: at 270 deg it stands square to the slider's line."""
+    """A slider-crank whose rod is as long as crank and offset: at 270 deg it is square to the slider's line, and passes over."""
     found = driver_ranges_of(slider_crank(crank, rod, rod - crank).drive.linkage)
-    assert [math.degrees(change.at) for change in found.changes] == pytest.approx([270.0], abs=1e-9)
+    assert [math.degrees(change.at) for change in found.changes] == pytest.approx([270.0, 630.0], abs=1e-9)
     assert [r.free for r in found.ranges] == [True]
 
 

@@ -2,12 +2,15 @@
 
 import hashlib
 import json
+import os
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
 
 import ezdxf
 import numpy as np
 import pytest
+from folders import content
 from sampled import stressed
 
 from core.design import put
@@ -132,3 +135,130 @@ def test_a_folder_that_is_not_empty_is_left_alone(
     assert [path.name for path in tmp_path.iterdir()] == ["mine.txt"]
     assert main(["--headless", "handover", str(PICKER), "--out", str(tmp_path / "x.zip"), "--controller", "nix"]) == 2
     assert "nix" in capsys.readouterr().err
+
+
+# -- a hand-over of before -----------------------------------------------------------------------------------
+
+SMALL = Handover((HandoverFile("design.toml", "the design", b"a"), HandoverFile("feed/b.csv", "a table", b"bb")), ())
+LATER = Handover((HandoverFile("design.toml", "the design", b"later"),), ())
+
+
+def rezipped(path: Path, change: Callable[[dict[str, bytes]], None], comment: bytes = b"") -> None:
+    """An archive with its files changed."""
+    with zipfile.ZipFile(path) as archive:
+        files = {name: archive.read(name) for name in archive.namelist()}
+    change(files)
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.comment = comment
+        for name, data in files.items():
+            archive.writestr(zipfile.ZipInfo(name), data, zipfile.ZIP_DEFLATED)
+
+
+def _contents(text: str) -> Callable[[dict[str, bytes]], None]:
+    return lambda files: files.update({CONTENTS: text.encode()})
+
+
+CHANGES: dict[str, Callable[[dict[str, bytes]], object]] = {
+    "a file added": lambda files: files.update({"notes.txt": b"mine"}),
+    "a file in a folder added": lambda files: files.update({"feed/notes.txt": b"mine"}),
+    "a file changed": lambda files: files.update({"feed/b.csv": b"b2"}),
+    "a file changed at the same length": lambda files: files.update({"design.toml": b"b"}),
+    "a file gone": lambda files: files.pop("design.toml"),
+    "no list": lambda files: files.pop(CONTENTS),
+    "another list": _contents('{"files": [], "left_out": []}'),
+    "a list of the wrong kind": _contents("[1]"),
+    "a list that names what is elsewhere": _contents('{"files": [{"name": "../x", "sha256": "0"}]}'),
+    "a list of numbers": _contents('{"files": [1, 2]}'),
+    "a list without end": _contents("[" * 100_000),
+    "no JSON": _contents("\0"),
+}
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_a_handover_that_was_changed_is_left_alone_as_archive_and_as_folder(tmp_path: Path, name: str) -> None:
+    SMALL.write(tmp_path / "a.zip")
+    rezipped(tmp_path / "a.zip", CHANGES[name])
+    with zipfile.ZipFile(tmp_path / "a.zip") as archive:
+        archive.extractall(tmp_path / "out")
+    before = content(tmp_path)
+    for out in ("a.zip", "out"):
+        with pytest.raises(KindynaError, match="is no hand-over; allowed: "):
+            LATER.write(tmp_path / out)
+    assert content(tmp_path) == before
+
+
+@pytest.mark.parametrize("what", ["comment", "in front", "behind", "twice", "folder", "link", "fifo", "cut"])
+def test_an_archive_that_holds_anything_else_is_left_alone(tmp_path: Path, what: str) -> None:
+    path = tmp_path / "a.zip"
+    SMALL.write(path)
+    data = path.read_bytes()
+    if what == "comment":
+        rezipped(path, lambda files: None, b"mine")
+    elif what == "folder":
+        rezipped(path, lambda files: files.update({"mine/": b""}))
+    elif what == "twice":
+        with zipfile.ZipFile(path, "a") as archive, pytest.warns(UserWarning, match="Duplicate"):
+            archive.writestr("design.toml", b"a")
+    elif what == "link":
+        path.rename(tmp_path / "elsewhere.zip")
+        path.symlink_to("elsewhere.zip")
+    elif what == "fifo":
+        path.unlink()
+        os.mkfifo(path)
+    else:
+        path.write_bytes({"in front": b"mine" + data, "behind": data + b"mine", "cut": data[:-30]}[what])
+    before = content(tmp_path)
+    with pytest.raises(KindynaError, match="is no hand-over; allowed: another name"):
+        LATER.write(path)
+    assert content(tmp_path) == before
+
+
+@pytest.mark.parametrize("what", ["empty folder", "link", "link to a folder", "link for a file", "link to it all"])
+def test_a_folder_that_holds_anything_else_is_left_alone(tmp_path: Path, what: str) -> None:
+    out = tmp_path / "out"
+    SMALL.write(out)
+    if what == "empty folder":
+        (out / "mine").mkdir()
+    elif what == "link":
+        (out / "mine").symlink_to(tmp_path)
+    elif what == "link to a folder":
+        (out / "feed").rename(tmp_path / "feed")
+        (out / "feed").symlink_to(tmp_path / "feed")
+    elif what == "link for a file":
+        (out / "design.toml").rename(tmp_path / "design.toml")
+        (out / "design.toml").symlink_to(tmp_path / "design.toml")
+    else:
+        out.rename(tmp_path / "elsewhere")
+        out.symlink_to("elsewhere")
+    before = content(tmp_path)
+    with pytest.raises(KindynaError, match="is no hand-over; allowed: an empty or new one"):
+        LATER.write(out)
+    assert content(tmp_path) == before
+
+
+def test_a_handover_as_it_was_written_is_replaced_with_nothing_of_it_left(tmp_path: Path) -> None:
+    for out in ("a.zip", "out"):
+        SMALL.write(tmp_path / out)
+        LATER.write(tmp_path / out)
+        LATER.write(tmp_path / out)
+    assert sorted(zipfile.ZipFile(tmp_path / "a.zip").namelist()) == [CONTENTS, "design.toml"]
+    assert sorted(path.name for path in (tmp_path / "out").rglob("*")) == [CONTENTS, "design.toml"]
+    assert (tmp_path / "out" / "design.toml").read_bytes() == b"later"
+
+
+@pytest.mark.stress
+def test_the_command_leaves_a_foreign_archive_alone_and_replaces_its_own(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "a.zip"
+    words = ["--headless", "handover", str(PICKER), "--out", str(path)]
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr(CONTENTS, "{}")
+        archive.writestr("thesis.tex", "mine")
+    data = path.read_bytes()
+    assert main(words) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 1
+    assert path.read_bytes() == data
+    path.unlink()
+    assert main(words) == 0
+    assert main(words) == 0

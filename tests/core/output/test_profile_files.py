@@ -380,6 +380,21 @@ def test_an_svg_drawing_is_to_scale_and_says_what_it_is(tmp_path: Path) -> None:
         assert words in comment
 
 
+def test_a_file_that_is_called_as_the_facts_would_be_stays(tmp_path: Path) -> None:
+    design = saved(tmp_path, TURNED)
+    for data in ('{"file": "cam.csv", "author": "me"}', "mine", "[]", "[" * 10_000):
+        (tmp_path / "cam.csv.json").write_text(data)
+        says = check_refused(
+            tmp_path,
+            "cam.csv.json: cannot be written: it belongs to something else",
+            design,
+            "--out",
+            tmp_path / "cam.csv",
+        )
+        assert "choose another folder or name" in says
+        assert (tmp_path / "cam.csv.json").read_text() == data
+
+
 def test_the_facts_stand_beside_the_file_under_its_name(tmp_path: Path) -> None:
     """Those that are printed; two files in one folder keep theirs, and those of an export stay as they are."""
     design, folder = saved(tmp_path, TURNED), tmp_path / "out"

@@ -24,7 +24,7 @@ from core.output.report.formula import mathml
 from core.output.report.html import html, inline_svg
 from core.output.summary import summary
 from core.papers import claims
-from core.project import load
+from core.project import load, loads
 from core.project.reasons import reason
 from core.study import Study
 
@@ -358,6 +358,27 @@ def test_an_example_of_a_paper_is_held_against_it(lift: Study) -> None:
         assert texts[2:] == [each.here, each.verdict]
     other = Study(put(lift.design, "cam.base_radius_mm", 410.0))
     assert "Held against the paper" not in [each.title for each in document(other, ["papers"]).sections]
+
+
+@pytest.mark.parametrize(("unit", "symbol"), [("mm", "mm"), ("deg", "°")])
+def test_a_motion_alone_has_no_follower_and_no_links(unit: str, symbol: str) -> None:
+    """Its velocity may jump, which is of another unit than a jump of its acceleration."""
+    rows = "".join(
+        f'[[motion.segments]]\nlaw = "{law}"\nspan_deg = 180.0\nrise_{unit} = {rise}\n'
+        for law, rise in (("parabolic", 10.0), ("constant-velocity", -10.0))
+    )
+    inertia = "mass_kg" if unit == "mm" else "inertia_kg_m2"
+    design = loads(
+        f'format = 1\nname = "Axis"\n[motion]\nstart_{unit} = 0.0\n{rows}[loads]\n{inertia} = 2.0\n'
+        '[shaft]\nrotation = "ccw"\nspeed_rpm = 60.0\n'
+    )
+    made = document(Study(design))
+    words = " ".join([*Reader(html(made, {})).texts, *(picture.caption for picture in made.pictures)])
+    assert not re.search(r"follower|\blinks?\b|machine,|linkage", words)
+    (head,) = (block.head for part in made.sections for block in part.blocks if getattr(block, "slug", "") == "joins")
+    assert head[1:] == tuple(
+        f"{letter} {symbol}{per}" for letter, per in zip("svaj", ("", "/rad", "/rad²", "/rad³"), strict=True)
+    )
 
 
 def test_a_name_is_no_markup() -> None:

@@ -175,7 +175,7 @@ def _binary(folder: Path) -> Path:
         (_socket, "not an ordinary file"),
         (lambda _: Path("/dev/zero"), "not an ordinary file"),
         (lambda _: Path("/dev/null"), "not an ordinary file"),
-        (_huge, "larger than 10 MB"),
+        (_huge, "larger than 64 MB"),
         (_utf16, "not UTF-8 text (byte 1)"),
         (_latin1, "not UTF-8 text (byte 10)"),
         (_binary, "not UTF-8 text"),
@@ -566,6 +566,84 @@ def test_a_write_that_runs_is_not_swept_up(out: Path, call: str) -> None:
     assert other.returncode == 0
     assert (out / "b.csv").read_bytes() == b"of another", "what is written last stays"
     assert not [name for name in content(out) if name.endswith(".tmp")]
+
+
+@posix
+@pytest.mark.parametrize(
+    "lock", ["none", "of the user", "empty", "a link", "a fifo", "a folder", "the mark of another"]
+)
+def test_files_of_the_user_that_are_named_like_leftovers_stay(out: Path, tmp_path: Path, lock: str) -> None:
+    run = "0123456789abcdef"
+    (tmp_path / "elsewhere").write_text(f"KINDYNA write {run}\n.kindyna-{run}-1.tmp")
+    path = out / f".kindyna-{run}.tmp"
+    if lock == "a link":
+        path.symlink_to("../elsewhere")
+    elif lock == "a fifo":
+        os.mkfifo(path)
+    elif lock == "a folder":
+        path.mkdir()
+    elif lock != "none":
+        path.write_text({"of the user": "mine", "empty": ""}.get(lock, "KINDYNA write 1\n") + f"\n.kindyna-{run}-1.tmp")
+    (out / f".kindyna-{run}-1.tmp").write_text("mine")
+    (out / f".kindyna-{run}-2.tmp").symlink_to("c.csv")
+    before = {name: data for name, data in content(tmp_path).items() if name != "out/b.csv"}
+    files.write_all(out, {"b.csv": "new", "sub/d.csv": ""})
+    after = content(tmp_path)
+    assert {name: after.get(name) for name in before} == before
+    assert path.is_symlink() == (lock == "a link")
+    assert (out / f".kindyna-{run}-2.tmp").is_symlink()
+
+
+@posix
+def test_a_list_of_leftovers_takes_no_link_and_nothing_that_it_does_not_name(out: Path) -> None:
+    run = "0123456789abcdef"
+    lines = [f"KINDYNA write {run}", "b.csv", "../out/c.csv", *(f".kindyna-{run}-{n}.tmp" for n in (1, 2, 3))]
+    (out / f".kindyna-{run}.tmp").write_text("\n".join(lines))
+    (out / f".kindyna-{run}-1.tmp").write_text("left behind")
+    (out / f".kindyna-{run}-2.tmp").symlink_to("c.csv")
+    (out / f".kindyna-{run}-4.tmp").write_text("not listed")
+    files.write(out / "a", "")
+    assert sorted(path.name for path in out.iterdir()) == [
+        f".kindyna-{run}-2.tmp", f".kindyna-{run}-4.tmp", "a", *OLD,
+    ]  # fmt: skip
+
+
+@posix
+@pytest.mark.parametrize("what", ["file", "dangling", "folder", "outer folder"])
+def test_names_that_the_program_chose_go_through_no_link(tmp_path: Path, what: str) -> None:
+    out, mine = tmp_path / "out", tmp_path / "mine"
+    out.mkdir()
+    mine.mkdir()
+    for name in ("a.csv", "notes"):
+        (mine / name).write_text("mine")
+    link, target = {
+        "file": ("a.csv", "../mine/notes"),
+        "dangling": ("a.csv", "../mine/new"),
+        "folder": ("sub", "../mine"),
+        "outer folder": ("sub", ".."),
+    }[what]
+    (out / link).symlink_to(target)
+    before = content(tmp_path)
+    assert "it is a symbolic link, or behind one" in refusal(
+        files.write_into, out, {"a.csv": "new", "sub/a.csv": "new", "b.csv": ""}
+    )
+    assert content(tmp_path) == before
+    (tmp_path / "link").symlink_to("out")
+    files.write_into(tmp_path / "link", {"b.csv": "new"})
+    assert (out / "b.csv").read_text() == "new", "the folder itself was typed"
+
+
+@posix
+def test_a_name_that_was_typed_is_followed_and_what_comes_beside_it_is_not(tmp_path: Path) -> None:
+    (tmp_path / "typed.csv").symlink_to("real.csv")
+    files.write_into(tmp_path, {"typed.csv": "1", "typed.csv.json": "2"}, typed="typed.csv")
+    assert (tmp_path / "real.csv").read_text() == "1"
+    (tmp_path / "typed.csv.json").unlink()
+    (tmp_path / "typed.csv.json").symlink_to("notes")
+    assert "link" in refusal(
+        lambda: files.write_into(tmp_path, {"typed.csv": "3", "typed.csv.json": "4"}, typed="typed.csv")
+    )
+    assert (tmp_path / "real.csv").read_text() == "1"
 
 
 @posix

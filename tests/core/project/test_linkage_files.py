@@ -149,6 +149,13 @@ def test_points_driver_and_branch_stand_on_one_line_each() -> None:
     assert "[motion]" not in text
 
 
+def test_a_drawing_whose_frame_holds_nothing_yet_is_saved_and_opened(tmp_path: Path) -> None:
+    text = 'format = 1\nname = "New"\n\n[linkage]\ndrawn = {}\n\n[[linkage.links]]\nnumber = 1\npoints = {}\n'
+    design = project.loads_drawing(text)
+    assert project.save(design, tmp_path / "new.toml") == text
+    assert project.load_drawing(tmp_path / "new.toml") == design
+
+
 def test_a_motion_driver_need_not_say_its_speed() -> None:
     table = changed(TABLES[CAM], {"linkage.driver": {"link": 4, "kind": "motion"}})
     design = project.loads(tomli_w.dumps(table))

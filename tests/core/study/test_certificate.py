@@ -190,3 +190,20 @@ def test_a_fall_of_hundredths_of_a_degree_keeps_its_residuals(
     assert "certificate:" not in printed
     assert "error: undercut" in printed
     assert "the shaft" in printed
+
+
+@pytest.mark.parametrize("command", [["check"], ["report"], ["export", "--out", "."]])
+def test_a_residual_that_is_not_kept_is_no_success(
+    command: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Here the balance of power is made wrong, which no design may do."""
+    monkeypatch.chdir(tmp_path)
+    save(four_bar(100.0, 30.0, 90.0, 70.0), "design.toml")
+    run = [command[0], "design.toml", *command[1:]]
+    assert main(run) == 0
+    monkeypatch.setattr("core.dynamics.power_residual", lambda *_: np.full(3600, 1.19))
+    assert main(run) == 1
+    said = capsys.readouterr().out
+    assert {"check": "power_balance = 1.19 exceeds its bound", "report": "NOT KEPT", "export": "summary.json"}[
+        command[0]
+    ] in said

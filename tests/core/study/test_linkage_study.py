@@ -28,12 +28,12 @@ from core.design import (
     put,
     with_drive,
 )
-from core.errors import NoCam, NoPosition, NoSuchStage
+from core.errors import NoAssembly, NoCam, NoPosition, NoSuchStage
 from core.output.channels import channels
 from core.output.export import files
 from core.output.report import report
 from core.output.summary import summary
-from core.project import load
+from core.project import load, loads
 from core.study import Study, certificate_of, evaluations, extremes_of, findings_of
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
@@ -132,11 +132,49 @@ def test_a_motion_that_asks_too_much_names_its_angles() -> None:
     far = Motion(
         182.0, (Segment(180.0, 60.0, NamedCurve("cycloidal")), Segment(180.0, -60.0, NamedCurve("cycloidal"))), "deg"
     )
-    with pytest.raises(NoPosition) as caught:
+    with pytest.raises(NoAssembly) as caught:
         _ = study_of(with_drive(design, motion=far)).linkage
     ((low, high),) = caught.value.cam_angles
     assert 0.0 < low < 180.0 < high < 360.0
     assert high == pytest.approx(360.0 - low, abs=1e-9)
+    reached = 182.0 + 60.0 * (low / 180.0 - math.sin(math.tau * low / 180.0) / math.tau)
+    assert f"at cam angle {low:.6g}...{high:.6g} deg" in str(caught.value)
+    assert f"within 182...{reached:.6g} deg, and the motion takes it to {reached:.6g}...242 deg" in str(caught.value)
+
+
+REFUSED = """
+format = 1
+name = "four links closed at once, by a slide"
+[motion]
+start_mm = 1.3
+segments = [{ law = "cycloidal", span_deg = 105.0, rise_mm = 37.8 }, { law = "dwell", span_deg = 30.0 },
+            { law = "3-4-5", span_deg = 225.0, rise_mm = -37.8 }]
+[linkage]
+driver = { link = 2, kind = "motion", speed_rpm = 24.0 }
+drawn = { A = [-34.1215, 9.678], P3 = [34.966, -61.8009], P4 = [78.5607, -67.0124], P5 = [57.1654, -21.5659] }
+links = [
+    { number = 1, points = { P1 = [88.8294, -185.5564], P2 = [158.7608, 11.6645] } }, { number = 2, points = { A = [18.1981, 5.0841] } },
+    { number = 3, points = { P3 = [0, 0], P4 = [28.7648, 33.2133], P5 = [-19.7034, 43.6256] } },
+    { number = 4, points = { A = [2.658, -4.0905], P3 = [-44.3062, 86.8775] } },
+    { number = 5, points = { P1 = [0, 0], P4 = [-40.2318, -111.9902] } },
+    { number = 6, points = { P2 = [10.5865, -10.6622], P5 = [-86.2781, -53.4921] } },
+]
+sliders = [{ link = 2, on = 1, through = [-15.6694, 13.4118], angle_deg = 171.14 }]
+"""
+
+
+def test_a_refused_group_is_refused_with_few_solutions() -> None:
+    """Its ends are found many angles at a time: one at a time took over five hundred solutions."""
+    study = study_of(loads(REFUSED))
+    evaluations.clear()
+    with pytest.raises(NoAssembly) as caught:
+        _ = study.linkage
+    assert evaluations["linkage"] < 60
+    ((low, high),) = caught.value.cam_angles
+    for angle, outwards in ((low, -1e-5), (high, 1e-5)):
+        with pytest.raises(NoAssembly):
+            _ = study.at_theta(np.deg2rad([angle - outwards])).linkage
+        _ = study.at_theta(np.deg2rad([angle + outwards])).linkage
 
 
 # -- columns ----------------------------------------------------------------------------------------------

@@ -11,7 +11,7 @@ import pytest
 from sampled import stressed
 
 from core.__main__ import main
-from core.design import Tolerance, edited, get, put
+from core.design import Tolerance, edited, get, only, put
 from core.project import load
 from core.resources import resources
 from core.study import Study, extremes_of, findings_of, many
@@ -76,6 +76,21 @@ def test_the_base_radius_for_a_pressure_angle_is_that_of_the_closed_form(offset)
     assert again.kept
     assert not again.better
     assert again.design == found.design
+
+
+@pytest.mark.stress
+def test_of_several_drives_the_curvature_of_one_bounds_its_cam_as_if_it_were_alone():
+    unit, answers = load(resources() / "examples" / "transfer_unit.toml"), []
+    for design, at in ((unit, "drives[0]."), (only(unit, 0), "")):
+        vary = Vary(f"{at}cam.base_radius_mm", 300.0, 500.0)
+        limits = (Bounded(f"{at}profile_curvature_per_mm", "max", max=0.006),)
+        goals = (Goal(f"{at}radius_mm", "max"),)
+        study = study_of(StudyFile(design="", vary=(vary,), limits=limits, goals=goals), design)
+        found = optimise(study, starts=1)
+        assert found.kept
+        answers += found.answer.values()
+    assert answers[0] == pytest.approx(answers[1], rel=1e-6)
+    assert 301.0 < answers[0] < 499.0
 
 
 @pytest.mark.stress

@@ -128,6 +128,19 @@ def test_the_command_writes_its_three_files(tmp_path, capsys):
     assert before == {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
 
 
+def test_what_changes_a_quantity_by_rounding_alone_has_no_share(tmp_path):
+    """Without weight nothing depends on the guide's direction, and the torque of a cam not on its base radius."""
+    design = put(tappet(), "loads.gravity_m_s2", 0.0)
+    fields = ("follower.direction_deg", "cam.base_radius_mm", "loads.preload_n")
+    save(replace(design, tolerances=tuple(Tolerance(field, 0.5) for field in fields)), tmp_path / "cam.toml")
+    assert main(["tolerance", str(tmp_path / "cam.toml"), "--out", str(tmp_path / "out"), "--machines", "50"]) == 0
+    with open(tmp_path / "out" / "sensitivity.csv", newline="") as file:
+        rows = {(row["field"], row["quantity"]): row for row in csv.DictReader(file)}
+    torque = {field: rows[field, "drive_torque_nm_abs"] for field in fields}
+    assert [float(torque[field]["per_unit"]) == 0.0 for field in fields] == [True, True, False]
+    assert [float(torque[field]["part_of_tolerance"]) for field in fields] == [0.0, 0.0, 1.0]
+
+
 def test_waves_of_the_profile_press_by_their_lobes_and_any_phase():
     """In the upper dwell a wave of n lobes adds m e (n ω)² to the greatest force in any phase; n = 10 ... 40, each as likely."""
     design, e, omega = tappet(), 2e-6, 2.0 * math.pi * 20.0

@@ -70,4 +70,4 @@ def test_a_file_is_opened_and_named_after(open_user: Open, tmp_path: Path, monke
     with answering(LinkageDialog, answer):
         user.choose("File", "Import linkage...")
     assert user.session.design.name == "press"
-    assert user.session.design.drive.linkage.driver.speed_rpm == 30.0
+    assert user.session.design.drive.linkage.driver.speed_rpm == -30.0

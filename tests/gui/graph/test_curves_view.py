@@ -25,6 +25,7 @@ from kindyna_gui.__main__ import main
 from kindyna_gui.documents.session import Session
 from kindyna_gui.graph import graph_sources
 from kindyna_gui.graph.curves_view import CurvesView
+from kindyna_gui.pictures.plots.graph_ranges import Shown
 from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.places import example
 from kindyna_gui.player import Player
@@ -306,6 +307,13 @@ def test_a_range_far_wider_than_the_curves_leaves_them_to_be_seen(view: CurvesVi
     assert view.plot.shown.x == (max(float(low), -1e290), min(float(high), 1e290))
     ((_, y),) = view.plot.painted
     assert (np.nanmin(y), np.nanmax(y)) == pytest.approx((0.0, 150.0))
+
+
+def test_where_pixels_are_beyond_the_digits_of_numbers_no_point_is_taken(view: CurvesView) -> None:
+    view.plot.show_part(Shown((0.0, 90.0), ((69.0, 69.0 + 1e-13),)))
+    settle()
+    click(view, view.plot.viewport().rect().center())
+    assert view.plot.points == ()
 
 
 def test_picture_numbers_and_clipboard(

@@ -879,3 +879,25 @@ def test_the_feed_of_the_transfer_unit_is_drawn(open_user: Open) -> None:
     assert pen.actions <= 25
     # drawn below the pivot's line it is the mirror image of the file's
     assert np.abs(drawn.profile) == pytest.approx(np.abs(there.profile), abs=1e-8)
+
+
+def test_a_bar_begun_on_a_link_that_is_then_deleted_begins_anew(open_user: Open) -> None:
+    """The place of its first end lies on nothing any longer."""
+    pen = start(open_user)
+    pen.key(Key.Key_B)
+    pen.drag(0j, 40 + 0j)
+    pen.drag(40 + 0j, 80 + 60j)
+    drawn = len(pen.design.drive.linkage.links)
+    pen.click(60 + 30j)  # on the second bar, which is chosen still
+    pen.key(Key.Key_Delete)
+    assert len(pen.design.drive.linkage.links) == drawn - 1
+    pen.click(20 + 60j)
+    assert len(pen.design.drive.linkage.links) == drawn - 1
+    pen.click(20 + 90j)
+    assert len(pen.design.drive.linkage.links) == drawn
+
+
+def test_a_drawing_that_cannot_be_put_together_is_not_copied_and_says_why(open_user: Open) -> None:
+    pen = start(open_user)
+    pen.choose("Edit", "Copy picture")
+    assert pen.user.window.status.currentMessage().startswith("Nothing is copied.")

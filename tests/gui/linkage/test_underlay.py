@@ -5,10 +5,12 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 
 import ezdxf
 import pytest
+from folders import content
 from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QColor, QImage
 from PySide6.QtTest import QTest
@@ -82,6 +84,29 @@ def test_a_placement_is_kept_beside_the_design_and_a_wrong_one_is_named(
         (tmp_path / "four.underlay.toml").write_text(f'file = "b.dxf"\n{text}\n', "utf-8")
         with pytest.raises(FileError, match=why):
             read_underlay(design)
+
+
+@pytest.mark.parametrize("what", ["of the user", "a link", "a link to nothing", "a folder", "written by hand"])
+def test_a_file_in_the_place_of_a_placement_that_the_window_has_not_written_stays(tmp_path: Path, what: str) -> None:
+    design, path = tmp_path / "four.toml", tmp_path / "four.underlay.toml"
+    placed = Underlay(bracket(tmp_path / "b.dxf"), 1.5, 2.0)
+    if what == "a folder":
+        path.mkdir()
+    elif what.startswith("a link"):
+        (tmp_path / "notes.toml").write_text('file = "b.dxf"\n' if what == "a link" else "mine")
+        path.symlink_to("notes.toml" if what == "a link" else "nowhere")
+    else:
+        path.write_text('# mine\nfile = "b.dxf"\n' if what == "written by hand" else "mine")
+    before = content(tmp_path)
+    for underlay in (None, *([] if what == "written by hand" else [placed])):
+        with suppress(FileError):
+            keep_underlay(design, underlay)
+        assert content(tmp_path) == before
+    if what == "written by hand":  # it was read as a placement, and is placed otherwise
+        keep_underlay(design, placed)
+        assert read_underlay(design) == placed
+        keep_underlay(design, None)
+        assert not path.exists()
 
 
 class Tracer:

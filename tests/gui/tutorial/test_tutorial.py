@@ -9,7 +9,8 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QMenu
 from sampled import spread, stressed
-from window_user import Open, plain, settle, wait_for
+from shiboken6 import delete
+from window_user import Open, User, plain, settle, wait_for
 
 from kindyna_gui.__main__ import main
 from kindyna_gui.places import lesson_files, lessons
@@ -96,7 +97,8 @@ def test_who_does_what_a_step_says_is_led_on(open_user: Open) -> None:
     bar = user.window.menuBar()
     kine = next(action for action in bar.actions() if plain(action.text()) == "Kine")
     assert isinstance(kine.menu(), QMenu)
-    assert strip.mark.geometry().contains(bar.mapTo(user.window, bar.actionGeometry(kine).center()))
+    (mark,) = strip.marks
+    assert mark.geometry().contains(bar.mapTo(user.window, bar.actionGeometry(kine).center()))
     user.choose("Kine", "Play")
     wait_for(lambda: strip.number == 1)
     user.window.setFocus()
@@ -114,3 +116,40 @@ def test_who_does_what_a_step_says_is_led_on(open_user: Open) -> None:
     settle()
     assert user.window.findChild(TutorialStrip) is None or not strip.isVisible()
     assert user.faults == []
+
+
+def begin(user: User, name: str) -> TutorialStrip:
+    user.choose("Help", "Tutorial", dict(lessons())[name])
+    strip = user.window.findChild(TutorialStrip)
+    assert isinstance(strip, TutorialStrip)
+    return strip
+
+
+def test_the_keys_that_are_played_do_not_press_the_button_that_plays_them(open_user: Open) -> None:
+    """Space is the second step, and would press what has the focus."""
+    user = open_user(size=(1280, 720), whole=True)
+    strip = begin(user, "lift")
+    for number in (1, 2):
+        QTest.mouseClick(strip.done, Qt.MouseButton.LeftButton)
+        wait_for(lambda number=number: strip.number == number)  # type: ignore[misc]
+    assert strip.isEnabled()
+
+
+def test_a_mark_goes_with_its_dock_and_the_lesson_stays(open_user: Open) -> None:
+    """The place of a step stands in a dock that floats; what is put there goes with it."""
+    user = open_user(size=(1280, 720), whole=True)
+    strip = begin(user, "lift")
+    strip.number = 5  # a limit, among the parameters
+    dock = user.window.docks["parameters"]
+    user.see("parameters")
+    dock.setFloating(True)
+    settle()
+    QTest.mouseClick(strip.where, Qt.MouseButton.LeftButton)
+    settle()
+    (mark,) = (each for each in strip.marks if each.window() is dock)
+    delete(mark)  # as its window does that goes
+    strip.look()
+    QTest.mouseClick(strip.leave, Qt.MouseButton.LeftButton)
+    settle()
+    left = user.window.findChild(TutorialStrip)
+    assert left is None or not left.isVisible()

@@ -19,6 +19,7 @@ from PySide6.QtWidgets import (
     QTableView,
 )
 from sampled import spread, stressed
+from shiboken6 import delete
 from window_user import Open, User, plain, settle, wait_for
 
 from core.__main__ import parser
@@ -29,6 +30,7 @@ from kindyna_gui.export.controller_dialog import ControllerDialog
 from kindyna_gui.export.export_dialogs import TablesDialog
 from kindyna_gui.export.profile_dialog import ProfileDialog
 from kindyna_gui.export.report_dialog import ReportDialog
+from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.forms.scale_dialog import ScaleDialog
 from kindyna_gui.help.window import PAGES, HelpWindow
 from kindyna_gui.inspection.export_dialog import InspectionDialog
@@ -143,6 +145,21 @@ def test_a_name_with_a_number_in_it_is_no_refused_value(user: User) -> None:
     finder = find(user, "segment 2 span")
     assert (finder.shown[0].kind, finder.shown[0].title) == ("Field", "Segment 2, span")
     user.press(Qt.Key.Key_Escape)
+
+
+@pytest.mark.parametrize("key", [Qt.Key.Key_Escape, Qt.Key.Key_Return])
+def test_an_empty_line_is_left_after_the_field_that_had_the_keys_has_gone(open_user: Open, key: Qt.Key) -> None:
+    """As those of a form do that is made anew."""
+    user = open_user(whole=True)
+    user.window.focus_field("cam.base_radius_mm")
+    settle()
+    field = user.window.focusWidget()
+    assert isinstance(field, NumberBox)
+    finder = find(user, "")
+    delete(field)
+    QTest.keyClick(finder.line, key)
+    settle()
+    assert not finder.isVisible()
 
 
 def test_another_drive_is_set_under_its_name(same_window: Open) -> None:

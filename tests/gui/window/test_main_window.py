@@ -7,7 +7,18 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from PySide6.QtCore import QCoreApplication, QEvent, QMimeData, QPoint, QPointF, QSettings, Qt, QTimer, QUrl
+from PySide6.QtCore import (
+    QAbstractAnimation,
+    QCoreApplication,
+    QEvent,
+    QMimeData,
+    QPoint,
+    QPointF,
+    QSettings,
+    Qt,
+    QTimer,
+    QUrl,
+)
 from PySide6.QtGui import QColor, QDragEnterEvent, QDropEvent, QPalette
 from PySide6.QtWidgets import QApplication, QFileDialog, QMessageBox, QWidget
 from sampled import spread
@@ -76,6 +87,14 @@ def test_a_closed_window_leaves_nothing_behind(app: QApplication, waited: bool) 
     QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
     gc.collect()
     assert [each() for each in remembered] == [None] * 4
+
+
+def test_docks_and_bars_are_in_their_places_at_once(open_user: Open) -> None:
+    """One that still moves while it is deleted takes the process with it."""
+    window = open_user(whole=True).window
+    for change in (lambda: window.begin_tutorial("lift"), lambda: window.show_task("make"), window.reset_layout):
+        change()
+        assert window.findChildren(QAbstractAnimation) == []
 
 
 # -- opening and saving -----------------------------------------------------------------------------------

@@ -6,13 +6,14 @@ from collections.abc import Iterator
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QKeySequence
-from PySide6.QtWidgets import QApplication, QMenu, QToolButton, QWidget
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QMenu, QMenuBar, QToolButton, QWidget
 from window_user import Open, User, plain, settle, wait_for
 
 from core.design import FOLLOWER_KINDS, LAYOUTS, faults, kind_of, stroke
 from core.study import findings_of
 from kindyna_gui.help.window import HelpWindow
-from kindyna_gui.places import examples
+from kindyna_gui.places import example, examples
 from kindyna_gui.window.docks import VIEWS
 from kindyna_gui.window.menus import MENUS, TOOLBAR, Item
 
@@ -267,3 +268,26 @@ def test_shortcuts_work_from_anywhere(user: User) -> None:
     assert QKeySequence("F5") in user.action("Kine", "Play").shortcuts()
     assert QApplication.focusWidget() is not None
     settle()
+
+
+def test_an_entry_whose_menu_is_filled_anew_while_it_acts_is_still_told(user: User) -> None:
+    """A view that says why it is empty asks the menus what helps, as soon as the design has changed."""
+    user.window.documents.open_example(example("watt_six_bar"))
+    settle()
+    told: list[str] = []
+    user.window.menuBar().triggered.connect(lambda action: told.append(action.text()))
+    user.session.design_changed.connect(lambda: user.window.can("drivers"))
+    place: QMenuBar | QMenu = user.window.menuBar()
+    for way in (("Compo",), ("Compo", "Driver")):
+        action = user.action(*way)
+        QTest.mouseClick(place, Qt.MouseButton.LeftButton, pos=place.actionGeometry(action).center())
+        menu = action.menu()
+        assert isinstance(menu, QMenu)
+        wait_for(menu.isVisible)
+        place = menu
+    entry = next(a for a in place.actions() if a.isEnabled() and not a.isChecked())
+    text = entry.text()
+    QTest.mouseClick(place, Qt.MouseButton.LeftButton, pos=place.actionGeometry(entry).center())
+    settle()
+    assert user.session.stack.count() == 1
+    assert told == [text]

@@ -1,10 +1,14 @@
 """The table of controllers, and a user's own rows beside the settings."""
 
+import json
+
 import pytest
 
 from core.errors import KindynaError
 from core.output.controllers.layout import FileTable, written
 from core.output.controllers.row import controller, controllers, rows_of, settings_folder
+from kindyna_gui.__main__ import main
+from kindyna_gui.places import example
 
 SHIPPED = (
     "codesys-xyva", "codesys-xy", "codesys-x", "codesys-cambuilder", "twincat-points", "twincat-table", "beckhoff-ascii",
@@ -66,6 +70,11 @@ def test_twelve_lines_beside_the_settings_are_a_controller_more():
         ("digits = 6", "rows = [1, 9]", "controllers[0].rows = [1, 9]: not allowed; allowed: [least, most], from 2 on"),
         ('["master", "slave"]', '["slave"]', "controllers[0].columns = ['slave']: lacks master, which stands in row"),
         ("digits = 6", "digits = ", "not TOML"),
+        ("digits = 6", "digits = 0", "controllers[0].digits = 0: not allowed"),
+        ("digits = 6", "digits = true", "controllers[0].digits = True: not allowed"),
+        ("digits = 6", "rows = [2, 10000001]", "controllers[0].rows = [2, 10000001]: not allowed"),
+        ("digits = 6", 'encoding = "rot13"', "controllers[0].encoding = 'rot13': not allowed; allowed: 'utf-8'"),
+        ("digits = 6", "encoding = 8", "controllers[0].encoding = 8: not allowed"),
     ],
 )
 def test_a_wrong_row_is_told_by_its_field(before, after, says):
@@ -73,3 +82,33 @@ def test_a_wrong_row_is_told_by_its_field(before, after, says):
         rows_of(OWN.replace(before, after, 1), "own.toml")
     assert str(raised.value).startswith("own.toml: ")
     assert says in str(raised.value)
+
+
+NAMES = (
+    "./../../evil.txt", "/evil.txt", ".\\..\\evil.txt", ".:evil", ".a/b", ".a\u0000b", ".", "..", ".txt.", ".txt ", ". txt", "txt", "",
+    ".12345678901234567", ".a\nb", ".캠", ".a*", "../x",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("extension", NAMES)
+def test_an_extension_is_the_end_of_a_name_and_never_a_path(extension):
+    with pytest.raises(KindynaError) as raised:
+        rows_of(OWN + f"extension = {json.dumps(extension)}\n", "own.toml")
+    assert str(raised.value).startswith("own.toml: controllers[0].extension = ")
+    assert "a dot, then 1 ... 16 letters, digits, dots, _ or -" in str(raised.value)
+
+
+@pytest.mark.parametrize("extension", [".txt", ".1234567890abcdef", ".tar.gz", ".a_b-c", ".S7"])
+def test_an_extension_of_a_dot_and_some_letters_is_taken(extension):
+    assert rows_of(OWN + f'extension = "{extension}"\n', "own.toml")["shop"].extension == extension
+
+
+def test_a_handover_with_an_extension_that_leads_elsewhere_writes_nothing(tmp_path, capsys):
+    folder = settings_folder()
+    folder.mkdir(parents=True)
+    (folder / "controllers.toml").write_text(OWN + 'extension = "./../../evil.txt"\n', "utf-8")
+    out = tmp_path / "deep" / "er" / "out"
+    words = ["--headless", "handover", str(example("card_picker")), "--controller", "shop", "--out", str(out)]
+    assert main(words) == 2
+    assert "controllers[0].extension" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
