@@ -7,7 +7,9 @@ from pathlib import Path
 from PySide6.QtCore import QByteArray, QSettings
 from PySide6.QtWidgets import QMainWindow
 
+from core.bounds import FIELD, number_from_one
 from core.frozen import frozen
+from kindyna_gui.preferences.kept import LONGEST, kept_text, kept_value
 
 MOST_RECENT = 8
 
@@ -46,12 +48,12 @@ class Settings:
 
     def restore_geometry(self, window: QMainWindow) -> bool:
         """False where nothing was kept; then nothing changes."""
-        geometry = self._kept.value("window/geometry")
+        geometry = kept_value(self._kept, "window/geometry")
         return isinstance(geometry, QByteArray) and window.restoreGeometry(geometry)
 
     def written(self, name: str) -> str:
         """What a report's first page said the last time; empty where nothing."""
-        return str(self._kept.value(f"report/{name}") or "")
+        return kept_text(self._kept, f"report/{name}")
 
     def write(self, name: str, text: str) -> None:
         """Keep it."""
@@ -60,14 +62,18 @@ class Settings:
     @property
     def task(self) -> str:
         """The task of the last run; empty where there was none."""
-        return str(self._kept.value("window/task") or "")
+        return kept_text(self._kept, "window/task")
 
     @property
     def named_layouts(self) -> list[str]:
         """The names under which the user keeps layouts, those of other versions too."""
-        kept = self._kept.value("layouts/names", [])
-        names = [kept] if isinstance(kept, str) else kept if isinstance(kept, list) else []
-        return [name for name in names if isinstance(name, str) and name]
+        return self._texts("layouts/names")
+
+    def _texts(self, key: str) -> list[str]:
+        """A list of texts, of which Qt keeps one alone as a text; those that are none are left out."""
+        kept = kept_value(self._kept, key)
+        texts = [kept] if isinstance(kept, str) else kept if isinstance(kept, list) else []
+        return [text for text in texts if isinstance(text, str) and text and len(text) <= LONGEST and "\0" not in text]
 
     def name_layout(self, name: str, task: str, layout: TaskLayout) -> None:
         """Keep the layout of a task under a name, in place of what was kept under it."""
@@ -84,9 +90,9 @@ class Settings:
     def named_layout(self, name: str) -> tuple[str, TaskLayout]:
         """The task and its layout that are kept under a name. Raises ValueError, with the reason, where they cannot be used."""
         key = f"layouts/{_key(name)}"
-        version, task = str(self._kept.value(f"{key}/version") or ""), str(self._kept.value(f"{key}/task") or "")
+        version, task = kept_text(self._kept, f"{key}/version"), kept_text(self._kept, f"{key}/task")
         if version != str(self.VERSION):
-            newer = version.isdigit() and int(version) > self.VERSION
+            newer = number_from_one(version, 10**9) > self.VERSION
             raise ValueError("of a newer version of KINDYNA" if newer else "of an older version, which had other docks")
         layout = self._read_layout(key)
         if layout is None:
@@ -108,16 +114,16 @@ class Settings:
         return self._read_layout(f"layout{self.VERSION}/{task}")
 
     def _read_layout(self, key: str) -> TaskLayout | None:
-        state, names = self._kept.value(f"{key}/docks"), str(self._kept.value(f"{key}/pages") or "").split()
+        state, names = kept_value(self._kept, f"{key}/docks"), kept_text(self._kept, f"{key}/pages").split()
         if not isinstance(state, QByteArray) or not names:
             return None
-        links, several = (str(self._kept.value(f"{key}/{kind}")) == "1" for kind in ("links", "several"))
+        links, several = (kept_text(self._kept, f"{key}/{kind}") == "1" for kind in ("links", "several"))
         return TaskLayout(state, tuple(names[1:]), names[0], links, several)
 
     @property
     def graph(self) -> str:
         """The graph of the last run, as text; empty where there was none."""
-        return str(self._kept.value("window/graph") or "")
+        return kept_text(self._kept, "window/graph", longest=FIELD)
 
     @graph.setter
     def graph(self, text: str) -> None:
@@ -126,7 +132,7 @@ class Settings:
     @property
     def welcome(self) -> bool:
         """Whether the welcome page is shown where the program is started without a file."""
-        return str(self._kept.value("window/welcome", "1")) == "1"
+        return kept_text(self._kept, "window/welcome", "1") != "0"
 
     @welcome.setter
     def welcome(self, shown: bool) -> None:
@@ -135,9 +141,7 @@ class Settings:
     @property
     def recent(self) -> list[Path]:
         """Files opened or saved, the latest first."""
-        kept = self._kept.value("files/recent", [])
-        names = [kept] if isinstance(kept, str) else kept if isinstance(kept, list) else []
-        return [Path(name) for name in names if isinstance(name, str) and name]
+        return [Path(name) for name in self._texts("files/recent")[:MOST_RECENT]]
 
     def add_recent(self, path: Path) -> None:
         """Put a file at the head of the recent ones; the next dialog begins in its folder."""
@@ -157,7 +161,7 @@ class Settings:
     @property
     def folder(self) -> Path:
         """Where the last file was."""
-        folder = Path(str(self._kept.value("files/folder", "") or Path.home()))
+        folder = Path(kept_text(self._kept, "files/folder") or Path.home())
         return folder if folder.is_dir() else Path.home()
 
     @folder.setter

@@ -1,6 +1,7 @@
 """Hostile files for every reader: seeds of a generator, each read in a process of its own with little time and memory.
 
-``python tests/hostile.py READER FIRST LAST`` reads those of these numbers and prints a line of JSON for each: what became of it.
+``python tests/hostile.py`` takes lines of JSON, ``["measured", 17]`` or ``["measured", "FILE"]``, and prints a line for each: what
+became of that number of the generator, or of that file.
 """
 
 from __future__ import annotations
@@ -11,12 +12,14 @@ import json
 import os
 import re
 import resource
+import subprocess
 import sys
 import tempfile
 import traceback
 import zipfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from math import cos, log, radians
 from pathlib import Path
 from random import Random
@@ -35,7 +38,28 @@ NUMBERS = (
     "nan", "inf", "-inf", "1e999", "-1e-999", "1e400", "0x7f", "1_000", "--1", "1e", "٣", "½", "1,5", "1e9999999999", "true", "", "-0", "1e308",
     "4294967296", "9223372036854775808", "2147483648",
 )  # fmt: skip
-WORDS = ("\0", "\ufeff", "\u2028", "\x85", "\x1b[31m", "é", "각도", "😀", "\x0c", "%s", "{0}", "..", "/", "\\", "'", '"', '"""', "#", "[", "(")
+WORDS = (
+    "\0",
+    "\ufeff",
+    "\u2028",
+    "\x85",
+    "\x1b[31m",
+    "é",
+    "각도",
+    "😀",
+    "\x0c",
+    "%s",
+    "{0}",
+    "..",
+    "/",
+    "\\",
+    "'",
+    '"',
+    '"""',
+    "#",
+    "[",
+    "(",
+)
 
 
 @dataclass(frozen=True)
@@ -50,8 +74,8 @@ class Reader:
 
 
 def _count(rng: Random, most: int) -> int:
-    """1 ... most, small numbers as often as large ones."""
-    return max(1, round(2.0 ** (rng.random() * log(max(most, 2), 2))))
+    """1 ... most, small numbers as often as large ones, and the largest often."""
+    return most if rng.random() < 0.3 else max(1, round(2.0 ** (rng.random() * log(max(most, 2), 2))))
 
 
 def hostile(reader: Reader, rng: Random) -> bytes:
@@ -59,9 +83,9 @@ def hostile(reader: Reader, rng: Random) -> bytes:
     if reader.data is not None:
         return reader.data(rng)
     text = rng.choice(reader.good())
-    for _ in range(rng.choice((1, 1, 2, 4))):
+    for _ in range(rng.choice((1, 1, 1, 1, 2, 3))):
         text = rng.choice(_CHANGES)(text, reader.pieces, rng)[:SIZE]
-    data = text.encode(rng.choice(("utf-8",) * 12 + ("utf-16", "utf-8-sig", "cp949")), "replace")[:SIZE]
+    data = text.encode(rng.choice(("utf-8",) * 30 + ("utf-16", "utf-8-sig", "cp949")), "replace")[:SIZE]
     if rng.random() < 0.15 and data:
         at = rng.randrange(len(data))
         data = data[:at] + rng.randbytes(rng.choice((1, 4, 100))) + data[at + rng.choice((0, 1, 100)) :]
@@ -84,7 +108,9 @@ def _number(text: str, pieces: Sequence[str], rng: Random) -> str:
         return text
     begin, end = rng.choice(spots)
     digit = rng.choice("0159")
-    value = rng.choice((*NUMBERS, digit * _count(rng, SIZE), f"0.{digit * _count(rng, SIZE)}", f"1{'_1' * _count(rng, 99_999)}"))
+    value = rng.choice(
+        (*NUMBERS, digit * _count(rng, SIZE), f"0.{digit * _count(rng, SIZE)}", f"1{'_1' * _count(rng, 99_999)}")
+    )
     return text[:begin] + value + text[end:]
 
 
@@ -200,7 +226,14 @@ _ALPHABET = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_-"
 
 def _address(rng: Random) -> bytes:
     """An address with its checksum, so that what is behind it is read."""
-    body = hostile(Reader(_command(), lambda: (_PMKS.partition("?")[2],), (".", ",", "Y", "0", "00", "..", "Z", "YRAB,AB,", "4D,D,0,0,0.")), rng)
+    body = hostile(
+        Reader(
+            _command(),
+            lambda: (_PMKS.partition("?")[2],),
+            (".", ",", "Y", "0", "00", "..", "Z", "YRAB,AB,", "4D,D,0,0,0."),
+        ),
+        rng,
+    )
     text = re.sub(rf"[^{re.escape(_ALPHABET)},.]", "", body.decode("utf-8", "ignore"))[:-1]
     return f"?{text}{_ALPHABET[len(text) % 62]}".encode()
 
@@ -391,7 +424,13 @@ steps = 3
 quantity = "pressure_angle_deg"
 of = "max"
 """
-_CAM = "\n".join(["aCam : ARRAY[0..89] OF ARRAY[0..1] OF LREAL := [", ",\n".join(f"  [{a}, {a * (360 - a) / 100}]" for a in range(0, 360, 4)), "];"])
+_CAM = "\n".join(
+    [
+        "aCam : ARRAY[0..89] OF ARRAY[0..1] OF LREAL := [",
+        ",\n".join(f"  [{a}, {a * (360 - a) / 100}]" for a in range(0, 360, 4)),
+        "];",
+    ]
+)
 
 
 def _study(file: Path, out: Path) -> int:
@@ -415,19 +454,36 @@ def _graph_setup(file: Path, out: Path) -> int:
 
 
 _SHEET = """<worksheet xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main"><dimension ref="A1:B90"/><sheetData>%s</sheetData></worksheet>"""
-_REFERENCES = ("XFD1048576", "ZZ100000", "A0", "", "1A", "A99999999999999999999", "ZZZZZZZZZZ1", "XFE1", "A1:B2", "é1", "$A$1", "B1048576", "AA1")
+_REFERENCES = (
+    "XFD1048576",
+    "ZZ100000",
+    "A0",
+    "",
+    "1A",
+    "A99999999999999999999",
+    "ZZZZZZZZZZ1",
+    "XFE1",
+    "A1:B2",
+    "é1",
+    "$A$1",
+    "B1048576",
+    "AA1",
+)
 
 
 def _workbook(rng: Random) -> bytes:
     """A workbook with something wrong in its cells, its parts or its bytes."""
     rows = "".join(
-        f'<row r="{i + 1}"><c r="A{i + 1}"><v>{4 * i}</v></c><c r="B{i + 1}"><v>{5.0 - 5.0 * cos(radians(4 * i))}</v></c></row>' for i in range(90)
+        f'<row r="{i + 1}"><c r="A{i + 1}"><v>{4 * i}</v></c><c r="B{i + 1}"><v>{5.0 - 5.0 * cos(radians(4 * i))}</v></c></row>'
+        for i in range(90)
     )
     kind = rng.randrange(8)
     if kind <= 2:
         rows += f'<row><c r="{rng.choice(_REFERENCES)}" t="{rng.choice(("n", "s", "b", "e", "str", "x"))}"><v>{rng.choice(("1", "99999999", "x", ""))}</v></c></row>'
     elif kind == 3:
-        rows = _CHANGES[rng.randrange(len(_CHANGES))](rows, ("<c>", "<row>", '<c r="', "</v>", "&#x0;", "&amp;"), rng)[:SIZE]
+        rows = _CHANGES[rng.randrange(len(_CHANGES))](rows, ("<c>", "<row>", '<c r="', "</v>", "&#x0;", "&amp;"), rng)[
+            :SIZE
+        ]
     elif kind == 4:
         rows += f"<row><c r='C1' t='inlineStr'><is><t>{' x' * _count(rng, 40_000_000)}</t></is></c></row>"
     names = ("",) if kind == 5 else ("S" * _count(rng, 10_000),) if rng.random() < 0.1 else ("Sheet1",)
@@ -455,12 +511,18 @@ def _workbook(rng: Random) -> bytes:
 def _picture(rng: Random) -> bytes:
     """A picture of any size, cut or changed somewhere; or an SVG."""
     if rng.random() < 0.3:
-        svg = Reader(_command(), lambda: ('<svg xmlns="http://www.w3.org/2000/svg" width="9"><g><path d="M0 0"/></g></svg>',), ("<g>", "</g>", "&a;", "<!", "<?x?>"))
+        svg = Reader(
+            _command(),
+            lambda: ('<svg xmlns="http://www.w3.org/2000/svg" width="9"><g><path d="M0 0"/></g></svg>',),
+            ("<g>", "</g>", "&a;", "<!", "<?x?>"),
+        )
         return hostile(svg, rng)
     from PIL import Image
 
     stream = io.BytesIO()
-    Image.new("1" if (big := rng.random() < 0.3) else "RGB", (12_000, 9_000) if big else (30, 20)).save(stream, "PNG" if big else rng.choice(("PNG", "JPEG")))
+    Image.new("1" if (big := rng.random() < 0.3) else "RGB", (12_000, 9_000) if big else (30, 20)).save(
+        stream, "PNG" if big else rng.choice(("PNG", "JPEG"))
+    )
     data = bytearray(stream.getvalue())
     kind = rng.randrange(3)
     if kind == 0:
@@ -488,15 +550,64 @@ _LINES = (
 
 def _words(rng: Random) -> bytes:
     word = rng.choice((
-        rng.randbytes(rng.randrange(1, 9)), b"\xff\xfe", "1".encode() * _count(rng, 50_000), b"[" * _count(rng, 50_000), b"a." * _count(rng, 9_000),
+        rng.randbytes(rng.randrange(1, 9)), b"\xff\xfe", b"1" * _count(rng, 50_000), b"[" * _count(rng, 50_000), b"a." * _count(rng, 9_000),
         b"X[" + b"9" * 5000 + b"]", b"=,=" * 50, b"1e999", b"-1", b"nan", b"\xed\xa0\x80", b"", b"..", b"%s", b"{0}", b"a" * 300, b"y=" + b"8" * 4500,
         b"loads.friction[" + b"1" * 5000 + b"]", "é".encode(), "\u202e".encode(), b"y=1,minus=" + b"7" * 5000,
     ))  # fmt: skip
     return rng.choice(_LINES).encode().replace(b"X", word.replace(b"\n", b""))
 
 
-_CELLS = ("1", ",", ";", "\t", " ", '"', '""', '"a', "(", "[", "[(", "{", "\n", "\r", "a", "#", "//", "1,", "1;2\n", "-", "e5", "_", "in ", " /", "mm", ".5", "1 2\n", "°")
-_TOML = ("[", "{", "]", "}", "a.", "a = ", '"', "'''", "#", "\n", "1", ",", "[[a]]\n", "[a]\n", "\\u0041", "1979-05-27", "=", "\t", "[[drives]]\n")
+_CELLS = (
+    "1",
+    ",",
+    ";",
+    "\t",
+    " ",
+    '"',
+    '""',
+    '"a',
+    "(",
+    "[",
+    "[(",
+    "{",
+    "\n",
+    "\r",
+    "a",
+    "#",
+    "//",
+    "1,",
+    "1;2\n",
+    "-",
+    "e5",
+    "_",
+    "in ",
+    " /",
+    "mm",
+    ".5",
+    "1 2\n",
+    "°",
+)
+_TOML = (
+    "[",
+    "{",
+    "]",
+    "}",
+    "a.",
+    "a = ",
+    '"',
+    "'''",
+    "#",
+    "\n",
+    "1",
+    ",",
+    "[[a]]\n",
+    "[a]\n",
+    "\\u0041",
+    "1979-05-27",
+    "=",
+    "\t",
+    "[[drives]]\n",
+)
 READERS: dict[str, Reader] = {
     "design": Reader(_command("check", "FILE"), _designs, _TOML, "file.toml"),
     "study": Reader(_study, lambda: (_STUDY,), _TOML, "s.toml"),
@@ -510,7 +621,7 @@ READERS: dict[str, Reader] = {
     "pyslvs": Reader(_command("linkage-from", "FILE", "--out", "OUT/o.toml"), lambda: (_PYSLVS,), ("#[", "#]", "J[R,P[1,2],L[ground,a]],", "[", "]", "A[", " ", ",", "M[", "\n"), "file.txt"),
     "linkage2": Reader(_command("linkage-from", "FILE", "--out", "OUT/o.toml"), lambda: (_LINKAGE2,), ("<a>", "</a>", "<connector id='9'/>", "&lt;", "<!--", "<!DOCTYPE a [", "<Link id='7'>", "'"), "file.linkage2"),
     "pmks": Reader(_command("linkage-from", "FILE", "--out", "OUT/o.toml"), name="file.txt", data=_address),
-    "motion-from": Reader(_command("motion-from", str(EXAMPLES / "card_picker.toml"), "FILE", "--out", "OUT/o.toml"), lambda: (_DXF, _DXF[: _DXF.index("0\nSPLINE")] + "0\nENDSEC\n0\nEOF\n"), _DXF_PIECES, "file.dxf"),
+    "motion-from": Reader(_command("motion-from", str(EXAMPLES / "card_picker.toml"), "FILE", "--units", "mm", "--out", "OUT/o.toml"), lambda: (_DXF, _DXF[: _DXF.index("0\nSPLINE")] + "0\nENDSEC\n0\nEOF\n"), _DXF_PIECES, "file.dxf"),
     "underlay": Reader(_function(_underlay), lambda: (_DXF,), _DXF_PIECES, "file.dxf"),
     "beside": Reader(_function(_beside), lambda: ('file = "a.dxf"\nx_mm = 1.0\nopacity = 0.5\nlocked = true\n',), _TOML, "file.underlay.toml"),
     "logo": Reader(_function(_logo), name="logo.png", data=_picture),
@@ -538,13 +649,15 @@ def _limited(reader: Reader, file: Path, out: Path, log: Path) -> int:
                 return CRASHED
 
 
-def outcome(name: str, seed: int) -> dict[str, Any]:
-    """What becomes of one file: exit code (negative: killed by that signal), what was said, seconds of CPU, megabytes, size."""
+def outcome(name: str, which: int | str) -> dict[str, Any]:
+    """What becomes of a number of the generator, or of a file: exit code (negative: killed by that signal), what was said, seconds of
+    CPU, megabytes, size."""
     reader = READERS[name]
     with tempfile.TemporaryDirectory() as folder:
         file, out, log = Path(folder) / reader.name, Path(folder) / "out", Path(folder) / "log"
         out.mkdir()
-        file.write_bytes(hostile(reader, Random(f"{name} {seed}")))
+        data = hostile(reader, Random(f"{name} {which}")) if isinstance(which, int) else Path(which).read_bytes()
+        file.write_bytes(data)
         before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
         process = os.fork()
         if not process:
@@ -556,18 +669,35 @@ def outcome(name: str, seed: int) -> dict[str, Any]:
         _, status, usage = os.wait4(process, 0)
         said = log.read_text("utf-8") if log.exists() else ""
         return {
-            "reader": name, "seed": seed, "code": os.waitstatus_to_exitcode(status), "said": said[-4000:], "lines": said.count("\n"),
-            "cpu_s": round(usage.ru_utime + usage.ru_stime, 2), "mb": max(0, usage.ru_maxrss - before) // 1024, "bytes": file.stat().st_size,
+            "reader": name, "which": which, "code": os.waitstatus_to_exitcode(status), "said": said[-4000:], "lines": said.count("\n"),
+            "cpu_s": round(usage.ru_utime + usage.ru_stime, 2), "mb": max(0, usage.ru_maxrss - before) // 1024, "bytes": len(data),
         }  # fmt: skip
 
 
+@cache
+def _warm(name: str) -> None:
+    """What a reader imports is imported once, not in each of the processes."""
+    with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stdout(io.StringIO()):
+        (Path(folder) / "out").mkdir()
+        file = Path(folder) / READERS[name].name
+        file.write_text(READERS[name].good()[0], "utf-8")
+        with contextlib.redirect_stderr(io.StringIO()):
+            READERS[name].run(file, Path(folder) / "out")
+
+
+def outcomes(rows: Sequence[tuple[str, int | str]]) -> list[dict[str, Any]]:
+    """What becomes of each, of a reader and a number or file, read by one process that is started for it."""
+    lines = "".join(json.dumps(row) + "\n" for row in rows)
+    environment = os.environ | {"OPENBLAS_NUM_THREADS": "1"}
+    done = subprocess.run(
+        [sys.executable, __file__], input=lines, capture_output=True, text=True, env=environment, check=True
+    )
+    return [json.loads(line) for line in done.stdout.splitlines()]
+
+
 if __name__ == "__main__":
-    _name, _first, _last = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
-    with tempfile.TemporaryDirectory() as _folder, contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-        _file = Path(_folder) / READERS[_name].name
-        if READERS[_name].data is None:  # what is imported is imported once
-            _file.write_text(READERS[_name].good()[0], "utf-8")
-            (Path(_folder) / "out").mkdir()
-            READERS[_name].run(_file, Path(_folder) / "out")
-    for _seed in range(_first, _last):
-        print(json.dumps(outcome(_name, _seed)), flush=True)
+    for _line in sys.stdin:
+        _name, _which = json.loads(_line)
+        if READERS[_name].data is None:
+            _warm(_name)
+        print(json.dumps(outcome(_name, _which)), flush=True)

@@ -30,6 +30,7 @@ _REFUSED = ("SPLINE", "ELLIPSE")
 _SAME = 1e-10  # relative: centres and radii of one circle
 _ROUNDING_MM = 1e-7  # of ends that meet
 MOST_ELEMENTS = 20_000
+MOST_NEAR = 50  # ends within the gap of an end, on average
 
 
 class DrawingError(KindynaError):
@@ -247,6 +248,8 @@ def _partners(pieces: Sequence[ContourElement], name: str, origin: complex, gap:
         raise DrawingError(
             f"{name}: {meet} ends of lines and arcs meet at {at_text(ends[i] + origin)}; leave two of them"
         )
+    if tree.count_neighbors(tree, gap) > MOST_NEAR * len(places):
+        raise DrawingError(f"{name}: too many ends within the gap of {gap:g} mm; join over a narrower one")
     i, j = tree.query_pairs(gap, output_type="ndarray").T
     alone = (i // 2 == j // 2) & (
         np.array([each.length for each in pieces])[i // 2] <= 2.0 * gap

@@ -8,10 +8,12 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from core.errors import KindynaError
 from core.frozen import frozen
 
 SAMPLES_PER_TURN = 64
 STRAIGHT = 1e-15  # bulge below which an arc is a line to rounding
+MOST_PAIRS = 300_000
 AT_ONCE = 256  # elements whose neighbours are looked for together
 ON = 1e-9  # relative: how far beyond its ends a point still is on an element
 
@@ -221,17 +223,30 @@ def _circles(a: ContourElement, b: ContourElement) -> list[complex]:
 
 
 def near_pairs(elements: Sequence[ContourElement]) -> Iterator[tuple[int, int]]:
-    """Pairs i < j of elements whose boxes overlap, in order."""
+    """Pairs i < j of elements whose boxes overlap, in order. Raises KindynaError where they are far more than those of a cam's curve."""
     low_x, high_x, low_y, high_y = np.array([each.box for each in elements]).T
-    by_x = np.argsort(low_x, kind="stable")
-    last = np.searchsorted(low_x[by_x], high_x[by_x], side="right")  # those that begin before this one ends
-    found = []
+    by_x, last = _sorted(low_x, high_x)
+    by_y, last_y = _sorted(low_y, high_y)
+    if last_y.sum() < last.sum():  # along the axis on which fewer overlap
+        by_x, last, low_y, high_y = by_y, last_y, low_x, high_x
+    found, total = [], 0
     for first in range(0, by_x.size, AT_ONCE):
         counts = last[first : first + AT_ONCE] - np.arange(first, min(first + AT_ONCE, by_x.size)) - 1
         a = np.repeat(np.arange(first, first + counts.size), counts)
         b = a + 1 + np.arange(a.size) - np.repeat(np.cumsum(counts) - counts, counts)
         a, b = by_x[a], by_x[b]
         over = (low_y[b] <= high_y[a]) & (high_y[b] >= low_y[a])
+        total += int(np.count_nonzero(over))
+        if total > MOST_PAIRS:
+            raise KindynaError(
+                f"the curve: more than {MOST_PAIRS} of its lines and arcs are beside each other; draw it with longer ones"
+            )
         found.append(np.sort(np.column_stack((a[over], b[over])), axis=1))
     pairs = np.concatenate(found)
     yield from map(tuple, pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))].tolist())
+
+
+def _sorted(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Order (n,) by where ranges begin, and in that order (n,) how many begin before each ends."""
+    order = np.argsort(low, kind="stable")
+    return order, np.searchsorted(low[order], high[order], side="right")

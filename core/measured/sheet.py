@@ -280,6 +280,10 @@ def _numbers(cells: Sequence[str], decimal: str) -> int:
     return sum(number(cell, decimal) is not None for cell in cells)
 
 
+def _has_two(cells: Sequence[str], decimal: str) -> bool:
+    return sum(1 for _ in islice((cell for cell in cells if number(cell, decimal) is not None), 2)) == 2
+
+
 def dialect(lines: Sequence[str], delimiter: str | None = None, decimal: str | None = None) -> tuple[str, str]:
     """Delimiter and decimal mark by which most lines are two numbers or more and nothing else; those given are kept."""
     rows = [d for d in DIALECTS if delimiter in (None, d[0]) and decimal in (None, d[1])] or [("comma", "comma")]
@@ -326,7 +330,7 @@ def read_sheet(
         raise TableError(name, [RowFault(0, "no row holds two numbers; wanted: an angle and a value in each")])
     first = plain[start]
     rows = TextRows(name, lines, plain[start:], delimiter)
-    counts = islice((len(row.cells) for row in rows if _numbers(row.cells, decimal) > 1), SAMPLE)
+    counts = islice((len(row.cells) for row in rows if _has_two(row.cells, decimal)), SAMPLE)
     columns = columns or Counter(counts).most_common(1)[0][0]
     require_cells(len(rows), columns, name)
     above = [_COMMENT.sub("", line, count=1) for line in lines[max(first - HEADERS, 0) : first] if line.strip()]

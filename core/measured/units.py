@@ -87,28 +87,31 @@ _NUMBERED = re.compile(r"\s*\d[\d.,/^*·eE+\- ]*\s*[a-zA-Zµμ]")  # a number be
 
 # -- reading units ----------------------------------------------------------------------------------------
 
-_SPELLINGS = (
-    (r"[\^*·⋅∙×_~ ]+", ""),
-    (r"per", "/"),
-    (r"micro?met(?:er|re)s?|microns?|mic\b|μm", "um"),
-    (r"millimet(?:er|re)s?", "mm"),
-    (r"centimet(?:er|re)s?", "cm"),
-    (r"met(?:er|re)s?", "m"),
-    (r"\.$", ""),
-    (r"inch(?:es)?|zoll|''", "in"),
-    (r"\b(?:thous?|mils?)\b", "thou"),
-    (r"\b(?:feet|foot)\b", "ft"),
-    (r"^(?:0?\.0001|1/10000|10-4|1e-0?4)(?=in)", "1e-4"),
-    (r"degrees?|degs?|grad|°|도", "deg"),
-    (r"radians?|rads", "rad"),
-    (r"seconds?|secs?|sek|초", "s"),
-    (r"revolutions?|revs?|turns?|cycles?|umdr?|회전", "turns"),
-    (r"(?<=[a-z])s-1$", "/s"),
-    (r"(?<=[a-z])s-2$", "/s2"),
-    (r"(?<=[a-z])s-3$", "/s3"),
-    (r"(?<=[a-z])(deg|rad)-([12])$", r"/\1\2"),
-    (r"/(s|deg|rad)/\1$", r"/\g<1>2"),
-    (r"/(s|deg|rad)1$", r"/\1"),
+_SPELLINGS = tuple(
+    (re.compile(spelled), meant)
+    for spelled, meant in (
+        (r"[\^*·⋅∙×_~ ]+", ""),
+        (r"per", "/"),
+        (r"micro?met(?:er|re)s?|microns?|mic\b|μm", "um"),
+        (r"millimet(?:er|re)s?", "mm"),
+        (r"centimet(?:er|re)s?", "cm"),
+        (r"met(?:er|re)s?", "m"),
+        (r"\.$", ""),
+        (r"inch(?:es)?|zoll|''", "in"),
+        (r"\b(?:thous?|mils?)\b", "thou"),
+        (r"\b(?:feet|foot)\b", "ft"),
+        (r"^(?:0?\.0001|1/10000|10-4|1e-0?4)(?=in)", "1e-4"),
+        (r"degrees?|degs?|grad|°|도", "deg"),
+        (r"radians?|rads", "rad"),
+        (r"seconds?|secs?|sek|초", "s"),
+        (r"revolutions?|revs?|turns?|cycles?|umdr?|회전", "turns"),
+        (r"(?<=[a-z])s-1$", "/s"),
+        (r"(?<=[a-z])s-2$", "/s2"),
+        (r"(?<=[a-z])s-3$", "/s3"),
+        (r"(?<=[a-z])(deg|rad)-([12])$", r"/\1\2"),
+        (r"/(s|deg|rad)/\1$", r"/\g<1>2"),
+        (r"/(s|deg|rad)1$", r"/\1"),
+    )
 )
 
 
@@ -129,7 +132,7 @@ def unit_of(text: str) -> str:
         text = parts[0] + "/" + "".join(p for p in parts[1:] if p != "per")
     plain = unicodedata.normalize("NFKC", text).lower().replace("\u2044", "/").replace("\u2215", "/").replace("−", "-")
     for spelled, meant in _SPELLINGS:
-        plain = re.sub(spelled, meant, plain)
+        plain = spelled.sub(meant, plain)
     known = plain in ANGLE_UNITS or plain in TIME_UNITS or any(value_unit(plain, motion) for motion in BASES)
     return plain if known else ""
 

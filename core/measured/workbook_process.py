@@ -36,9 +36,13 @@ def main() -> None:
             top, left = sheet.start or (0, 0)
             high, wide = top + sheet.height, left + sheet.width
             if high > rows or wide > columns or high * wide > cells:
-                head = {"fault": f"{high} rows of {wide} columns; wanted: at most {rows} rows, {columns} columns, {cells} cells"}
+                head = {
+                    "fault": f"{high} rows of {wide} columns; wanted: at most {rows} rows, {columns} columns, {cells} cells"
+                }
             else:
-                texts = [("\t" * left + "\t".join(map(_text, row))).encode(errors="replace") for row in sheet.iter_rows()]
+                texts = [
+                    ("\t" * left + "\t".join(map(_text, row))).encode(errors="replace") for row in sheet.iter_rows()
+                ]
     except BaseException as error:  # the library's panics are no exceptions
         head, texts = {"fault": f"a workbook that cannot be read: {' '.join(str(error).split())[:200]}"}, []
     write(json.dumps(head).encode() + b"\n")

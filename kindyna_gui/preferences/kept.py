@@ -75,9 +75,28 @@ WORDS: Mapping[str, Sequence[str | int]] = MappingProxyType(
 """Key of the settings -> what it may hold, the usual first."""
 
 
+LONGEST = 4096
+"""Characters of a text in the settings; the graph of the last run may have more."""
+
+
+def kept_value(kept: QSettings, key: str) -> Any:
+    """What the settings hold under a key; None where that is nothing, or of a kind that cannot be read."""
+    try:
+        return kept.value(key)
+    except Exception:  # the settings file may name any type of Qt's
+        return None
+
+
+def kept_text(kept: QSettings, key: str, usual: str = "", longest: int = LONGEST) -> str:
+    """A text, or a number as text; the usual one where something else is there, or a text that is no name of anything."""
+    value = kept_value(kept, key)
+    text = str(value) if isinstance(value, str | int | float) else usual
+    return text if len(text) <= longest and "\0" not in text else usual
+
+
 def _word(kept: QSettings, key: str) -> Any:
     """One of its words as it is kept; the usual one where another stands there, of a newer version or broken."""
-    found = str(kept.value(key))
+    found = str(kept_value(kept, key))
     return next((word for word in WORDS[key] if str(word) == found), WORDS[key][0])
 
 
@@ -85,9 +104,9 @@ def not_understood() -> list[str]:
     """What is kept and is none of the words of its key, of a newer version or broken: each with the word that is taken for it."""
     kept = QSettings("KINDYNA", "KINDYNA")
     return [
-        f"{key} {kept.value(key)!s:.40} (taken as {words[0]})"
+        f"{key} {kept_value(kept, key)!s:.40} (taken as {words[0]})"
         for key, words in WORDS.items()
-        if kept.contains(key) and str(kept.value(key)) not in map(str, words)
+        if kept.contains(key) and str(kept_value(kept, key)) not in map(str, words)
     ]
 
 
@@ -102,7 +121,7 @@ def read() -> Preferences:
         _word(kept, "look/font"),
         _word(kept, "look/still") == 1,
         _word(kept, TEXTS["paper"]),
-        *(str(kept.value(TEXTS[name]) or "") for name in ("author", "company", "logo")),
+        *(kept_text(kept, TEXTS[name]) for name in ("author", "company", "logo")),
     )
 
 

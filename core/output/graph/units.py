@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 
 from core.measured.units import LONGEST, unit_in
 from core.units import split_unit, unit_called
@@ -10,6 +11,7 @@ from core.units import split_unit, unit_called
 _AT_END = re.compile(r"[\[(]([^\[(\])]*)[\])]$")
 
 
+@lru_cache(maxsize=64)
 def unit_of_column(name: str) -> str:
     """The unit that a column's name ends in: as in our own tables (``force_n``), in brackets, behind a comma, or as measured
     tables have it; what stands in brackets and is no known unit is taken as it is; empty where there is none."""

@@ -1,5 +1,6 @@
 """Motions that follow from other files: tables, sums, and the inverse of a linkage; forward again through the linkage."""
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -61,7 +62,7 @@ def inverse(folder: Path, linkage: str, output: str, start: float, rise: float, 
     (folder / "linkage.toml").write_text(HEAD + crank(linkage), encoding="utf-8")
     path = folder / "inverse.toml"
     motion = f'[motion]\nstart_{unit} = {start}\ninverse = {{ linkage = "linkage.toml", output = "{output}" }}\n'
-    path.write_text(HEAD + motion + TO_AND_FRO.format(unit, rise), encoding="utf-8")
+    path.write_text(HEAD + motion + TO_AND_FRO.format(unit, rise).replace("= --", "= "), encoding="utf-8")
     return path
 
 
@@ -74,7 +75,7 @@ def test_forward_again_the_output_does_what_was_typed(tmp_path, linkage, output,
     driven = linkage.replace('kind = "crank", speed_rpm = 60.0', 'kind = "motion"')
     (tmp_path / "driven.toml").write_text(path.read_text(encoding="utf-8") + driven, encoding="utf-8")
     (tmp_path / "typed.toml").write_text(
-        HEAD + f"[motion]\nstart_{unit} = {start}\n" + TO_AND_FRO.format(unit, rise), encoding="utf-8"
+        HEAD + f"[motion]\nstart_{unit} = {start}\n" + TO_AND_FRO.format(unit, rise).replace("= --", "= "), encoding="utf-8"
     )
     theta = np.deg2rad(np.arange(0.1, 360.0, 0.37))
     kinematics = Study(load(tmp_path / "driven.toml")).at_theta(theta).linkage
@@ -98,6 +99,33 @@ def test_an_inverse_that_meets_a_dead_centre_is_refused_with_the_angle(tmp_path,
     path = inverse(tmp_path, SLIDER_CRANK, "7", 150.0, 10.0, "mm")
     assert main(["check", str(path)]) == 2
     assert "motion.inverse.output = '7'" in capsys.readouterr().err
+
+
+# output, where it starts, its exact dead centres: sums and differences of crank and rod; by the law of cosines
+INLINE = SLIDER_CRANK.replace("[0.0, 10.0]", "[0.0, 0.0]")
+ROCKER = [180.0 - math.degrees(math.acos((100.0**2 + 60.0**2 - reach**2) / 12000.0)) for reach in (70.0, 110.0)]
+DEAD_CENTRES = {
+    "at the far end": (SLIDER_CRANK, "4", 200.0, math.sqrt(230.0**2 - 10.0**2)),
+    "at the near end": (SLIDER_CRANK, "4", 200.0, math.sqrt(130.0**2 - 10.0**2)),
+    "inline, on a sample": (INLINE, "4", 190.0, 230.0),
+    "inline, from end to end": (INLINE, "4", 130.0, 230.0),
+    "of a rocker": (crank(FOUR_BAR), "4", 0.5 * sum(ROCKER), ROCKER[0]),
+}
+
+
+@pytest.mark.parametrize("case", DEAD_CENTRES)
+def test_an_output_that_reaches_a_dead_centre_and_no_farther_is_refused(case, tmp_path, capsys):
+    """Where it stops there its crank has an acceleration without a limit; a thousandth less is a motion like any other."""
+    linkage, output, start, end = DEAD_CENTRES[case]
+    unit = "deg" if case == "of a rocker" else "mm"
+    assert main(["check", str(inverse(tmp_path, linkage, output, start, end - start, unit))]) == 2
+    told = capsys.readouterr().err
+    assert told.count("\n") == 1
+    assert "meets a dead centre" in told
+    assert f"at cam angle {0 if 'from end' in case else 120} deg" in told
+    if "from end" not in case:
+        shorter = (1.0 - 1e-3) * (end - start)
+        assert main(["check", str(inverse(tmp_path, linkage, output, start, shorter, unit))]) == 0
 
 
 @pytest.mark.stress

@@ -831,7 +831,7 @@ def test_all_of_the_dialog_is_reached_by_keys(lift: User, imports: Import) -> No
     boxes = dialog.form.boxes
     way = [
         *(boxes[name] for name in ("delimiter", "decimal", "angle_column", "angle_unit", "column", "value_unit", "quantity")),
-        dialog.estimate, dialog.error, dialog.lowest, dialog.laws, dialog.dwells, dialog.keep_all, dialog.sheet,
+        dialog.estimate, dialog.error, dialog.lowest, dialog.laws, dialog.dwells, dialog.keep_all, dialog.mirror, dialog.sheet,
         dialog.segments, *dialog.segments.boxes, dialog.entries, dialog.put_button,
     ]  # fmt: skip
     places = [met.index(widget) for widget in way]
@@ -844,6 +844,25 @@ def test_all_of_the_dialog_is_reached_by_keys(lift: User, imports: Import) -> No
     dialog.put_button.setFocus()
     lift.press(Qt.Key.Key_Space)
     assert lift.steps == ["Import lift.csv"]
+
+
+def test_half_a_lobe_is_refused_until_it_is_mirrored(lift: User, imports: Import, tmp_path: Path) -> None:
+    motion = levels(0.0, (40.0, 0.0, "dwell"), (140.0, 25.0, "modified-sine"), (180.0, 0.0, "cycloidal"))
+    rows = np.arange(0.0, 181.0)
+    text = "".join(f"{a:g},{s:.5f}\n" for a, s in zip(rows, position(motion, rows), strict=True))
+    dialog = imports("cam angle [deg],lift [mm]\n" + text)
+    assert not dialog.put_button.isEnabled()
+    assert "--mirror" in dialog.message.text()
+    click(dialog.mirror)
+    assert dialog.put_button.isEnabled()
+    lift.session.save(tmp_path / "d.toml")
+    click(copy_button(dialog))
+    click(dialog.put_button)
+    made = lift.design.drive.motion
+    assert made is not None
+    assert [s.curve.law for s in made.segments] == ["dwell", "modified-sine", "modified-sine", "dwell"]
+    assert main(shlex.split(QApplication.clipboard().text())[2:]) == 0
+    assert load(tmp_path / "d.toml").drive.motion == made
 
 
 # -- looks ------------------------------------------------------------------------------------------------
@@ -880,6 +899,7 @@ def test_nothing_is_cut_off_at_the_smallest_size(lift: User, imports: Import) ->
         dialog.again,
         dialog.estimate,
         dialog.keep_all,
+        dialog.mirror,
         dialog.put_button,
         dialog.error,
         *dialog.units.values(),
