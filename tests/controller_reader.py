@@ -9,6 +9,21 @@ from typing import Any
 
 import numpy as np
 
+from core.project import load
+from core.resources import resources
+from core.study import Study
+
+QUINTIC, CUBIC, LINES = "quintic-hermite", "cubic-hermite", "linear"
+LAWS = (
+    "parabolic",
+    "simple-harmonic",
+    "cycloidal",
+    "modified-sine",
+    "modified-trapezoid",
+    "3-4-5",
+    "4-5-6-7",
+    "constant-velocity",
+)
 _N = r"(-?\d+(?:[.,]\d+)?)"
 
 
@@ -16,10 +31,16 @@ def _floats(text: str) -> list[float]:
     return [float(n.replace(",", ".")) for n in re.findall(_N, text)]
 
 
-def rows_of(slug: str, text: str, turn: float) -> dict[str, Any]:
-    """Angles as parts of the turn (n,), values, and what else a row has; both ends of the turn are there."""
-    if slug == "codesys-xyva":
-        found = re.findall(rf"dX := {_N}, dY := {_N}, dV := {_N}, dA := {_N}", text)
+def rows_of(slug: str, text: str, turn: float, advance: float = 0.0) -> dict[str, Any]:
+    """Angles as parts of the turn (n,), values, and what else a row has; both ends of the turn are there. advance: of the slave in a
+    turn of the master, by which the closing row is above the first where the file has none."""
+    if slug in ("codesys-xyva", "codesys-cambuilder"):
+        bounds = (
+            rf"dX := {_N}, dY := {_N}, dV := {_N}, dA := {_N}"
+            if slug == "codesys-xyva"
+            else rf"SMCB.Bound\({', '.join([_N] * 4)}\)"
+        )
+        found = re.findall(bounds, text)
         x, y, v, a = np.array(found, float).T
         return {"x": x / turn, "y": y, "v": v * turn, "a": a * turn**2}
     if slug == "twincat-points":
@@ -30,14 +51,37 @@ def rows_of(slug: str, text: str, turn: float) -> dict[str, Any]:
         x, y = np.array(re.findall(rf"\[{_N}, {_N}\]", text), float).T
         return {"x": x / turn, "y": y}
     if slug == "codesys-x":
-        y = np.array(_floats(text.split(":= [")[1].split("]")[0]))
-        return {"x": np.arange(y.size + 1) / y.size, "y": np.append(y, y[0])}
+        y = np.array(_floats(text.split("Table := [")[1].split("]")[0]))
+        scale = {
+            key: [float(n) for n in re.findall(rf"f{key}(?:Min|Max) := {_N}", text)]
+            for key in ("EditorSlave", "TableSlave")
+        }
+        factor = np.diff(scale["EditorSlave"])[0] / np.diff(scale["TableSlave"])[0]
+        y = y * factor + scale["EditorSlave"][0] - scale["TableSlave"][0] * factor
+        assert re.findall(r"nElements := (\d+)", text) == [str(y.size)]
+        return {"x": np.arange(y.size) / (y.size - 1), "y": y}
+    if slug == "twincat-table":
+        rows, last = (
+            int(re.findall(pattern, text)[0]) for pattern in (r"NoOfRows := (\d+)", r"ARRAY\[0\.\.(\d+), 0\.\.1\]")
+        )
+        x, y = np.array(_floats(text.split(":= [")[1].split("]")[0])).reshape(rows, 2).T
+        assert rows == last + 1
+        return {"x": x / turn, "y": y}
     if slug == "beckhoff-ascii":
         y = np.array(_floats(text.split("Begintable")[1]))
-        return {"x": np.arange(y.size + 1) / y.size, "y": np.append(y[-1], y)}
+        return {"x": np.arange(y.size + 1) / y.size, "y": np.append(y[-1] - advance, y)}
     if slug == "beckhoff-zebra":
-        x, y = np.array(_floats(text.split("Begintable")[1])).reshape(-1, 2).T
-        return {"x": np.append(x / turn, 1.0), "y": np.append(y, y[0])}
+        counts = np.array(
+            [
+                [int(n) for n in line.split()]
+                for line in text.split("Begintable\n")[1].split("\nEndTable")[0].split("\n")
+            ]
+        )
+        x, y = counts.T * 1e-4
+        assert x.size % 2 == 0
+        assert x.size <= 360
+        assert np.diff(counts[:, 0]).min() >= 1000
+        return {"x": np.append(x / turn, 1.0), "y": np.append(y, y[0] + advance)}
     if slug in ("sew-tab", "sew-semicolon", "lenze-loader", "technosoft"):
         lines = [line for line in text.split("\n") if line.strip()][slug.startswith("sew") :]
         x, y = np.array([_floats(line) for line in lines]).T
@@ -50,7 +94,7 @@ def rows_of(slug: str, text: str, turn: float) -> dict[str, Any]:
         return {"x": np.arange(z.size) / (z.size - 1), "y": y, "ends": slopes}
     if slug == "general":
         x, y, v, a = np.array([_floats(line) for line in text.split("\n")[1:] if line]).T
-        return {"x": x / turn, "y": y, "v": v * turn, "a": a * turn**2}
+        return {"x": x / turn, "y": y, "v": v * turn, "a": a * turn**2, "ends": v[[0, -1]] * turn}
     raise AssertionError(slug)
 
 
@@ -109,3 +153,41 @@ def _bernstein(b: np.ndarray, u: np.ndarray, order: int) -> np.ndarray:
     if m < 0:
         return np.zeros((b.shape[0], u.size))
     return np.asarray(sum(b[:, j : j + 1] * comb(m, j) * u**j * (1.0 - u) ** (m - j) for j in range(m + 1)))
+
+
+# -- against the motion ------------------------------------------------------------------------------------
+
+
+def example(name):
+    """The file of an example."""
+    return resources() / "examples" / f"{name}.toml"
+
+
+def exact_motion(name, shift=0.0, reverse=False):
+    """Parts of the turn -> value and two derivatives by it, from the motion's stage, which knows one turn: an advance goes on."""
+    path_ = name if str(name).endswith(".toml") else example(name)
+    study = Study(load(path_))
+    scale, advance = study.design.drive.motion.scale, study.design.drive.motion.advance or 0.0
+
+    def values(u):
+        own = (u - shift / 360.0) * (-1.0 if reverse else 1.0)
+        turns = np.floor(own)
+        y = study.at_theta(2.0 * np.pi * (own - turns).ravel()).motion.y.reshape(4, *u.shape)
+        sign = np.array([1.0, -1.0 if reverse else 1.0, 1.0])
+        made = y[:3] / scale * sign[:, None, None] * (2.0 * np.pi) ** np.arange(3)[:, None, None]
+        made[0] += advance * turns
+        return made
+
+    return values
+
+
+def brute(slug, kind, text, exact, turn=360.0, scale=1.0, offset=0.0, count=200, advance=0.0):
+    """Largest errors of value, velocity per degree and acceleration per degree², at 200 points of every piece."""
+    rows = rows_of(slug, text, turn, advance)
+    rows = {
+        key: np.asarray(value) / (1.0 if key == "x" else scale) - (offset / scale if key == "y" else 0.0)
+        for key, value in rows.items()
+    }
+    u, made = path(kind, rows, count)
+    errors = np.abs(made - exact(u)).reshape(3, -1).max(axis=1)
+    return errors / 360.0 ** np.arange(3)

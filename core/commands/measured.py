@@ -165,7 +165,7 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
     """A motion fitted to a measured table, printed and perhaps written into a design; the exit code."""
     if arguments.made_as == "segment" and not arguments.segment:
         raise KindynaError("--as segment: wanted: --segment N, which it becomes")
-    makes = arguments.made_as in ("design", "motion") and not arguments.segment and not arguments.controller
+    makes = arguments.made_as in (None, "design", "motion") and not arguments.segment
     new = arguments.into if makes and arguments.into is not None and not arguments.into.exists() else None
     whole = load(arguments.into) if arguments.into is not None and new is None else None
     which = 0 if whole is None else number_of(whole, arguments.drive)
@@ -174,7 +174,9 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
     speed = arguments.speed_rpm if arguments.speed_rpm is not None or design is None else design.speed_rpm
     if arguments.controller:
         found = motion_of(controller(arguments.controller), read_bytes(arguments.table), unit=unit)
-        if arguments.into is not None and whole is not None and design is not None:
+        if new is not None:
+            save(of_motion(found.motion, arguments.table.stem, speed), new)
+        elif arguments.into is not None and whole is not None and design is not None:
             save(with_only(whole, which, put_into(design, found)), arguments.into, in_place=True)
         print(to_json(motion_facts(found)) if arguments.json else motion_text(found), end="")
         return DONE

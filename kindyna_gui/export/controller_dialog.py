@@ -93,6 +93,8 @@ class ControllerDialog(ComputedDialog):
             fill_choices(form.boxes[name], choices)
             form.boxes[name].blockSignals(False)
             form.rows.setRowVisible(form.boxes[name], len(choices) > 1)
+        form.rows.setRowVisible(form.boxes["segment"], row.last_is_one)
+        form.boxes["segment"].setEnabled(row.last_is_one)
         self.changed()
 
     def _placings(self) -> dict[Any, str]:
@@ -174,7 +176,7 @@ def _computed(design: Design, drive: str, row: Controller, request: Request, of:
     request = replace(request, of=of)
     slave, name, speed = slave_of(design, drive, request)
     made = ecam(slave, row, request, name, speed)
-    alike = Request(of=of, reverse=request.reverse, shift_deg=request.shift_deg)
+    alike = Request(of=of, reverse=request.reverse, shift_deg=request.shift_deg, segment=request.segment)
     curve = _curve(design, drive, alike, made.interpolation, made.placing, row.closing)
     return Computed(made, None if made.deviation is None else errors_over_turn(made), curve)
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from core.frozen import frozen
 
-POWERS = 6
+REACH = 14  # rows: what shakes a spline falls by 2 - √3 from one to the next, to 1e-8
 
 
 @frozen(eq=False)
@@ -60,6 +60,15 @@ def clamped_spline(table: Table) -> np.ndarray:
     return np.asarray(CubicSpline(table.x, table.states[0], bc_type=ends).c[::-1])
 
 
+def spline_of_equal(h: np.ndarray, states: np.ndarray) -> np.ndarray:
+    """The same of many tables (2, n, k) of equal steps (k,), of each with its own slopes at both ends: (4, n - 1, k)."""
+    from scipy.interpolate import CubicSpline
+
+    s, v = states[:2]
+    made = CubicSpline(np.arange(s.shape[0]), s, bc_type=((1, v[0] * h), (1, v[-1] * h)))
+    return np.asarray(made.c[::-1] / h ** np.arange(4)[:, None, None])
+
+
 def zebra(table: Table) -> np.ndarray:
     """Quintic and straight segments in turn, the last one straight; a quintic has the slopes of its straight neighbours, and no
     acceleration at its ends (ISG kernel; that is inferred)."""
@@ -82,6 +91,8 @@ class Interpolation:
     through   how many of value, velocity and acceleration it runs through; needs: how many of them it is made of
     derivatives  how many of them it has
     jump      largest error of the value that one row at a jump of velocity or of acceleration leaves, by h|Δv| and h²|Δa|
+    reach     of what runs through all rows: beyond so many of them on either side a piece takes no notice; of_equal: the coefficients of
+              tables of so many rows
     """
 
     coefficients: Callable[[Table], np.ndarray]
@@ -90,13 +101,15 @@ class Interpolation:
     needs: int
     derivatives: int = 3
     jump: tuple[float, float] = (0.0, 0.0)
+    reach: int = 0
+    of_equal: Callable[[np.ndarray, np.ndarray], np.ndarray] = spline_of_equal
 
 
 KINDS: Mapping[str, Interpolation] = MappingProxyType(
     {
         "linear": Interpolation(linear, 2, 1, 1, 2, (0.25, 0.125)),
         "cubic-hermite": Interpolation(cubic_hermite, 4, 2, 2, 3, (4.0 / 27.0, 0.01615)),
-        "clamped-spline": Interpolation(clamped_spline, 4, 1, 2, 3, (0.25, 0.125)),
+        "clamped-spline": Interpolation(clamped_spline, 4, 1, 2, 3, (0.25, 0.125), REACH),
         "quintic-hermite": Interpolation(quintic_hermite, 6, 3, 3, 3, (16.0 / 81.0, 0.01728)),
         "zebra": Interpolation(zebra, 2, 1, 1, 3, (0.25, 0.125)),
     }

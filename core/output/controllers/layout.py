@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import field
-from itertools import chain, cycle, islice
+from itertools import chain, islice
 
 import numpy as np
 
@@ -26,7 +26,7 @@ class FileTable:
 
     master, slave, velocity, acceleration  (n,) of its rows, in the units of the file, what is normalised multiplied out; None where
                it has no such column. Velocity and acceleration are by the master
-    end_slopes  of a clamped spline, likewise
+    end_slopes  of a clamped spline, likewise; the first and the last velocity where the file states none
     word       the interpolation, where the file says it
     name       what the file calls the table
     """
@@ -55,12 +55,13 @@ def decimals_of(row: Controller, values: np.ndarray) -> int:
 
 def rounding_of(row: Controller, values: np.ndarray) -> float:
     """By how much a column (n,) is off, at most, when it is written."""
-    return 0.5 * 10.0 ** -decimals_of(row, values)
+    return 0.5 * row.unit * 10.0 ** -decimals_of(row, values / row.unit)
 
 
 def rounded(row: Controller, values: np.ndarray) -> np.ndarray:
     """A column (n,) as it will be read."""
-    return np.array([float(_text(row, value, decimals_of(row, values), ".")) for value in values.tolist()])
+    counts = values / row.unit
+    return np.asarray(np.round(counts, decimals_of(row, counts)) * row.unit)
 
 
 def _text(row: Controller, value: float, decimals: int, mark: str) -> str:
@@ -95,7 +96,7 @@ def written(row: Controller, table: FileTable, name: str, interpolation: str) ->
     first = next(lines)
     if count * (len(first) + len(row.between[0])) > BYTES:
         raise KindynaError(f"{row.slug}: {count} rows make more than {BYTES / 1e6:g} MB; allow fewer rows")
-    between = islice(cycle(row.between), count - 1)
+    between = islice(row.gaps(), count - 1)
     body = "".join(chain.from_iterable(zip(chain([first], lines), chain(between, [""]), strict=True)))
     text = template.filled(row.header, places) + body + template.filled(row.footer, places)
     try:
@@ -108,7 +109,7 @@ def _columns(row: Controller, table: FileTable) -> tuple[dict[str, np.ndarray], 
     """The columns as written, and the numbers of header and footer."""
     master, slave = table.master, table.slave
     start, end = table.range or (float(master[0]), float(master[-1]))
-    x0, x1, y0, y1 = 0.0, 1.0, 0.0, 1.0
+    x0, x1, y0, y1 = 0.0, row.unit, 0.0, row.unit
     if row.normalised:
         x0, x1 = start, end - start
         y0, y1 = float(slave.min()), float(np.ptp(slave)) or 1.0
@@ -116,7 +117,14 @@ def _columns(row: Controller, table: FileTable) -> tuple[dict[str, np.ndarray], 
             y0, y1 = float(slave[0]), float(slave[-1] - slave[0])
             if abs(y1) <= 1e-9 * float(np.ptp(slave)):
                 raise KindynaError(
-                    f"{row.slug}: its last row is 1, 1, so the slave must not end where it starts; allowed: a slave that advances"
+                    f"{row.slug}: its last row is 1, 1, so the slave must not end where it starts; allowed: a slave that advances, "
+                    "or --segment N, one that rises or falls"
+                )
+            back = np.flatnonzero(np.diff(slave) / y1 < -1e-12)
+            if back.size:
+                raise KindynaError(
+                    f"{row.slug}: its rows ascend from 0 to 1, and the slave goes back at "
+                    f"{master[back[0]] / (end - start):.4g} of the master; allowed: --segment N, one that rises or falls throughout"
                 )
     columns = {
         "index": np.arange(1, slave.size + 1),
@@ -131,19 +139,29 @@ def _columns(row: Controller, table: FileTable) -> tuple[dict[str, np.ndarray], 
         "master_factor": x1, "master_offset": x0, "slave_factor": y1, "slave_offset": y0,
         "start_slope": table.end_slopes[0] * x1 / y1, "end_slope": table.end_slopes[1] * x1 / y1,
     }  # fmt: skip
-    return {key: values for key, values in columns.items() if key in row.columns and values is not None}, header
+    made = {key: values for key, values in columns.items() if key in row.columns and values is not None}
+    for key, values in made.items():
+        if row.integer and float(np.abs(values).max()) > LARGEST_COUNT:
+            raise KindynaError(
+                f"{row.slug}: {key} reaches {float(np.abs(values).max()):.6g}; allowed: integers of 32 bits, up to +-{LARGEST_COUNT}: "
+                f"choose a smaller {'--master-per-turn' if key == 'master' else '--slave-scale'}"
+            )
+    return made, header
 
 
 def _texts(row: Controller, key: str, values: np.ndarray) -> list[str]:
     if key == "index":
         return [str(i) for i in values.tolist()]
-    if row.integer and float(np.abs(values).max()) > LARGEST_COUNT:
-        raise KindynaError(
-            f"{row.slug}: {key} reaches {float(np.abs(values).max()):.6g}; allowed: integers of 32 bits, up to +-{LARGEST_COUNT}: "
-            f"choose a smaller {'--master-per-turn' if key == 'master' else '--slave-scale'}"
-        )
     decimals = decimals_of(row, values)
     return [_text(row, value, decimals, row.decimal) for value in values.tolist()]
+
+
+def as_read(row: Controller, table: FileTable, turn: float) -> FileTable:
+    """What ``read`` finds in the file that ``written`` makes, without it."""
+    columns, header = _columns(row, table)
+    rounded_columns = {key: np.round(values, decimals_of(row, values)) for key, values in columns.items()}
+    stated = {key: repr(value) for key, value in header.items() if f"{{{key}}}" in row.header + row.footer}
+    return _table(row, rounded_columns, stated, turn)
 
 
 # -- reading -----------------------------------------------------------------------------------------------
@@ -181,8 +199,8 @@ def _table(row: Controller, columns: Mapping[str, np.ndarray], places: Mapping[s
     def stated(key: str, usual: float) -> float:
         return _value(places[key]) if key in places else usual
 
-    x0, x1 = stated("master_offset", 0.0), stated("master_factor", turn if row.normalised else 1.0)
-    y0, y1 = stated("slave_offset", 0.0), stated("slave_factor", 1.0)
+    x0, x1 = stated("master_offset", 0.0), stated("master_factor", turn if row.normalised else row.unit)
+    y0, y1 = stated("slave_offset", 0.0), stated("slave_factor", 1.0 if row.normalised else row.unit)
     count = columns["slave"].size
     if "master" in columns:
         master = x0 + x1 * columns["master"]
@@ -196,8 +214,9 @@ def _table(row: Controller, columns: Mapping[str, np.ndarray], places: Mapping[s
         raise KindynaError(
             f"{row.slug}: row {place}: the master does not rise, {master[place - 1]:g}; allowed: more than the row before"
         )
-    slopes = stated("start_slope", 0.0) * y1 / x1, stated("end_slope", 0.0) * y1 / x1
     v, a = columns.get("velocity"), columns.get("acceleration")
+    first, last = (0.0, 0.0) if v is None else (float(v[0]), float(v[-1]))
+    slopes = stated("start_slope", first) * y1 / x1, stated("end_slope", last) * y1 / x1
     return FileTable(
         master, y0 + y1 * columns["slave"],
         None if v is None else v * y1 / x1, None if a is None else a * y1 / x1**2,
@@ -311,17 +330,17 @@ def _rows(row: Controller, text: str, begin: int, end: int, places: dict[str, st
     pattern = re.compile(r"\s*" + _pattern(row, row.row) + r"[ \t]*")
     if row.separator.strip() == "":
         pattern = re.compile(pattern.pattern.replace(r"\	", r"[ \t]+"))
-    mark = "".join(dict.fromkeys("".join(row.between))).strip()
     found: dict[str, list[float]] = {name: [] for name in row.columns}
-    for match in _matches(row, pattern, body, mark, text.count("\n", 0, begin) + 1):
+    for match in _matches(row, pattern, body, text.count("\n", 0, begin) + 1):
         for name, values in found.items():
             values.append(_value(match[name]))
         places |= {name: text for name, text in match.groupdict().items() if name not in found}
     return {name: np.array(values) for name, values in found.items()}
 
 
-def _matches(row: Controller, pattern: re.Pattern[str], body: str, mark: str, line: int) -> Iterator[re.Match[str]]:
-    place, end, count, between = 0, len(body.rstrip()), 0, re.compile(r"\s*+" + re.escape(mark))
+def _matches(row: Controller, pattern: re.Pattern[str], body: str, line: int) -> Iterator[re.Match[str]]:
+    mark = _between(row)
+    place, end, count, between = 0, len(body.rstrip()), 0, re.compile(rf"\s*+(?:{mark})")
     while place < end:
         match = pattern.match(body, place)
         at = _behind(_SPACE, body, place)
@@ -344,10 +363,16 @@ def _matches(row: Controller, pattern: re.Pattern[str], body: str, mark: str, li
             )
 
 
+def _between(row: Controller) -> str:
+    """What stands between two rows, but for blanks, as a regular expression; empty where it is a new line."""
+    texts = dict.fromkeys(text.strip() for text in (row.first_between or "", *row.between))
+    return "|".join(r"\s*+".join(map(re.escape, text.split())) for text in sorted(texts, key=len, reverse=True) if text)
+
+
 def _behind(pattern: re.Pattern[str], text: str, at: int) -> int:
     """Where a pattern that stands at a place ends; that place where it does not."""
     match = pattern.match(text, at)
     return at if match is None else match.end()
 
 
-__all__ = ["FileTable", "decimals_of", "read", "rounded", "rounding_of", "steps", "written"]
+__all__ = ["FileTable", "as_read", "decimals_of", "read", "rounded", "rounding_of", "steps", "written"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from fractions import Fraction
 from functools import cached_property
 
 import numpy as np
@@ -15,8 +16,8 @@ from core.numerics.cancellation import checkpoint
 from core.output.controllers.cycle import Cycle, cycle
 from core.output.controllers.deviation import QUANTITIES, Deviation, largest, table_at
 from core.output.controllers.interpolation import KINDS, Table
-from core.output.controllers.layout import FileTable, read, rounded, rounding_of, steps, written
-from core.output.controllers.placement import HAIR, Placer
+from core.output.controllers.layout import FileTable, as_read, read, rounded, rounding_of, steps, written
+from core.output.controllers.placement import CERTAIN, HAIR, Placer, equal
 from core.output.controllers.request import EQUAL, PLACED, Request
 from core.output.controllers.row import UNKNOWN, Controller
 from core.output.controllers.slave import NEAR, TURN, Slave
@@ -26,6 +27,8 @@ NOT_PUBLISHED = "not certified: how this controller interpolates is not publishe
 TRIES, MISSED = 8, 1e-3
 USUAL_POINTS = 361  # of what cannot be certified, where nobody says
 ORDERS = ("displacement", "velocity", "acceleration")
+SAID = ("position", *ORDERS[1:])
+OPTIONS = ("--error", "--velocity-error", "--acceleration-error")
 
 
 @frozen
@@ -113,6 +116,11 @@ class _Maker:
             raise KindynaError(f"--points {request.points}: {row.slug} takes {row.rows[0]} ... {row.rows[1]} rows")
         if not self.certified and (request.error or request.velocity_error or request.acceleration_error):
             raise KindynaError(f"--error: {NOT_PUBLISHED}; allowed: --points N" + self._others())
+        if request.segment is not None and not row.last_is_one:
+            raise KindynaError(
+                f"--segment {request.segment}: {row.slug} takes the whole turn; "
+                "allowed: a controller whose file is one segment, such as inventor"
+            )
         derivatives = KINDS[self.kind].derivatives if self.certified else 3
         if derivatives < 3 and math.isfinite(self.limits[2]):
             raise KindynaError(
@@ -132,19 +140,17 @@ class _Maker:
         if not self.certified:
             return self._of(self._equal(self.request.points or min(USUAL_POINTS, self.most)))
         if self.request.points is not None:
-            return self._of(self._fixed(self.request.points))
-        self._require_digits()
+            return self._of(self._fixed(self.request.points, (math.inf,) * 3))
         return self._kept()
 
     # -- the rows -------------------------------------------------------------------------------------------
 
-    @property
-    def _hair(self) -> float:
-        """Between two rows that tell a jump: at least one count of the master."""
-        return max(HAIR, 2.0 * TURN / self.per_turn) if self.row.integer else HAIR
-
     def _placer(self, limits: tuple[float, ...], kinks: bool = False) -> Placer:
-        return Placer(self.slave, self.kind, limits, self._hair, self.placing == PLACED, kinks)
+        count = self.row.unit * TURN / self.per_turn if self.row.integer else 0.0
+        apart = self.row.least_step + count if self.row.least_step else 0.0  # whichever way both rows are rounded
+        return Placer(
+            self.slave, self.kind, limits, max(HAIR, 2.0 * count, apart), self.placing == PLACED, kinks, apart
+        )
 
     @property
     def _extra(self) -> int:
@@ -171,14 +177,15 @@ class _Maker:
         if self.row.step_units and count not in self._steps():
             allowed = ", ".join(str(each + 1 - self._extra) for each in self._steps())
             raise KindynaError(f"--points {rows}: {self.row.slug} takes steps of whole units; allowed: {allowed} rows")
-        return TURN * np.arange(count + 1) / count
+        return equal(count)
 
-    def _fixed(self, rows: int) -> np.ndarray:
+    def _fixed(self, rows: int, limits: tuple[float, ...]) -> np.ndarray:
+        """So many rows that err least, measured by these limits."""
         if self.placing == EQUAL:
             return self._equal(rows)
         tried = []
         for kinks in (False, True):
-            placer = self._placer((math.inf,) * 3, kinks)
+            placer = self._placer(limits, kinks)
             pieces = rows - 1 + self._extra - placer.hairs.size
             least = placer.parts.size - 1
             if self.kind == "zebra" and rows % 2:
@@ -189,20 +196,10 @@ class _Maker:
                 )
             if pieces >= least:
                 x = placer.x_of(placer.of_count(pieces))
-                tried.append((float(placer.error(x)), x))
+                tried.append((placer.root(x), x))
             if self.kind == "zebra":
                 break
         return min(tried, key=lambda each: each[0])[1]
-
-    def _require_digits(self) -> None:
-        """Raises KindynaError where an error is asked for that the file's digits cannot keep."""
-        least = self._rounding
-        if self.limits[0] <= 1.01 * least:
-            raise KindynaError(
-                f"--error {self.limits[0]:g}: below what the digits of {self.row.slug} can say; allowed: at least "
-                f"{rounded_up(1.2 * least, 2):g} {self.slave.unit}"
-                + ("" if not self.row.integer else ", or a larger --slave-scale")
-            )
 
     @cached_property
     def _rounding(self) -> float:
@@ -213,29 +210,46 @@ class _Maker:
         return rounding_of(self.row, column) / abs(self.request.slave_scale)
 
     def _kept(self) -> Ecam:
-        """The fewest rows whose file, read back, keeps the limits."""
+        """The fewest rows whose file, read back, keeps the limits. Raises KindynaError with the least that can be."""
         limits = np.array(self.limits)
         limits[0] -= self._rounding
-        found: Ecam | None = None
+        best: tuple[float, np.ndarray, Deviation] | None = None
         for i, x in enumerate(self._candidates(limits)):
             checkpoint()
-            found = self._of(x)
-            assert found.deviation is not None
-            reached = np.array(found.deviation.values)
-            wanted = np.array(self.limits)[: reached.size]
-            if (reached <= wanted).all():
-                return found
-            limits[: reached.size] *= np.where(reached > wanted, wanted / reached * (1.0 - MISSED * 2.0**i), 1.0)
-        raise KindynaError(self._too_many(found))
+            found = self._worth(x)
+            over = self._over(found)
+            if over.max() <= 1.0 and self._over((made := self._of(x)).deviation).max() <= 1.0:
+                return made
+            if best is None or over.max() < best[0]:
+                best = float(over.max()), x, found
+            if self.placing == PLACED:
+                limits[: over.size] /= np.where(over > 1.0, over * (1.0 + MISSED * 2.0**i), 1.0)
+        for x in self._bests():
+            found = self._worth(x)
+            most = float(self._over(found).max())
+            if best is not None and most >= best[0]:
+                break
+            best = most, x, found
+        assert best is not None, "there is one at least"
+        if best[0] <= 1.0 and self._over((made := self._of(best[1])).deviation).max() <= 1.0:
+            return made
+        raise KindynaError(self._refusal(*best[1:]))
+
+    def _over(self, found: Deviation | None) -> np.ndarray:
+        """The errors over their limits."""
+        assert found is not None
+        return np.array(found.values) / np.array(self.limits)[: len(found.values)]
 
     def _candidates(self, limits: np.ndarray) -> Iterator[np.ndarray]:
-        """Rows that should keep the limits, which fall while they do not."""
+        """Rows that should keep the limits, which may fall while they do not."""
+        if self.row.step_units:
+            yield from map(equal, self._steps())
+            return
+        if limits[0] <= 0.0:
+            return
         if self.placing == EQUAL:
-            steps = self._steps()
-            placer = self._placer(tuple(limits))
-            while (count := placer.least_equal(steps)) is not None:
-                yield TURN * np.arange(count + 1) / count
-                steps = steps[steps.index(count) + 1 :]
+            if self._best_equal[1] <= 1.0 + CERTAIN:
+                yield from map(equal, self._placer(tuple(limits)).keeping(self._steps()))
             return
         for _ in range(TRIES):
             placer = self._placer(tuple(limits))
@@ -249,33 +263,68 @@ class _Maker:
                 return
             yield best
 
-    def _too_many(self, found: Ecam | None) -> str:
-        """Why no number of rows keeps the limits."""
-        jumps = [each for each in self.slave.jumps[2:].T if each.any()]
-        if jumps and math.isfinite(self.limits[2]):
-            where = float(self.slave.edges[int(np.abs(self.slave.jumps[2]).argmax())])
-            size = float(np.abs(self.slave.jumps[2]).max())
-            return (
-                f"--acceleration-error {self.limits[2]:g}: the acceleration jumps by {size:.4g} {self.slave.unit}/deg² at {where:.6g} deg; "
-                "leave it out, or take a law without a jump"
-            )
-        best = self._of(self._best())
-        assert best.deviation is not None
-        reached = ", ".join(
-            f"{value:.3g} of the {what}"
-            for value, what in zip(best.deviation.values, ("position", *ORDERS[1:]), strict=False)
-        )
-        asked = ", ".join(f"{limit:g}" for limit in self.limits if math.isfinite(limit))
-        return f"--error {asked}: takes more than the {self.most} rows of {self.row.slug}; with that many the least error is {reached}"
-
-    def _best(self) -> np.ndarray:
+    def _bests(self) -> Iterator[np.ndarray]:
+        """Rows that err least, measured by the limits; then half as many and so on, for as long as the digits of more rows are what errs
+        more."""
+        if self.row.step_units:
+            return  # all have been tried
         if self.placing == EQUAL:
-            count = self._steps()[-1]
-            return TURN * np.arange(count + 1) / count
+            count, fewest = self._best_equal[0], self._steps()[0]
+            while count >= fewest:
+                yield equal(count)
+                count //= 2
+            return
         rows = self.most - (self.most % 2 if self.kind == "zebra" else 0)
-        return self._fixed(rows)
+        yield self._fixed(rows, self.limits)
+
+    @cached_property
+    def _best_equal(self) -> tuple[int, float]:
+        return self._placer(self.limits).best_equal(self._steps())
+
+    def _refusal(self, x: np.ndarray, least: Deviation) -> str:
+        """What of the limits no rows keep, the least that can be, and what holds it."""
+        symbol = "deg" if self.slave.unit == "deg" else self.slave.unit
+        units = (symbol, f"{symbol}/deg", f"{symbol}/deg²")
+        lines = []
+        for k, over in enumerate(self._over(least).tolist()):
+            if over > 1.0:
+                value, limit = f"{rounded_up(least.values[k], 4):g} {units[k]}", self.limits[k]
+                lines.append(
+                    f"{OPTIONS[k]} {limit:g}: {self.row.slug} cannot keep it; the least error of the {SAID[k]} is {value}, at "
+                    f"{least.at_deg[k]:.6g} deg, held by {self._holds(x, k, least, units)}; allowed: at least {value}"
+                )
+        return "\n".join(lines)
+
+    def _holds(self, x: np.ndarray, order: int, least: Deviation, units: tuple[str, ...]) -> str:
+        """What keeps an error from being less than that of rows at angles x (n,) [deg]."""
+        place, at = int(np.clip(np.searchsorted(x, least.at_deg[order]), 1, x.size - 1)), least.at_deg[order]
+        step, edges = float(x[place] - x[place - 1]), self.slave.edges[:-1]
+        on_rows = self.placing == PLACED and self.kind not in ("zebra", "clamped-spline")
+        reach = self._placer(self.limits).hair if on_rows else 1.01 * step
+        near = np.flatnonzero(self.slave.jumps.any(axis=0) & (np.abs(edges - at) <= reach))
+        if near.size:
+            i = int(near[0])
+            jumping = int(np.flatnonzero(self.slave.jumps[:, i])[0])
+            size = abs(float(self.slave.jumps[jumping, i]))
+            told = f"the jump of the {SAID[jumping]} by {size:.4g} {units[jumping]} at {edges[i]:.6g} deg"
+            if order == 0 and jumping:
+                share = Fraction(KINDS[self.kind].jump[jumping - 1]).limit_denominator(99)
+                told += f", which at the step {step:.3g} deg leaves up to about {share} h{'²' * (jumping - 1)}|Δ{'va'[jumping - 1]}|"
+            return told
+        if order == 0 and least.values[0] <= 3.0 * self._rounding:
+            return "the digits of its numbers" + (": choose a larger --slave-scale" if self.row.integer else "")
+        return f"its {self.most} rows"
 
     # -- the file -------------------------------------------------------------------------------------------
+
+    def _worth(self, x: np.ndarray) -> Deviation:
+        """The certificate of rows at angles x (n,) [deg], both ends of the turn among them, as their file will be read."""
+        found = as_read(self.row, self._file(table_at(self.slave, self._on_units(x))), self.per_turn)
+        return largest(self.slave, self.kind, self._back(found))
+
+    def _back(self, found: FileTable) -> Table:
+        request = self.request
+        return read_back(self.row, found, self.per_turn, request.slave_scale, request.slave_offset, self.slave.advance)
 
     def _of(self, x: np.ndarray) -> Ecam:
         """The file of rows at angles x (n,) [deg], both ends of the turn among them, and what it is worth."""
@@ -283,12 +332,12 @@ class _Maker:
         table = table_at(self.slave, x)
         content = written(self.row, self._file(table), self.name, self.kind)
         found = read(self.row, content, self.per_turn)
-        request = self.request
-        back = read_back(self.row, found, self.per_turn, request.slave_scale, request.slave_offset, self.slave.advance)
+        back = self._back(found)
         deviation = largest(self.slave, self.kind, back) if self.certified else None
         count = found.slave.size
         return Ecam(
-            self.row, self.kind, self.slave, content, back, count, deviation, tuple(self._jumps(x)), self.speed, request, self.placing,
+            self.row, self.kind, self.slave, content, back, count, deviation, tuple(self._jumps(x)), self.speed, self.request,
+            self.placing,
         )  # fmt: skip
 
     def _on_units(self, x: np.ndarray) -> np.ndarray:
@@ -306,6 +355,10 @@ class _Maker:
                 f"{apart}{', or the turn is no whole number' if ends > NEAR else ''}; choose a larger one"
             )
         made[-1] = TURN
+        if self.row.least_step and (closest := float(np.diff(made).min())) < self.row.least_step - NEAR:
+            raise KindynaError(
+                f"{self.row.slug}: two rows stand {closest:.3g} deg apart; allowed: at least {self.row.least_step:g} deg"
+            )
         return made
 
     def _file(self, table: Table) -> FileTable:

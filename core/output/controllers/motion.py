@@ -45,15 +45,21 @@ def motion_of(row: Controller, data: bytes, interpolation: str | None = None, un
     """The motion of a file, a turn of its master being 360°. Raises KindynaError where it is none, or does not begin at 0."""
     found = read(row, data)
     words = {word: name for name, word in row.words.items()}
+    if found.word and found.word not in words:
+        raise KindynaError(f"{row.slug}: {found.word} between its rows; allowed: {' | '.join(words)}")
     kind = row.chosen(interpolation or words.get(found.word))
+    if kind == "zebra" and found.slave.size % 2:
+        raise KindynaError(f"{row.slug}: {found.slave.size} rows; allowed: an even number, segments in pairs")
     per_turn = _turn(row, found)
     table = read_back(row, found, per_turn)
     if abs(table.x[0]) > 1e-9 or abs(table.x[-1] - TURN) > 1e-6:
         raise KindynaError(
             f"{row.slug}: the master runs from {table.x[0]:.9g} to {table.x[-1]:.9g} deg; allowed: from 0, one turn"
         )
-    segments = _polynomials(kind, table) if kind in POLYNOMIALS else _pairs(table, kind)
-    return ReadMotion(row, kind, found.slave.size, Motion(float(table.states[0, 0]), segments, unit))
+    gain = float(table.states[0, -1] - table.states[0, 0])
+    gain = gain if abs(gain) > 1e-9 else 0.0
+    segments = _polynomials(kind, table, gain) if kind in POLYNOMIALS else _pairs(table, kind, gain)
+    return ReadMotion(row, kind, found.slave.size, Motion(float(table.states[0, 0]), segments, unit, gain or None))
 
 
 def _turn(row: Controller, found: FileTable) -> float:
@@ -63,13 +69,13 @@ def _turn(row: Controller, found: FileTable) -> float:
     return TURN
 
 
-def _polynomials(kind: str, table: Table) -> tuple[Segment, ...]:
+def _polynomials(kind: str, table: Table, gain: float) -> tuple[Segment, ...]:
     h, coefficients = np.diff(table.x), KINDS[kind].coefficients(table)
     starts, ends = evaluated(coefficients, np.zeros(h.size)), evaluated(coefficients, h)
     rises = np.diff(table.states[0])
     made = []
     for span, rise, a, b in zip(
-        _closing(h, TURN), _closing(rises, 0.0), starts.T.tolist(), ends.T.tolist(), strict=True
+        _closing(h, TURN), _closing(rises, gain), starts.T.tolist(), ends.T.tolist(), strict=True
     ):
         made.append(Segment(span, rise, PolynomialCurve(PolynomialEnd(a[1], a[2]), PolynomialEnd(b[1], b[2]))))
     return tuple(made)
@@ -84,9 +90,8 @@ def _closing(values: np.ndarray, total: float) -> list[float]:
     return made
 
 
-def _pairs(table: Table, kind: str) -> tuple[Segment, ...]:
+def _pairs(table: Table, kind: str, rise: float) -> tuple[Segment, ...]:
     values = table.states[0] - table.states[0, 0]
-    rise = float(values[-1]) if abs(values[-1]) > 1e-9 else 0.0
     values[-1] = rise
     slopes: list[Any] = [None] * values.size
     if kind == "clamped-spline":

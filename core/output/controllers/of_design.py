@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from core.design import Design, only
+from core.errors import KindynaError
 from core.output.channels import channels
 from core.output.controllers.request import Request
 from core.output.controllers.slave import MOTION, Placing, Slave, positions, slave
@@ -17,8 +18,11 @@ def slave_of(design: Design, drive: str, request: Request) -> tuple[Slave, str, 
     """
     number = number_of(design, drive)
     single = only(design, number)
+    if request.segment is not None and request.shift_deg:
+        raise KindynaError("--shift: a segment alone begins where it begins; allowed: --shift, or --segment")
     shift = request.shift_deg + design.drives[number].phase_deg
-    return slave(Study(single), request.of, Placing(shift, request.reverse)), single.name, single.speed_rpm
+    placed = slave(Study(single), request.of, Placing(shift, request.reverse), request.segment)
+    return placed, single.name, single.speed_rpm
 
 
 def slaves_of(design: Design, drive: str) -> dict[str, str]:

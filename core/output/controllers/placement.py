@@ -2,29 +2,35 @@
 
 Between two joins the error of a piece of length h falls as h^k. Rows are placed where the k-th root of the error is the same in every
 piece (de Boor's equidistribution, with the measured error of each piece): then the largest is least for that count. Equal steps are
-tried all upwards, for there the error is not monotone in their number.
+tried all upwards, for there the error is not monotone in their number; where one fails, that place is looked at for all others at once.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from bisect import bisect_left
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 import numpy as np
 
 from core.numerics.cancellation import checkpoint
-from core.output.controllers.deviation import piece_errors
+from core.output.controllers.deviation import errors_near, piece_errors
 from core.output.controllers.interpolation import KINDS
-from core.output.controllers.slave import TURN, Slave
+from core.output.controllers.slave import NEAR, TURN, Slave
 
 HAIR = 1e-3  # [deg] between two rows that tell both sides of a jump
 NOISE = 1e-13  # of the largest value: errors below it are rounding
-FEW, FINE = 64, 256  # pieces
+FEW, FINE, LARGE = 64, 256, 2000  # pieces
 FLOOR = 1e-3  # of the mean root of the errors: a piece without any still counts so much
 CELLS = {2: 256, 4: 96, 6: 40}  # of a part that the first placing rests on, by the order
-PASSES = 12
+PASSES, PASSES_LARGE = 12, 3
 EVEN = 1.005  # the largest root of an error over the mean one: good enough
-BLOCK = 64  # counts of equal steps tried at once
+BLOCK = 64  # counts of equal steps tried at once, then twice as many ...
+PLACES = 24  # ... at the last so many places where one failed
+SURELY = 0.9  # of the pieces that the errors of a fine mesh call for: fewer never do
+SEVERAL, GROWTH = 64, 1.25
+CERTAIN = 2e-4  # of an error: what samples may miss or add ...
+ROUGHLY = 1.15  # ... and coarse ones
 ALL = np.inf
 
 
@@ -34,7 +40,8 @@ class Placer:
     limits  of the errors of value, velocity and acceleration [unit, per degree]; inf where there is none. Of all inf the value's
             error is what is made least
     kinks   rows stand where only the jerk jumps, too, which many rows are better for
-    hairs   angles [deg] at which two rows stand a hair apart
+    hairs   angles [deg] at which two rows stand a hair apart; hair: how far that is
+    apart   least distance of two rows [deg]
     """
 
     def __init__(
@@ -45,6 +52,7 @@ class Placer:
         hair: float = HAIR,
         free: bool = True,
         kinks: bool = False,
+        apart: float = 0.0,
     ) -> None:
         self.slave, self.kind, self.row = slave, kind, KINDS[kind]
         self.orders = max((k + 1 for k, limit in enumerate(limits) if limit < ALL), default=1)
@@ -56,7 +64,7 @@ class Placer:
         jumping = slave.jumps[: self.row.through].any(axis=0)
         jumping[0] = False  # both ends of the turn have rows of their own
         self.hairs = slave.edges[:-1][jumping] if free and kind != "zebra" else np.zeros(0)
-        self._hair = hair
+        self.hair, self._apart = hair, apart
         self._first: tuple[list[np.ndarray], list[np.ndarray]] | None = None
         self._many: tuple[list[np.ndarray], list[np.ndarray]] | None = None
 
@@ -67,14 +75,14 @@ class Placer:
         if not self.hairs.size:
             return knots
         kept = knots[~np.isin(knots, self.hairs)]
-        return np.sort(np.concatenate((kept, self.hairs - 0.5 * self._hair, self.hairs + 0.5 * self._hair)))
+        return np.sort(np.concatenate((kept, self.hairs - 0.5 * self.hair, self.hairs + 0.5 * self.hair)))
 
     def roots(self, knots: np.ndarray) -> np.ndarray:
         """Of each piece between knots (n,) the largest root of an error over its limit: at most 1 where all are kept."""
         x = self.x_of(knots)
         errors = piece_errors(self.slave, self.kind, x, self.orders)
         if self.hairs.size:
-            errors = errors[:, ~np.isin(x[:-1], self.hairs - 0.5 * self._hair)]
+            errors = errors[:, ~np.isin(x[:-1], self.hairs - 0.5 * self.hair)]
         if self.kind == "zebra":
             errors = np.maximum(errors, np.roll(errors, 1, axis=1))
         return self._root(errors)
@@ -112,6 +120,7 @@ class Placer:
     def balanced(self, counts: np.ndarray, passes: int = PASSES) -> tuple[np.ndarray, np.ndarray]:
         """Knots with so many pieces in each part (p,), and the largest root of each part (p,)."""
         mesh, sums = (list(each) for each in self._reference())
+        passes = min(passes, PASSES_LARGE) if counts.sum() > LARGE else passes
         best: list[np.ndarray] = [np.zeros(0)] * len(mesh)
         worst = np.full(len(mesh), np.inf)
         for _ in range(passes):
@@ -135,15 +144,29 @@ class Placer:
             np.interp(np.arange(n + 1) / n * s[-1], s, at) for n, s, at in zip(counts.tolist(), sums, mesh, strict=True)
         ]
         for each, a, b in zip(made, self.parts[:-1], self.parts[1:], strict=True):
-            each[1:-1] += self._hair * (1.0 - 2.0 * (each[1:-1] - a) / (b - a))  # inside of the rows that tell a jump
+            each[1:-1] += self.hair * (1.0 - 2.0 * (each[1:-1] - a) / (b - a))  # inside of the rows that tell a jump
             each[0], each[-1] = a, b
+            spare = b - a - (each.size - 1) * self._apart
+            if self._apart and spare > 0.0:
+                free = np.maximum(np.diff(each) - self._apart, 0.0)
+                each[1:-1] = a + np.cumsum(self._apart + free[:-1] * spare / free.sum())
         return made
+
+    @property
+    def _hair_root(self) -> float:
+        """The same of the pieces of a hair's breadth, whatever stands elsewhere."""
+        if not self.hairs.size:
+            return 0.0
+        x = np.sort(np.concatenate((self.hairs - 0.5 * self.hair, self.hairs + 0.5 * self.hair)))
+        return float(self._root(piece_errors(self.slave, self.kind, x, self.orders)[:, ::2]).max())
 
     def least(self, most: int) -> np.ndarray | None:
         """The fewest knots that keep the limits; None where that takes more than ``most`` rows."""
         if self.kind == "zebra":
             return self._least_zebra(most)
         _, sums = self._reference()
+        if SURELY * sum(float(total[-1]) for total in sums) > most or self._hair_root > 1.0:
+            return None
         low = np.zeros(len(sums), dtype=int)  # too few
         high = np.full(len(sums), -1)  # enough
         counts = np.maximum(np.ceil([0.98 * total[-1] for total in sums]), 1).astype(int)
@@ -210,45 +233,75 @@ class Placer:
         """The same of rows at angles x (n,) [deg]."""
         return np.asarray(piece_errors(self.slave, self.kind, x, self.row.derivatives).max(axis=1))
 
-    def error(self, x: np.ndarray) -> float:
-        """The largest error of the value of rows at angles x (n,) [deg]."""
-        return float(piece_errors(self.slave, self.kind, x).max())
+    def root(self, x: np.ndarray) -> float:
+        """The largest root of an error over its limit of rows at angles x (n,) [deg]."""
+        return float(self._root(piece_errors(self.slave, self.kind, x, self.orders)).max())
 
     # -- equal ----------------------------------------------------------------------------------------------
 
-    def least_equal(self, steps: Sequence[int]) -> int | None:
-        """The first of these numbers of equal steps, in rising order, that keeps the limits; None where none does. What fails at a
-        place that failed before is not looked at any further."""
-        critical: list[float] = []
-        steps = list(steps)
-        for first in range(0, len(steps), BLOCK):
+    def keeping(self, steps: Sequence[int]) -> Iterator[int]:
+        """Of these numbers of equal steps, in rising order, all that seem to keep the limits. After some, whose files all have not kept
+        them, it is the digits that err, and fewer are tried."""
+        first, size, tried = 0, BLOCK, 0
+        places: list[float] = []
+        while first < len(steps):
             checkpoint()
-            block = np.array(steps[first : first + BLOCK])
-            if KINDS[self.kind].coefficients is not KINDS["clamped-spline"].coefficients:
-                for place in critical:
-                    block = block[self._keeps(block, place)]
-            for count in block.tolist():
-                if critical and count > steps[0] and not self._keeps(np.array([count]), critical[-1])[0]:
+            block = np.array(steps[first : first + size])
+            first, size = first + size, 2 * size
+            for place in places[-PLACES:]:
+                block = block[self._roots_near(block, place, 1.0) <= 1.0 + CERTAIN]
+            while block.size:
+                count, block = int(block[0]), block[1:]
+                root, place = self.root_of(count)
+                if root <= 1.0 + CERTAIN:
+                    yield count
+                    tried += 1
+                    if tried > SEVERAL:
+                        first = bisect_left(steps, int(GROWTH * count) + 1)
+                        break
                     continue
-                x = equal(count)
-                roots = self.roots(x)
-                worst = int(np.argmax(roots))
-                if roots[worst] <= 1.0:
-                    return int(count)
-                critical.append(float(0.5 * (x[worst] + x[worst + 1])))
-                critical = critical[-24:]
-        return None
+                block = block[self._roots_near(block, place, 1.0) <= 1.0 + CERTAIN]
+                places = [*(each for each in places if each != place), place]
 
-    def _keeps(self, counts: np.ndarray, place: float) -> np.ndarray:
-        """Which of some numbers of equal steps (n,) keep the limits in the piece where an angle lies."""
-        if not counts.size or self.kind == "clamped-spline":
-            return np.ones(counts.size, dtype=bool)
-        row = np.floor(place / TURN * counts)
-        a, b = TURN * row / counts, TURN * (row + 1) / counts
-        ends = np.array([a, b])
-        # pieces that need not join, one behind the other: what runs from one to the next nobody looks at
-        errors = piece_errors(self.slave, self.kind, ends.T.ravel(), self.orders)[:, ::2]
-        return np.asarray(self._root(errors) <= 1.0)
+    def best_equal(self, steps: Sequence[int]) -> tuple[int, float]:
+        """The one of these numbers of equal steps whose largest root is least, and that root; of those that keep the limits any."""
+        few = [count for count in steps[:-1] if count <= 2 * self.row.reach]
+        counts = np.array(steps[len(few) : -1])
+        bound, seen = np.zeros(counts.size), set()
+        (top, place), best = self.root_of(steps[-1]), steps[-1]
+        for count in few if top > 1.0 else ():
+            top, best = min((top, best), (self.root_of(count)[0], count))
+        while counts.size and top > 1.0:
+            checkpoint()
+            if place not in seen:
+                bound = np.maximum(bound, self._roots_near(counts, place, top))
+                seen.add(place)
+            counts, bound = (each[bound < (1.0 - CERTAIN) * top] for each in (counts, bound))
+            if counts.size:
+                likely = int(np.argmin(bound))
+                count, bound[likely] = int(counts[likely]), np.inf
+                root, place = self.root_of(count)
+                top, best = min((top, best), (root, count))
+        return best, top
+
+    def root_of(self, steps: int) -> tuple[float, float]:
+        """The largest root of so many equal steps, and an angle [deg] near which others are likely to err most."""
+        x = equal(steps)
+        roots = self.roots(x)
+        worst = int(np.argmax(roots))
+        edges = self.slave.edges[1:-1]
+        within = edges[(edges > x[worst] - NEAR) & (edges < x[worst + 1] + NEAR)]
+        return float(roots[worst]), float(within[0] if within.size else 0.5 * (x[worst] + x[worst + 1]))
+
+    def _roots_near(self, steps: np.ndarray, place: float, level: float) -> np.ndarray:
+        """Of each number of equal steps (k,) the root of the piece in which an angle lies, coarsely where it is above a level; 0 where they
+        are too few to say."""
+        roots, kept = np.zeros(steps.size), np.flatnonzero(steps > 2 * self.row.reach)
+        for coarse in (True, False):
+            if kept.size:
+                roots[kept] = self._root(errors_near(self.slave, self.kind, steps[kept], place, self.orders, coarse))
+                kept = kept[roots[kept] <= ROUGHLY * level]
+        return roots
 
 
 def equal(steps: int) -> np.ndarray:

@@ -62,12 +62,16 @@ class Request:
         metavar="A",
     )
     slave_offset: float = asked(number("Slave's offset", default=0.0, help="in the file's unit"), metavar="B")
-    reverse: bool = flag("Run backwards", help="the motion of 360° less the master's angle")
+    reverse: bool = flag("Run backwards", help="the motion at minus the master's angle")
     shift_deg: float = asked(
         number("Shift", -3600.0, 3600.0, default=0.0, help="the motion begins so many degrees later"),
         "--shift",
         metavar="DEG",
     )
+    segment: int | None = asked(
+        whole("Segment", 1, 10**6, default=None, help="this segment alone, counted from 1, where a file is one segment"),
+        usual="the whole turn", metavar="N",
+    )  # fmt: skip
     of: str = typed(
         "what the slave does: motion, or the column of a position, such as link4_deg", default=MOTION, metavar="CHANNEL"
     )

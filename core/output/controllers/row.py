@@ -5,8 +5,9 @@ from __future__ import annotations
 import os
 import re
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, field, fields
+from itertools import chain, cycle
 from pathlib import Path
 from typing import Any
 
@@ -46,16 +47,18 @@ class Controller:
     interpolation  what it can be set to run between two rows, the usual first; interpolation_asked: none is usual
     words          interpolation -> the word that stands for {interpolation} in the file
     columns        of a row; equidistant tables have no master
-    header, row, footer  texts with places in braces; between: what stands between two rows, of several one after the other
+    header, row, footer  texts with places in braces; between: what stands between two rows, of several one after the other;
+                   first_between: between the first two, where that is something else
     comment        what begins a comment that its reader skips
     decimal        mark; point: a whole number has it too, as in 12.0
-    digits         of the largest number of a column, all others to as many decimals; integer: none after the mark
+    digits         of the largest number of a column, all others to as many decimals; integer: none after the mark; unit: what 1 counts, of
+                   the master and of the slave
     equal_steps    the master advances by equal steps; step_units: whole steps that are allowed
     closes         the last row of a periodic table is the end of the turn, which is its start again
     first_row, last_row  where they stand: "start" | "one-step" after it, "end" | "before-end" by one step
     open           what no source states
     normalised     master and slave 0...1; last_is_one: so divided that the last row is 1, 1
-    rows           least and most
+    rows           least and most; least_step: the master advances by as much at least [deg]
     """
 
     slug: str
@@ -66,6 +69,7 @@ class Controller:
     source: str = ""
     header: str = ""
     between: tuple[str, ...] = ("\n",)
+    first_between: str | None = None
     footer: str = ""
     words: Mapping[str, str] = field(default_factory=dict, compare=False)
     interpolation_asked: bool = False
@@ -76,6 +80,7 @@ class Controller:
     encoding: str = "utf-8"
     digits: int = 9
     integer: bool = False
+    unit: float = 1.0
     point: bool = False
     equal_steps: bool = False
     step_units: tuple[int, ...] = ()
@@ -86,12 +91,17 @@ class Controller:
     normalised: bool = False
     last_is_one: bool = False
     rows: tuple[int, int] = (2, MOST_ROWS)
+    least_step: float = 0.0
     extension: str = ".txt"
 
     @property
     def closing(self) -> bool:
         """Whether both ends of the turn have a row."""
         return self.closes and self.first_row == "start" and self.last_row == "end"
+
+    def gaps(self) -> Iterator[str]:
+        """What stands between one row and the next, without end."""
+        return chain(() if self.first_between is None else (self.first_between,), cycle(self.between))
 
     def chosen(self, interpolation: str | None) -> str:
         """What it runs between two rows. Raises KindynaError where it cannot be set so, or it is not said how it is set."""
@@ -124,6 +134,7 @@ def _has_places(text: Any, known: frozenset[str]) -> bool:
 
 _TEXT = (_is_text, f"text of at most {LONGEST} characters")
 _FLAG = (lambda value: isinstance(value, bool), "true | false")
+_POSITIVE = (lambda value: type(value) in (int, float) and 0.0 < value < 1e9, "> 0, < 1e9")
 
 
 def _with_places(known: frozenset[str]) -> tuple[Callable[[Any], bool], str]:
@@ -146,6 +157,7 @@ _ALLOWED: Mapping[str, tuple[Callable[[Any], bool], str]] = {
     "label": _TEXT, "source": _TEXT, "header": _with_places(_OF_TABLE), "footer": _with_places(_OF_TABLE),
     "row": _with_places(_OF_ROW),
     "between": (lambda value: _is_text(value) or (_is_texts(value) and bool(value)), "text, or a list of texts"),
+    "first_between": _TEXT, "unit": _POSITIVE, "least_step": _POSITIVE,
     "words": (lambda value: isinstance(value, dict) and set(value) <= {*INTERPOLATIONS} and all(map(_is_text, value.values())),
               "words of interpolations"),
     "interpolation": _some_of(INTERPOLATIONS), "interpolation_asked": _FLAG, "columns": _some_of(COLUMNS),

@@ -11,7 +11,7 @@ import numpy as np
 from core.design import Design
 from core.errors import KindynaError
 from core.frozen import frozen
-from core.motion import Angles, program
+from core.motion import Angles, Program, program
 from core.output.channels import channels
 from core.study import Study
 
@@ -41,7 +41,7 @@ class Slave:
     edges    (m + 1,) angles of the master [deg], 0 ... 360, between which it is smooth
     joins    which of them are ends of segments, or places where value, velocity or acceleration jumps
     unit     mm or deg
-    advance  what the value grows by in a turn
+    advance  what the value grows by in a turn of the master
     """
 
     def __init__(
@@ -55,8 +55,8 @@ class Slave:
         advance: float | None = None,
     ) -> None:
         """rows: own angles -> order of the derivative by the own angle [rad] -> (n,) [SI]; starts (k,) of its pieces [rad], 0 the
-        first; joins (j,) of the segments [rad]; scale: SI units of the unit; advance [unit]: what it grows by in a turn, where that is
-        known."""
+        first; joins (j,) of the segments [rad]; scale: SI units of the unit; advance [unit]: what it grows by in a turn of its own, where
+        that is known."""
         self.unit, self._rows, self._starts = unit, rows, starts
         self._sense, self._shift = (-1.0 if placing.reverse else 1.0), placing.shift_deg
         self._factor = np.array([(self._sense * np.pi / 180.0) ** k / scale for k in range(3)])
@@ -67,18 +67,19 @@ class Slave:
         self._turns = np.floor(middle / TURN)
         self._piece = np.searchsorted(own, middle - TURN * self._turns, side="right") - 1
         self._ends = np.append(starts[1:], 2.0 * np.pi)
-        self.advance = advance or 0.0
+        gain = advance or 0.0
         if unit == "deg" and advance is None:  # an angle that goes round goes on
             last = starts.size - 1
             first = float(rows(Angles(np.zeros(1), np.zeros(1, dtype=int)))(0)[0])
             end = float(rows(Angles(np.array([2.0 * np.pi]), np.array([last])))(0)[0])
-            self.advance = TURN * round((end - first) / (2.0 * np.pi))
+            gain = TURN * round((end - first) / (2.0 * np.pi))
+        self._before, self.advance = gain * self._turns, self._sense * gain
         self.values = self._sampled()
         places = set(np.mod(np.round(self._shift + self._sense * np.rad2deg(joins), CERTAIN), TURN).tolist())
         size = np.maximum(np.abs(self.values).max(axis=1), 1e-300)
         left, right = self.ends_of(1), self.ends_of(0)
         before = np.roll(left, 1, axis=1)
-        before[0, 0] -= self._sense * self.advance
+        before[0, 0] -= self.advance
         self.jumps = right - before
         """(3, m) of value, velocity and acceleration at the start of each piece."""
         self.jumps[np.abs(self.jumps) <= JUMP * size[:, None]] = 0.0
@@ -92,7 +93,7 @@ class Slave:
         rows = self._rows(Angles(np.deg2rad(own), self._piece[piece]))
         made = np.array([np.broadcast_to(rows(k), x.shape) * self._factor[k] for k in range(orders)])
         if self.advance:
-            made[0] += self.advance * self._turns[piece]
+            made[0] += self._before[piece]
         return made
 
     def piece_of(self, x: np.ndarray) -> np.ndarray:
@@ -166,23 +167,26 @@ def positions(design: Design) -> Mapping[str, Callable[[Study, int], np.ndarray]
     return found
 
 
-def slave(study: Study, of: str = MOTION, placing: Placing = PLAIN) -> Slave:
-    """The motion, or a position of the linkage by the name of its column.
+def slave(study: Study, of: str = MOTION, placing: Placing = PLAIN, segment: int | None = None) -> Slave:
+    """The motion, or a segment of it alone, counted from 1 and stretched to the turn; or a position of the linkage by the name of its
+    column.
 
-    Raises KindynaError where the design has none of that name, NoAnswer where the linkage has no position.
+    Raises KindynaError where the design has none of that name or number, NoAnswer where the linkage has no position.
     """
     design = study.design
     there = positions(design)
     if of == MOTION and "motion" in study.stages:
         compiled = program(design.drive.motion)
-        unit = compiled.motion.unit
+        unit, scale = compiled.motion.unit, compiled.motion.scale
 
         def motion(angles: Angles) -> Callable[[int], np.ndarray]:
             return compiled.state(angles).displacement.__getitem__
 
-        return Slave(
-            motion, compiled.starts, _joins(compiled), unit, compiled.motion.scale, placing, compiled.motion.gain
-        )
+        if segment is not None:
+            return _segment(compiled, segment, motion, placing.reverse)
+        return Slave(motion, compiled.starts, _joins(compiled), unit, scale, placing, compiled.motion.gain)
+    if segment is not None:
+        raise KindynaError(f"--segment {segment}: of {of} there are no segments; allowed: --of motion")
     if of not in there:
         names = ([MOTION] if "motion" in study.stages else []) + list(there)
         raise KindynaError(f"--of {of}: this design has no position of that name; allowed: {' | '.join(names)}")
@@ -197,6 +201,23 @@ def slave(study: Study, of: str = MOTION, placing: Placing = PLAIN) -> Slave:
         return lambda order: value(at, order)
 
     return Slave(channel, driven.starts, _joins(driven), unit, scale, placing)
+
+
+def _segment(compiled: Program, number: int, motion: Rows, reverse: bool) -> Slave:
+    segments = compiled.motion.segments
+    if not 1 <= number <= len(segments):
+        raise KindynaError(f"--segment {number}: no such segment; allowed: 1 ... {len(segments)}")
+    mine = np.flatnonzero(compiled.segment == number - 1)
+    start = compiled.starts[mine[0]]
+    part = (compiled.ends[mine[-1]] - start) / np.deg2rad(TURN)
+
+    def stretched(angles: Angles) -> Callable[[int], np.ndarray]:
+        rows = motion(Angles(start + angles.theta * part, angles.piece + mine[0]))
+        return lambda order: rows(order) * part**order
+
+    starts = (compiled.starts[mine] - start) / part
+    unit, scale, rise = compiled.motion.unit, compiled.motion.scale, segments[number - 1].rise
+    return Slave(stretched, starts, starts[:1], unit, scale, Placing(0.0, reverse), rise)
 
 
 def _joins(compiled: Any) -> np.ndarray:

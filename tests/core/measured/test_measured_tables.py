@@ -777,7 +777,7 @@ def test_every_wrong_row_is_a_line_and_nothing_is_written(tmp_path: Path) -> Non
     ("words", "phrase"),
     [(["--error", "-1"], "allowed: >= 0"), (["--error", "many"], "'many'"), (["--speed", "0"], "allowed: above 0"),
      (["--angle-unit", "gon"], "gon"), (["--quantity", "jerk"], "jerk"), (["--column", "z"], "none of that name"),
-     (["--value-unit", "mm/h"], "allowed: mm, cm, m, um, in"), (["--into", "nowhere.toml"], "no such file"),
+     (["--value-unit", "mm/h"], "allowed: mm, cm, m, um, in"), (["--into", "nowhere.toml", "--segment", "1"], "no such file"),
      (["--delimiter", "dash"], "dash"), (["--error", "99"], "allowed: 0 ...")],
 )  # fmt: skip
 def test_wrong_words_are_refused_in_one_line(

@@ -297,10 +297,14 @@ def test_a_table_becomes_a_file_of_the_motion_alone(tmp_path: Path, capsys: pyte
     table, made = tmp_path / "kinematics.csv", tmp_path / "new.toml"
     table.write_bytes(kinematics(design, 180))
     read = ["measured", str(table), "--columns", "s=displacement_mm", "--speed", "20", "--into", str(made)]
-    assert main(read) == 2  # there is no such design
     assert main([*read, "--as", "segment"]) == 2
     assert "wanted: --segment N" in capsys.readouterr().err
+    assert not made.exists()
+    assert main(read) == 0  # a design is the default
+    plain = made.read_bytes()
+    made.unlink()
     assert main([*read, "--as", "motion"]) == 0
+    assert made.read_bytes() == plain
     found = project.load(made)
     assert found.drive.kind == "motion"
     assert found.speed_rpm == 20.0

@@ -11,8 +11,8 @@ from kindyna_gui.__main__ import main
 from kindyna_gui.places import example
 
 SHIPPED = (
-    "codesys-xyva", "codesys-xy", "codesys-x", "twincat-points", "beckhoff-ascii", "beckhoff-zebra", "sew-tab", "sew-semicolon",
-    "lenze-loader", "schneider-asc", "kollmorgen-csv", "technosoft", "inventor", "general",
+    "codesys-xyva", "codesys-xy", "codesys-x", "codesys-cambuilder", "twincat-points", "twincat-table", "beckhoff-ascii",
+    "beckhoff-zebra", "sew-tab", "sew-semicolon", "lenze-loader", "schneider-asc", "kollmorgen-csv", "technosoft", "inventor", "general",
 )  # fmt: skip
 OWN = """[[controllers]]
 slug = "shop"
