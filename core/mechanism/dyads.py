@@ -69,7 +69,9 @@ class DyadSolution:
     def transmission(self) -> np.ndarray:
         """Transmission angle (n,) [rad], 0 … π/2, by sine and cosine: near 90° the sine alone has lost half of its digits."""
         c1, c2 = self.columns
-        return np.asarray(np.arctan2(self.sine, np.abs(dot(c1, c2)) / np.abs(c1 * c2)))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            cosine = np.abs(dot(c1, c2)) / np.abs(c1 * c2)
+        return np.where(self.sine > 0.0, np.arctan2(self.sine, cosine), 0.0)  # where a dyad folds the columns have no direction
 
 
 # -- the kinds --------------------------------------------------------------------------------------------

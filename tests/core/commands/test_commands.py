@@ -483,7 +483,7 @@ def test_wrong_words_are_refused_in_one_line(tmp_path: Path, words: list[str | P
 
 def test_the_help_says_that_a_length_is_the_least_where_the_best_is_wanted(tmp_path: Path) -> None:
     text = " ".join(core(tmp_path, "blend", "--help").stdout.split())
-    assert "with --best, length is the least length" in text
+    assert "with --best the least span" in text
 
 
 @pytest.mark.parametrize("words", [["--help"], ["check", "--help"], ["report", "--help"], ["export", "--help"]])

@@ -94,7 +94,7 @@ NAMES = (
 def test_an_extension_is_the_end_of_a_name_and_never_a_path(extension):
     with pytest.raises(KindynaError) as raised:
         rows_of(OWN + f"extension = {json.dumps(extension)}\n", "own.toml")
-    assert str(raised.value).startswith("own.toml: controllers[0].extension = ")
+    assert str(raised.value).startswith("own.toml: shop: controllers[0].extension = ")
     assert "a dot, then 1 ... 16 letters, digits, dots, _ or -" in str(raised.value)
 
 
