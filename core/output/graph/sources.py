@@ -162,7 +162,7 @@ class DesignSource:
         first = [ColumnHeading(study.angle_column, angle[:1].upper() + angle[1:], "°")]
         first += [machine] if self.drives else []
         first += [ColumnHeading(TIME, "Time", "s")] if study.omega else []
-        rows = channels(study.design)
+        rows = (row for row in channels(study.design) if row.slug != study.angle_column)
         return (*first, *(ColumnHeading(row.slug, row.label, row.unit.symbol, row.family) for row in rows))
 
     def usual(self, headings: Sequence[ColumnHeading]) -> int:
