@@ -148,7 +148,12 @@ class TextRows(Sequence[WorksheetRow]):
     def __getitem__(self, index: Any) -> Any:
         if isinstance(index, slice):
             return [self[i] for i in range(*index.indices(len(self)))]
-        line = self.places[index]
+        return self._row(self.places[index])
+
+    def __iter__(self) -> Iterator[WorksheetRow]:
+        return map(self._row, self.places)
+
+    def _row(self, line: int) -> WorksheetRow:
         cells = split(_uncommented(self.lines[line]), self.delimiter)
         require_row(cells, self.name, line + 1)
         return WorksheetRow(line + 1, cells)
@@ -259,7 +264,7 @@ def require_row(cells: Sequence[str], name: str, line: int) -> None:
     """Raises TableError for a row of too many cells, or with a cell that is too long."""
     if len(cells) > COLUMNS:
         raise TableError(name, [RowFault(line, f"more than {COLUMNS} columns; wanted: at most {COLUMNS}")])
-    if any(len(cell) > FIELD for cell in cells):
+    if sum(map(len, cells)) > FIELD and any(len(cell) > FIELD for cell in cells):
         raise TableError(name, [RowFault(line, f"a cell of more than {FIELD} characters; wanted: at most {FIELD}")])
 
 
@@ -330,7 +335,7 @@ def read_sheet(
         raise TableError(name, [RowFault(0, "no row holds two numbers; wanted: an angle and a value in each")])
     first = plain[start]
     rows = TextRows(name, lines, plain[start:], delimiter)
-    counts = islice((len(row.cells) for row in rows if _has_two(row.cells, decimal)), SAMPLE)
+    counts = islice((len(row.cells) for row in islice(rows, 10 * SAMPLE) if _has_two(row.cells, decimal)), SAMPLE)
     columns = columns or Counter(counts).most_common(1)[0][0]
     require_cells(len(rows), columns, name)
     above = [_COMMENT.sub("", line, count=1) for line in lines[max(first - HEADERS, 0) : first] if line.strip()]
@@ -384,6 +389,8 @@ def _sample(lines: Iterable[str]) -> list[str]:
 
 def _uncommented(line: str) -> str:
     """A row of numbers without the remark behind it."""
+    if "#" not in line and "%" not in line and "//" not in line:
+        return line
     return re.split(r"#|%|//", line, maxsplit=1)[0] if re.match(r"\s*[-+.\d]", line) else line
 
 

@@ -172,13 +172,16 @@ def _row_by_row(sheet: Worksheet, how: ColumnLayout, leave_out: Collection[int])
     beside: list[list[float]] = []
     others = [0] * len(how.beside)
     columns = how.angle_column, how.value_column
+    last = max(columns)
     for row in sheet.rows:
         if row.line in leave_out:
             continue
-        wrong = _columns_wrong(sheet, row, max(columns))
-        pair = [] if wrong else [number(row.cells[column], sheet.decimal) for column in columns]
-        problems = {"columns": wrong} if wrong else _cells_wrong(sheet, row, columns, pair)
-        if problems:
+        if _has_wrong_columns(sheet, row, last):
+            alike = faults.setdefault(("columns",), [])
+            alike.append(RowFault(row.line, _columns_text(sheet, row, last) if len(alike) < FEW else ""))
+            continue
+        pair = [number(row.cells[column], sheet.decimal) for column in columns]
+        if problems := _cells_wrong(sheet, row, columns, pair):
             faults.setdefault(tuple(problems), []).append(RowFault(row.line, "; ".join(problems.values())))
             continue
         lines.append(row.line)
@@ -214,12 +217,15 @@ def _or_nan(sheet: Worksheet, row: WorksheetRow, column: int) -> float:
     return np.nan if value is None else value
 
 
-def _columns_wrong(sheet: Worksheet, row: WorksheetRow, last: int) -> str:
-    """What is wrong with the number of a row's cells; remarks behind the columns are not."""
+def _has_wrong_columns(sheet: Worksheet, row: WorksheetRow, last: int) -> bool:
+    """Whether a row has too few cells, or too many that are numbers; remarks behind the columns are not."""
+    behind = row.cells[sheet.columns :]
+    return last >= len(row.cells) or any(number(cell, sheet.decimal) is not None for cell in behind)
+
+
+def _columns_text(sheet: Worksheet, row: WorksheetRow, last: int) -> str:
+    """What is wrong with the number of a row's cells."""
     count = len(row.cells)
-    more = any(number(cell, sheet.decimal) is not None for cell in row.cells[sheet.columns :])
-    if last < count and not more:
-        return ""
     shown = _shown(DELIMITERS[sheet.delimiter].join(row.cells))
     return f"{shown} has {count} {'column' if count == 1 else 'columns'}; {max(sheet.columns, last + 1)} are wanted"
 

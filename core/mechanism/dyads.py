@@ -71,7 +71,9 @@ class DyadSolution:
         c1, c2 = self.columns
         with np.errstate(divide="ignore", invalid="ignore"):
             cosine = np.abs(dot(c1, c2)) / np.abs(c1 * c2)
-        return np.where(self.sine > 0.0, np.arctan2(self.sine, cosine), 0.0)  # where a dyad folds the columns have no direction
+        return np.where(
+            self.sine > 0.0, np.arctan2(self.sine, cosine), 0.0
+        )  # where a dyad folds the columns have no direction
 
 
 # -- the kinds --------------------------------------------------------------------------------------------

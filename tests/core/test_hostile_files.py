@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import io
-import os
+import struct
+import zlib
 from collections.abc import Callable
 from pathlib import Path
 
@@ -13,7 +13,7 @@ pytest.importorskip("resource")
 
 from hostile import CELLS, CRASHED, READERS, outcomes, workbook
 
-SEEDS = int(os.environ.get("KINDYNA_HOSTILE_SEEDS", "200"))
+SEEDS = 200  # of each reader
 
 
 def _controller(more: str, row: str = "{master}\\t{slave}") -> str:
@@ -47,11 +47,13 @@ def _long_line(i: int) -> str:
 
 
 def _png(side: int) -> bytes:
-    from PIL import Image
-
-    stream = io.BytesIO()
-    Image.new("1", (side, side)).save(stream, "PNG")
-    return stream.getvalue()
+    """The head of a picture that says how large it is."""
+    head = b"IHDR" + struct.pack(">IIBBBBB", side, side, 8, 2, 0, 0, 0)
+    body = zlib.compress(bytes(100_000))
+    parts = (head, b"IDAT" + body, b"IEND")
+    return b"\x89PNG\r\n\x1a\n" + b"".join(
+        struct.pack(">I", len(part) - 4) + part + struct.pack(">I", zlib.crc32(part)) for part in parts
+    )
 
 
 def _sparse() -> str:
@@ -131,8 +133,8 @@ def test_files_that_once_ran_away_end_in_a_line(tmp_path: Path) -> None:
 
 def test_some_hostile_files_of_every_reader_are_read_or_refused() -> None:
     readers = [name for name in READERS if name != "workbook"]
-    results = outcomes([(name, seed) for name in readers for seed in range(3)])
-    assert len(results) == 3 * len(readers)
+    results = outcomes([(name, seed) for name in readers for seed in range(2)])
+    assert len(results) == 2 * len(readers)
     assert not [wrong for result in results if (wrong := _refused_well(result))]
 
 
