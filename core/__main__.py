@@ -48,7 +48,7 @@ class _Parser(argparse.ArgumentParser):
             add_options(self, asks())
         found, rest = super().parse_known_args(args, namespace)
         if rest:  # here, where the command is known whose help tells what there is
-            from core.project.messages import did_you_mean
+            from core.project.reading_faults import did_you_mean
 
             meant = did_you_mean(rest[0].partition("=")[0], tuple(self._option_string_actions))
             self.error(f"unrecognized arguments: {' '.join(rest)}{meant}")

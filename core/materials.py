@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from core.frozen import frozen
-from core.resources import resources
+from core.process import resources
 
 
 @frozen

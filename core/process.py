@@ -6,14 +6,85 @@ from __future__ import annotations
 import atexit
 import gc
 import os
+import re
 import signal
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
 from functools import lru_cache
-from typing import Any
+from importlib import import_module
+from pathlib import Path
+from typing import Any, TextIO
 
-from core.terminal import harmless_output
+# -- parts of a room that few commands need ---------------------------------------------------------------------
+
+
+def late(room: str, *modules: str) -> Callable[[str], Any]:
+    """``__getattr__`` of a room whose other modules offer names too, imported one after the other until one has the name. The
+    room lists these names for readers and the type check where ``TYPE_CHECKING``. None may be that of a module."""
+
+    def read(name: str) -> Any:
+        if not name.startswith("__"):
+            for module in modules:
+                there = import_module(f"{room}.{module}")
+                if hasattr(there, name):
+                    setattr(sys.modules[room], name, found := getattr(there, name))
+                    return found
+        raise AttributeError(f"module {room!r} has no attribute {name!r}")
+
+    return read
+
+
+# -- where the program's own files are --------------------------------------------------------------------------
+
+
+_ROOT = Path(__file__).resolve().parents[1]
+
+
+def resources() -> Path:
+    """The folder of examples, materials, help, icons and translations."""
+    installed = _ROOT / "kindyna_gui" / "resources"
+    return installed if installed.is_dir() else _ROOT / "resources"
+
+
+# -- what a terminal would obey, or hide, is written out before it is printed -----------------------------------
+
+
+_OBEYED = r"[^\n\t\x20-\x7e\xa0-\U0010ffff]|[\xad\u061c\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff\ud800-\udfff]"
+"""Control characters but line end and tabulator, marks that turn or join text, and halves of characters."""
+
+
+def harmless(text: str) -> str:
+    """The text with such characters as JSON spells them, ``\\u009b``."""
+    if all(line.isprintable() for line in text.split("\n")):  # as nearly all is; the pattern takes 3 ms to compile
+        return text
+    return re.sub(_OBEYED, lambda match: f"\\u{ord(match[0]):04x}", text)
+
+
+class _Stream:
+    """A stream that writes only what is harmless; in all else the stream behind it."""
+
+    def __init__(self, behind: TextIO) -> None:
+        self._behind = behind
+
+    def write(self, text: str) -> int:
+        self._behind.write(harmless(text))
+        return len(text)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._behind, name)
+
+
+@contextmanager
+def harmless_output() -> Iterator[None]:
+    """All that is printed on standard output and standard error is harmless to the terminal."""
+    streams: list[Any] = [None if stream is None else _Stream(stream) for stream in (sys.stdout, sys.stderr)]
+    with redirect_stdout(streams[0]), redirect_stderr(streams[1]):
+        yield
+
+
+# -- the process and its system ---------------------------------------------------------------------------------
+
 
 DONE, NOTHING_DONE, INTERRUPTED = 0, 2, 130
 

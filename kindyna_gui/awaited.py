@@ -37,7 +37,7 @@ class Awaited(QObject):
         return self._work.busy
 
     def later(self, key: Hashable, compute: Callable[[], Any]) -> str:
-        """As ``core.numerics.cancellation.postponing`` takes it."""
+        """As ``core.numerics.lazy.postponing`` takes it."""
         if self._failed is not None and self._failed[0] == key:
             return ""
         if self._job is None or self._job[0] != key:

@@ -16,7 +16,7 @@ from typing import Any
 from PySide6.QtCore import QObject, QTimer, Signal
 
 from core.errors import KindynaError
-from core.numerics.cancellation import Cancelled, cancellable, checkpoint
+from core.numerics.lazy import Cancelled, cancellable, checkpoint
 
 Job = tuple[Any, Callable[[], Any]]
 """A key, and what computes the result; neither may hold an object of Qt."""

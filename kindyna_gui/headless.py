@@ -19,8 +19,8 @@ from core.commands.common import as_json, design_file, drive_name, ending_with, 
 from core.design import distances
 from core.design.fields import choice, flag
 from core.frozen import frozen
-from core.output.film import FORMATS as FILMS
-from core.output.film import Film
+from core.output.export import FORMATS as FILMS
+from core.output.export import Film
 from core.output.timing import ENDINGS as CHARTS
 from core.project import load, load_one
 from core.project.files import write, write_into
@@ -62,7 +62,8 @@ class Animation:
 
 
 def _asks_drawing() -> type:
-    from core.output.drawing import ENDINGS, Request
+    from core.output.files.cam_drawing import ENDINGS
+    from core.output.files.sheet import DrawingRequest
 
     @frozen(kw_only=True)
     class Drawing:
@@ -73,7 +74,7 @@ def _asks_drawing() -> type:
             f"file to write: {' or '.join(ENDINGS)}", type=ending_with("a drawing", *ENDINGS), metavar="FILE"
         )
         drive: str = drive_name()
-        request: Request = Request()
+        request: DrawingRequest = DrawingRequest()
 
     return Drawing
 
@@ -90,7 +91,7 @@ class Timing:
 
 
 def _asks_handover() -> type:
-    from core.output.handover import Request
+    from core.output.handover import HandoverRequest
 
     @frozen(kw_only=True)
     class HandOver:
@@ -98,7 +99,7 @@ def _asks_handover() -> type:
 
         design: Path = design_file()
         out: Path = typed("folder, empty or new, or NAME.zip", type=folder, metavar="DIR|NAME.zip")
-        request: Request = Request()
+        request: HandoverRequest = HandoverRequest()
         json: bool = as_json("print contents.json")
 
     return HandOver
@@ -163,7 +164,7 @@ def animation(arguments: Animation, painter: Painter | None) -> int:
     study = studied(design)
     code = verdict(study)
     if arguments.out.suffix.lower() == PAGE:
-        from core.output.web import write_page
+        from core.output.handover import write_page
 
         write_page(study, arguments.out)
         print(arguments.out)
@@ -187,7 +188,7 @@ def animation(arguments: Animation, painter: Painter | None) -> int:
 
 def drawing(arguments: Any, painter: Painter | None) -> int:
     """The drawing of the cam for the workshop."""
-    from core.output.drawing import drawing as drawn
+    from core.output.files.cam_drawing import drawing as drawn
 
     study = Study(load_one(arguments.design, arguments.drive))
     page = drawn(study, arguments.request)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import tomllib
 from pathlib import Path
 
-from core.project.examples import subjects
-from core.resources import resources
+from core.process import resources
+from core.project.reading_faults import subjects
 
 FIRST_EXAMPLE = "transfer_lift"
 LESSONS = ("lift", "linkage", "camshaft")

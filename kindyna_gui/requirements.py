@@ -13,7 +13,7 @@ from core.errors import KindynaError
 from core.frozen import frozen
 from core.stress import has_width, missing
 from core.study import Study
-from core.study.contact_stress import fits
+from core.study.extremes import fits
 
 NO_MOTION = "The crank turns at constant speed: there is no motion to lay out. Let a link follow one."
 NO_CAM = "This design has no cam"

@@ -26,7 +26,7 @@ from core.design import Design
 from core.errors import KindynaError
 from core.findings import Remedy
 from core.frozen import frozen
-from core.numerics.cancellation import postponing
+from core.numerics.lazy import postponing
 from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.fault_log import short

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 from PySide6.QtCore import QEventLoop, Qt
 from PySide6.QtWidgets import QApplication, QProgressDialog, QWidget
 
-from core.numerics.cancellation import Cancelled
+from core.numerics.lazy import Cancelled
 from kindyna_gui.background import Background
 
 AT_ONCE = 0.3  # seconds: what is done by then shows no dialog

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from core.process import resources
 from core.project import load
-from core.resources import resources
 from core.study import Study
 
 QUINTIC, CUBIC, LINES = "quintic-hermite", "cubic-hermite", "linear"

@@ -12,7 +12,7 @@ from references import EPS, MP, Series, crossing, direction, exp, off, sqrt
 
 from core.mechanism.dyads import DYADS
 from core.mechanism.kinematics import Pose
-from core.mechanism.plan import Joint, JointEnd
+from core.mechanism.linkage import Joint, JointEnd
 
 STEP = MP.mpf(10) ** -25
 DYAD_ROUNDINGS = 4

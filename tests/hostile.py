@@ -194,7 +194,7 @@ def _beside(file: Path) -> None:
 
 
 def _logo(file: Path) -> None:
-    from core.output.letterhead import Letterhead, logo_of
+    from core.output.files.sheet import Letterhead, logo_of
 
     logo_of(Letterhead(logo=str(file)))
 

@@ -24,7 +24,7 @@ from core.design import (
     faults,
     with_drive,
 )
-from core.design.elements import Attachment, PairFriction, PointSpring, Process, TorsionSpring
+from core.design.loads import Attachment, PairFriction, PointSpring, Process, TorsionSpring
 from core.errors import KindynaError
 from core.study import Study
 

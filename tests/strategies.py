@@ -36,7 +36,7 @@ from core.design import (
     info_of,
 )
 from core.design.fields import words_of
-from core.design.forms import FORM, CamDetails
+from core.design.followers import FORM, CamDetails
 from core.laws import LAWS
 
 

@@ -1,8 +1,7 @@
 """Curve blending after Yang and Shon: the sequence follows from the tables, spans and heights from closed forms."""
 
-from core.blend.any_sequence import best_of_sequence, blend_sequence, sequence_ranges
 from core.blend.best import GOALS, best, blend
-from core.blend.family import peak_of
+from core.blend.equations import peak_of
 from core.blend.feasible import OpenSettings, feasible_ranges, openings
 from core.blend.request import (
     FLATS,
@@ -18,25 +17,24 @@ from core.blend.request import (
     SettingRange,
     has_room,
 )
+from core.blend.sequence import best_of_sequence, blend_sequence, sequence_ranges
 from core.blend.sequences import (
     CONSTANT_VELOCITY,
     ELEMENTS,
     MOTION_TYPES,
-    CurveSequence,
-    sequences,
-)
-from core.blend.solver import BlendCandidate, candidates, flat_heights
-from core.blend.succession import (
     SIGNS,
     TABLE,
     CurveEnds,
+    CurveSequence,
     all_sequences,
     next_in,
+    sequences,
     state_text,
     state_words,
     states,
     why_not,
 )
+from core.blend.solver import BlendCandidate, candidates, flat_heights
 
 __all__ = [
     "CONSTANT_VELOCITY",

@@ -4,12 +4,17 @@ points (t, x1, ...) where such are 0: polynomials in t, or at the values of t th
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, lru_cache
+from math import inf, pi, sqrt
 
 import numpy as np
 
 from core.blend.polynomials import ONE, UNIT, ZERO, Polynomial, at, roots, rounded, shortened, size_at, vanishes, whole
+from core.blend.sequences import CONSTANT, ELEMENTS, KAPPA, CurveSequence
 from core.frozen import frozen
+
+# -- heights and speeds of a family as sums of terms c t^e x_j --------------------------------------------------
+
 
 POWERS = (-2, -1, 0, 1, 2)
 Form = np.ndarray
@@ -219,3 +224,304 @@ def _at_one_t(equations: FamilyEquations, rows: list[Row], t: float) -> list[Sol
         return []
     exact = {j: tuple([Polynomial([whole(c)]) for c in row.tolist()]) for j, row in solved.items()}
     return [_space(equations, t, exact, Polynomial([UNIT]))]
+
+
+# -- one sequence of curves as a family of motions --------------------------------------------------------------
+
+
+RISE, RETURN = ("h1", "h2", "h3"), ("h4", "h5", "h6")
+MIRRORED = dict(zip(RISE, reversed(RETURN), strict=True))
+SPEEDS = {name: row.speed for name, row in ELEMENTS.items()}
+"""c of span = c h/V of the curves that reach the speed V at an end."""
+_SINGLE = {"P2": KAPPA, "H6": pi / sqrt(2.0)}
+"""c of span = c √(g h3)/V of a return of one curve: its acceleration at the top is that of H2."""
+
+
+@frozen
+class BlendTask:
+    """Strokes of rise and return [mm or deg] and the total span [deg]; 0 for a stroke the motion lacks."""
+
+    rise: float
+    back: float
+    span: float
+
+
+@frozen
+class BlendSolution:
+    """heights (all positive magnitudes) and spans [deg] curve by curve, in the order of the sequence; speeds of rise
+    and return [per deg], 0 where the motion has none."""
+
+    sequence: CurveSequence
+    heights: tuple[float, ...]
+    spans: tuple[float, ...]
+    speed: float
+    back_speed: float
+    flats: tuple[float, ...] = ()
+    """Of each curve the span of its constant acceleration [deg]; none of them has one where this is empty."""
+
+    @property
+    def peak_acceleration(self) -> float:
+        """Largest |acceleration| [per deg²]."""
+        parts = zip(self.sequence.curves, self.heights, self.spans, strict=True)
+        flats = self.flats or (0.0,) * len(self.spans)
+        rows = ((peak_of(name, flat / b if b else 0.0), h, b) for (name, h, b), flat in zip(parts, flats, strict=True))
+        return max(c * h / (b * b) if b * b else inf for c, h, b in rows if c)
+
+
+def peak_of(curve: str, flat: float) -> float:
+    """c of the largest |a| = c h/β² of a curve that keeps its acceleration constant over a fraction of its span: the area under
+    it is the velocity 2h/β, under a quarter sine 2/π of its peak."""
+    return 2.0 / (flat + (1.0 - flat) * 2.0 / pi) if flat else ELEMENTS[curve].peak
+
+
+@frozen
+class PeakAcceleration:
+    """Largest |a| of a curve: factor S²/height with S its speed ``W`` or ``R``, for a stroke and a span of 1. Where the curve
+    has a constant acceleration over a span λ, its height stands with what that adds: h + λ (π - 2)/4 S."""
+
+    speed: str
+    height: str
+    factor: float
+
+
+@frozen
+class Family:
+    """A sequence whose rise is made of several curves, or that has no free number at all.
+
+    mirrored: the return is the rise run backwards.
+    flats: heights of half cycloids with a constant acceleration, and its span as a share of the whole; of a mirrored family
+    those of the rise.
+    """
+
+    sequence: CurveSequence
+    mirrored: bool = False
+    flats: tuple[tuple[str, float], ...] = ()
+
+    @cached_property
+    def has_constant_rise(self) -> bool:
+        """True where the rise has a stretch of constant velocity."""
+        return any(name in CONSTANT for name in self.sequence.rise)
+
+    @cached_property
+    def has_constant_return(self) -> bool:
+        """Whether the return holds a curve of constant velocity."""
+        return any(name in CONSTANT for name in self.sequence.back)
+
+    @cached_property
+    def positive(self) -> tuple[str, ...]:
+        """Heights that must be above 0, and what a constant acceleration leaves of its curve."""
+        if len(self.sequence.rise) == 1:
+            return ()
+        ramps = tuple(_ramps(height) for height, _ in self.flats)
+        return ("h1", "h3", *(("h4", "h6") if len(self.sequence.back) > 1 else ()), *ramps)
+
+    @cached_property
+    def constant(self) -> tuple[str, ...]:
+        """Heights of constant velocity, which may be 0."""
+        return (*(("h2",) if self.has_constant_rise else ()), *(("h5",) if self.has_constant_return else ()))
+
+    @cached_property
+    def heights(self) -> tuple[str, ...]:
+        """Names of the heights of the curves, but for that of a single one."""
+        rise, back = self.sequence.rise, self.sequence.back
+        return (*(named(rise, RISE) if len(rise) > 1 else ()), *(named(back, RETURN) if len(back) > 1 else ()))
+
+    @cached_property
+    def single_back(self) -> str:
+        """The one curve of the return, where it has only one."""
+        return self.sequence.back[0] if len(self.sequence.back) == 1 else ""
+
+    @cached_property
+    def harmonic(self) -> bool:
+        """The motion that never dwells: bottoms match in acceleration too."""
+        return self.sequence.curves[0] == "H1"
+
+    @cached_property
+    def parameter(self) -> str:
+        """What the number t is, in which the family is not linear; empty where nothing is free."""
+        if len(self.sequence.rise) == 1:
+            return ""
+        if self.single_back:
+            return "root of h3" if self.has_constant_rise or self.single_back == "P2" else ""
+        if not self.sequence.back or self.mirrored:
+            return "h3"
+        constant = self.has_constant_rise or self.has_constant_return
+        return "h1" if self.harmonic and not constant else "r"
+
+    @cached_property
+    def linear(self) -> tuple[str, ...]:
+        """The other free numbers: with t given, every height and W are linear in them."""
+        if self.parameter == "r":
+            h3 = self.has_constant_return or not self.harmonic
+            h6 = self.has_constant_return and not self.harmonic
+            rows = (("h1", self.has_constant_rise), ("h3", h3), ("h6", h6))
+            return tuple([name for name, free in rows if free])
+        alone = self.parameter == "h3" or self.single_back == "P2"
+        return ("h1",) if alone and self.has_constant_rise else ()
+
+    @cached_property
+    def freedom(self) -> int:
+        """How many numbers are free."""
+        return (1 if self.parameter else 0) + len(self.linear)
+
+    @cached_property
+    def accelerations(self) -> tuple[PeakAcceleration, ...]:
+        """Those of which one is the largest: C π h/β², H π²/4 h/β² with β = c h/V. A curve whose acceleration another one
+        must match is left out."""
+        first, last = (ELEMENTS[name] for name in (self.sequence.rise[0], self.sequence.rise[-1]))
+        rows = [
+            PeakAcceleration("W", self._bent("h1"), first.peak / first.speed**2),
+            PeakAcceleration("W", self._bent("h3"), last.peak / last.speed**2),
+        ]
+        if len(self.sequence.back) > 1 and not self.mirrored and not self.harmonic:
+            row = ELEMENTS[self.sequence.back[-1]]
+            rows.append(PeakAcceleration("R", self._bent("h6"), row.peak / row.speed**2))
+        return tuple(rows)
+
+    def _bent(self, height: str) -> str:
+        """The form that stands for a height under its peak acceleration."""
+        return f"{height} bent" if height in dict(self.flats) else height
+
+    def acceleration_of(self, height: str) -> int:
+        """Which of ``accelerations`` is that of the curve of a height."""
+        return next(i for i, row in enumerate(self.accelerations) if row.height == self._bent(height))
+
+    def equations(self, task: BlendTask) -> FamilyEquations:
+        """For the ratio of the strokes of a task."""
+        return _equations(self, task.back / task.rise)
+
+    def solution(
+        self, task: BlendTask, t: float, heights: Iterable[float], given: Mapping[str, float]
+    ) -> BlendSolution:
+        """The motion from its t and its ``heights`` for a stroke of 1; those that were given and that it meets but for
+        rounding are taken as they were given."""
+        if not self.heights:
+            return BlendSolution(self.sequence, *_without_freedom(self.sequence, task), 0.0, 0.0)
+        at = {name: max(h * task.rise, 0.0) for name, h in zip(self.heights, heights, strict=True)}
+        if self.parameter == "r":
+            at.update(self._return_heights(task, at, t * t))
+        for name, value in given.items():
+            if abs(value - at[name]) <= min(1e-14 * task.rise, 1e-13 * value):
+                at[name] = value
+        return self._with_speeds(task, at, self._speed_ratio(task, t))
+
+    def _return_heights(self, task: BlendTask, at: Mapping[str, float], square: float) -> dict[str, float]:
+        """From those of the rise, so that the accelerations at the joins are the same to the last bit; square = r²."""
+        h4 = square * at["h3"]
+        h6 = square * at["h1"] if self.harmonic else at["h6"] if self.has_constant_return else task.back - h4
+        middle = {"h5": max(task.back - h4 - h6, 0.0)} if self.has_constant_return else {}
+        return {"h4": h4, **middle, "h6": h6}
+
+    def _speed_ratio(self, task: BlendTask, t: float) -> float:
+        """r, speed of the return over that of the rise."""
+        return t if self.parameter == "r" else sqrt(task.back / task.rise) if self.parameter == "h1" else 1.0
+
+    def _with_speeds(self, task: BlendTask, at: Mapping[str, float], ratio: float) -> BlendSolution:
+        """Speeds from the heights: spans add up, and joins are continuous, but for the last bit."""
+        rises, heights = len(self.sequence.rise), tuple([at[name] for name in self.heights])
+        works = [SPEEDS[curve] * h for curve, h in zip(self.sequence.curves, heights, strict=not self.single_back)]
+        if self.single_back:
+            heights += (task.back,)
+            works.append(_SINGLE[self.single_back] * sqrt(task.back * at["h3"]))
+        works[rises:] = [work / ratio for work in works[rises:]]
+        speed = sum(works) / task.span
+        back_speed = ratio * speed if len(self.sequence.back) > 1 else 0.0
+        flats = self._flat_spans(task) if self.flats else ()
+        return BlendSolution(self.sequence, heights, tuple([work / speed for work in works]), speed, back_speed, flats)
+
+    def _flat_spans(self, task: BlendTask) -> tuple[float, ...]:
+        """Of each curve the span of its constant acceleration [deg]."""
+        rise, back = self.sequence.rise, self.sequence.back
+        names = (*(named(rise, RISE) if len(rise) > 1 else rise), *(named(back, RETURN) if len(back) > 1 else back))
+        spans = {name: share * task.span for name, share in self.flats}
+        spans.update({MIRRORED[name]: span for name, span in spans.items()} if self.mirrored else {})
+        return tuple(spans.get(name, 0.0) for name in names)
+
+
+def _ramps(height: str) -> str:
+    return f"{height} ramps"
+
+
+def named(curves: tuple[str, ...], names: tuple[str, str, str]) -> tuple[str, ...]:
+    """The names of the heights of the curves of one stroke."""
+    return names if len(curves) == 3 else names[::2]
+
+
+def _without_freedom(sequence: CurveSequence, task: BlendTask) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """C5; C6; P1-P2 and H5-H6, whose spans make the accelerations at the top equal: β1/β2 = √(h/g)."""
+    if not sequence.back:
+        return (task.rise,), (task.span,)
+    first = task.span * sqrt(task.rise) / (sqrt(task.rise) + sqrt(task.back))
+    return (task.rise, task.back), (first, task.span - first)
+
+
+# -- the equations ----------------------------------------------------------------------------------------
+
+
+@lru_cache(maxsize=256)
+def _equations(family: Family, g: float) -> FamilyEquations:
+    """All heights, W, R where there is one, and ``up``, the span of the rise times its speed."""
+    numbers = family.linear
+    free = {name: term(len(numbers), j) for j, name in enumerate(("", *numbers))}
+    one = free[""]
+    forms = _rise(family, free, g)
+    forms["up"] = _work(family.sequence.rise, forms, RISE)
+    if family.single_back:
+        forms["h4"] = g * one
+        root = times_t(one, 1) if family.parameter else sqrt(0.5) * one  # √h3
+        forms["W"] = forms["up"] + _SINGLE[family.single_back] * sqrt(g) * root
+    elif family.sequence.back:
+        forms.update(_back(family, forms, free, g))
+        down = _work(family.sequence.back, forms, RETURN)
+        if family.parameter == "r":
+            forms["W"], forms["R"] = forms["up"] + times_t(down, -1), times_t(forms["up"], 1) + down
+        else:
+            r = sqrt(g) if family.parameter == "h1" else 1.0
+            forms["W"], forms["R"] = forms["up"] + down / r, forms["up"] * r + down
+    else:
+        forms["W"] = forms["up"]
+    for height, share in family.flats:  # where 2h/S is above λ, and h + λ (π - 2)/4 S
+        speed = forms["W" if height in RISE else "R"]
+        forms[_ramps(height)] = 2.0 * forms[height] - share * speed
+        forms[f"{height} bent"] = forms[height] + share * (pi - 2.0) / 4.0 * speed
+    tops = [g if name == "h6" else 1.0 for name in numbers]
+    return FamilyEquations(forms, numbers, inf if family.parameter == "r" else 1.0, tops)
+
+
+def _work(curves: tuple[str, ...], forms: Mapping[str, Form], names: tuple[str, str, str]) -> Form:
+    """Span times speed of one stroke: Σ c h."""
+    rows = zip(curves, named(curves, names), strict=True)
+    return np.sum([SPEEDS[curve] * forms[name] for curve, name in rows], axis=0)
+
+
+def _rise(family: Family, free: Mapping[str, Form], g: float) -> dict[str, Form]:
+    """h1, h2, h3; free: the free numbers but t, and 1 under an empty name."""
+    parameter, one = family.parameter, free[""]
+    if family.single_back == "H6":
+        h1 = h3 = times_t(one, 2) if parameter else 0.5 * one
+    elif parameter == "h1":
+        h1 = times_t(one, 1)
+        h3 = one - h1
+    elif parameter == "r":
+        # of a motion that never dwells, without constant velocity on the return: r² (h1 + h3) = g
+        h3 = free["h3"] if "h3" in free else g * times_t(one, -2) - free["h1"]
+        h1 = free["h1"] if "h1" in free else one - h3
+    else:
+        h3 = times_t(one, 2 if parameter == "root of h3" else 1)
+        h1 = free["h1"] if "h1" in free else one - h3
+    middle = {"h2": one - h1 - h3} if family.has_constant_rise else {}
+    return {"h1": h1, **middle, "h3": h3}
+
+
+def _back(family: Family, rise: Mapping[str, Form], free: Mapping[str, Form], g: float) -> dict[str, Form]:
+    """Equal acceleration at the top: h4 = r² h3; for a motion that never dwells also h6 = r² h1."""
+    stroke = g * free[""]
+    if family.mirrored:
+        h4, h6 = rise["h3"], rise["h1"]
+    elif family.parameter == "h1":
+        h4, h6 = g * rise["h3"], g * rise["h1"]
+    else:
+        h4 = times_t(rise["h3"], 2)
+        h6 = times_t(rise["h1"], 2) if family.harmonic else free.get("h6", stroke - h4)
+    middle = {"h5": stroke - h4 - h6} if family.has_constant_return else {}
+    return {"h4": h4, **middle, "h6": h6}

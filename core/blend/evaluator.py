@@ -11,13 +11,12 @@ from functools import cached_property
 
 import numpy as np
 
-from core.blend.equations import SolutionSpace, solution_spaces
-from core.blend.family import RETURN, RISE, SPEEDS, BlendTask, Family, named
+from core.blend.equations import RETURN, RISE, SPEEDS, BlendTask, Family, SolutionSpace, named, solution_spaces
 from core.blend.polynomials import UNIT, whole
 from core.blend.request import POINT, SIZES, Constraint, height_of, ratio
 from core.blend.sequences import ELEMENTS
 from core.laws import LAWS, Law
-from core.numerics.cancellation import checkpoint
+from core.numerics.lazy import checkpoint
 
 STEPS = 100
 SHORTEST = 0.01  # part of a step

@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from core.blend.equations import BlendTask, Family
 from core.blend.evaluator import ROUNDING, Evaluator
-from core.blend.family import BlendTask, Family
 from core.blend.region import MIXES, SAME, Region
 from core.blend.request import (
     FLATS,
@@ -31,7 +31,7 @@ from core.blend.request import (
 )
 from core.blend.sequences import sequences
 from core.blend.solver import BlendCandidate, candidates, flat_heights
-from core.numerics.cancellation import checkpoint
+from core.numerics.lazy import checkpoint
 
 _ZERO = 1e-9  # a direction shorter than this is none
 FLAT_SAMPLES, HALVINGS = 16, 34  # of spans of a constant acceleration beside its size

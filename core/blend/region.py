@@ -12,9 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.blend.equations import Parametrised, SolutionSpace
+from core.blend.equations import Family, Parametrised, SolutionSpace
 from core.blend.evaluator import EPS, ROUNDING, Evaluator, Place
-from core.blend.family import Family
 from core.blend.polynomials import UNIT, Floats, Polynomial, quotient_at, roots, rounded, vanishes, whole
 from core.blend.request import SIZES, Constraint, SettingRange, height_of, merged, ratio, tied
 from core.frozen import frozen

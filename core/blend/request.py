@@ -9,9 +9,8 @@ from math import fsum, isfinite
 from types import MappingProxyType
 from typing import NamedTuple
 
-from core.blend.family import BlendSolution, BlendTask, Family
-from core.blend.sequences import CONSTANT_VELOCITY, ELEMENTS, MOTION_TYPES
-from core.blend.succession import DWELL, broken_at
+from core.blend.equations import BlendSolution, BlendTask, Family
+from core.blend.sequences import CONSTANT_VELOCITY, DWELL, ELEMENTS, MOTION_TYPES, broken_at
 from core.design import Segment
 from core.errors import KindynaError
 from core.frozen import frozen

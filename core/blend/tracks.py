@@ -11,9 +11,8 @@ from math import inf, pi
 import numpy as np
 from numpy.polynomial import Chebyshev
 
-from core.blend.equations import Parametrised, Row, SolutionSpace
+from core.blend.equations import Parametrised, PeakAcceleration, Row, SolutionSpace
 from core.blend.evaluator import Evaluator, Place
-from core.blend.family import PeakAcceleration
 from core.blend.polynomials import Floats, Polynomial, roots, rounded, whole
 from core.blend.region import OPEN, RegionCurve, Stretch, polynomials_at
 from core.blend.request import SIZES, Constraint, SettingRange, height_of

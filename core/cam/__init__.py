@@ -1,21 +1,36 @@
 """Cam shape from the follower's motion, its limits and its proof."""
 
-from core.cam.checks import keyway_corners, keyway_unknown
-from core.cam.crossings import Crossing, crossings
+from core.cam.checks import (
+    Crossing,
+    centre_residual,
+    crossings,
+    gaps,
+    keyway_corners,
+    keyway_unknown,
+    tangency,
+    tangency_residual,
+)
 from core.cam.faces import FACES, FaceRow, row_of
-from core.cam.forms import FORMS, FormRow, envelope, faces_of, form_row, forward_push
-from core.cam.groove import Wall, thinnest_wall, wall_findings
-from core.cam.limits import (
+from core.cam.forms import (
+    FORMS,
     PRESSURE_LIMITS,
     PRESSURE_SOURCE,
+    FormRow,
+    Radius,
+    Wall,
+    envelope,
+    faces_of,
     findings,
+    form_row,
+    forward_push,
     further_findings,
     limits_of,
     require_hold,
+    smallest_radii,
+    thinnest_wall,
     undercut,
+    wall_findings,
 )
-from core.cam.proof import centre_residual, gaps, tangency, tangency_residual
-from core.cam.radii import Radius, smallest_radii
 from core.cam.shape import (
     INNER,
     OUTER,
@@ -24,8 +39,8 @@ from core.cam.shape import (
     FaceOutline,
     Flank,
     relative_motion,
+    second_entry,
 )
-from core.cam.sizes import second_entry
 
 __all__ = [
     "FACES",

@@ -2,17 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import NamedTuple
+from collections.abc import Callable, Mapping
+from math import degrees
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from core.design import (
+    DiskCam,
+    Face,
+    LinkageCam,
+    Roller,
+    RollerCam,
+    RoundFace,
+    SecondArm,
+    SecondLinkRoller,
+    SecondPlace,
+    Shoe,
+)
+from core.errors import NoCam, angle_ranges
+from core.findings import ERROR, Finding
 from core.frozen import frozen
-from core.instant_centres import Centres
+from core.instant_centres import Centres, cam_follower_centre
 from core.mechanism.kinematics import Kinematics
-from core.numerics.derivatives import BINOMIAL, Derivatives
+from core.motion.extremes import Range
+from core.numerics.derivatives import BINOMIAL, Derivatives, between_lines, cross, dot
 from core.numerics.lazy import Lazy, once
-from core.numerics.vectors import cross, dot
+
+# -- the cam's shape as results ---------------------------------------------------------------------------------
+
 
 INNER, OUTER, SECOND = "inner", "outer", "second"
 
@@ -166,3 +185,213 @@ def curvature_slope(motion: Derivatives, sense: float) -> np.ndarray:
     square = dot(t, t)
     bend = cross(t, x) - 3.0 * cross(t, w) * dot(t, w) / square
     return -sense * bend / (square * np.sqrt(square))
+
+
+# -- which entries of the design set the size of cam and face, by the class of the cam --------------------------
+
+
+class SizeEntries(NamedTuple):
+    """pressure: code of the finding; size: field that makes the cam larger; hint: how, ``{smaller}`` for what else helps where
+    the face has a radius; faces: table that holds the entries of a face other than a roller; gentler: what lessens the pressure
+    angle on the rise or on the return."""
+
+    pressure: str
+    size: str
+    hint: str
+    smaller: str
+    faces: str
+    gentler: str
+
+
+_DISK = SizeEntries(
+    "pressure-angle",
+    "cam.base_radius_mm",
+    "make it larger,{smaller} or lower the motion",
+    " or the {name} smaller,",
+    "follower",
+    "enlarge the base radius, or lengthen the {stretch}",
+)
+# a cam under a linkage has the size that the linkage gives it
+_UNDER_LINKAGE = SizeEntries(
+    "roller-pressure-angle",
+    "cam.point",
+    "let the {name} run farther from the frame's origin{smaller}",
+    ", or make it smaller",
+    "cam",
+    "let the cam act on another point, or lengthen the {stretch}",
+)
+ENTRIES: Mapping[type, SizeEntries] = MappingProxyType({RollerCam: _DISK, DiskCam: _DISK, LinkageCam: _UNDER_LINKAGE})
+
+
+class SecondEntry(NamedTuple):
+    """field that places the second roller of a conjugate pair; remedy: what to do with it where its pressure angle is too large."""
+
+    field: str
+    remedy: str
+
+
+_SECOND: Mapping[type, SecondEntry] = MappingProxyType(
+    {
+        SecondArm: SecondEntry("follower.second.angle_deg", "turn the second roller's arm, or change its length"),
+        SecondPlace: SecondEntry("follower.second.distance_mm", "put the second roller farther away"),
+        SecondLinkRoller: SecondEntry("cam.second.point", "let the second roller run at another point"),
+    }
+)
+
+
+def second_entry(mechanism: Any, cam: Any) -> SecondEntry | None:
+    """Where the second roller of a conjugate pair is placed; None of other cams."""
+    return _SECOND.get(type(getattr(mechanism, "second", None) or getattr(cam.form, "second", None)))
+
+
+def size_of(cam: object, name: str, radius: float) -> tuple[str, str]:
+    """The field that sets the cam's size, and what to do with it; name: of the face, radius: it has one that may be smaller."""
+    row = ENTRIES[type(cam)]
+    return row.size, row.hint.format(name=name, smaller=row.smaller.format(name=name) if radius else "")
+
+
+def face_table(cam: object, face: Face) -> str:
+    """The table of the file that holds the face's own entries: a roller's radius is always the cam's."""
+    return "cam" if isinstance(face, Roller) else ENTRIES[type(cam)].faces
+
+
+# -- A round on the cam - roller, shoe, or an edge of radius 0 - as an envelope, with its limits, ---------------
+
+
+POINTS = 181  # of an outline
+_WORDS: Mapping[type, Mapping[str, str]] = MappingProxyType({Shoe: {"face": Shoe.face}})
+SPARE = 0.3  # of a drawn shoe beyond where it touches [rad]
+_OF_SECOND = ("second roller", "cam.second.roller_radius_mm", "make it smaller, or put the second roller farther out")
+WEDGE = 0.12  # length of a drawn edge, parts of the cam's size
+
+
+def envelope(kinematics: Kinematics, face: RoundFace, cam: object, sense: float) -> CamShape:
+    """Profile of a disk cam under a round of radius Rr: n = -i d t/|t|, profile (R + Rr n) e^{-idθ}.
+
+    Takes the place of Shin1995 (19), (20), which are written for one quadrant; Q stays a check (18).
+    Raises NoCam where it covers the cam centre or stands still on the cam (a cusp).
+    """
+    return CamShape((round_envelope(kinematics, face, cam, sense, 1e-3 * face.radius_mm),), sense)
+
+
+def round_envelope(
+    kinematics: Kinematics, face: RoundFace, cam: object, sense: float, offset: float, name: str = INNER
+) -> Flank:
+    """The flank beside the pitch curve of the reference point: (R + offset n) e^{-idθ}, with the curvature κ_p/(1 - offset κ_p).
+
+    offset [m]: Rr; of the outer flank of a groove -(Rr + play), where the follower pushes along -n. Raises as ``envelope``.
+    """
+    motion, side = relative_motion(kinematics, sense), 1.0 if name != OUTER else -1.0
+    reference, t = motion[0], motion[1]
+    of_cam = size_of(cam, face.noun, face.radius_mm)
+    _require_cam(
+        kinematics, reference, t, 1e-3 * face.radius_mm, *(_OF_SECOND if name == SECOND else (face.noun, *of_cam))
+    )
+    speed = np.abs(t)
+    normal = np.empty(t.shape, dtype=complex)  # -i d t/|t|
+    np.divide(t.imag, sense * speed, out=normal.real)
+    np.divide(t.real, -sense * speed, out=normal.imag)
+    back = turned_back(kinematics, sense)
+    bend = once(lambda: curvature(motion, sense))
+    return Flank(
+        name=name,
+        body=kinematics.carrier,
+        reference=reference,
+        relative_velocity=t,
+        centre=lambda: cam_follower_centre(kinematics, sense),
+        profile=lambda: (reference + offset * normal) * back(),
+        contact=lambda: reference + offset * normal,
+        normal=side * normal,
+        pressure_angle=lambda: between_lines(normal, kinematics.travel),
+        profile_curvature=lambda: _beyond(bend(), offset),
+        profile_velocity=lambda: t * (1.0 - offset * bend()) * back(),
+        sliding=lambda: sliding(kinematics, motion, reference + offset * normal, side * normal, sense),
+        radius=1e-3 * face.radius_mm,
+        offset=offset,
+        pitch=lambda: reference * back(),
+        pitch_curvature=bend,
+        pitch_curvature_slope=lambda: curvature_slope(motion, sense),
+    )
+
+
+@np.errstate(divide="ignore")
+def _beyond(pitch_curvature: np.ndarray, offset: float) -> np.ndarray:
+    """Curvature of the curve that runs beside, by the offset on the convex side's inside."""
+    return pitch_curvature / (1.0 - offset * pitch_curvature)
+
+
+def _require_cam(
+    kinematics: Kinematics, reference: np.ndarray, t: np.ndarray, radius: float, name: str, field: str, hint: str
+) -> None:
+    """Raises NoCam; name: of the round, field, hint: which entry makes the cam larger, and how."""
+    distance = np.abs(reference)
+    bad = distance <= radius
+    NoCam.where(
+        bad,
+        lambda: NoCam(
+            f"the {name} covers the cam centre: its own centre comes as near as {distance.min() * 1e3:.9g} mm, "
+            f"less than the {name} radius {radius * 1e3:.9g} mm, so the cam's radius turns negative",
+            field,
+            hint,
+            angle_ranges(kinematics.theta, bad),
+        ),
+    )
+    still = t == 0.0
+    NoCam.where(
+        still,
+        lambda: NoCam(
+            f"the {name} stands still on the cam (cusp of the pitch curve)",
+            field,
+            "change it",
+            angle_ranges(kinematics.theta, still),
+        ),
+    )
+
+
+def is_undercut(extremes: Mapping[str, Range], face: RoundFace) -> bool:
+    """Whether the pitch curve is somewhere no blunter than the round: there the profile has a cusp, or crosses itself."""
+    return 1e-3 * face.radius_mm * extremes["pitch_curvature"].high.value >= 1.0
+
+
+def own_distance(shape: CamShape, face: RoundFace) -> np.ndarray:
+    """Distance of the profile's own points from the round (n,) [m]."""
+    flank = shape.flank
+    return np.abs(np.abs(shape.flank.profile - flank.pitch) - 1e-3 * face.radius_mm)
+
+
+def gaps(shape: CamShape, face: RoundFace, positions: int) -> np.ndarray:
+    """Least distance from the centre to all profile points, less the radius [m], by brute force at ``positions`` cam
+    positions (m,): negative where the profile enters the round, positive where it stays away from it."""
+    pitch, profile, radius = shape.flank.pitch, shape.flank.profile, 1e-3 * face.radius_mm
+    step = max(1, pitch.size // positions)
+    # one by one, so that memory stays small for a million points
+    return np.array([float(np.abs(profile - centre).min()) - radius for centre in pitch[::step]])
+
+
+def outline(shape: CamShape, face: RoundFace, kinematics: Kinematics) -> FaceOutline:
+    """A roller as a circle; a shoe as half of one, or as much more as the contact wanders, held at its centre; an edge as a wedge
+    whose point lies there, held at its back."""
+    radius, away = 1e-3 * face.radius_mm, -shape.flank.normal / kinematics.follower.unit
+    middle = complex(away.mean())
+    middle /= abs(middle) or 1.0
+    if not radius:
+        length = WEDGE * float(np.abs(shape.reference).max()) * middle
+        return FaceOutline(np.array([0.0, length * (1.0 + 0.4j), length * (1.0 - 0.4j), 0.0]), length)
+    half = np.pi
+    if face.slides:
+        half = min(np.pi, max(np.pi / 2.0, float(np.abs(np.angle(away / middle)).max()) + SPARE))
+    return FaceOutline(-radius * middle * np.exp(1j * np.linspace(-half, half, POINTS)), 0j)
+
+
+def findings(extremes: Mapping[str, Range], face: RoundFace, cam: object, least_at: object) -> list[Finding]:
+    """The pitch curve's smallest radius against that of the round."""
+    if not is_undercut(extremes, face):
+        return []
+    sharpest = extremes["pitch_curvature"].high
+    key = f"{face.face}_radius_mm"
+    values: dict[str, float | str] = {
+        "pitch_radius_mm": 1e3 / sharpest.value,
+        key: face.radius_mm,
+        **_WORDS.get(type(face), {}),
+    }
+    return [Finding("undercut", ERROR, f"{face_table(cam, face)}.{key}", degrees(sharpest.theta), values)]

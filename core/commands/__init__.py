@@ -11,7 +11,7 @@ from core.frozen import frozen
 from core.process import nothing_collected
 
 if TYPE_CHECKING:
-    from core.output.graph.picture import GraphPicture
+    from core.output.graph.curves import GraphPicture
     from core.output.position import Snapshot
     from core.output.report.document import Printed
     from core.papers import Drawing
@@ -39,78 +39,95 @@ class Command:
     run: Callable[[Any, Painter | None], int]
 
 
-def _row(help: str, module: str) -> Command:
-    """The command of a module of this room: its class ``Arguments`` and its function ``run``."""
+def _row(help: str, module: str, name: str) -> Command:
+    """The command of a module of this room: its class ``<Name>Arguments`` and its function ``run_<name>``."""
 
-    def there() -> Any:
+    def attribute(spelled: str) -> Any:
         with nothing_collected():
-            return import_module(f"{__name__}.{module}")
+            return getattr(import_module(f"{__name__}.{module}"), spelled)
 
     def run(arguments: Any, painter: Painter | None) -> int:
-        code: int = there().run(arguments, painter)
+        code: int = attribute(f"run_{name}")(arguments, painter)
         return code
 
-    return Command(help, lambda: there().Arguments, run)
+    return Command(help, lambda: attribute("".join(word.title() for word in name.split("_")) + "Arguments"), run)
 
 
 COMMANDS: Mapping[str, Command] = MappingProxyType(
     {
-        "check": _row("findings and proof of a design", "check"),
-        "report": _row("the whole report of a design", "report"),
-        "export": _row("tables as CSV and figures as JSON", "export"),
-        "profile": _row("the cam's profile, or its cutter's path, as CSV, DXF, SVG or G-code", "profile"),
-        "ecam": _row("a table for a servo controller, and the error that the controller makes of it", "ecam"),
+        "check": _row("findings and proof of a design", "check", "check"),
+        "report": _row("the whole report of a design", "designs", "report"),
+        "export": _row("tables as CSV and figures as JSON", "export", "export"),
+        "profile": _row("the cam's profile, or its cutter's path, as CSV, DXF, SVG or G-code", "cams", "profile"),
+        "ecam": _row("a table for a servo controller, and the error that the controller makes of it", "tables", "ecam"),
         "inspection": _row(
-            "the lift that a probe measures on the cam, and whether a measured table keeps its tolerance", "inspection"
+            "the lift that a probe measures on the cam, and whether a measured table keeps its tolerance",
+            "cams",
+            "inspection",
         ),
         "find": _row(
             "a dimension that just keeps its limits: base radius, offset, roller, span, face, pivot, arm, spring",
+            "designs",
             "find",
         ),
         "optimise": _row(
             "the best design of a study within its limits: any fields, one goal, or two and their front",
-            "studies.optimise",
+            "studies",
+            "optimise",
         ),
         "tolerance": _row(
-            "what tolerances do: sensitivities, worst case, share of machines within limits, bands", "studies.tolerance"
+            "what tolerances do: sensitivities, worst case, share of machines within limits, bands",
+            "studies",
+            "tolerance",
         ),
-        "vary": _row("a table of many designs, some of whose numbers and words are varied", "studies.vary"),
+        "vary": _row("a table of many designs, some of whose numbers and words are varied", "studies", "vary"),
         "contact": _row(
             "the speed from which the follower leaves its cam, its flights, the contact force over angle and speed",
+            "cams",
             "contact",
         ),
         "vibration": _row(
-            "how an elastic follower vibrates in its dwells, and its response spectrum over speeds", "vibration"
+            "how an elastic follower vibrates in its dwells, and its response spectrum over speeds", "cams", "vibration"
         ),
-        "centres": _row("instant centres and velocities of a linkage at one position", "centres"),
+        "centres": _row("instant centres and velocities of a linkage at one position", "linkages", "centres"),
         "compare": _row(
-            "two designs side by side: inputs that differ, results of both, findings that came or went", "compare"
+            "two designs side by side: inputs that differ, results of both, findings that came or went",
+            "designs",
+            "compare",
         ),
         "explain": _row(
-            "where a number comes from: its equation, with the letters' values and their origin", "explain"
+            "where a number comes from: its equation, with the letters' values and their origin", "designs", "explain"
         ),
         "graph": _row(
-            "curves of tables and designs on one graph, as PNG, SVG, PDF or CSV, their differences and values", "graph"
+            "curves of tables and designs on one graph, as PNG, SVG, PDF or CSV, their differences and values",
+            "graph",
+            "graph",
         ),
-        "laws": _row("the motion laws and their peak coefficients", "laws"),
-        "blend": _row("a motion blended from elementary curves", "blend"),
+        "laws": _row("the motion laws and their peak coefficients", "motions", "laws"),
+        "blend": _row("a motion blended from elementary curves", "motions", "blend"),
         "motion": _row(
-            "the motion of a design by itself, or in another design, begun elsewhere in its turn", "motions.motion"
+            "the motion of a design by itself, or in another design, begun elsewhere in its turn", "motions", "motion"
         ),
-        "indexer": _row("an indexer as a design: stops, index angle, dwell and law", "motions.indexer"),
+        "indexer": _row("an indexer as a design: stops, index angle, dwell and law", "motions", "indexer"),
         "flying-shear": _row(
-            "a flying shear as a design: length of a cut, synchronous window, return", "motions.flying_shear"
+            "a flying shear as a design: length of a cut, synchronous window, return", "motions", "flying_shear"
         ),
-        "scale": _row("a design of another size: all lengths by a factor, masses and inertias by choice", "scale"),
-        "stability": _row("chart and forbidden speeds of a flexible camshaft", "stability"),
+        "scale": _row(
+            "a design of another size: all lengths by a factor, masses and inertias by choice", "designs", "scale"
+        ),
+        "stability": _row("chart and forbidden speeds of a flexible camshaft", "stability", "stability"),
         "figures": _row(
-            "the figures and tables of the papers, and what they say against what comes out here", "figures"
+            "the figures and tables of the papers, and what they say against what comes out here",
+            "stability",
+            "figures",
         ),
-        "linkage-from": _row("a linkage from Pyslvs, PMKS+ or Linkage", "linkage.read"),
-        "circuits": _row("the ways to put a linkage together, as drawn or by signs", "linkage.circuits"),
-        "curves": _row("what points of a linkage run through, as CSV, DXF or SVG", "linkage.curves"),
-        "pose": _row("a linkage at one angle, a layer a link, as DXF or SVG", "linkage.pose"),
-        "measured": _row("a motion from a measured table", "measured"),
-        "motion-from": _row("a motion from a DXF curve: the follower rolled over closed lines and arcs", "motion_from"),
+        "linkage-from": _row("a linkage from Pyslvs, PMKS+ or Linkage", "linkages", "linkage_from"),
+        "circuits": _row("the ways to put a linkage together, as drawn or by signs", "linkages", "circuits"),
+        "curves": _row("what points of a linkage run through, as CSV, DXF or SVG", "linkages", "curves"),
+        "pose": _row("a linkage at one angle, a layer a link, as DXF or SVG", "linkages", "pose"),
+        "measured": _row("a motion from a measured table", "tables", "measured"),
+        "motion-from": _row(
+            "a motion from a DXF curve: the follower rolled over closed lines and arcs", "motions", "motion_from"
+        ),
     }
 )

@@ -21,13 +21,13 @@ if TYPE_CHECKING:  # few designs lack anything
 
 
 @frozen(kw_only=True)
-class Arguments:
+class CheckArguments:
     """The design."""
 
     design: Path = design_file()
 
 
-def run(arguments: Arguments, painter: Painter | None) -> int:
+def run_check(arguments: CheckArguments, painter: Painter | None) -> int:
     """Findings and certificate of a design."""
     study = studied(_finished(arguments.design))
     findings, proof = findings_of(study), certificate_of(study)

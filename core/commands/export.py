@@ -13,7 +13,7 @@ from core.requests import typed
 
 
 @frozen(kw_only=True)
-class Arguments:
+class ExportArguments:
     """Of which design, and which stages."""
 
     design: Path = design_file()
@@ -22,7 +22,7 @@ class Arguments:
     only: tuple[str, ...] = typed("stages to compute and write", default=(), nargs="+", metavar="STAGE")
 
 
-def run(arguments: Arguments, painter: Painter | None) -> int:
+def run_export(arguments: ExportArguments, painter: Painter | None) -> int:
     """Tables and summary into a folder."""
     study = studied(load(arguments.design), arguments.samples)
     for path in export(study, arguments.out, arguments.only):

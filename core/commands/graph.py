@@ -38,8 +38,8 @@ from core.output.graph import (
     read_source,
     ready,
 )
-from core.output.graph.picture import ENDINGS, LEAST_SIDE, MOST_SIDE, USUAL_SIZE, GraphPicture
-from core.output.graph.setup_file import load_setup
+from core.output.graph.curves import ENDINGS, LEAST_SIDE, MOST_SIDE, USUAL_SIZE, GraphPicture
+from core.output.graph.model import load_setup
 from core.output.lines import printable
 from core.output.summary import to_json
 from core.project.files import write
@@ -134,7 +134,7 @@ def _axis_log(axis: str) -> Any:
 
 
 @frozen(kw_only=True)
-class Arguments:
+class GraphArguments:
     """Which curves of which files, on which axes, and what is read off them."""
 
     files: tuple[Path, ...] = typed("tables (.csv, text) and designs (.toml)", "FILE", default=(), type=Path, nargs="*")
@@ -176,7 +176,7 @@ class Arguments:
     json: bool = as_json()
 
 
-def run(arguments: Arguments, painter: Painter | None) -> int:
+def run_graph(arguments: GraphArguments, painter: Painter | None) -> int:
     """Write the files, print what is read off; 1 where a curve could not be drawn and others could."""
     if not arguments.files and arguments.setup is None:
         raise KindynaError("graph: no file; name a table, a design, or a graph that was saved with --setup")
@@ -212,7 +212,7 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
     return DONE_WITH_ERRORS if found.faults else DONE
 
 
-def _graph(arguments: Arguments, source_of: Callable[[str], Source]) -> Graph:
+def _graph(arguments: GraphArguments, source_of: Callable[[str], Source]) -> Graph:
     """The rows of the setup, then those of the command line; without any of them all columns."""
     graph = load_setup(arguments.setup) if arguments.setup is not None else Graph()
     if arguments.ready is not None:
@@ -240,7 +240,7 @@ def _graph(arguments: Arguments, source_of: Callable[[str], Source]) -> Graph:
     )
 
 
-def _ready(arguments: Arguments, source_of: Callable[[str], Source]) -> Graph:
+def _ready(arguments: GraphArguments, source_of: Callable[[str], Source]) -> Graph:
     """The graph of that name, of the first file."""
     if arguments.setup is not None:
         raise KindynaError("--ready: not together with --setup")
@@ -274,7 +274,7 @@ def _file(source: str, names: Sequence[str]) -> str:
     raise KindynaError(f"file={source}: number of a file; allowed: 1 ... {len(names)}")
 
 
-def _scale(scale: GraphAxis, arguments: Arguments, side: str) -> GraphAxis:
+def _scale(scale: GraphAxis, arguments: GraphArguments, side: str) -> GraphAxis:
     title, ends, log = (getattr(arguments, f"{side}_{what}") for what in ("title", "range", "log"))
     low, high = ends if ends is not None else (scale.low, scale.high)
     return replace(scale, title=scale.title if title is None else title, low=low, high=high, log=scale.log or log)

@@ -3,20 +3,29 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from core.commands import DONE, Painter
-from core.commands.common import design_file, out_folder, pictures, require_shaft, verdict
-from core.design.fields import Info, flag, number
+from core.commands.common import as_json, design_file, folder, out_folder, pictures, require_shaft, verdict
+from core.design.fields import Info, choice, flag, number
 from core.errors import KindynaError, NoStability
 from core.frozen import frozen
 from core.output.lines import finding_line
-from core.output.paper_files import claims_text, kim_files
 from core.output.report import point_text, stability_text
-from core.output.stability_files import needed_text, stability_files
-from core.papers import PAPERS, Examples, claims
-from core.papers.kim1990 import EXAMPLE, require_kim
+from core.output.stability_files import (
+    claims_text,
+    kim_files,
+    needed_text,
+    rows_data,
+    stability_files,
+    table_file,
+    tables_of,
+)
+from core.output.summary import to_json
+from core.papers import PAPERS, Claim, Examples, claims
+from core.papers.kim1990_chart import EXAMPLE, require_kim
 from core.project import load
 from core.project.files import write_into
 from core.requests import asked, number_reader, typed
@@ -24,6 +33,55 @@ from core.stability import ETA_MAX, Stability, flexible
 from core.stability.critical_speeds import USUAL_ETA, USUAL_Q, Machine
 from core.study import Study, findings_of
 from core.units import NO_UNIT, UNITS
+
+# -- the command ``figures`` ------------------------------------------------------------------------------------
+
+
+ALL = "all"
+
+
+@frozen(kw_only=True)
+class FiguresArguments:
+    """Which paper, and where to."""
+
+    paper: str = asked(choice("Paper", (*PAPERS, ALL), help=" | ".join((*PAPERS, ALL))), "PAPER")
+    out: Path = typed("write tables and pictures there", type=folder, metavar="DIR")
+    json: bool = as_json("print the rows as JSON")
+
+
+def run_figures(arguments: FiguresArguments, painter: Painter | None) -> int:
+    """Every row with its verdict on the terminal; its figure or table as CSV and, where someone paints, as SVG and PNG."""
+    wanted = tuple(PAPERS) if arguments.paper == ALL else (arguments.paper,)
+    examples = Examples()
+    found = {paper: claims(paper, examples) for paper in wanted}
+    rows = [claim for each in found.values() for claim in each]
+    made: dict[str, str | bytes] = {**tables_of(rows), **_painted(rows, painter)}
+    if arguments.json:
+        text = to_json(rows_data(rows))
+    else:
+        text = "\n".join(
+            claims_text(f"{PAPERS[paper].label}: {PAPERS[paper].title}", each) for paper, each in found.items()
+        )
+    write_into(arguments.out, made)
+    print(text, end="")
+    return DONE
+
+
+def _painted(rows: list[Claim], painter: Painter | None) -> dict[str, bytes]:
+    """Pictures beside the tables, each once; where nobody paints, a line says so."""
+    if painter is None:
+        print("pictures left out: they need kindyna --headless", file=sys.stderr)
+        return {}
+    made: dict[str, bytes] = {}
+    first = {table_file(claim): claim for claim in reversed(rows)}
+    for name in dict.fromkeys(table_file(claim) for claim in rows):
+        for picture, data in painter(first[name].drawing).items():
+            made[name.removesuffix(".csv") + picture[picture.rindex(".") :]] = data
+    return made
+
+
+# -- the command ``stability`` ----------------------------------------------------------------------------------
+
 
 MOST_ETA = 60.0
 KIM = "kim1990"
@@ -61,7 +119,7 @@ def _points(shaft: Stability, asked: Sequence[Point]) -> list[tuple[float, float
 
 
 @frozen(kw_only=True)
-class Arguments:
+class StabilityArguments:
     """Whose shaft, and what is told of it."""
 
     design: Path = design_file()
@@ -104,7 +162,7 @@ class Arguments:
     )
 
 
-def run(arguments: Arguments, painter: Painter | None) -> int:
+def run_stability(arguments: StabilityArguments, painter: Painter | None) -> int:
     """The section of the report on the terminal; with a folder the tables, the report and the pictures as files."""
     design = load(arguments.design)
     if design.listed and (arguments.guess or arguments.claims):
@@ -123,7 +181,7 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
     return (_claims if arguments.claims else _machine)(study, shaft, arguments, painter)
 
 
-def _machine(study: Study, shaft: Stability, arguments: Arguments, painter: Painter | None) -> int:
+def _machine(study: Study, shaft: Stability, arguments: StabilityArguments, painter: Painter | None) -> int:
     """What there is to say of the design's own shaft. Raises NoStability where that is nothing."""
     shaft.exact  # noqa: B018 - asked before anything is written: the report only notes that it has no answer
     needed = [needed_text(shaft.stiffness_for(rpm)) for rpm in arguments.rpm]
@@ -143,7 +201,7 @@ def _machine(study: Study, shaft: Stability, arguments: Arguments, painter: Pain
     return verdict(study, ("stability",))
 
 
-def _claims(study: Study, shaft: Stability, arguments: Arguments, painter: Painter | None) -> int:
+def _claims(study: Study, shaft: Stability, arguments: StabilityArguments, painter: Painter | None) -> int:
     """What the paper says of its cam, and its figures."""
     require_kim(shaft.coefficients)
     examples = Examples({EXAMPLE: study.design})

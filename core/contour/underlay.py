@@ -7,19 +7,361 @@ import cmath
 import json
 import math
 import os
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import islice, pairwise
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
-from core.contour.drawing import DrawingError, text_of
-from core.contour.dxf import NoDrawing, read_drawing
-from core.contour.polylines import Layout
+from core.bounds import LINES, NESTING
+from core.contour.drawing import PAPER_SPACE, Drawing, DrawingError, Entity, NoDrawing, as_number, read_drawing, text_of
 from core.errors import DesignError, FileError
 from core.frozen import frozen
 from core.project import parsed
 from core.project.files import read_bytes, read_text, remove, write_into
+
+# -- the lines of a DXF with its blocks laid out ----------------------------------------------------------------
+
+
+_PER_ROOT = (
+    14.0  # lines of an arc of 1 rad; of others by the root of their angle, which keeps the sagitta to 1/500 of the size
+)
+_PER_SPAN = 8  # lines between two knots of a spline
+_UP = (0.0, 0.0, 1.0)
+_INSERTS = ("INSERT", "DIMENSION")
+_DEGREES = range(1, 12)  # of a spline
+
+
+@frozen(eq=False)
+class Polylines:
+    """Points (n, 3), the number of the first of each line (m,), corners (k, 3) and centres (c, 3), in the units of the drawing."""
+
+    points: np.ndarray
+    starts: np.ndarray
+    corners: np.ndarray
+    centres: np.ndarray
+
+    @property
+    def count(self) -> int:
+        """Straight lines between the points."""
+        return len(self.points) - len(self.starts)
+
+    @property
+    def size(self) -> int:
+        """These lines, or half the corners where they are more."""
+        return max(self.count, -(-len(self.corners) // 2), len(self.centres))
+
+
+_NONE = np.zeros((0, 3))
+NOTHING = Polylines(_NONE, np.zeros(0, int), _NONE, _NONE)
+
+
+Placing = tuple[float, ...]
+"""A matrix (3, 3) by its rows, and the place (3,) of a block's base."""
+
+
+@dataclass
+class Layout:
+    """Lays out the blocks of a drawing; notes: what is left out of it, each once."""
+
+    drawing: Drawing
+    notes: dict[str, None] = field(default_factory=dict)
+    _done: dict[str, Polylines] = field(default_factory=dict)
+    _open: list[str] = field(default_factory=list)
+    _work: int = 10 * LINES  # lines that are computed for all blocks
+    _spoiled: int = 0
+
+    def model(self) -> Polylines:
+        """The model space."""
+        with np.errstate(all="ignore"):
+            lines = self._laid_out(self.drawing.entities)
+        if self._spoiled:
+            self.notes[f"{self._spoiled} entities that cannot be read are left out"] = None
+        return lines
+
+    def _laid_out(self, entities: list[Entity]) -> Polylines:
+        """The curves of these entities and of the blocks that they insert, as many as are shown."""
+        own, count, inserts = _Curves(), 0, dict[str, list[Placing]]()
+        blocks: dict[str, Polylines] = {}
+        for entity in entities:
+            try:
+                if entity.number(PAPER_SPACE) != 0.0:
+                    continue
+                if entity.kind in _INSERTS:
+                    name = entity.text(2, "").upper()
+                    if name not in blocks:
+                        blocks[name] = self._block(name)
+                    size = blocks[name].size
+                    placings = list(islice(_placings(entity), LINES // size + 1)) if size else []
+                    inserts.setdefault(name, []).extend(placings)
+                    added = size * len(placings)
+                elif entity.kind in _CURVES and entity.layer.upper() not in self.drawing.hidden:
+                    added = own.add(_CURVES[entity.kind](entity), LINES)
+                else:
+                    continue
+            except (ArithmeticError, NoDrawing, ValueError):  # a number that is none, or none that a curve has
+                self._spoiled += 1
+                continue
+            self._work -= added
+            count += added
+            if self._work < 0 or count > LINES:
+                self._note_rest()
+                break
+        parts = [_repeated(blocks[name], self._base(name), placings) for name, placings in inserts.items() if placings]
+        return self._cut(_joined([own.joined(), *parts]))
+
+    def _block(self, name: str) -> Polylines:
+        if name in self._done:
+            return self._done[name]
+        if name in self._open:
+            self.notes[f"block {name[:40]!r} inserts itself: it is left out there"] = None
+        elif len(self._open) >= NESTING:
+            self.notes[f"blocks nested more than {NESTING} deep are left out"] = None
+        elif self._work < 0:
+            self._note_rest()
+        elif len(self.drawing.blocks.get(name, ())) > 1:
+            self._open.append(name)
+            lines = self._laid_out(self.drawing.blocks[name][1:])
+            self._open.pop()
+            while self._done and sum(each.size for each in self._done.values()) > 4 * LINES:
+                del self._done[next(iter(self._done))]  # computed again where it is needed again
+            self._done[name] = lines
+            return lines
+        return NOTHING
+
+    def _base(self, name: str) -> np.ndarray:
+        try:
+            return np.array(_place(self.drawing.blocks[name][0], 10))
+        except NoDrawing:
+            return np.zeros(3)
+
+    def _cut(self, lines: Polylines) -> Polylines:
+        if lines.size <= LINES:
+            return lines
+        self._note_rest()
+        ends = np.append(lines.starts[1:], len(lines.points))
+        kept = int(np.searchsorted(ends - np.arange(1, ends.size + 1), LINES, side="right"))
+        last = int(ends[kept - 1]) if kept else 0
+        return Polylines(lines.points[:last], lines.starts[:kept], lines.corners[: 2 * LINES], lines.centres[:LINES])
+
+    def _note_rest(self) -> None:
+        self.notes[f"more than {LINES} lines: the rest is left out"] = None
+
+
+def _placings(entity: Entity) -> Iterator[Placing]:
+    """Where an insert puts its block: once, or in rows and columns."""
+    if entity.kind == "DIMENSION":  # its block is drawn where it is
+        yield (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
+        return
+    turn = math.radians(entity.number(50))
+    c, s = math.cos(turn), math.sin(turn)
+    u, v, w = (entity.number(code, 1.0) or 1.0 for code in (41, 42, 43))
+    matrix: Placing = (c * u, -s * v, 0.0, s * u, c * v, 0.0, 0.0, 0.0, w)
+    x, y, z = _place(entity, 10)
+    axes = _axes(entity)
+    if axes is not None:
+        matrix = tuple((axes @ np.reshape(matrix, (3, 3))).ravel().tolist())
+    columns, rows, right, up = (entity.number(code, float(code > 60)) for code in (70, 71, 44, 45))
+    for i in range(max(1, int(rows))):
+        for j in range(max(1, int(columns))):
+            dx, dy = j * right, i * up
+            at: Point = (x + c * dx - s * dy, y + s * dx + c * dy, z)
+            yield matrix + (at if axes is None else tuple((axes @ at).tolist()))
+
+
+def _joined(parts: list[Polylines]) -> Polylines:
+    firsts = np.cumsum([0, *(len(part.points) for part in parts[:-1])])
+    return Polylines(
+        np.concatenate([part.points for part in parts]),
+        np.concatenate([part.starts + first for part, first in zip(parts, firsts.tolist(), strict=True)]),
+        np.concatenate([part.corners for part in parts]),
+        np.concatenate([part.centres for part in parts]),
+    )
+
+
+def _repeated(block: Polylines, base: np.ndarray, placings: Sequence[Placing]) -> Polylines:
+    """A block, turned and scaled about its base (3,), at each of its placings."""
+    rows = np.array(placings)
+    matrices, places = rows[:, :9].reshape(-1, 3, 3), rows[:, 9:]
+    points, corners, centres = (
+        (np.einsum("pij,nj->pni", matrices, each - base) + places[:, None]).reshape(-1, 3)
+        for each in (block.points, block.corners, block.centres)
+    )
+    starts = (block.starts[None] + len(block.points) * np.arange(len(rows))[:, None]).ravel()
+    return Polylines(points, starts, corners, centres)
+
+
+# -- one entity -------------------------------------------------------------------------------------------
+
+Point = tuple[float, ...]
+Curve = tuple[Sequence[Point], Point | None]
+"""Points x, y, z along it, and its centre."""
+
+
+class _Curves:
+    """Curves one after the other: their points, the ends of those that are open, and their centres; of a point its place alone."""
+
+    def __init__(self) -> None:
+        self._points, self._starts = list[Point](), list[int]()
+        self._corners, self._centres = list[Point](), list[Point]()
+
+    def add(self, curves: Iterable[Curve], most: int) -> int:
+        """Those of an entity, until they are more straight lines than that; how many they are."""
+        count = 0
+        for points, centre in curves:
+            if count > most:
+                break
+            first, last = points[0], points[-1]
+            if len(points) == 1:
+                self._corners.append(first)
+            elif any(point != first for point in points):
+                self._starts.append(len(self._points))
+                self._points += points
+                self._corners += [] if math.dist(first, last) <= 1e-9 * math.dist(first, points[1]) else [first, last]
+                self._centres += [] if centre is None else [centre]
+                count += len(points) - 1
+        return count
+
+    def joined(self) -> Polylines:
+        """All of them."""
+        points, corners, centres = (
+            np.array(each, dtype=float).reshape(-1, 3) for each in (self._points, self._corners, self._centres)
+        )
+        return Polylines(points, np.array(self._starts, dtype=int), corners, centres)
+
+
+def _tuples(points: np.ndarray) -> list[Point]:
+    return list(map(tuple, points.tolist()))
+
+
+def _axes(entity: Entity) -> np.ndarray | None:
+    """Axes of the plane in which an entity is drawn, as columns (3, 3), by the arbitrary axis algorithm; None of the drawing's own."""
+    if entity.upwards == _UP:
+        return None
+    upwards = np.array(entity.upwards)
+    z = upwards / np.linalg.norm(upwards)
+    x = np.cross([0.0, 1.0, 0.0] if abs(z[0]) < 1 / 64 and abs(z[1]) < 1 / 64 else [0.0, 0.0, 1.0], z)
+    x /= np.linalg.norm(x)
+    return np.column_stack((x, np.cross(z, x), z))
+
+
+def _place(entity: Entity, code: int) -> Point:
+    return entity.number(code), entity.number(code + 10), entity.number(code + 20)
+
+
+def _steps(begin: float, sweep: float) -> list[float]:
+    """Angles [rad] along an arc."""
+    count = max(4, math.ceil(_PER_ROOT * math.sqrt(abs(sweep))))
+    return [begin + sweep * i / count for i in range(count + 1)]
+
+
+def _in_space(axes: np.ndarray | None, points: Sequence[complex], height: float) -> list[Point]:
+    """Points of a plane with these axes, None those of the drawing, at a height above it."""
+    if axes is None:
+        return [(z.real, z.imag, height) for z in points]
+    return [tuple((axes @ (z.real, z.imag, height)).tolist()) for z in points]
+
+
+def _line(entity: Entity) -> Iterator[Curve]:
+    yield (_place(entity, 10), _place(entity, 11)), None
+
+
+def _point(entity: Entity) -> Iterator[Curve]:
+    yield (_place(entity, 10),), None
+
+
+def _arc(entity: Entity) -> Iterator[Curve]:
+    begin, sweep = 0.0, 2.0 * math.pi
+    if entity.kind == "ARC":
+        begin = math.radians(entity.number(50))
+        sweep = math.radians((entity.number(51) - entity.number(50)) % 360.0) or sweep
+    x, y, height = _place(entity, 10)
+    ring = [complex(x, y) + cmath.rect(entity.number(40), angle) for angle in _steps(begin, sweep)]
+    *points, centre = _in_space(_axes(entity), [*ring, complex(x, y)], height)
+    yield points, centre
+
+
+def _ellipse(entity: Entity) -> Iterator[Curve]:
+    centre, major = np.array(_place(entity, 10)), np.array(_place(entity, 11))
+    upwards = np.array(entity.upwards)
+    minor = entity.number(40, 1.0) * np.cross(upwards / np.linalg.norm(upwards), major)
+    begin, end = entity.number(41), entity.number(42, 2.0 * math.pi)
+    sweep = (end - begin) % (2.0 * math.pi) or 2.0 * math.pi
+    angles = np.array(_steps(begin, sweep))[:, None]
+    yield _tuples(centre + np.cos(angles) * major + np.sin(angles) * minor), tuple(centre.tolist())
+
+
+def _light_polyline(entity: Entity) -> Iterator[Curve]:
+    rows: list[list[float]] = []
+    for code, text in zip(entity.codes, entity.texts, strict=True):
+        if code == 10:
+            rows.append([as_number(text), 0.0, 0.0])
+        elif code in (20, 42) and rows:
+            rows[-1][1 if code == 20 else 2] = as_number(text)
+    return _vertices(rows, entity, entity.number(38))
+
+
+def _polyline(entity: Entity) -> Iterator[Curve]:
+    flags = int(entity.number(70))
+    if flags & (16 | 64):  # a mesh
+        return iter(())
+    if flags & 8:
+        points = [_place(each, 10) for each in entity.parts]
+        return ((pair, None) for pair in pairwise([*points, *(points[:1] if flags & 1 else [])]))
+    rows = [
+        [each.number(10), each.number(20), each.number(42)] for each in entity.parts if not int(each.number(70)) & 16
+    ]
+    return _vertices(rows, entity, entity.number(30))
+
+
+def _vertices(rows: list[list[float]], entity: Entity, height: float) -> Iterator[Curve]:
+    """Lines and arcs between vertices x, y, bulge in the entity's plane."""
+    closed, axes = int(entity.number(70)) & 1, _axes(entity)
+    for (x0, y0, bulge), (x1, y1, _) in zip(rows, [*rows[1:], *rows[:1]] if closed else rows[1:], strict=False):
+        start, end = complex(x0, y0), complex(x1, y1)
+        if abs(bulge) > 1e-12 and start != end:
+            middle = 0.5 * (start + end) + 0.25j * (end - start) * (1.0 - bulge * bulge) / bulge
+            arc = [middle + (start - middle) * cmath.rect(1.0, a) for a in _steps(0.0, 4.0 * math.atan(bulge))]
+            *points, centre = _in_space(axes, [*arc, middle], height)
+            yield points, centre
+        else:
+            yield _in_space(axes, (start, end), height), None
+
+
+def _spline(entity: Entity) -> Iterator[Curve]:
+    from scipy.interpolate import BSpline, make_interp_spline
+
+    knots, degree = np.array(entity.numbers(40)), int(entity.number(71, 3.0))
+    poles, through = (np.column_stack([entity.numbers(first + 10 * i) for i in range(3)]) for first in (10, 11))
+    if len(poles) < 2 <= len(through):
+        at = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(through, axis=0), axis=1)))
+        curve, low, high, spans = make_interp_spline(at, through, min(3, len(through) - 1)), 0.0, at[-1], len(through)
+    else:
+        weights = np.array(entity.numbers(41) or [1.0] * len(poles))
+        if degree not in _DEGREES or len(knots) != len(poles) + degree + 1 or len(weights) != len(poles):
+            raise NoDrawing("a spline whose knots do not fit its poles")
+        curve = BSpline(knots, np.column_stack((poles * weights[:, None], weights)), degree)
+        low, high, spans = knots[degree], knots[-degree - 1], len(poles) - degree
+    if not high > low:
+        raise NoDrawing("a spline without length")
+    points = curve(np.linspace(low, high, min(_PER_SPAN * max(spans, 3), LINES // 4) + 1))
+    yield _tuples(points[:, :3] / points[:, 3:] if points.shape[1] == 4 else points), None
+
+
+_CURVES: Mapping[str, Callable[[Entity], Iterator[Curve]]] = MappingProxyType(
+    {
+        "LINE": _line, "POINT": _point, "ARC": _arc, "CIRCLE": _arc, "ELLIPSE": _ellipse, "LWPOLYLINE": _light_polyline,
+        "POLYLINE": _polyline, "SPLINE": _spline,
+    }
+)  # fmt: skip
+"""One row for each entity that is drawn."""
+
+
+# -- A picture or a drawing under the drawing of a linkage ------------------------------------------------------
+
 
 PICTURES = (".png", ".jpg", ".jpeg", ".svg")
 DXF = ".dxf"
@@ -174,8 +516,3 @@ def snap_points(underlay: Underlay) -> tuple[np.ndarray, np.ndarray]:
     """The corners (n,) and the centres (k,) of a DXF as it lies under the linkage, complex [mm]. Raises FileError, DrawingError."""
     drawn = read_lines(underlay.file)
     return underlay.placed(drawn.corners), underlay.placed(drawn.centres)
-
-
-__all__ = [
-    "DXF", "ENDINGS", "DxfLines", "Underlay", "keep_underlay", "read_lines", "read_underlay", "sidecar", "snap_points",
-]  # fmt: skip

@@ -4,20 +4,26 @@
 
 from typing import TYPE_CHECKING
 
-from core.design.balancer import Balancer
 from core.design.camshaft import (
     BALANCER,
     RESERVED,
+    Stroke,
+    TimingDistance,
     add_drive,
     as_list,
+    contradiction,
     copy_drive,
+    distances,
     drive_at,
     drive_in,
     drive_names,
     drive_of,
+    events,
+    excess,
     free_name,
     in_machine,
     move_drive,
+    named_event,
     numbered,
     only,
     path_in,
@@ -27,10 +33,12 @@ from core.design.camshaft import (
     reorder_timing,
     slug,
     slugs,
+    strokes,
     with_only,
     with_phase,
     with_timing,
 )
+from core.design.design import SECTIONS, STAGES, Design, Drive, TimingRow, require_linkage, with_drive, with_table
 from core.design.edits import (
     edited,
     rescaled,
@@ -50,31 +58,27 @@ from core.design.edits import (
     with_stroke,
     without_segment,
 )
-from core.design.element_rules import FOLLOWER_LINKS, link_names, link_points, pairs_of
-from core.design.elements import (
-    ELEMENT_LISTS,
-    Attachment,
-    ForceElements,
-    LoadPoint,
-    PairFriction,
-    PointSpring,
-    Process,
-    TorsionSpring,
-)
-from core.design.faces import (
+from core.design.fields import Info, info_of, unit_of
+from core.design.followers import (
+    FORMS,
+    Conjugate,
     ContactFriction,
     Face,
     Flat,
+    Form,
+    Groove,
     Knife,
+    LinkageConjugate,
     OffsetFlat,
+    Open,
     Roller,
     Rolling,
     RoundFace,
+    SecondLinkRoller,
+    SecondRoller,
     Shoe,
     TiltedFlat,
 )
-from core.design.fields import Info, info_of, unit_of
-from core.design.forms import FORMS, Conjugate, Form, Groove, LinkageConjugate, Open, SecondLinkRoller, SecondRoller
 from core.design.limits import NO_LIMITS, Limits, Tolerance, Waviness
 from core.design.linkage import (
     CRANK,
@@ -96,6 +100,18 @@ from core.design.linkage import (
     SecondDriver,
     Side,
     Slider,
+)
+from core.design.load_rules import FOLLOWER_LINKS, link_names, link_points, pairs_of
+from core.design.loads import (
+    ELEMENT_LISTS,
+    Attachment,
+    Balancer,
+    ForceElements,
+    LoadPoint,
+    PairFriction,
+    PointSpring,
+    Process,
+    TorsionSpring,
 )
 from core.design.parts import (
     AT_REST,
@@ -147,6 +163,7 @@ from core.design.parts import (
     kind_of,
 )
 from core.design.paths import (
+    SI,
     Entry,
     all_paths,
     by_weight,
@@ -157,18 +174,16 @@ from core.design.paths import (
     names_a_link,
     put,
     row_at,
+    si,
     with_assumed,
     with_guesses_marked,
 )
 from core.design.rules import blunders, faults, part_faults, whole_faults
-from core.design.timing import Stroke, TimingDistance, contradiction, distances, events, excess, named_event, strokes
-from core.design.units import SI, si
-from core.design.whole import SECTIONS, STAGES, Design, Drive, TimingRow, require_linkage, with_drive, with_table
-from core.late import late
+from core.process import late
 from core.units import NO_UNIT, UNITS, Unit, split_unit
 
 if TYPE_CHECKING:
-    from core.design.element_edits import (
+    from core.design.load_edits import (
         HOLDS,
         LINK,
         MOTION_PART,
@@ -191,28 +206,28 @@ if TYPE_CHECKING:
         with_table_row,
         with_when,
     )
-    from core.design.joins import (
+    from core.design.motion_edits import (
         LEAST_SPAN,
+        alone,
+        has_image,
+        insert_segment,
         join_angles,
         join_levels,
         join_range,
         joins_of_level,
-        with_join_moved,
-    )
-    from core.design.mirror import has_image, mirrored, stroke_mirrored
-    from core.design.motions import (
-        alone,
-        insert_segment,
         mirror_stroke,
+        mirrored,
         motion_of,
         move_join,
         remove_segment,
         require_motion,
+        stroke_mirrored,
         turns_on,
+        with_join_moved,
         with_motion,
         with_motion_of,
     )
-    from core.design.timing_moves import (
+    from core.design.timing import (
         AngleRoom,
         events_at,
         join_room,
@@ -236,4 +251,4 @@ if TYPE_CHECKING:
         span_gap,
     )
 else:
-    __getattr__ = late(__name__, "unfinished", "joins", "mirror", "motions", "element_edits", "timing_moves")
+    __getattr__ = late(__name__, "unfinished", "motion_edits", "load_edits", "timing")

@@ -15,9 +15,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from core.design.camshaft import drive_at, only, rename_drive, turning_together, with_only
-from core.design.faces import FACE, ContactFriction
+from core.design.design import Design, Drive, with_drive
 from core.design.fields import unit_of, words_of
-from core.design.forms import FORM, Conjugate, LinkageConjugate, Open, SecondLinkRoller, SecondRoller
+from core.design.followers import (
+    FACE,
+    FORM,
+    Conjugate,
+    ContactFriction,
+    LinkageConjugate,
+    Open,
+    SecondLinkRoller,
+    SecondRoller,
+)
 from core.design.linkage import LinkageCam
 from core.design.parts import (
     FOLLOWER_KINDS,
@@ -39,11 +48,10 @@ from core.design.parts import (
     curve_of,
 )
 from core.design.paths import all_paths, of_class, put, row_at, with_guesses_marked
-from core.design.whole import Design, Drive, with_drive
 from core.errors import DesignError, Fault
 from core.laws import find_law
-from core.numerics.columns import Column, column
-from core.numerics.compensated_sum import two_sum
+from core.numerics.lazy import Column, column
+from core.numerics.roots import two_sum
 from core.units import UNITS, Unit
 
 if TYPE_CHECKING:

@@ -10,8 +10,6 @@ from math import isfinite, lcm, pi
 from types import MappingProxyType
 from typing import ClassVar
 
-from core.design.elements import ForceElements
-from core.design.faces import FACE, ContactFriction, Knife, Roller, Shoe, rubs
 from core.design.fields import (
     LARGEST,
     FileLayout,
@@ -24,10 +22,24 @@ from core.design.fields import (
     seldom,
     whole,
 )
-from core.design.forms import CamDetails, Form, Groove, LinkageConjugate, Open, form_of
+from core.design.followers import (
+    FACE,
+    CamDetails,
+    ContactFriction,
+    Form,
+    Groove,
+    Knife,
+    LinkageConjugate,
+    Open,
+    Roller,
+    Shoe,
+    form_of,
+    rubs,
+)
+from core.design.loads import ForceElements
 from core.design.parts import Motion
 from core.frozen import frozen
-from core.numerics.vectors import vector
+from core.numerics.derivatives import vector
 
 FRAME_LINK = 1
 """Number of the link that stands still; its frame is the global frame."""

@@ -9,7 +9,8 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from itertools import combinations
 
-from core.design.forms import LinkageConjugate, SecondLinkRoller
+from core.design.design import Drive
+from core.design.followers import LinkageConjugate, SecondLinkRoller
 from core.design.linkage import (
     CRANK,
     FRAME_LINK,
@@ -35,7 +36,6 @@ from core.design.topology import (
     pins,
     solving_order,
 )
-from core.design.whole import Drive
 from core.errors import MISSING, Fault
 
 LONGEST_NAME = 40

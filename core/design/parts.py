@@ -10,19 +10,6 @@ from dataclasses import fields
 from types import MappingProxyType
 from typing import Any, ClassVar
 
-from core.design.elements import ForceElements
-from core.design.faces import (
-    FACE,
-    ContactFriction,
-    Face,
-    Flat,
-    Knife,
-    OffsetFlat,
-    Rolling,
-    Shoe,
-    TiltedFlat,
-    rubs,
-)
 from core.design.fields import (
     LAW,
     FileLayout,
@@ -37,7 +24,26 @@ from core.design.fields import (
     seldom,
     words_of,
 )
-from core.design.forms import FORM, CamDetails, Conjugate, Form, Groove, Open, form_of
+from core.design.followers import (
+    FACE,
+    FORM,
+    CamDetails,
+    Conjugate,
+    ContactFriction,
+    Face,
+    Flat,
+    Form,
+    Groove,
+    Knife,
+    OffsetFlat,
+    Open,
+    Rolling,
+    Shoe,
+    TiltedFlat,
+    form_of,
+    rubs,
+)
+from core.design.loads import ForceElements
 from core.frozen import frozen
 from core.laws import LAWS, Piece
 from core.units import UNITS

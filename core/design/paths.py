@@ -8,14 +8,19 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Container, Iterable, Iterator, Sequence
 from dataclasses import MISSING, fields, is_dataclass, replace
+from functools import lru_cache
 from math import nan
 from typing import Any, TypeVar
 
+from core.design.design import MOTIONS, Design, with_drive_table, with_table
 from core.design.fields import LAW, FileEntry, Info, slots, slots_of
 from core.design.parts import Segment, Shaft, curve_of
-from core.design.whole import MOTIONS, Design, with_drive_table, with_table
 from core.frozen import frozen
+from core.numerics.lazy import Column
 from core.units import NO_UNIT, Unit, split_unit
+
+# -- addresses inside a design, spelled as in the file ----------------------------------------------------------
+
 
 _STEP = re.compile(r"(\w+)(?:\[(\d{1,9})\])?$")
 _UNIT_OF_MOTION = re.compile(r"_(mm|deg)$")
@@ -341,3 +346,29 @@ def with_assumed(design: Design, path: str, on: bool) -> Design:
         at = next((i for i, p in enumerate(kept) if order.get(p, -1) > place), len(kept))
         kept.insert(at, each)
     return replace(design, assumed=tuple(kept))
+
+
+# -- the parts of a design in SI units and radians --------------------------------------------------------------
+
+
+class SI:
+    """The same part in SI and radians; names lose their unit suffix: ``rod_mm`` -> ``rod`` [m]."""
+
+    def __init__(self, part: Any) -> None:
+        for f in fields(part):
+            value = getattr(part, f.name)
+            name, unit = split_unit(f.name)
+            is_number = isinstance(value, int | float | Column) and not isinstance(value, bool)
+            self.__dict__[name] = value * unit.factor if is_number else value
+
+    def __getattr__(self, name: str) -> Any:
+        raise AttributeError(name)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise AttributeError("read-only")
+
+
+@lru_cache(maxsize=64)
+def si(part: Any) -> SI:
+    """The part of a design in SI units and radians (cached: parts are frozen)."""
+    return SI(part)

@@ -9,13 +9,13 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
-from core.design.camshaft import RESERVED, drive_names, drive_of, only, path_of, slug
-from core.design.element_rules import element_faults
-from core.design.faces import Roller
+from core.design.camshaft import RESERVED, drive_names, drive_of, events, named_event, only, path_of, slug
+from core.design.design import Design, Drive
 from core.design.fields import slots
-from core.design.forms import FORM, CamDetails, Conjugate, Open
+from core.design.followers import FORM, CamDetails, Conjugate, Open, Roller
 from core.design.linkage import LinkageCam
 from core.design.linkage_rules import DRIVE_RULES
+from core.design.load_rules import element_faults
 from core.design.parts import (
     FOLLOWER_KINDS,
     JOINED,
@@ -34,8 +34,6 @@ from core.design.parts import (
     TableCurve,
 )
 from core.design.paths import entries_of
-from core.design.timing import events, named_event
-from core.design.whole import Design, Drive
 from core.errors import MISSING, Fault
 from core.file_names import LONGEST
 from core.laws import LAWS, find_law

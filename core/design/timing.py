@@ -1,145 +1,188 @@
-"""What must come after what on a shaft of several drives: events of their motions by machine angle, distances kept and broken.
+"""Turning a drive, or one join of its motion, on a shaft of several: how far the timing leaves room, and where two drives move at
+the same time. All angles are machine angles [deg].
 
-An event is where a rise or a return starts or ends. Segments that follow each other and go the same way are one rise or
-return; they are numbered from cam angle 0 on, by where they start. A turn has no first event, so that a distance counts within half
-a turn of what it must be: 5° before is 5° too early, not 355° late.
+A join turned alone leaves the others at their machine angles; the join at a drive's own cam angle 0 too, whose drive then begins at
+another phase.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from math import fsum
+from collections.abc import Collection, Iterator
+from dataclasses import replace
+from math import inf
 
-from core.design.camshaft import drive_names, drive_of, slugs
-from core.design.parts import Motion, Segment
-from core.design.whole import Design
+from core.design.camshaft import ENDS, Stroke, distances, drive_names, named_event, strokes, with_drives, with_phase
+from core.design.design import Design
+from core.design.edits import balance
+from core.design.motion_edits import join_angles, join_range, with_join_moved
+from core.design.parts import Motion
 from core.frozen import frozen
 
-ENDS = ("start", "end")
-ROUNDING = 1e-9  # [deg] by which a distance that is kept may miss
+HALF = 180.0 - 1e-6
+"""A distance of half a turn and more would count from the other side [deg]."""
 
 
 @frozen
-class Stroke:
-    """A rise or a return of a motion: its name ``rise.1``, the segments it takes, its own cam angles [deg], the end past 360
-    where it goes on over the start of the turn."""
+class AngleRoom:
+    """How far something can be turned from where it stands: back to ``low`` <= 0 and on to ``high`` >= 0 [deg]; ``low_row`` and
+    ``high_row`` are the rows of ``design.timing`` that stop it there, None where the motion itself does or nothing."""
 
-    name: str
-    segments: tuple[int, ...]
-    start: float
-    end: float
+    low: float
+    high: float
+    low_row: int | None = None
+    high_row: int | None = None
+
+    def within(self, by: float) -> float:
+        """The nearest turn that is left."""
+        return min(max(by, self.low), self.high)
+
+    def stop(self, by: float) -> int | None:
+        """The row that stops a turn by so much."""
+        return self.low_row if by < self.low else self.high_row if by > self.high else None
 
 
-def strokes(motion: Motion) -> tuple[Stroke, ...]:
-    """Rises and returns in the order of the turn."""
-    count = len(motion.segments)
-    sense = [_sense(segment) for segment in motion.segments]
-    begins = [fsum(s.span_deg for s in motion.segments[:i]) for i in range(count)]
-    found: list[Stroke] = []
-    numbers = {"rise": 0, "return": 0}
-    for i in range(count):
-        if not sense[i] or (sense[i - 1] == sense[i] and count > 1 and len(set(sense)) > 1):
+def machine_joins(design: Design, index: int) -> tuple[float, ...]:
+    """Machine angles of the joins of a drive's motion, 0 ... 360; none of a drive without a motion."""
+    drive = design.drives[index]
+    return (
+        ()
+        if drive.motion is None
+        else tuple(balance(drive.phase_deg, (-angle,)) % 360.0 for angle in join_angles(drive.motion))
+    )
+
+
+def events_at(design: Design, index: int, join: int) -> tuple[str, ...]:
+    """The events that stand at a join: a rise or a return that ends there, one that starts there."""
+    drive = design.drives[index]
+    if drive.motion is None:
+        return ()
+    name, count = drive_names(design)[index], len(drive.motion.segments)
+    places = [(stroke, (stroke.segments[0], (stroke.segments[-1] + 1) % count)) for stroke in strokes(drive.motion)]
+    found = [(end, stroke) for stroke, ends in places for end, at in zip(ENDS, ends, strict=True) if at == join]
+    return tuple(f"{name}.{stroke.name}.{end}" for end, stroke in sorted(found, key=lambda row: row[0]))
+
+
+# -- turning ------------------------------------------------------------------------------------------------
+
+
+def phase_room(design: Design, index: int) -> AngleRoom:
+    """How far a drive can be turned against the others so that each distance which is kept now stays kept."""
+    joins = range(len(machine_joins(design, index)))
+    return _room(design, {event for join in joins for event in events_at(design, index, join)}, AngleRoom(-inf, inf))
+
+
+def join_room(design: Design, index: int, join: int) -> AngleRoom:
+    """The same of one join, whose neighbours stay where they are. Raises ValueError for a drive without a motion."""
+    motion, place = _with_join_inside(design, index, join)
+    if place == 0:
+        return AngleRoom(0.0, 0.0)
+    at, (low, high) = join_angles(motion)[place], join_range(motion, place)
+    return _room(
+        design,
+        set(events_at(design, index, join)),
+        AngleRoom(min(balance(low, (at,)), 0.0), max(balance(high, (at,)), 0.0)),
+    )
+
+
+def _room(design: Design, moved: Collection[str], room: AngleRoom) -> AngleRoom:
+    """What the rows of the timing leave of a room. A row that is broken already holds nothing back."""
+    for i, (row, at) in enumerate(zip(design.timing, distances(design), strict=True)):
+        if not at.kept:
             continue
-        if len(set(sense)) == 1 and i:  # one way all around
-            break
-        run = [i]
-        while len(run) < count and sense[(run[-1] + 1) % count] == sense[i]:
-            run.append((run[-1] + 1) % count)
-        word = "rise" if sense[i] > 0 else "return"
-        numbers[word] += 1
-        span = fsum(motion.segments[k].span_deg for k in run)
-        found.append(Stroke(f"{word}.{numbers[word]}", tuple(run), begins[i], begins[i] + span))
-    return tuple(found)
+        grows = (named_event(design, row.second) in moved) - (named_event(design, row.first) in moved)
+        low, high = -max(at.spare_deg, 0.0), HALF - at.spare_deg
+        if grows < 0:
+            low, high = -high, -low
+        if grows and low > room.low:
+            room = replace(room, low=low, low_row=i)
+        if grows and high < room.high:
+            room = replace(room, high=high, high_row=i)
+    return room
 
 
-def _sense(segment: Segment) -> int:
-    return (segment.rise > 0.0) - (segment.rise < 0.0)
+def turn_drive(design: Design, index: int, phase_deg: float) -> Design:
+    """A drive at another phase, 0 ... 360."""
+    return with_phase(design, index, balance(phase_deg, ()) % 360.0)
 
 
-def events(design: Design) -> Mapping[str, float]:
-    """Event -> machine angle [deg], 0 ... 360, of all drives that follow a motion: ``feed.return.1.end``."""
-    found: dict[str, float] = {}
-    for name, drive in zip(drive_names(design), design.drives, strict=True):
-        for each in strokes(drive.motion) if drive.motion is not None else ():
-            for end, angle in zip(ENDS, (each.start, each.end), strict=True):
-                found[f"{name}.{each.name}.{end}"] = (angle + drive.phase_deg) % 360.0
-    return found
+def turn_join(design: Design, index: int, join: int, by: float) -> Design:
+    """One join turned by so much. It may have faults where that is out of ``join_room``. Raises ValueError for a drive without a
+    motion."""
+    motion, place = _with_join_inside(design, index, join)
+    if place == 0 or by == 0.0:
+        return design
+    motion = with_join_moved(motion, place, balance(join_angles(motion)[place], (-by,)))
+    drive = design.drives[index]
+    if join == 0:
+        segments = (*motion.segments[1:], motion.segments[0])
+        assert drive.motion is not None
+        motion = replace(motion, start=drive.motion.start, segments=segments)
+        drive = replace(drive, phase_deg=balance(drive.phase_deg, (-by,)) % 360.0)
+    drives = list(design.drives)
+    drives[index] = replace(drive, motion=motion)
+    return with_drives(design, drives)
 
 
-@frozen
-class TimingDistance:
-    """How a timing is kept: machine angles of both events, how far the second comes after the first, and how much further than
-    it must [deg]; negative where it is broken."""
-
-    first_deg: float
-    second_deg: float
-    after_deg: float
-    spare_deg: float
-
-    @property
-    def kept(self) -> bool:
-        """Whether the second event comes late enough, but for rounding."""
-        return self.spare_deg >= -ROUNDING
+def _with_join_inside(design: Design, index: int, join: int) -> tuple[Motion, int]:
+    """The motion of a drive and the number of its join; that of the join at cam angle 0 is 1 in the motion that begins a segment
+    earlier, and stays 0 where the drive has no phase or is one segment."""
+    motion = design.drives[index].motion
+    if motion is None:
+        raise ValueError("a drive without a motion has no joins")
+    if join or not design.listed or len(motion.segments) < 2:
+        return motion, join
+    last = motion.segments[-1]
+    earlier = replace(motion, start=balance(motion.start, (last.rise,)), segments=(last, *motion.segments[:-1]))
+    return earlier, 1
 
 
-def distances(design: Design) -> tuple[TimingDistance, ...]:
-    """Of each row of ``design.timing``. Raises KeyError for an event that there is not."""
-    at = events(design)
-    made = []
-    for row in design.timing:
-        first, second = at[named_event(design, row.first)], at[named_event(design, row.second)]
-        spare = (second - first - row.least_deg + 180.0) % 360.0 - 180.0
-        made.append(TimingDistance(first, second, spare + row.least_deg, spare))
+# -- two drives at the same time ----------------------------------------------------------------------------
+
+
+def moving(design: Design, index: int) -> tuple[tuple[float, float], ...]:
+    """Where a drive rises or returns: from 0 ... 360 on, to past 360 where it goes on over the start of the turn; what follows each
+    other at once is one."""
+    drive = design.drives[index]
+    rows = list(_placed(strokes(drive.motion), drive.phase_deg)) if drive.motion is not None else []
+    return _joined(rows)
+
+
+def together(design: Design, first: int, second: int) -> tuple[tuple[float, float], ...]:
+    """Where both drives move, in the same form."""
+    found = []
+    for begin, end in moving(design, first):
+        for other, last in moving(design, second):
+            for turn in (-360.0, 0.0, 360.0):
+                low, high = max(begin, other + turn), min(end, last + turn)
+                if high > low:
+                    found.append((low % 360.0, low % 360.0 + balance(high, (low,))))
+    return _joined(sorted(set(found)))
+
+
+def _placed(rows: tuple[Stroke, ...], phase: float) -> Iterator[tuple[float, float]]:
+    for each in rows:
+        begin = balance(each.start, (-phase,)) % 360.0
+        yield begin, begin + balance(each.end, (each.start,))
+
+
+def _joined(rows: list[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
+    """Stretches of the turn in their order, those that follow each other at once as one."""
+    made: list[tuple[float, float]] = []
+    for begin, end in sorted(rows):
+        if made and begin <= made[-1][1] + 1e-9:
+            made[-1] = made[-1][0], max(end, made[-1][1])
+        else:
+            made.append((begin, end))
+    if len(made) > 1 and made[-1][1] >= made[0][0] + 360.0 - 1e-9:  # over the start of the turn
+        begin, end = made.pop()
+        made[0] = begin, max(end, made[0][1] + 360.0)
+        made.sort()
     return tuple(made)
 
 
-def named_event(design: Design, event: str) -> str:
-    """An event by its drive's name, where it is written by its slug."""
-    name, names = drive_of(event), drive_names(design)
-    if name in names:
-        return event
-    by_slug = dict(zip(slugs(design), names, strict=True))
-    return by_slug[name] + event.removeprefix(name) if name in by_slug else event
+# -- time ---------------------------------------------------------------------------------------------------
 
 
-def contradiction(design: Design) -> tuple[int, ...]:
-    """Rows of ``design.timing`` that no phases keep together in the order in which their events come now, as they follow each other
-    in a ring; () where none do. With one drive turned past another they may be kept, half a turn apart.
-
-    A row asks that phase(second) - phase(first) be at least what it lacks now. Around a ring these differences add up to 0, so
-    that rows which ask for more than 0 contradict each other (a ring of positive sum, by Bellman and Ford). Where nothing is
-    broken nothing contradicts.
-    """
-    rows = distances(design)
-    names = list(drive_names(design))
-    arcs = [
-        (
-            names.index(drive_of(named_event(design, t.first))),
-            names.index(drive_of(named_event(design, t.second))),
-            -d.spare_deg,
-        )
-        for t, d in zip(design.timing, rows, strict=True)
-    ]
-    reach, by = [0.0] * len(names), [-1] * len(names)
-    last = -1
-    for _ in range(len(names) + 1):
-        last = -1
-        for i, (start, end, wanted) in enumerate(arcs):
-            if reach[start] + wanted > reach[end] + ROUNDING:
-                reach[end], by[end], last = reach[start] + wanted, i, end
-        if last < 0:
-            return ()
-    for _ in names:  # back into the ring
-        last = arcs[by[last]][0]
-    ring: list[int] = []
-    at = last
-    while by[at] not in ring:
-        ring.append(by[at])
-        at = arcs[by[at]][0]
-    return tuple(reversed(ring))
-
-
-def excess(design: Design, ring: Sequence[int]) -> float:
-    """By how much the rows of a ring ask for more than there is [deg]."""
-    rows = distances(design)
-    return fsum(-rows[i].spare_deg for i in ring)
+def milliseconds(design: Design, angle: float) -> float:
+    """How long the shaft takes for an angle [deg] at its constant speed [ms]."""
+    return angle / 360.0 * 60_000.0 / design.speed_rpm

@@ -12,13 +12,20 @@ from dataclasses import fields, is_dataclass, replace
 from typing import Any
 
 from core.design.camshaft import drive_at, only, path_of, with_only
+from core.design.design import Design, Drive
 from core.design.edits import back_at_start, balance, edited, is_dwell, with_law
-from core.design.mirror import MIRRORS, with_total_span
-from core.design.motions import motion_of, remove_segment, require_motion, with_marks_of, with_motion
+from core.design.motion_edits import (
+    MIRRORS,
+    motion_of,
+    remove_segment,
+    require_motion,
+    with_marks_of,
+    with_motion,
+    with_total_span,
+)
 from core.design.parts import Motion, NamedCurve, Segment
 from core.design.paths import all_paths
 from core.design.rules import CLOSING, faults, part_faults, total_of, whole_faults
-from core.design.whole import Design, Drive
 from core.errors import Fault
 from core.laws import find_law
 

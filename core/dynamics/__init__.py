@@ -2,7 +2,13 @@
 
 from typing import TYPE_CHECKING
 
-from core.dynamics.balance import (
+from core.dynamics.checks import (
+    FlankChange,
+    change_findings,
+    element_findings,
+    findings,
+    flank_changes,
+    jam_finding,
     kinetic_energy,
     momentum_residual,
     peak_load,
@@ -12,7 +18,6 @@ from core.dynamics.balance import (
     power_residual,
     power_terms,
 )
-from core.dynamics.checks import element_findings, findings, jam_finding
 from core.dynamics.elements import (
     BodyPoint,
     Element,
@@ -30,16 +35,14 @@ from core.dynamics.elements import (
     Torsion,
     combined,
 )
-from core.dynamics.flank_changes import FlankChange, change_findings, flank_changes
 from core.dynamics.forces import BEARING, CAM_FACE, JAMS, Forces, carried, newton_euler
 from core.dynamics.friction import GuideReaction, guide_reaction, limitless
 from core.dynamics.loading import LOADINGS, element_at, link_loading, loading_of, pairs_named, place_at, row_of_element
-from core.late import late
+from core.process import late
 
 if TYPE_CHECKING:
-    from core.dynamics.across_play import with_impacts
     from core.dynamics.contact_force import ContactForce, ContactMap, LeastForce, LiftOff, contact_map
-    from core.dynamics.flight import Flight, Flights, flights
+    from core.dynamics.flight import Flight, Flights, flights, with_impacts
     from core.dynamics.free_body import (
         CONTACT,
         DRIVE,
@@ -58,7 +61,7 @@ if TYPE_CHECKING:
         unbalanced,
     )
 else:
-    __getattr__ = late(__name__, "free_body", "contact_force", "flight", "across_play")
+    __getattr__ = late(__name__, "free_body", "contact_force", "flight")
 
 __all__ = [
     "BEARING", "CAM_FACE", "CONTACT", "DRIVE", "FRICTION", "INERTIA", "JAMS", "KINDS", "LOAD", "LOADINGS", "OF_MASSES", "REACTION",

@@ -13,7 +13,7 @@ from core.dynamics.forces import BEARING, Forces
 from core.dynamics.walk import input_loads, input_of
 from core.frozen import frozen
 from core.mechanism.kinematics import CAM, FRAME, REVOLUTE, Kinematics
-from core.numerics.vectors import cross, dot, spread
+from core.numerics.derivatives import cross, dot, spread
 
 REACTION, CONTACT, FRICTION, DRIVE, SPRING, LOAD, WEIGHT, INERTIA = (
     "reaction", "contact", "friction", "drive", "spring", "load", "weight", "inertia"

@@ -34,6 +34,7 @@ from core.design import (
 from core.design.parts import SIDES
 from core.dynamics.elements import (
     BodyPoint,
+    ByTable,
     Element,
     Friction,
     Inertia,
@@ -41,17 +42,19 @@ from core.dynamics.elements import (
     Mass,
     OutputForce,
     OutputFriction,
+    OverMotion,
+    OverTurn,
     PointForce,
+    Schedule,
     ScheduledForce,
     Spring,
     Torsion,
     combined,
 )
-from core.dynamics.schedule import ByTable, OverMotion, OverTurn, Schedule
 from core.errors import NoAnswer
 from core.mechanism.kinematics import FRAME
 from core.mechanism.mechanism import Mechanism, body_name
-from core.numerics.vectors import heading, vector
+from core.numerics.derivatives import heading, vector
 
 LOAD = "load"
 """Name of a follower's own spring and external force among the elements."""

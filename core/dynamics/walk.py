@@ -15,7 +15,7 @@ import numpy as np
 
 from core.dynamics.elements import Load
 from core.mechanism.kinematics import FRAME, REVOLUTE, Dyad, Kinematics
-from core.numerics.vectors import cross, dot, opposite
+from core.numerics.derivatives import cross, dot, opposite
 
 Number = float | np.ndarray
 _NOTHING = np.zeros(1, dtype=complex)

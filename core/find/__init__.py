@@ -1,8 +1,7 @@
 """Dimensions found rather than tried: the smallest, the largest or the best value of a field that keeps its limits."""
 
-from core.find.checked import alone
-from core.find.offer import OF_PRESSURE, Stated, offered, usual_limits, varied
-from core.find.on_shaft import EXTRA, ON_SHAFT, offered_on_shaft
+from core.find.goals import WANTED, LimitReading
+from core.find.offer import OF_PRESSURE, Stated, Trade, offered, trade, traded, usual_limits, varied
 from core.find.ranking import (
     FIGURES,
     Ranked,
@@ -15,12 +14,10 @@ from core.find.ranking import (
     ranked,
     ranking,
 )
-from core.find.reading import LimitReading
-from core.find.remedies import remedy_of
-from core.find.searches import SEARCHES, find
-from core.find.solution import Solution
-from core.find.trade import Trade, trade, traded
-from core.find.wanted import WANTED
+from core.find.search import Solution
+from core.find.shaft import EXTRA, ON_SHAFT, offered_on_shaft
+from core.find.spring import SEARCHES, find, remedy_of
+from core.find.trial import alone
 from core.study.limits import ANY_PRESSURE, BOUNDS, FORCE, LIMITS, OWN, UsualValue
 
 __all__ = [

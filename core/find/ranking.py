@@ -20,10 +20,10 @@ from core.findings import ERROR
 from core.frozen import frozen
 from core.laws import LAWS
 from core.motion.extremes import Range
-from core.numerics.cancellation import checkpoint
-from core.study import Study, contact_stress, extremes_of, findings_of, quantities_of, undercut_on
-from core.study.servo import has_servo, servo_part, servo_turn
+from core.numerics.lazy import checkpoint
+from core.study import Study, extremes_of, findings_of, quantities_of, undercut_on
 from core.study.stages import evaluations
+from core.study.study import PRESSURES, has_servo, pairings, servo_part, servo_turn
 
 Extremes = Mapping[str, Range]
 Candidate = Callable[[], Design]
@@ -77,7 +77,7 @@ def _residual(study: Study, found: Extremes) -> float | None:
 
 
 def _pressure(study: Study, found: Extremes) -> float | None:
-    return max((found[name].high.value for name in contact_stress.PRESSURES.values() if name in found), default=None)
+    return max((found[name].high.value for name in PRESSURES.values() if name in found), default=None)
 
 
 def _least_contact(study: Study, found: Extremes) -> float | None:
@@ -92,7 +92,7 @@ def _is_open(study: Study) -> bool:
 
 
 def _is_stressed(study: Study) -> bool:
-    return "cam" in study.stages and not study.loading.empty and bool(contact_stress.pairings(study))
+    return "cam" in study.stages and not study.loading.empty and bool(pairings(study))
 
 
 def _has_motor(study: Study) -> bool:
@@ -119,7 +119,7 @@ FIGURES: tuple[RankingColumn, ...] = (
     ),
     RankingColumn(
         "contact_pressure_mpa", "Pressure", "Largest Hertz pressure between follower and cam over the turn",
-        _is_stressed, _pressure, tuple(contact_stress.PRESSURES.values()),
+        _is_stressed, _pressure, tuple(PRESSURES.values()),
     ),
     RankingColumn(
         "motor_rms_nm", "Motor rms", "Root mean square of the servo's torque over the turn", _has_motor,

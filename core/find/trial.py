@@ -3,21 +3,248 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from typing import NamedTuple
+from functools import cache
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from core.design import Design, edited, part_faults
 from core.errors import DesignError, NoAnswer
-from core.find.checked import FindingsCheck
-from core.find.reading import LimitReading
-from core.find.scan import Put, Top, Tops, curves_of, sampled_together, tops_of
-from core.motion.extremes import find_highest, piecewise_angles
-from core.numerics.cancellation import checkpoint
-from core.study import Study
-from core.study.limits import FORCE, FORCE_PART, LIMITS, POLAR, by_torque
+from core.find.goals import LimitReading
+from core.findings import ERROR, NOTE, Finding
+from core.mechanism.kinematics import Kinematics
+from core.motion import Angles
+from core.motion.extremes import Extreme, find_highest, piecewise_angles
+from core.numerics.lazy import checkpoint, column
+from core.study import Study, findings_of
+from core.study.limits import FORCE, FORCE_PART, LIMITS, OWN_BOUNDS, POLAR, Curve, bounded, by_torque
+
+# -- what ``check`` finds in the machine at hand ----------------------------------------------------------------
+
+
+Put = Callable[[Design], Design]
+"""The design of one drive -> the machine that it belongs to."""
+SAME = 1e-9  # of a value, to which it is the last one that serves ...
+NEAR = 1e-4  # ... and where only notes stand against the next one
+UNEVEN = "speed-fluctuates"
+ENLARGED = 1.5  # times its size: so much may a flywheel grow that goes into the machine with the answer
+Found = Mapping[tuple[str, str], Finding]
+
+
+def alone(design: Design) -> Design:
+    """A design that is the whole machine."""
+    return design
+
+
+class FindingsCheck:
+    """The findings of the machine that a design belongs to.
+
+    machine  the design of one drive -> the whole; waived: codes that a search may bring, since their limits were stated in it
+    notes    whether a note counts, too
+    noted    notes, and nothing graver, stood against a design
+    """
+
+    def __init__(self, design: Design, machine: Put = alone, waived: Collection[str] = (), notes: bool = True) -> None:
+        self._machine, self._waived, self._notes, self._suspect = machine, frozenset(waived), notes, ""
+        self.noted = False
+        before = Study(machine(design))
+        self._stages = before.stages
+        self._before = cache(lambda stage: _known(before, stage))
+
+    @property
+    def part(self) -> float:
+        """To which an answer is sought."""
+        return NEAR if self.noted else SAME
+
+    def new(self, made: Design, quick: bool = False) -> tuple[str, ...]:
+        """What would be found with another design in its place and is not now, in words, of the first stage in which something is. Where
+        there is no answer now: its errors. quick: in the stage only in which something was found last."""
+        study = Study(self._machine(made))
+        order = sorted(self._stages, key=lambda stage: stage != self._suspect)
+        for stage in order[:1] if quick else order:
+            before = self._before(stage)
+            try:
+                found = _found(study, stage)
+            except NoAnswer as error:
+                return (str(error).partition("\n")[0],)
+            new = [
+                each
+                for key, each in found.items()
+                if each.code not in self._waived
+                and not _mended(each)
+                and (each.severity == ERROR if before is None else key not in before)
+                and (self._notes or each.severity != NOTE)
+            ]
+            if new:
+                self._suspect = stage
+                self.noted |= all(each.severity == NOTE for each in new)
+                return tuple(_words(each) for each in new)
+        return ()
+
+
+def uneven(machine: Design) -> bool:
+    """Whether its speed is found to fluctuate by more than wanted."""
+    study = Study(machine)
+    return "dynamics" in study.stages and any(code == UNEVEN for code, _ in _known(study, "dynamics") or ())
+
+
+def _found(study: Study, stage: str) -> Found:
+    """By code and field. Raises NoAnswer."""
+    return {(each.code, each.field): each for each in findings_of(study, (stage,))}
+
+
+def _known(study: Study, stage: str) -> Found | None:
+    """None where the machine has no answer there, or one of its drives has none at all."""
+    try:
+        found = _found(study, stage)
+    except NoAnswer:
+        return None
+    return None if any(code == "no-drive" for code, _ in found) else found
+
+
+def _mended(finding: Finding) -> bool:
+    """Whether a flywheel not much larger than the fitted one keeps the speed even."""
+    percent, wanted = (finding.values.get(name) for name in ("percent", "wanted_percent"))
+    return (
+        finding.code == UNEVEN
+        and isinstance(percent, float)
+        and isinstance(wanted, float)
+        and percent <= ENLARGED * wanted
+    )
+
+
+def _words(finding: Finding) -> str:
+    drive = finding.values.get("drive")
+    return f"{drive}: {finding.message}" if drive else finding.message
+
+
+def nearest(serves: Callable[[float, bool], bool], bad: float, good: float, part: float = SAME) -> tuple[float, float]:
+    """The value next to ``bad`` that serves, on the way from it to one that does, and the one beyond that does not: by halves, to a part of
+    the larger one.
+
+    serves: value, whether a quick look will do -> whether it serves
+    """
+    finest = part * max(abs(good), abs(bad))
+    for quick in (True, False):
+        near = good
+        while abs(near - bad) > finest:
+            middle = 0.5 * (bad + near)
+            near, bad = (middle, bad) if serves(middle, quick) else (near, middle)
+        if serves(near, False):
+            return near, bad
+        bad = near
+    return good, bad
+
+
+# -- the samples of many trial designs at once ------------------------------------------------------------------
+
+
+MOTION = "motion."
+PutValue = Callable[[Design, str, Any], Design]
+"""The design with another number, or a column of them, at a path."""
+
+
+class Top(NamedTuple):
+    """The highest value of a figure over the turn, and the greatest of its sizes."""
+
+    curve: Curve
+    found: Extreme
+    size: float
+
+
+Tops = Mapping[str, Sequence[Top]]
+"""Key of a limit -> the figures of its flanks."""
+
+
+def curves_of(study: Study, keys: Sequence[str]) -> dict[str, tuple[Curve, ...]]:
+    """Key -> the figures of its flanks, at the cam angles of a study."""
+    return {key: tuple(LIMITS[key].curves(study)) for key in keys}
+
+
+class Sampled(NamedTuple):
+    """Of one of many designs: its number; its limits, None where it has no answer; the linkage of all, of whose pairs the kinds are
+    its."""
+
+    number: int
+    tops: Tops | None
+    linkage: Kinematics
+
+
+def sampled_together(
+    design: Design, paths: Sequence[str], rows: np.ndarray, put: PutValue, keys: Sequence[str]
+) -> Iterator[Sampled]:
+    """The designs with other numbers (p, m) at these paths, by samples of every piece of the motion: those of them that can be
+    computed together."""
+    from core.study.batch import together
+    from core.study.quantity_requests import Asked
+    from core.study.stages_of_many import POINTS, Together
+
+    read = [name for key in keys if key in OWN_BOUNDS for name in bounded(design, key)]
+    if not rows.size or not all(together(design, paths, Asked("", name, "max", 1.0)) for name in read):
+        return
+    stage = "dynamics" if any(LIMITS[key].of_forces for key in keys) else "cam"
+    size = max(1, POINTS // piecewise_angles(Study(design).uncut).theta.size)
+    for first in range(0, rows.shape[1], size):
+        checkpoint()
+        moved, fixed = design, {}
+        for path, row in zip(paths, rows[:, first : first + size], strict=True):
+            if path.startswith(MOTION):
+                moved = put(moved, path, column(row))
+            else:
+                fixed[path] = row
+        motion = None if moved is design else moved.drive.motion
+        one = Together(design, fixed, motion, rows[0, first : first + size].size)
+        angles = piecewise_angles(one.program)
+        try:
+            linkage, curves = one.read(
+                stage, *one.spread(angles), lambda there: (there.linkage, curves_of(there, keys))
+            )
+        except NoAnswer:  # all of them
+            continue
+        tops = tops_of(curves, one.count, angles)
+        lost = one.lost_at(stage)
+        for k in np.flatnonzero(~one.apart).tolist():
+            yield Sampled(first + k, None if lost[k] else tops[k], linkage)
+
+
+def tops_of(curves: Mapping[str, Sequence[Curve]], count: int, angles: Angles) -> list[Tops]:
+    """The limits of each of so many designs, by their samples one after the other."""
+    every = [curve for rows in curves.values() for curve in rows]
+    samples = np.array([curve.value for curve in every]).reshape(len(every) * count, -1)
+    value, theta = (each.reshape(-1, count).tolist() for each in highest_of_samples(samples, angles))
+    sizes = [
+        np.reshape(curve.size, (count, -1)).max(axis=1).tolist() if np.ndim(curve.size) else [float(curve.size)] * count
+        for curve in every
+    ]
+    found: list[Tops] = []
+    for k in range(count):
+        tops = iter(Top(curve, Extreme(value[i][k], theta[i][k]), sizes[i][k]) for i, curve in enumerate(every))
+        found.append({key: [next(tops) for _ in rows] for key, rows in curves.items()})
+    return found
+
+
+def highest_of_samples(value: np.ndarray, angles: Angles) -> tuple[np.ndarray, np.ndarray]:
+    """The highest of samples (m, n) at angles (n,), or of the parabola through it and its neighbours in the same segment, and the angle
+    of the sample [rad], both (m,)."""
+    value = np.where(np.isnan(value), -np.inf, value)
+    top, last = value.argmax(axis=1), angles.theta.size - 1
+    index = np.clip(top[:, None] + np.arange(-1, 2), 0, last)
+    x, y = angles.theta[index], np.take_along_axis(value, index, axis=1)
+    piece = angles.piece[index]
+    inside = (top > 0) & (top < last) & (piece[:, 0] == piece[:, 2]) & np.isfinite(y).all(axis=1)
+    x, y = x[inside], y[inside]
+    before, after = x[:, 0] - x[:, 1], x[:, 2] - x[:, 1]
+    left, right = (y[:, 0] - y[:, 1]) / before, (y[:, 2] - y[:, 1]) / after
+    bend = (right - left) / (after - before)
+    slope = left - bend * before
+    highest = value[np.arange(top.size), top]
+    highest[inside] -= np.where(bend < 0.0, 0.25 * slope * slope / np.where(bend < 0.0, bend, 1.0), 0.0)
+    return highest, angles.theta[top]
+
+
+# -- designs with other values in the fields that are varied ----------------------------------------------------
 
 
 class Outcome(NamedTuple):
@@ -82,7 +309,7 @@ class Trials:
         tell: Callable[[int], object] = lambda count: None,
         contact: KeptForce | None = None,
         checked: FindingsCheck | None = None,
-        put: Put = edited,
+        put: PutValue = edited,
     ) -> None:
         self.design, self.paths, self.limits, self.contact = design, tuple(paths), dict(limits), contact
         self.checked = checked or FindingsCheck(design)

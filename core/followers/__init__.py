@@ -9,12 +9,10 @@ from typing import Any, NamedTuple
 
 from core.design import CamSlider, Follower, Linkage, Oscillating, OscillatingFlat, Output, Translating
 from core.followers.cam_slider import LAYOUT_TABLE, BasePosition, Layout, base_position, cam_slider
-from core.followers.oscillating import oscillating, oscillating_flat
-from core.followers.output import output
-from core.followers.reach import FACE as FACE_PLACE
-from core.followers.reach import SECOND as SECOND_ROLLER
-from core.followers.reach import reach_of
-from core.followers.translating import translating
+from core.followers.dimensions import FACE as FACE_PLACE
+from core.followers.dimensions import SECOND as SECOND_ROLLER
+from core.followers.dimensions import reach_of
+from core.followers.direct import oscillating, oscillating_flat, output, translating
 from core.mechanism.mechanism import Mechanism, ReferencePoint, mechanism_of
 
 

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from types import MappingProxyType
 
 import numpy as np
 
-from core.design import FRAME_LINK, CamSlider, Driver, Link, Linkage, LinkPoint, Side, Slider, si
+from core.design import FRAME_LINK, CamSlider, Design, Driver, Link, Linkage, LinkPoint, Side, Slider, edited, get, si
 from core.errors import NoAssembly, angle_ranges
-from core.followers.reach import angle_at_pivot, rounded, second_on_arm
+from core.followers.dimensions import angle_at_pivot, rounded, second_on_arm
 from core.frozen import frozen
-from core.mechanism.mechanism import Mechanism, ReferencePoint
-from core.mechanism.solving import Solved
+from core.mechanism.mechanism import Mechanism, ReferencePoint, Solved
 from core.motion import MotionState
-from core.numerics.vectors import heading, vector
+from core.numerics.derivatives import heading, vector
+
+# -- the cam-driven slider --------------------------------------------------------------------------------------
+
 
 ARM, ROD, SLIDER = 2, 3, 4
 EPS_LENGTH = 1e-12  # of a length: beyond reach by less is in line
@@ -165,3 +169,39 @@ def _refusal(follower: CamSlider, start: float, motion: MotionState, lost: np.nd
         f"that distance must stay within {low:.9g} ... {high:.9g} mm: change the lengths or the stroke",
         where,
     )
+
+
+# -- A cam slider in each of Shin1995's eight layouts, with the lengths that go along ---------------------------
+
+
+LAYOUT_LENGTHS: Mapping[str, tuple[float, float]] = MappingProxyType(
+    {
+        "a": (1.0, 43.637), "b": (1.0, 43.637), "c": (-1.0, 130.0), "d": (-1.0, 130.0),
+        "e": (1.0, 110.0), "f": (1.0, 130.0), "g": (-1.0, 60.0), "h": (-1.0, 60.0),
+    }
+)  # fmt: skip
+"""Layout -> side of the pivot on which the guide lies, and fixed angle [deg], with which the lift's other lengths make a sound
+mechanism."""
+
+LAYOUT, HEIGHT, ANGLE = "follower.layout", "follower.guide_height_mm", "follower.fixed_angle_deg"
+FORCE = "loads.external_force_n"
+"""Of the cylinder on the slider, along the guide."""
+
+
+def in_layout(design: Design, letter: str) -> Design:
+    """A cam slider in another layout, its guide on the side of the pivot, at its own distance, where the arm can reach it.
+
+    A roller below the line from cam to pivot is pressed on by turning the arm the other way: the cylinder, which pulls the slider in the
+    layouts with the roller above, pushes it in those.
+    """
+    side, angle = LAYOUT_LENGTHS[letter]
+    turned = LAYOUT_TABLE[letter].roller_above != LAYOUT_TABLE[str(get(design, LAYOUT))].roller_above
+    height, force = float(get(design, HEIGHT)), float(get(design, FORCE))
+    for path, value in (
+        (LAYOUT, letter),
+        (HEIGHT, math.copysign(height, side)),
+        (ANGLE, angle),
+        (FORCE, 0.0 - force if turned else force),
+    ):
+        design = edited(design, path, value)
+    return design

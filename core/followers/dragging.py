@@ -33,12 +33,12 @@ from core.design.parts import SIDES
 from core.errors import NoAssembly
 from core.followers import built
 from core.followers.cam_slider import LAYOUT_TABLE, base_position
-from core.followers.reach import FACE, SECOND, reach_of
+from core.followers.dimensions import FACE, SECOND, reach_of
 from core.frozen import frozen
-from core.mechanism.dragging import movable_points, point_changes
+from core.mechanism.checks import movable_points, point_changes
+from core.mechanism.dyads import area4_of
 from core.mechanism.kinematics import FRAME, Kinematics
 from core.mechanism.mechanism import ROLLER
-from core.mechanism.triangle import area4_of
 from core.units import split_unit, unit_kind
 
 Changes = Mapping[str, Any]

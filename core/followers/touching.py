@@ -17,8 +17,7 @@ import numpy as np
 
 from core.design import CamSlider, Oscillating, OscillatingFlat, Translating
 from core.followers.cam_slider import LAYOUT_TABLE
-from core.numerics.taylor import Taylor, chosen
-from core.numerics.vectors import dot, heading
+from core.numerics.derivatives import Taylor, chosen, dot, heading
 
 
 class Touching(NamedTuple):

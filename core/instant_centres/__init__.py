@@ -2,28 +2,47 @@
 
 from typing import TYPE_CHECKING
 
-from core.instant_centres.cam import CAM, cam_centres, cam_follower_centre
-from core.instant_centres.centre import Centres
-from core.instant_centres.collinearity import Collinearity, collinearity, moving_collinearity
-from core.instant_centres.construction import Construction, KennedyStep, Triangle, construction, kennedy, line_of
-from core.instant_centres.linkage import CentreTable, all_centres, primary_pairs
-from core.late import late
+from core.instant_centres.centres import (
+    CAM,
+    CentreTable,
+    Collinearity,
+    all_centres,
+    cam_centres,
+    cam_follower_centre,
+    collinearity,
+    moving_collinearity,
+    primary_pairs,
+)
+from core.instant_centres.construction import (
+    Centres,
+    Construction,
+    KennedyStep,
+    Triangle,
+    construction,
+    kennedy,
+    line_of,
+)
+from core.process import late
 
 if TYPE_CHECKING:
-    from core.instant_centres.differences import (
+    from core.instant_centres.velocities import (
         ABSOLUTE,
+        CHAINS,
         POLE,
         TURNING,
         Corner,
         PolygonSide,
         PolygonTriangle,
+        RatioArms,
         VelocityPolygon,
+        angular_ratio,
+        mechanical_advantage,
+        ratio_arms,
         velocity_differences,
         velocity_polygon,
     )
-    from core.instant_centres.velocities import CHAINS, RatioArms, angular_ratio, mechanical_advantage, ratio_arms
 else:
-    __getattr__ = late(__name__, "velocities", "differences")
+    __getattr__ = late(__name__, "velocities")
 
 __all__ = [
     "ABSOLUTE", "CAM", "CHAINS", "POLE", "TURNING", "CentreTable", "Centres", "Collinearity", "Construction", "Corner",

@@ -1,7 +1,6 @@
 """Motion laws as one table walked by one evaluator."""
 
-from core.laws.peaks import Peaks, peaks
-from core.laws.pieces import ORDERS, Acceleration, Piece, PieceTable, Sine, asymmetric, cut, integrate, moved
+from core.laws.pieces import Acceleration, Piece, PieceTable, Sine, asymmetric, cut, integrate, moved
 from core.laws.polynomial import NoSpline, hermite, least_jerk
 from core.laws.table import (
     ALIASES,
@@ -10,11 +9,14 @@ from core.laws.table import (
     FLAT_WHERE,
     LAWS,
     Law,
+    Peaks,
     find_law,
     law_groups,
     named_law,
+    peaks,
     scca,
 )
+from core.numerics.derivatives import ORDERS
 
 __all__ = [
     "ALIASES",

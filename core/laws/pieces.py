@@ -16,8 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from core.frozen import frozen
-from core.numerics.derivatives import ORDERS, Derivatives
-from core.numerics.vectors import QUARTER
+from core.numerics.derivatives import ORDERS, QUARTER, Derivatives
 
 
 @frozen

@@ -3,13 +3,21 @@
 from core.measured.columns import ALL_DETECTED, ColumnChoice, ColumnLayout, layout
 from core.measured.fitting import ColumnFit, Contradiction, Errors, MotionFit, fit, guess_error, into_design
 from core.measured.gap import FitError, Gap, OpenTurnError, mirrored
-from core.measured.load_table import as_text, load_points
 from core.measured.outliers import Outliers, outliers
-from core.measured.sheet import DECIMALS, DELIMITERS, RowFault, TableError, Worksheet, read_sheet
+from core.measured.sheet import (
+    DECIMALS,
+    DELIMITERS,
+    RowFault,
+    TableError,
+    Worksheet,
+    is_workbook,
+    read_sheet,
+    read_workbook,
+    sheet_names,
+)
 from core.measured.structure import FoundJump, FoundSegment, SwitchError, Switches, switchable
-from core.measured.table import MeasuredColumn, MeasuredTable, read_table
+from core.measured.table import MeasuredColumn, MeasuredTable, as_text, load_points, read_table
 from core.measured.units import ANGLE_UNITS, DERIVATIVES, QUANTITIES, TIME_UNITS, value_units
-from core.measured.workbook import is_workbook, read_workbook, sheet_names
 
 __all__ = [
     "ALL_DETECTED",

@@ -27,7 +27,7 @@ from core.laws import LAWS, Piece, PieceTable, scca
 from core.laws.pieces import stretched
 from core.measured.rows import EXACT
 from core.measured.strokes import Rest, Turned, shortest
-from core.numerics.cancellation import checkpoint
+from core.numerics.lazy import checkpoint
 
 FAR = 5.0  # errors that a row may be off the law
 HOPELESS = 25.0  # times the χ² that is refined: from another start no law comes as near

@@ -10,7 +10,7 @@ from math import sqrt
 import numpy as np
 
 from core.frozen import frozen
-from core.measured.deletion import COARSE, LONGEST, deviation
+from core.measured.outliers import COARSE, LONGEST, deviation
 from core.measured.table import MeasuredTable, distinct
 
 EXACT = 1e-10

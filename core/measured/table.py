@@ -2,14 +2,57 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 
 import numpy as np
 
+from core.design import LoadPoint
 from core.frozen import frozen
 from core.measured.columns import ColumnLayout, column_name
-from core.measured.sheet import DECIMALS, DELIMITERS, RowFault, TableError, Worksheet, WorksheetRow, line_ranges, number
+from core.measured.sheet import (
+    DECIMALS,
+    DELIMITERS,
+    RowFault,
+    TableError,
+    Worksheet,
+    WorksheetRow,
+    line_ranges,
+    number,
+    read_sheet,
+)
 from core.measured.units import ANGLE_UNITS, TIME_UNITS
+
+# -- A table of force over the turn, from text ------------------------------------------------------------------
+
+
+MOST_POINTS = 3600
+
+
+def load_points(data: bytes, name: str = "table") -> tuple[LoadPoint, ...]:
+    """The rows of the first two columns: cam angle [deg], force [N] or torque [N m]; delimiter, decimal mark and header are found.
+
+    Raises TableError where there are no two columns of numbers, a row holds something else, or there are more than
+    ``MOST_POINTS``. Whether the angles rise and the table closes is the design's to judge.
+    """
+    sheet = read_sheet(data, name)
+    rows = [(row.line, [number(cell, sheet.decimal) for cell in row.cells[:2]]) for row in sheet.rows]
+    wrong = [line for line, values in rows if len(values) < 2 or None in values]
+    if wrong:
+        raise TableError(
+            name, [RowFault(wrong[0], "no two numbers; wanted: a cam angle and a force in each row", len(wrong))]
+        )
+    if len(rows) > MOST_POINTS:
+        raise TableError(name, [RowFault(0, f"{len(rows)} rows; allowed: at most {MOST_POINTS}")])
+    return tuple(LoadPoint(*values) for _, values in rows)  # type: ignore[arg-type]
+
+
+def as_text(points: Iterable[LoadPoint]) -> str:
+    """The same rows under their headings, cells apart by tabs."""
+    return "\n".join(["cam angle, deg\tforce", *(f"{point.deg!r}\t{point.value!r}" for point in points)])
+
+
+# -- the numbers of a measured table by cam angle ---------------------------------------------------------------
+
 
 LEAST_ANGLES = 4  # different cam angles a curve can be laid through
 SAME = 1e-6  # deg: angles this close are one

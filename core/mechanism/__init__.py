@@ -1,12 +1,21 @@
 """Planar linkages of links, pins and sliding pairs: decomposed into dyads, solved for all positions at once."""
 
-from core.mechanism.assembly import driver_ranges_for, solve_mechanism, unit_speed_kinematics
 from core.mechanism.checks import SINGULAR, findings
 from core.mechanism.driver_ranges import ChangePoint, DriverRange, DriverRanges, driver_ranges_of
-from core.mechanism.driving import CrankProgram, swept
-from core.mechanism.mechanism import ROLLER, Mechanism, ReferencePoint, body_name, link_number, mechanism_of
-from core.mechanism.plan import SolutionPlan, plan_of
-from core.mechanism.solving import Solved, at_driver, solve
+from core.mechanism.drivers import CrankProgram, swept
+from core.mechanism.linkage import SolutionPlan, plan_of
+from core.mechanism.mechanism import (
+    ROLLER,
+    Mechanism,
+    ReferencePoint,
+    Solved,
+    at_driver,
+    body_name,
+    link_number,
+    mechanism_of,
+    solve,
+)
+from core.mechanism.solving import driver_ranges_for, solve_mechanism, unit_speed_kinematics
 
 __all__ = [
     "ROLLER", "SINGULAR", "ChangePoint", "CrankProgram", "DriverRange", "DriverRanges", "Mechanism", "ReferencePoint",

@@ -6,15 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from core.mechanism.change_points import Branch, GroupPath
+from core.mechanism.branches import Branch, GroupPath
 from core.mechanism.drawn import nearest
+from core.mechanism.dyads import Bodies
 from core.mechanism.groups import NEAR, GroupSolution, group_solution, newton
 from core.mechanism.kinematics import Pose
-from core.mechanism.loop_closure import Bodies
-from core.mechanism.plan import LinkGroup, SolutionPlan
-from core.mechanism.solving import at_driver, solve
-from core.numerics.derivatives import Derivatives
-from core.numerics.vectors import cross
+from core.mechanism.linkage import LinkGroup, SolutionPlan
+from core.mechanism.mechanism import at_driver, solve
+from core.numerics.derivatives import Derivatives, cross
 
 STEPS = 72  # over the whole range, at least
 FINEST = 1e-9  # of the range: a step this short stands before a dead centre

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from itertools import islice, product
-from math import floor, inf, isfinite, log10, pi
+from functools import lru_cache
+from itertools import islice, pairwise, product
+from math import floor, inf, isfinite, log10, pi, radians
 
 import numpy as np
 
@@ -26,19 +27,125 @@ from core.design import (
     faults,
     with_drive,
 )
+from core.design.linkage import BELT, GEAR, INTERNAL, RACK, SecondDriver
 from core.design.linkage_rules import sided_joints
-from core.design.topology import driver_pair, driver_turns
+from core.design.topology import INPUT, driver_pair, driver_turns, input_slides, is_pin, solving_order
 from core.errors import NoPosition
-from core.mechanism.assembly import unit_speed_kinematics
+from core.frozen import frozen
 from core.mechanism.drawn import as_drawn, drawn_place
 from core.mechanism.driver_ranges import TURN, DriverRange, DriverRanges, driver_ranges_of
-from core.mechanism.driving import swept
 from core.mechanism.kinematics import Kinematics
-from core.mechanism.mechanism import body_name
-from core.mechanism.plan import plan_of
-from core.mechanism.solving import at_driver
-from core.motion import program
-from core.numerics.cancellation import checkpoint
+from core.mechanism.linkage import plan_of
+from core.mechanism.mechanism import at_driver, body_name
+from core.mechanism.solving import unit_speed_kinematics
+from core.motion import SNAP, Angles, Join, MotionState, Program, degrees, program
+from core.numerics.derivatives import Derivatives, heading
+from core.numerics.lazy import checkpoint
+
+# -- how the driver runs through its ranges ---------------------------------------------------------------------
+
+
+class CrankProgram:
+    """A crank's turn: one piece for each range in which the linkage can be assembled, the whole turn where it can
+    everywhere. Looks like the program of a motion whose value is the angle itself. A crank that swings goes at speed through its
+    range in the first half of a cycle, and back in the second.
+
+    starts, ends  (m,) driver angles, or those of the cycle [rad]: where it swings, or comes back after several turns
+    swing         the range through which it goes to and fro, where it does
+    """
+
+    joins: tuple[Join, ...] = ()
+
+    def __init__(self, driver_ranges: DriverRanges) -> None:
+        self.swing = driver_ranges.ranges[0] if driver_ranges.swings else None
+        ranges = [(0.0, np.pi), (np.pi, TURN)] if self.swing else [(r.low, r.high) for r in driver_ranges.ranges]
+        self.turns = driver_ranges.turns
+        if self.turns > 1 and not self.swing:
+            whole = len(ranges) == 1 and driver_ranges.ranges[0].free
+            ranges = [(0.0, TURN)] if whole else [(a / self.turns, b / self.turns) for a, b in ranges]
+        self._open = tuple(ranges)
+        self.starts, self.ends = np.array(self._cut(driver_ranges.motions)).reshape(-1, 2).T
+
+    def _cut(self, motions: Iterable[Motion]) -> list[tuple[float, float]]:
+        """The ranges, cut also where a segment of a second driver's own motion begins: between them all is smooth."""
+        begin = {float(at) for motion in motions for at in program(motion).starts}
+        if not begin:
+            return list(self._open)
+        if self.swing is not None:
+            low, high = self.swing.low, self.swing.high
+            places = (at + TURN * k for at in begin for k in range(int(low // TURN) - 1, int(high // TURN) + 2))
+            there = {(place - low) / (high - low) * np.pi for place in places if low < place < high}
+            there |= {TURN - at for at in there}
+        else:
+            there = {(at + TURN * k) / self.turns for at in begin for k in range(self.turns)}
+        parts = []
+        for a, b in self._open:
+            ends = [a, *sorted(at for at in there if a + SNAP < at < b - SNAP), b]
+            parts += list(pairwise(ends))
+        return parts
+
+    def angles(self, theta: np.ndarray, kept: bool = False) -> Angles:
+        """Any driver angles (n,) [rad], each with its piece."""
+        theta = np.mod(np.asarray(theta, dtype=float), TURN)
+        theta = np.where(theta >= TURN - SNAP, 0.0, theta)
+        piece = np.clip(np.searchsorted(self.starts, theta, side="right") - 1, 0, None)
+        return Angles(theta, piece, kept)
+
+    def within(self, theta: np.ndarray) -> np.ndarray:
+        """(n,) where the linkage can be assembled and is not locked."""
+        if self.swing is not None:
+            return (theta != 0.0) & (theta != np.pi)
+        if self._open == ((0.0, TURN),):
+            return np.ones(theta.shape, dtype=bool)
+        inside = [(theta > a) & (theta < b) for a, b in self._open]
+        inside += [(theta == 0.0) & (a == 0.0) for a, _ in self._open[:1]]
+        return np.any(inside, axis=0)
+
+    def degrees(self, samples: int) -> np.ndarray:
+        """Of 0 ... 360(N-1)/N those driver angles [deg] at which the linkage stands somewhere."""
+        all_of = degrees(samples)
+        return all_of[self.within(np.deg2rad(all_of))]
+
+    def theta(self, place: float) -> float:
+        """The angle [rad], 0 ... 2π, at which the crank stands at a place [rad]: on its way forth where it swings."""
+        if self.swing is None:
+            return float(place / self.turns % TURN)
+        low, high = self.swing.low, self.swing.high
+        return float(np.clip((place - low) / (high - low), 0.0, 1.0) * np.pi)
+
+    def state(self, angles: Angles) -> MotionState:
+        """The crank's angle and its derivatives by itself, or by the angle of the cycle."""
+        one = np.ones(angles.theta.size)
+        none = np.zeros(angles.theta.size)
+        if self.swing is not None:
+            low, high = self.swing.low, self.swing.high
+            sign = np.where(self.ends[angles.piece] <= np.pi, 1.0, -1.0)
+            rate = (high - low) / np.pi
+            q = np.where(sign > 0.0, low + rate * angles.theta, low + rate * (TURN - angles.theta))
+            return MotionState(angles, Derivatives.of((q, rate * sign, none, none)), sign)
+        q = angles.theta * self.turns
+        return MotionState(angles, Derivatives.of((q, one * self.turns, none, none)), one)
+
+
+@lru_cache(maxsize=32)
+def swept(program: Program) -> tuple[float, float]:
+    """Lowest and highest driver position [rad or m] of a motion: its pieces turn at their ends only. A motion that stands
+    still is given a little room."""
+    pieces = np.arange(program.starts.size)
+    ends = Angles(np.concatenate((program.starts, program.ends)), np.concatenate((pieces, pieces)))
+    low, high = with_room(program.state(ends).displacement[0])
+    return float(low), float(high)
+
+
+def with_room(y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A little less than the lowest and more than the highest of positions (..., n)."""
+    low, high = y.min(axis=-1), y.max(axis=-1)
+    room = np.where(high == low, 1e-6, 1e-9 * (high - low))
+    return low - room, high + room
+
+
+# -- which link of a linkage leads, and how ---------------------------------------------------------------------
+
 
 SWING, SLIDE = (
     np.deg2rad(30.0),
@@ -197,7 +304,7 @@ def _assembled(
         if (
             here is not None
             and _away(here, place)
-            and apart(driver_ranges, kinematics, place) < SAME_PLACE * driver_ranges.plan.size
+            and range_distance(driver_ranges, kinematics, place) < SAME_PLACE * driver_ranges.plan.size
         ):
             return tried, here
     raise NoPosition(
@@ -214,7 +321,7 @@ def _away(here: DriverRange, place: float) -> bool:
 
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")  # rates at a dead centre are infinite
-def apart(driver_ranges: DriverRanges, kinematics: Kinematics, place: float) -> float:
+def range_distance(driver_ranges: DriverRanges, kinematics: Kinematics, place: float) -> float:
     """How far any point is from where it stands [m]; infinite where the linkage cannot be assembled."""
     poses = driver_ranges.solve(at_driver(np.array([place]))).poses
     apart = [
@@ -251,3 +358,135 @@ def _readable(value: float) -> float:
     """The number of one digit below a value."""
     unit = 10.0 ** floor(log10(value))
     return round(floor(value / unit + 1e-9) * unit, 9)
+
+
+# -- the circuits of a linkage ----------------------------------------------------------------------------------
+
+
+@frozen
+class Circuit:
+    """One of them: the design drawn in it, with the range of its driver [rad or m]; here: the design is in it now."""
+
+    design: Design
+    range: DriverRange
+    here: bool
+
+
+def circuits(design: Design) -> tuple[Circuit, ...]:
+    """The circuits of a linkage, its own first; of one that follows a motion those that let it go through all of that.
+
+    Two assemblies are one circuit where the driver takes the links from one to the other, over change points too. Raises
+    NoPosition where its own links do not meet.
+    """
+    linkage = with_drive(design, mechanism=design.drive.posed).drive.linkage
+    low, high = (0.0, TURN) if linkage.driver.kind == CRANK else swept(program(design.drive.motion))
+    plain = replace(linkage, drawn=None, branch=())
+    joints = sided_joints(plain)
+    found: list[tuple[Circuit, DriverRanges]] = []
+    own = driver_ranges_of(linkage, low, high)
+    if not own.ranges:
+        raise NoPosition("its links cannot be put together", "linkage.links", "change their lengths")
+    found += [(Circuit(design, r, i == 0), own) for i, r in enumerate(own.ranges)]
+    for sides in islice(product((1, -1), repeat=len(joints)), MOST_SIDES):
+        checkpoint()
+        tried = replace(plain, branch=tuple(Side(joint, side) for joint, side in zip(joints, sides, strict=True)))
+        ranges = driver_ranges_of(tried, low, high)
+        for each in ranges.ranges:
+            if linkage.driver.kind != CRANK and not each.free:
+                continue
+            place = 0.5 * (each.low + each.high)
+            kinematics = unit_speed_kinematics(tried, np.array([place]), ranges)
+            turns = (-TURN, 0.0, TURN) if linkage.driver.kind == CRANK else (0.0,)
+            if any(_goes_there(circuit, known, kinematics, place + turn) for circuit, known in found for turn in turns):
+                continue
+            made = as_drawn(plain, place, {n: kinematics.bodies[body_name(n)] for n in plain.by_number})
+            try:
+                whole = driver_ranges_of(made, low, high)
+            except NoPosition:  # two assemblies as near to each other: no drawing tells them apart
+                continue
+            if whole.ranges:
+                found.append((Circuit(with_drive(design, mechanism=made), whole.ranges[0], False), whole))
+    return tuple(circuit for circuit, _ in found)
+
+
+def _goes_there(circuit: Circuit, ranges: DriverRanges, kinematics: Kinematics, place: float) -> bool:
+    """Whether the links of a circuit stand so (n = 1) with the driver at this place."""
+    if not circuit.range.low <= place <= circuit.range.high:
+        return False
+    return range_distance(ranges, kinematics, place) < SAME_PLACE * ranges.plan.size
+
+
+# -- the wheels of second inputs --------------------------------------------------------------------------------
+
+
+@frozen
+class Wheel:
+    """A pitch circle: the link that it is fixed to, the point of that link at its centre, its radius [mm]; of a rack 0, and no point."""
+
+    link: int
+    point: str
+    radius: float
+
+
+@frozen
+class WheelPair:
+    """Two wheels that roll on each other, or carry a belt; carrier: the link on which both their centres are. along: the way in which a
+    rack, the second, goes where its pinion turns counter-clockwise, in the frame of the carrier."""
+
+    kind: str
+    first: Wheel
+    second: Wheel
+    carrier: int
+    along: complex = 0j
+
+    @property
+    def round(self) -> tuple[Wheel, ...]:
+        """Those that are circles."""
+        return tuple(wheel for wheel in (self.first, self.second) if wheel.radius)
+
+
+def wheel_distance(pair: WheelPair, linkage: Linkage) -> float:
+    """How far the pitch circles are from touching [mm], less than 0 where they cross; of a belt only how far its pulleys
+    cross. A rack lies where its pinion is."""
+    if pair.kind == RACK:
+        return 0.0
+    places = linkage.by_number[pair.carrier].places
+    distance = abs(places[pair.second.point] - places[pair.first.point])
+    one, other = pair.first.radius, pair.second.radius
+    if pair.kind == INTERNAL:
+        return abs(one - other) - distance
+    return min(distance - one - other, 0.0) if pair.kind == BELT else distance - one - other
+
+
+def wheel_pairs(linkage: Linkage) -> Iterator[WheelPair]:
+    """The wheels of every second input whose radii follow from radius_mm, or from teeth and a module: the first turns with the
+    driver, or stands on the frame where the driver's link carries the second."""
+    pivot = driver_pair(linkage)
+    if pivot is None:
+        return
+    pins = {step.links[0]: step.joint for step in solving_order(linkage).steps if step.kind == INPUT}
+    driver = linkage.driver.link
+    for each in linkage.drivers:
+        radii = each.pitch_radii
+        if radii is not None and each.kind == RACK:
+            yield from _rack(linkage, each, pivot, pins.get(each.link, ""), radii)
+            continue
+        if radii is None or not is_pin(pivot) or each.on not in (FRAME_LINK, driver) or each.link not in pins:
+            continue
+        first = Wheel(driver if each.on == FRAME_LINK else FRAME_LINK, pivot, radii[0])
+        yield WheelPair(each.kind or GEAR, first, Wheel(each.link, pins[each.link], radii[1]), each.on)
+
+
+def _rack(
+    linkage: Linkage, row: SecondDriver, driving: str, driven: str, radii: tuple[float, float]
+) -> Iterator[WheelPair]:
+    """The pinion of a rack that slides along a line of the link that carries both: the driver's wheel, or that of the second input."""
+    slides = input_slides(linkage, row)
+    rack, pin = (row.link, driving) if slides else (linkage.driver.link, driven)
+    lines = [s for s in linkage.sliders if (s.link, s.on) == (rack, row.on)]
+    if not lines or not pin or not is_pin(pin) or pin not in linkage.by_number[row.on].places:
+        return
+    turns = (linkage.driver.link if row.on == FRAME_LINK else FRAME_LINK) if slides else row.link
+    sense = -1.0 if linkage.ratios[row.link] < 0.0 else 1.0
+    along = heading(radians(lines[0].angle_deg)) * sense
+    yield WheelPair(RACK, Wheel(turns, pin, max(radii)), Wheel(rack, "", 0.0), row.on, along)

@@ -8,41 +8,200 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from core.frozen import frozen
 from core.mechanism.kinematics import Pose
-from core.mechanism.loop_closure import (
-    BY_ROUNDING,
-    PARALLEL,
-    Bodies,
-    angle_of,
-    beside,
-    centripetal,
-    leg,
-    line_of,
-    loop,
-    pin_of,
-    placed,
-    turned_like,
-    two_slides,
-)
-from core.mechanism.plan import Joint
-from core.mechanism.triangle import brackets
+from core.mechanism.linkage import Joint, JointEnd
 from core.numerics.derivatives import (
     BINOMIAL,
     Chain,
     Derivatives,
+    Rows,
+    cross,
     difference,
+    dot,
     earlier,
     product,
     scaled,
     sum_of,
+    turned,
     turning,
 )
 from core.numerics.lazy import Lazy
-from core.numerics.vectors import cross, dot, turned
+from core.numerics.roots import square_of, squares_of, two_sum
+
+# -- what closing a dyad's loop needs ---------------------------------------------------------------------------
+
+
+Bodies = Mapping[int, Pose]
+
+
+def pin_of(bodies: Bodies, held: JointEnd) -> Derivatives:
+    """A point of a known link."""
+    return bodies[held.link].carried(held.point)
+
+
+def line_of(bodies: Bodies, held: JointEnd) -> tuple[Derivatives, Derivatives]:
+    """A point of a known line and its direction."""
+    pose = bodies[held.link]
+    return pose.carried(held.point), scaled(pose.spin, held.along)
+
+
+def beside(point: Derivatives, direction: Derivatives, offset: float) -> Derivatives:
+    """The point so far to the left of the direction."""
+    return sum_of(point, scaled(direction, 1j * offset)) if offset else point
+
+
+def angle_of(heading: Callable[[], np.ndarray]) -> Callable[[], np.ndarray]:
+    """A function that gives the angle (n,) [rad], -π ... π, of a unit vector (n,)."""
+
+    def angle() -> np.ndarray:
+        along = heading()
+        return np.asarray(np.arctan2(along.imag, along.real))
+
+    return angle
+
+
+def placed(at: Derivatives, local: complex, heading: Callable[[], np.ndarray], angle: Derivatives) -> Pose:
+    """The link whose point ``local`` is at ``at``."""
+    if not local:
+        return Pose(at, angle, unit=heading)
+    along = heading()
+    spin = turning(along, angle)
+    return Pose(difference(at, scaled(spin, local)), angle, unit=along, spin=spin)
+
+
+def turned_like(pose: Pose, by: complex) -> tuple[Callable[[], np.ndarray], Derivatives]:
+    """Heading and angle of a link that keeps its angle against another."""
+
+    def heading() -> np.ndarray:
+        return pose.unit * by
+
+    angle = angle_of(heading)
+    return heading, Derivatives(lambda order: pose.turn[order] if order else angle(), pose.turn.constant)
+
+
+BY_ROUNDING = 64.0 * float(np.finfo(float).eps)  # a gap negative by so much of the size is none
+PARALLEL = 64.0 * float(np.finfo(float).eps)
+
+
+def leg(long: np.ndarray | float, short: np.ndarray, size: float) -> np.ndarray:
+    """√(long² - short²) of a right-angled triangle, NaN where there is none; 0 where that is by rounding."""
+    room = long - np.abs(short)
+    inside = room * (long + np.abs(short))
+    none = np.where(room < -BY_ROUNDING * size, np.nan, 0.0)
+    return np.sqrt(np.where(inside < 0.0, none, inside))
+
+
+def centripetal(u: np.ndarray, angle: Derivatives, order: int) -> np.ndarray:
+    """The derivative of a turning vector u in this order (1, 2, 3) without its term in the angle's highest one."""
+    if order == 1:
+        return np.zeros_like(u)
+    w = angle[1]
+    if order == 2:
+        return -(w * w) * u
+    factor = np.empty(np.broadcast(w, angle[2]).shape, dtype=complex)
+    factor.real, factor.imag = -3.0 * w * angle[2], -(w * w * w)
+    return factor * u
+
+
+def loop(c1: np.ndarray, c2: np.ndarray, determinant: np.ndarray, known: Callable[[int, Chain], np.ndarray]) -> Chain:
+    """The loop's two coordinates x1, x2 in each order of derivative, from c1 x1 + c2 x2 = D by Cramer's rule.
+
+    c1, c2       (n,) complex columns; determinant (n,) c1 × c2, which its own geometry knows better than their product
+    known        order, chain -> D (n,): what is known of the loop in this order, the lower orders of x1 and x2 included
+    """
+    inverse = 1.0 / determinant
+
+    def follow(order: int, x: Chain) -> Rows:
+        right = known(order, x)
+        return cross(right, c2) * inverse, cross(c1, right) * inverse
+
+    return Chain(follow)
+
+
+def two_slides(whole: Derivatives, t1: Derivatives, t2: Derivatives) -> tuple[Derivatives, Derivatives]:
+    """s1, s2 with t1 s1 + t2 s2 = whole."""
+
+    def known(order: int, slides: Chain) -> np.ndarray:
+        if not order:
+            return whole[0]
+        return whole[order] - earlier(slides.part(0), t1, order) - earlier(slides.part(1), t2, order)
+
+    slides = loop(t1[0], t2[0], cross(t1[0], t2[0]), known)
+    return slides.part(0), slides.part(1)
+
+
+# -- the triangle that a dyad of two rods comes down to, accurate down to its dead centres ----------------------
+
+
+class Brackets(NamedTuple):
+    """Of triangles with the sides r (n,), a, b: r², (a+b)² - r² and r² - (a-b)² [m²] (n,).
+
+    Their product is K² = (4 x area)². The brackets are the distances from the two dead centres, in squares; each is
+    negative where the sides do not meet.
+    """
+
+    square: np.ndarray
+    stretched: np.ndarray
+    folded: np.ndarray
+
+    def gap(self, a: float, b: float) -> np.ndarray:
+        """What is left before the sides no longer meet (n,) [m]: the lesser of a+b-r and r-|a-b|."""
+        r, shortest = np.sqrt(self.square), abs(a - b)
+        over = r + shortest
+        return np.minimum(self.stretched / (a + b + r), self.folded / np.where(over > 0.0, over, 1.0))
+
+
+NEAR = 0.25  # of r²: a bracket below it is near a dead centre
+
+
+def brackets(x: np.ndarray, y: np.ndarray, a: float, b: float) -> Brackets:
+    """The brackets for r² = x² + y² (n,) [m²]; those near a dead centre by ``_near_dead_centre``."""
+    square = x * x
+    square += y * y
+    longest, shortest = a + b, a - b
+    found = Brackets(square, longest * longest - square, square - shortest * shortest)
+    near = np.minimum(found.stretched, found.folded) < NEAR * square
+    if near.any():
+        if square.shape != near.shape:
+            found = Brackets(*(np.array(np.broadcast_to(each, near.shape)) for each in found))
+        sides = (np.broadcast_to(each, near.shape)[near] for each in (x, y, a, b))
+        for all_of, those in zip(found, _near_dead_centre(*sides), strict=True):
+            all_of[near] = those
+    return found
+
+
+def _near_dead_centre(x: np.ndarray, y: np.ndarray, a: np.ndarray, b: np.ndarray) -> Brackets:
+    """Every square is kept with what rounding took from it: near a dead centre a bracket is a small difference of large
+    squares, and would lose (S/K)² eps otherwise (Kahan, Miscalculating Area and Angles of a Needle-like Triangle).
+    """
+    square, rest = squares_of(x, y)
+    (longest, more), (shortest, less) = square_of(*two_sum(a, b)), square_of(*two_sum(a, -b))
+    stretched, folded = longest - square, square - shortest
+    stretched += more - rest
+    folded += rest - less
+    return Brackets(square, stretched, folded)
+
+
+def area4_of(a: Any, b: Any, c: Any) -> Any:
+    """K = 4 x area of the triangle with three plain lengths, by Kahan's formula; NaN where they make none."""
+    small, mid, big = np.sort(np.broadcast_arrays(a, b, c), axis=0)
+    gap = big - mid
+    product = (big + (mid + small)) * (small - gap) * (small + gap) * (big + (mid - small))
+    return np.sqrt(np.where(product >= 0.0, product, np.nan))
+
+
+def opposite_angle(a: Any, b: Any, c: Any) -> Any:
+    """Angle between the sides a and b [rad], NaN where a, b, c make no triangle."""
+    return np.arctan2(area4_of(a, b, c), a * a + (b - c) * (b + c))
+
+
+# -- dyads in closed form ---------------------------------------------------------------------------------------
+
 
 Sides = float | np.ndarray
 """+1 or -1, for all positions or for each."""

@@ -10,11 +10,10 @@ from __future__ import annotations
 import numpy as np
 
 from core.frozen import frozen
+from core.mechanism.dyads import Bodies, line_of
 from core.mechanism.kinematics import Pose
-from core.mechanism.loop_closure import Bodies, line_of
-from core.mechanism.plan import Joint, LinkGroup
-from core.numerics.derivatives import Derivatives, difference, product
-from core.numerics.vectors import cross, dot
+from core.mechanism.linkage import Joint, LinkGroup
+from core.numerics.derivatives import Derivatives, cross, difference, dot, product
 
 STEPS = 30  # of Newton; from the neighbouring position two or three do
 AGREES = 1e-9  # of the size: pairs that are open by less agree, where there are more of them than need be

@@ -15,9 +15,8 @@ import numpy as np
 
 from core.frozen import frozen
 from core.motion import MotionState
-from core.numerics.derivatives import Derivatives, constant, scaled, sum_of, turning
+from core.numerics.derivatives import Derivatives, constant, dot, scaled, sum_of, turning, unit
 from core.numerics.lazy import Lazy
-from core.numerics.vectors import dot, unit
 
 FRAME, CAM = "frame", "cam"
 REVOLUTE, SLIDING = "revolute", "sliding"

@@ -11,14 +11,226 @@ from typing import Any
 import numpy as np
 
 from core.design import FRAME_LINK, Linkage
-from core.design.topology import INPUT
+from core.design.topology import GROUP, INPUT, SolutionStep
 from core.errors import NoAnswer
 from core.frozen import frozen
-from core.mechanism.kinematics import FRAME, REVOLUTE, SLIDING, Dyad, Pair
-from core.mechanism.plan import Joint, SolutionPlan, plan_of, planned
-from core.mechanism.solving import Solved
-from core.motion import MotionState
-from core.numerics.vectors import heading
+from core.mechanism.branches import Branch
+from core.mechanism.dyads import DYADS, DyadSolution, pin_of, placed, turned_like
+from core.mechanism.groups import GroupSolution, group_solution, newton
+from core.mechanism.kinematics import FRAME, FRAME_POSE, REVOLUTE, SLIDING, Dyad, Pair, Pose
+from core.mechanism.linkage import Joint, JointEnd, SolutionPlan, plan_of, planned
+from core.motion import MotionState, at_turn, program, steepest
+from core.numerics.derivatives import Derivatives, constant, cross, heading, product, scaled, sum_of, turning, unit
+
+# -- all links of a linkage at any positions of its driver, step by step ----------------------------------------
+
+
+@frozen(eq=False)
+class InputSolution:
+    """A second driving link: where it is."""
+
+    pose: Pose
+
+
+@frozen(eq=False)
+class Solved:
+    """Link -> pose (the frame included), NaN where it cannot be assembled; what each step found."""
+
+    poses: dict[int, Pose]
+    steps: tuple[DyadSolution | GroupSolution | InputSolution, ...]
+
+
+def driver_pose(plan: SolutionPlan, q: Derivatives) -> Pose:
+    """The driving link at q: its angle [rad] where it is pinned to the frame, else its slide [m]."""
+    on, own = plan.driver.first, plan.driver.second
+    if plan.driver.revolute:
+        pin = constant(on.point)
+        return placed(pin, own.point, lambda: unit(q[0]), q)
+    turned = on.along / own.along
+    start = on.point - own.point * turned
+    origin = Derivatives(lambda order: q[order] * on.along if order else q[0] * on.along + start)
+    return Pose(origin, constant(np.angle(turned)), unit=np.atleast_1d(turned))
+
+
+def at_driver(values: np.ndarray) -> Derivatives:
+    """Driver positions (n,) as q at unit speed: then every derivative is by the driver's coordinate."""
+    return Derivatives.of((values, np.ones(1), np.zeros(1), np.zeros(1)))
+
+
+def solve(plan: SolutionPlan, q: Derivatives, branch: Branch, steps: int | None = None) -> Solved:
+    """The poses of all links for the driver at q (n,) [rad or m], NaN where links do not meet; with three derivatives by what
+    q's are by: the motion's angle, or the driver's own coordinate.
+
+    branch: sides beyond change points, and where Newton starts; steps: solve only so many of the plan's.
+    """
+    poses: dict[int, Pose] = {FRAME_LINK: FRAME_POSE}
+    if not plan.inner:
+        poses[plan.linkage.driver.link] = driver_pose(plan, q)
+    found: list[DyadSolution | GroupSolution | InputSolution] = []
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        for i, (step, joints) in enumerate(plan.steps[:steps]):
+            if step.kind == GROUP:
+                found.append(_grouped(plan, i, q, branch, poses))
+                continue
+            if step.kind == INPUT:
+                poses[step.links[0]] = _driven_too(plan, step.links[0], joints[0], q, poses)
+                found.append(InputSolution(poses[step.links[0]]))
+                continue
+            closed = DYADS[step.kind](poses, joints, branch.side(i, plan.side(step.joint), q[0]))
+            poses[step.links[0]], poses[step.links[1]] = closed.poses
+            for bridge in branch.bridges.get(i, ()):
+                bridge.apply(q, poses)
+            found.append(closed)
+    return Solved(poses, tuple(found))
+
+
+def _driven_too(plan: SolutionPlan, link: int, pin: Joint, q: Derivatives, poses: dict[int, Pose]) -> Pose:
+    """A second driving link: its angle against another link, or its place on the line there, is ratio q + offset; its angle that of its
+    own motion at q."""
+    row, own = next(each for each in plan.linkage.drivers if each.link == link), plan.linkage.own_motions.get(link)
+    given = scaled(q, plan.gains[link]) if own is None else at_turn(program(own), q)
+    if not pin.revolute:
+        return _slid(pin, given, row.offset_mm * 1e-3, poses[row.on])
+    turned = sum_of(poses[row.on].turn, given)
+    offset = np.deg2rad(row.offset_deg)
+    angle = Derivatives(lambda order: turned[order] if order else turned[0] + offset)
+    return placed(pin_of(poses, pin.first), pin.second.point, lambda: unit(angle[0]), angle)
+
+
+def _slid(pair: Joint, given: Derivatives, offset: float, on: Pose) -> Pose:
+    """A link on the line of a known one: given + offset [m] on from where their points lie on each other."""
+    heading, turn = turned_like(on, pair.first.along / pair.second.along)
+    place = Derivatives(lambda order: given[order] if order else given[0] + offset)
+    at = sum_of(on.carried(pair.first.point), product(turning(pair.first.along * on.unit, on.turn), place))
+    return placed(at, pair.second.point, heading, turn)
+
+
+def _grouped(plan: SolutionPlan, index: int, q: Derivatives, branch: Branch, poses: dict[int, Pose]) -> GroupSolution:
+    group = plan.group(index)
+    x, last = newton(group, poses, q, branch.tracks[index].start(q[0]))
+    x[:, ~(last < LARGEST_CORRECTION)] = np.nan
+    result = group_solution(group, poses, q, x)
+    poses.update(result.poses)
+    return result
+
+
+LARGEST_CORRECTION = 1e-8
+"""A last correction of Newton larger than this, relative to the size, is no position."""
+
+
+# -- what rounding leaves of each link's pose, carried from the frame outwards ----------------------------------
+
+
+@frozen(eq=False)
+class ErrorBound:
+    """Bounds of the errors of a link's origin [m] and angle [rad], in units of eps."""
+
+    origin: np.ndarray
+    angle: np.ndarray
+
+
+def error_bounds(plan: SolutionPlan, solved: Solved) -> dict[int, ErrorBound]:
+    """The bounds (n,) for every link.
+
+    A dyad's coordinates x answer an error δ of its loop by |δ||c_other|/|c1 × c2|; the loop's own rounding is relative
+    to the size of its terms.
+    """
+    poses = solved.poses
+    zero = np.zeros(1)
+    driver = plan.driver
+    turned = np.ones(1) if driver.revolute else zero
+    found = {FRAME_LINK: ErrorBound(zero, zero)}
+    if not plan.inner:
+        found[plan.linkage.driver.link] = ErrorBound(
+            abs(driver.first.point) + abs(driver.second.point) * turned + 1e-300, turned
+        )
+    with np.errstate(divide="ignore", invalid="ignore"):
+        for (step, joints), result in zip(plan.steps, solved.steps, strict=True):
+            if isinstance(result, InputSolution):
+                _input(plan, step.links[0], joints[0], poses, found)
+            elif isinstance(result, GroupSolution):
+                _group(step, joints, result, poses, found)
+            else:
+                _dyad(step, joints, result, poses, found)
+    return found
+
+
+def condition(plan: SolutionPlan, solved: Solved) -> np.ndarray:
+    """(n,) the largest bound of any link, its whole length turned by its angle's error, relative to the size."""
+    rows = [d.origin / plan.size + d.angle for d in error_bounds(plan, solved).values()]
+    worst = np.max(np.broadcast_arrays(*rows), axis=0)
+    return np.where(np.isnan(worst), np.inf, 4.0 * worst + 4.0)  # at a dead centre 0 · ∞ of a pin at its link's origin
+
+
+def _at(held: JointEnd, poses: dict[int, Pose], found: dict[int, ErrorBound]) -> np.ndarray:
+    """Of a point of a known link."""
+    bound = found[held.link]
+    return np.asarray(
+        bound.origin + abs(held.point) * bound.angle + np.abs(poses[held.link].origin[0]) + abs(held.point)
+    )
+
+
+def _input(plan: SolutionPlan, link: int, pin: Joint, poses: dict[int, Pose], found: dict[int, ErrorBound]) -> None:
+    """Its angle goes by the driver's, its place by its pin; of what slides the place on the line by the driver's."""
+    on = next(each.on for each in plan.linkage.drivers if each.link == link)
+    own = plan.linkage.own_motions.get(link)
+    slope = abs(plan.gains[link]) if own is None else steepest(own)
+    if not pin.revolute:
+        angle = found[on].angle + 1.0
+        reach = np.abs(poses[link].origin[0] - poses[on].origin[0])
+        slid = slope * (1.0 + 2.0 * np.pi) + reach * (1.0 + angle)
+        found[link] = ErrorBound(_at(pin.first, poses, found) + slid + abs(pin.second.point) * (1.0 + angle), angle)
+        return
+    angle = found[on].angle + 1.0 + slope * (1.0 + 2.0 * np.pi * (plan.linkage.turns or 1))
+    found[link] = ErrorBound(_at(pin.first, poses, found) + abs(pin.second.point) * (1.0 + angle), angle)
+
+
+def _dyad(
+    step: SolutionStep,
+    joints: tuple[Joint, ...],
+    closed: DyadSolution,
+    poses: dict[int, Pose],
+    found: dict[int, ErrorBound],
+) -> None:
+    """A link that slides keeps its angle against what it slides on; along a known guide it goes by its coordinate."""
+    a, b = step.links
+    outer_a, inner, outer_b = joints
+    c1, c2 = closed.columns
+    det = np.abs(cross(c1, c2))
+    at_a, at_b = (_at(outer.first, poses, found) for outer in (outer_a, outer_b))
+    guide_a, guide_b = (found[outer.first.link].angle + 1.0 for outer in (outer_a, outer_b))
+    turned = sum(guide - 1.0 for guide, outer in ((guide_a, outer_a), (guide_b, outer_b)) if not outer.revolute)
+    miss = at_a + at_b + closed.reach * (2.0 + turned)
+    x1, x2 = 2.0 + np.abs(c2) * miss / det, 2.0 + np.abs(c1) * miss / det
+    angle_b = (x2 if inner.revolute else x1) if outer_b.revolute else guide_b
+    angle_a = (x1 if inner.revolute else angle_b) if outer_a.revolute else guide_a
+    placed_a = outer_a.second if outer_a.revolute else inner.first
+    placed_b = inner.second if inner.revolute and not outer_b.revolute else outer_b.second
+    slid_a, slid_b = (0.0 if outer.revolute else x + miss for outer, x in ((outer_a, x1), (outer_b, x2)))
+    found[a] = ErrorBound(at_a + slid_a + abs(placed_a.point) * angle_a, angle_a)
+    found[b] = ErrorBound(at_b + slid_b + abs(placed_b.point) * angle_b, angle_b)
+
+
+def _group(
+    step: SolutionStep,
+    joints: tuple[Joint, ...],
+    result: GroupSolution,
+    poses: dict[int, Pose],
+    found: dict[int, ErrorBound],
+) -> None:
+    """By the size of J's inverse; lengths there are in units of the size."""
+    known = [_at(h, poses, found) for j in joints for h in (j.first, j.second) if h.link not in step.links]
+    size = max(abs(h.point) for j in joints for h in (j.first, j.second)) or 1.0
+    inverse = np.full(result.determinant.shape, np.inf)
+    fine = np.isfinite(result.determinant) & (result.determinant != 0.0)
+    inverse[fine] = np.abs(np.linalg.pinv(result.matrix[fine])).sum(axis=2).max(axis=1)
+    miss = np.max(np.broadcast_arrays(*known), axis=0) / size + 8.0
+    for link in step.links:
+        found[link] = ErrorBound(size * inverse * miss + np.abs(poses[link].origin[0]), inverse * miss + 1.0)
+
+
+# -- what is solved ---------------------------------------------------------------------------------------------
+
 
 ROLLER = "roller"
 

@@ -1,111 +1,263 @@
-"""All links of a linkage at any positions of its driver, step by step."""
+"""A solved mechanism as Kinematics: every link a body, so that drawing, centres, cam and forces walk it like any other."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Mapping
+from types import MappingProxyType
+
 import numpy as np
 
-from core.design import FRAME_LINK
-from core.design.topology import GROUP, INPUT
-from core.frozen import frozen
-from core.mechanism.change_points import Branch
-from core.mechanism.dyads import DYADS, DyadSolution
-from core.mechanism.groups import GroupSolution, group_solution, newton
-from core.mechanism.kinematics import FRAME_POSE, Pose
-from core.mechanism.loop_closure import pin_of, placed, turned_like
-from core.mechanism.plan import Joint, SolutionPlan
-from core.motion import at_turn, program
-from core.numerics.derivatives import Derivatives, constant, product, scaled, sum_of, turning
-from core.numerics.vectors import unit
+from core.design import CRANK, Linkage
+from core.design.topology import GROUP, SolutionStep, is_pin
+from core.errors import NoAssembly, NoPosition, angle_list, angle_ranges
+from core.mechanism.driver_ranges import DriverRanges, driver_ranges_of, guided_ranges
+from core.mechanism.dyads import DyadSolution, line_of
+from core.mechanism.kinematics import FRAME, Kinematics, Pose
+from core.mechanism.linkage import Joint, SolutionPlan
+from core.mechanism.mechanism import ROLLER, InputSolution, Mechanism, Solved, at_driver, condition, mechanism_of
+from core.motion import Angles, MotionState
+from core.numerics.derivatives import Derivatives, cross, difference, dot, heading, product, scaled, spread
+
+Points = Mapping[int, Mapping[str, complex]]
 
 
-@frozen(eq=False)
-class InputSolution:
-    """A second driving link: where it is."""
+@np.errstate(divide="ignore", invalid="ignore", over="ignore")  # rates at a dead centre are infinite
+def solve_mechanism(mechanism: Mechanism, motion: MotionState, driver_ranges: DriverRanges | None = None) -> Kinematics:
+    """Every body at the motion's positions y (4, n), with three derivatives by the motion's angle.
 
-    pose: Pose
-
-
-@frozen(eq=False)
-class Solved:
-    """Link -> pose (the frame included), NaN where it cannot be assembled; what each step found."""
-
-    poses: dict[int, Pose]
-    steps: tuple[DyadSolution | GroupSolution | InputSolution, ...]
-
-
-def driver_pose(plan: SolutionPlan, q: Derivatives) -> Pose:
-    """The driving link at q: its angle [rad] where it is pinned to the frame, else its slide [m]."""
-    on, own = plan.driver.first, plan.driver.second
-    if plan.driver.revolute:
-        pin = constant(on.point)
-        return placed(pin, own.point, lambda: unit(q[0]), q)
-    turned = on.along / own.along
-    start = on.point - own.point * turned
-    origin = Derivatives(lambda order: q[order] * on.along if order else q[0] * on.along + start)
-    return Pose(origin, constant(np.angle(turned)), unit=np.atleast_1d(turned))
-
-
-def at_driver(values: np.ndarray) -> Derivatives:
-    """Driver positions (n,) as q at unit speed: then every derivative is by the driver's coordinate."""
-    return Derivatives.of((values, np.ones(1), np.zeros(1), np.zeros(1)))
-
-
-def solve(plan: SolutionPlan, q: Derivatives, branch: Branch, steps: int | None = None) -> Solved:
-    """The poses of all links for the driver at q (n,) [rad or m], NaN where links do not meet; with three derivatives by what
-    q's are by: the motion's angle, or the driver's own coordinate.
-
-    branch: sides beyond change points, and where Newton starts; steps: solve only so many of the plan's.
+    driver_ranges: where the links can go; without one they are followed from the base position through all that the motion
+    takes. The cam's follower is a body of its own where the reference is not its link's origin. Raises NoAnswer, naming
+    the angles, where links do not meet.
     """
-    poses: dict[int, Pose] = {FRAME_LINK: FRAME_POSE}
-    if not plan.inner:
-        poses[plan.linkage.driver.link] = driver_pose(plan, q)
-    found: list[DyadSolution | GroupSolution | InputSolution] = []
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        for i, (step, joints) in enumerate(plan.steps[:steps]):
-            if step.kind == GROUP:
-                found.append(_grouped(plan, i, q, branch, poses))
-                continue
-            if step.kind == INPUT:
-                poses[step.links[0]] = _driven_too(plan, step.links[0], joints[0], q, poses)
-                found.append(InputSolution(poses[step.links[0]]))
-                continue
-            closed = DYADS[step.kind](poses, joints, branch.side(i, plan.side(step.joint), q[0]))
-            poses[step.links[0]], poses[step.links[1]] = closed.poses
-            for bridge in branch.bridges.get(i, ()):
-                bridge.apply(q, poses)
-            found.append(closed)
-    return Solved(poses, tuple(found))
+    plan, y, n = mechanism.plan, motion.displacement, motion.theta.shape[-1]
+    if driver_ranges is None:
+        driver_ranges = driver_ranges_for(mechanism, lambda: (float(y[0].min()), float(y[0].max())))
+    q = y if driver_ranges.swings or driver_ranges.turns > 1 else _driver(mechanism, motion)
+    solved = driver_ranges.solve(q)
+    calm = _require(mechanism, driver_ranges, solved, motion)
+    if mechanism.require is not None:
+        mechanism.require(mechanism.start, motion)
+    points, reference, ground = mechanism.places, mechanism.reference, mechanism.ground
+    bodies = {
+        name: _body(solved.poses[link], points[link], mechanism, n, calm) for link, name in mechanism.bodies.items()
+    }
+    output, on = mechanism.bodies[plan.driver.second.link], plan.driver.first.link
+    follower = carrier = output
+    if reference is not None:
+        follower, carrier = reference.body, mechanism.bodies[reference.link]
+        if follower not in bodies:
+            bodies[follower] = _at_reference(bodies[carrier], points[reference.link][reference.point], calm)
+    return Kinematics(
+        motion=motion,
+        bodies=bodies,
+        pairs=mechanism.joined,
+        dyads=mechanism.dyads,
+        output=output,
+        follower_body=follower,
+        ground=ground,
+        travel=lambda: _travel(mechanism, driver_ranges, q[0], bodies, ground),
+        coordinates=lambda: {name: _coordinate(solved, plan, what, n) for name, what in mechanism.coordinates.items()},
+        base=mechanism.base,
+        residual=lambda: spread(_residual(plan, solved), n),
+        condition=lambda: spread(condition(plan, solved), n),
+        singular=lambda: _singular(mechanism, solved, n),
+        transmission=lambda: {joint: spread(dyad.transmission, n) for joint, dyad in _dyads(mechanism, solved)},
+        carrier=carrier,
+        sense=mechanism.sense,
+        driver_on=mechanism.bodies.get(on, FRAME),
+        by_driver=lambda: _by_driver(mechanism, driver_ranges, q[0], points),
+    )
 
 
-def _driven_too(plan: SolutionPlan, link: int, pin: Joint, q: Derivatives, poses: dict[int, Pose]) -> Pose:
-    """A second driving link: its angle against another link, or its place on the line there, is ratio q + offset; its angle that of its
-    own motion at q."""
-    row, own = next(each for each in plan.linkage.drivers if each.link == link), plan.linkage.own_motions.get(link)
-    given = scaled(q, plan.gains[link]) if own is None else at_turn(program(own), q)
-    if not pin.revolute:
-        return _slid(pin, given, row.offset_mm * 1e-3, poses[row.on])
-    turned = sum_of(poses[row.on].turn, given)
-    offset = np.deg2rad(row.offset_deg)
-    angle = Derivatives(lambda order: turned[order] if order else turned[0] + offset)
-    return placed(pin_of(poses, pin.first), pin.second.point, lambda: unit(angle[0]), angle)
+def driver_ranges_for(mechanism: Mechanism, ends: Callable[[], tuple[float, float]]) -> DriverRanges:
+    """The driver ranges of a mechanism for motions between two ends [rad or m], or the whole turn of its crank."""
+    if mechanism.ranged:
+        return driver_ranges_of(mechanism.linkage, *ends())
+
+    def positions() -> tuple[float, float]:
+        low, high = ends()
+        reached = mechanism.start + mechanism.sense * np.array([0.0, low, high])
+        return float(reached.min()), float(reached.max())
+
+    return guided_ranges(mechanism.plan, mechanism.start, positions, mechanism.angles)
 
 
-def _slid(pair: Joint, given: Derivatives, offset: float, on: Pose) -> Pose:
-    """A link on the line of a known one: given + offset [m] on from where their points lie on each other."""
-    heading, turn = turned_like(on, pair.first.along / pair.second.along)
-    place = Derivatives(lambda order: given[order] if order else given[0] + offset)
-    at = sum_of(on.carried(pair.first.point), product(turning(pair.first.along * on.unit, on.turn), place))
-    return placed(at, pair.second.point, heading, turn)
+def unit_speed_kinematics(linkage: Linkage, positions: np.ndarray, driver_ranges: DriverRanges) -> Kinematics:
+    """The linkage with its driver at these positions (n,) [rad or m] and derivatives by the driver's own coordinate:
+    what needs directions only, such as instant centres, stands in a dwell of the motion too."""
+    state = MotionState(
+        Angles(positions, np.zeros(positions.size, dtype=int)), at_driver(positions), np.ones(positions.size)
+    )
+    return solve_mechanism(mechanism_of(linkage), state, driver_ranges)
 
 
-def _grouped(plan: SolutionPlan, index: int, q: Derivatives, branch: Branch, poses: dict[int, Pose]) -> GroupSolution:
-    group = plan.group(index)
-    x, last = newton(group, poses, q, branch.tracks[index].start(q[0]))
-    x[:, ~(last < LARGEST_CORRECTION)] = np.nan
-    result = group_solution(group, poses, q, x)
-    poses.update(result.poses)
-    return result
+def _driver(mechanism: Mechanism, motion: MotionState) -> Derivatives:
+    """q = start + sense y with its derivatives by the motion's angle."""
+    y, start, sense = motion.displacement, mechanism.start, mechanism.sense
+    if mechanism.linkage.driver.kind == CRANK:
+        return at_driver(y[0])
+    if not start and sense == 1.0:
+        return y
+    return Derivatives(lambda order: sense * y[order] if order else start + sense * y[0])
 
 
-LARGEST_CORRECTION = 1e-8
-"""A last correction of Newton larger than this, relative to the size, is no position."""
+def _require(mechanism: Mechanism, driver_ranges: DriverRanges, solved: Solved, motion: MotionState) -> bool:
+    """Every link somewhere at every angle; a mechanism that refuses for itself stays off dead centres too. Whether all rates are finite
+    for sure."""
+    calm = True
+    for (step, _), result in zip(driver_ranges.plan.steps, solved.steps, strict=True):
+        if isinstance(result, InputSolution):
+            continue
+        least = result.sine.min() if isinstance(result, DyadSolution) else 0.0
+        calm = calm and bool(least > _CALM)
+        if least > 0.0:  # nan is not
+            continue
+        first, last = (solved.poses[step.links[i]] for i in (0, -1))
+        lost = ~np.isfinite(first.unit + last.unit)
+        if mechanism.refuse is not None and isinstance(result, DyadSolution):
+            lost = lost | ~(result.sine > 0.0)
+        lost = spread(lost, motion.theta.shape[-1])
+        if mechanism.refuse is not None:
+            NoAssembly.where(lost, lambda lost=lost: mechanism.refuse(motion, solved, lost))  # type: ignore[misc]
+            continue
+        NoPosition.where(lost, lambda step=step, lost=lost: _apart(driver_ranges, step, motion, lost))  # type: ignore[misc]
+    return calm
+
+
+_CALM = 1e-30  # sine of the transmission angle above which three derivatives stay below the largest number
+
+
+def _apart(driver_ranges: DriverRanges, step: SolutionStep, motion: MotionState, lost: np.ndarray) -> NoAssembly:
+    """Why the links of a step do not meet at some angles: the driver's positions at which they do, and, disjoint from these, those to which
+    a motion takes it."""
+    links = " and ".join(map(str, step.links)) if len(step.links) == 2 else ", ".join(map(str, step.links))
+    joint = f" at {step.joint}" if step.kind != GROUP and is_pin(step.joint) else ""
+    driver, y = driver_ranges.plan.driver, motion.displacement[0]
+    scale, unit = (180.0 / np.pi, "deg") if driver.revolute else (1e3, "mm")
+    ends = [float(y.min()), *(end for r in driver_ranges.ranges for end in (r.low, r.high)), float(y.max())]
+    beyond = [(a * scale, b * scale) for a, b in zip(ends[::2], ends[1::2], strict=True) if a < b]
+    hint = "change their lengths"
+    if driver_ranges.ranges:
+        ranges = [(r.low * scale, r.high * scale) for r in driver_ranges.ranges]
+        hint = f"they do with the driver within {angle_list(ranges, unit=unit)}"
+        if driver_ranges.plan.linkage.driver.kind != CRANK and beyond:
+            hint += f", and the motion takes it to {angle_list(beyond, unit=unit)}: lessen its rise, or change their lengths"
+    kind = NoPosition if driver_ranges.plan.linkage.driver.kind == CRANK else NoAssembly
+    return kind(f"links {links} do not meet{joint}", "linkage.links", hint, angle_ranges(motion.theta, lost))
+
+
+def _body(pose: Pose, points: Mapping[str, complex], mechanism: Mechanism, n: int, calm: bool) -> Pose:
+    """A link of the own frame as a body in the global one, with a value at each of the n positions. Where not all rates are finite, as
+    at a dead centre, they warn nobody."""
+    place, turn = mechanism.place, mechanism.turn
+    along = heading(turn) if turn else 1.0
+
+    def origin(order: int) -> np.ndarray:
+        row = pose.origin[order]
+        row = row * along if turn else row
+        return spread(row + place if place and not order else row, n)
+
+    def angle(order: int) -> np.ndarray:
+        row = pose.turn[order]
+        return spread(row + turn if turn and not order else row, n)
+
+    there = Pose(
+        Derivatives(origin, pose.origin.constant),
+        Derivatives(angle, pose.turn.constant),
+        points,
+        lambda: spread(pose.unit * along if turn else pose.unit, n),
+        lambda: (scaled(pose.spin, along) if turn else pose.spin).spread(n),
+    )
+    return (
+        there
+        if calm
+        else Pose(
+            there.origin.without_warnings(),
+            there.turn.without_warnings(),
+            points,
+            lambda: there.unit,
+            lambda: there.spin.without_warnings(),
+        )
+    )
+
+
+def _at_reference(pose: Pose, at: complex, calm: bool) -> Pose:
+    """The cam's follower as a body: its origin is the reference point, and it turns with its link."""
+    place = pose.carried(at)
+    return Pose(
+        place if calm else place.without_warnings(),
+        pose.turn,
+        MappingProxyType({ROLLER: 0j}),
+        lambda: pose.unit,
+        lambda: pose.spin,
+    )
+
+
+@np.errstate(divide="ignore", invalid="ignore", over="ignore")
+def _by_driver(mechanism: Mechanism, driver_ranges: DriverRanges, q: np.ndarray, points: Points) -> Mapping[str, Pose]:
+    """Every body at the driver's positions (n,), its derivatives by the driver's coordinate."""
+    poses = driver_ranges.solve(at_driver(q)).poses
+    return {
+        name: _body(poses[link], points[link], mechanism, q.shape[-1], False) for link, name in mechanism.bodies.items()
+    }
+
+
+@np.errstate(divide="ignore", invalid="ignore", over="ignore")
+def _travel(
+    mechanism: Mechanism, driver_ranges: DriverRanges, q: np.ndarray, bodies: Mapping[str, Pose], ground: str
+) -> np.ndarray:
+    """The direction (n,) in which the reference point can go, in a dwell too: about its link's pivot or along its guide
+    where the frame holds the link, else by the derivative with respect to the driver's coordinate q (n,)."""
+    reference, plan = mechanism.reference, mechanism.plan
+    if reference is None:
+        return np.ones(q.shape[-1], dtype=complex)
+    at = plan.points[reference.link][reference.point]
+    if not ground:
+        path = driver_ranges.solve(at_driver(q)).poses[reference.link].carried(at)[1] * heading(mechanism.turn)
+        return spread(np.asarray(path / np.abs(path)), q.shape[-1])
+    held = next(j for j, name in mechanism.pair_names.items() if name == ground)
+    own = held.second if held.second.link == reference.link else held.first
+    arm = 1j * (at - own.point) if held.revolute else own.along
+    return np.asarray(bodies[mechanism.bodies[reference.link]].unit * (arm / abs(arm)))
+
+
+def _coordinate(solved: Solved, plan: SolutionPlan, what: int | str, n: int) -> Derivatives:
+    """The angle of a link, or the slide of a sliding pair, in the own frame, of n values."""
+    if isinstance(what, int):
+        return solved.poses[what].turn.spread(n).without_warnings()
+    joint = next(j for j in plan.joints if j.name == what)
+    return _slide(solved, joint).spread(n).without_warnings()
+
+
+def _slide(solved: Solved, joint: Joint) -> Derivatives:
+    """How far the sliding link's point has gone along the line [m]."""
+    line, point = (joint.first, joint.second) if str(joint.second.link) == joint.name else (joint.second, joint.first)
+    g, along = line_of(solved.poses, line)
+    return product(along, difference(solved.poses[point.link].carried(point.point), g), dot)
+
+
+def _residual(plan: SolutionPlan, solved: Solved) -> np.ndarray:
+    """How far the pairs are open at worst (n,), relative to the size of the linkage."""
+    worst, poses = np.zeros(1), solved.poses
+    for joint in plan.joints:
+        one, other = (poses[held.link].carried(held.point)[0] for held in (joint.first, joint.second))
+        gap = other - one
+        if not joint.revolute:
+            gap = cross(joint.first.along * poses[joint.first.link].unit, gap)
+        worst = np.maximum(worst, np.abs(gap))
+    return worst / plan.size
+
+
+def _dyads(mechanism: Mechanism, solved: Solved) -> Iterator[tuple[str, DyadSolution]]:
+    """Each dyad by its joint."""
+    for (step, _), result in zip(mechanism.plan.steps, solved.steps, strict=True):
+        if isinstance(result, DyadSolution):
+            yield step.joint, result
+
+
+def _singular(mechanism: Mechanism, solved: Solved, n: int) -> Mapping[str, np.ndarray]:
+    """What must not vanish: the sine of each dyad's transmission angle, and what the mechanism adds."""
+    found = {mechanism.singular.get(joint, joint): dyad.sine for joint, dyad in _dyads(mechanism, solved)}
+    if mechanism.more_singular is not None:
+        found |= mechanism.more_singular(solved)
+    return {code: spread(value, n) for code, value in found.items()}

@@ -12,10 +12,20 @@ from dataclasses import replace
 
 import numpy as np
 
-from core.design import CRANK, FRAME_LINK, Linkage
+from core.design import CRANK, FRAME_LINK, Design, Linkage
 from core.design.topology import driver_pair, driver_turns, gains, input_slides, is_pin, pins, solving_order
+from core.errors import KindynaError
 from core.frozen import frozen
-from core.numerics.vectors import heading, vector
+from core.mechanism.drawn import Places, closed, drawn_place, frame_of, places_of
+from core.mechanism.driver_ranges import DriverRanges, driver_ranges_of
+from core.mechanism.drivers import CrankProgram, swept
+from core.mechanism.mechanism import Mechanism, body_name, mechanism_of
+from core.mechanism.solving import solve_mechanism
+from core.motion import Program, program
+from core.numerics.derivatives import heading, vector
+
+# -- what a drawing lacks to be a mechanism ---------------------------------------------------------------------
+
 
 _TINY = 1e-7  # a velocity, or a share in a dependence, below this is none
 _RANK = 1e-8  # of the largest singular value
@@ -347,4 +357,64 @@ class _Equations:
         return tuple(n for n in self._numbers if len(joints.get(n, ())) > 1)  # with one joint it only carries others
 
 
-__all__ = ["Unfinished", "holds_itself", "led_part", "unfinished"]
+# -- the part of an unfinished drawing that its driver leads, as it moves ---------------------------------------
+
+
+_AS_DRAWN = 1e-9  # rad or m: the driver stands where it is drawn
+
+
+@frozen(eq=False)
+class LedPart:
+    """What moves with the driver of a drawing that is no mechanism yet."""
+
+    design: Design
+    mechanism: Mechanism
+    ranges: DriverRanges
+    runs: CrankProgram | Program
+
+    @property
+    def drawn_theta(self) -> float | None:
+        """The angle [rad] of the crank, or of the cycle, at which the driver stands as it is drawn; None of one that follows a motion."""
+        drawn = self.mechanism.linkage.drawn
+        return self.runs.theta(drawn_place(drawn)) if drawn and isinstance(self.runs, CrankProgram) else None
+
+    def places(self, theta: float) -> Places:
+        """Where all points stand [mm] at an angle [rad] of the crank, the cycle or the cam.
+
+        Those of the rest are moved from where they are drawn, as little as need be.
+        """
+        linkage, part = self.design.drive.linkage, self.mechanism.linkage
+        as_drawn = places_of(linkage)
+        state = self.runs.state(self.runs.angles(np.array([theta])))
+        if linkage.drawn and abs(float(state.displacement[0][0]) - drawn_place(linkage.drawn)) < _AS_DRAWN:
+            return as_drawn
+        kinematics = solve_mechanism(self.mechanism, state, self.ranges)
+        fixed = frame_of(linkage).places
+        led = {
+            name: complex(kinematics.bodies[body_name(link.number)].place(name)[0]) * 1e3
+            for link in part.links
+            for name in link.places
+            if name not in fixed
+        }
+        places = {**as_drawn, **led}
+        try:
+            return closed(linkage, places, {*fixed, *led})
+        except KindynaError:  # the rest does not reach: it stays where it is drawn
+            return places
+
+
+def led_part_of(design: Design, lack: Unfinished) -> LedPart | None:
+    """What moves with the driver of an unfinished drawing; None where nothing does."""
+    part = led_part(design.drive.linkage, lack)
+    if part is None or part.drawn is None:
+        return None
+    motion, crank = design.drive.motion, part.driver.kind == CRANK
+    if not crank and motion is None:
+        return None
+    try:
+        ranges = driver_ranges_of(part) if crank else driver_ranges_of(part, *swept(program(motion)))
+    except KindynaError:
+        return None
+    if not ranges.ranges:
+        return None
+    return LedPart(design, mechanism_of(part), ranges, CrankProgram(ranges) if crank else program(motion))

@@ -14,10 +14,12 @@ from core.findings import ERROR, NOTE, WARNING, Finding
 from core.frozen import frozen
 from core.laws import Piece, PieceTable
 from core.motion.curves import joined, shape_of
-from core.numerics.compensated_sum import two_sum
-from core.numerics.derivatives import Derivatives
+from core.numerics.derivatives import Derivatives, distinct, unit
 from core.numerics.lazy import Lazy
-from core.numerics.vectors import unit
+from core.numerics.roots import two_sum
+
+# -- the motion compiled ----------------------------------------------------------------------------------------
+
 
 TURN = 2.0 * pi
 EPS = float(np.finfo(float).eps)
@@ -347,3 +349,113 @@ def findings(compiled: Program) -> list[Finding]:
         values = {"advance": compiled.motion.gain, "near": float(np.copysign(near, compiled.motion.gain))}
         result.append(Finding("uneven-advance", NOTE, f"motion.advance_{unit}", None, values))
     return result
+
+
+# -- the turn of a shaft on which several motions run, each by its own angle ------------------------------------
+
+
+CLOSEST = 1e-11  # [rad] ends of pieces nearer than this are one
+
+
+@frozen
+class ShaftPosition:
+    """Where a drive stands on the shaft: its own angle is sense·(machine angle - phase) [rad]; sense is -1 of a crank whose own
+    angle, counted counter-clockwise, falls as the shaft turns."""
+
+    phase: float = 0.0
+    sense: float = 1.0
+
+    def own(self, machine: np.ndarray) -> np.ndarray:
+        """Own angles (n,), 0 ... 2π, of machine angles (n,) [rad]."""
+        return np.asarray(np.mod(self.sense * (machine - self.phase), TURN))
+
+    def machine(self, own: np.ndarray) -> np.ndarray:
+        """Machine angles (n,), 0 ... 2π, of own angles (n,) [rad]."""
+        return np.asarray(np.mod(self.phase + self.sense * own, TURN))
+
+
+def all_ends(cuts: Sequence[np.ndarray]) -> np.ndarray:
+    """Ends of pieces over one turn (m + 1,), 0 and 2π among them, at all the cuts [rad]."""
+    ends = distinct(np.concatenate((np.zeros(1), *cuts)))
+    ends = ends[np.diff(ends, prepend=-1.0) > CLOSEST]
+    return np.append(ends[ends < TURN - CLOSEST], TURN)
+
+
+class MachineTurn:
+    """Pieces of the machine's turn, in none of which a program (of a motion, or of a crank that turns fully) has a join.
+
+    starts, ends  (m,) machine angles [rad]
+    """
+
+    def __init__(self, programs: Sequence[tuple[Any, ShaftPosition]]) -> None:
+        self.programs = tuple(programs)
+        ends = all_ends([place.machine(program.starts) for program, place in self.programs])
+        self.starts, self.ends = ends[:-1], ends[1:]
+
+    def angles(self, theta: np.ndarray) -> Angles:
+        """Any machine angles (n,) [rad], each with the piece right of it."""
+        theta = np.mod(np.asarray(theta, dtype=float), TURN)
+        theta = np.where(theta >= TURN - CLOSEST, 0.0, theta)
+        return Angles(theta, np.searchsorted(self.starts - CLOSEST, theta, side="right") - 1)
+
+    def own(self, number: int, angles: Angles, kept: bool = False) -> Angles:
+        """The angles of one program at machine angles, each on the same side of its joins."""
+        program, place = self.programs[number]
+        middle = (0.5 * (self.starts + self.ends))[angles.piece]
+        inside = program.angles(place.own(middle))
+        theta = inside.theta + place.sense * (angles.theta - middle)
+        return Angles(np.clip(theta, program.starts[inside.piece], program.ends[inside.piece]), inside.piece, kept)
+
+
+# -- A motion's turn, or a crank's, cut at further angles -------------------------------------------------------
+
+
+class CutProgram:
+    """A program with more pieces: looks like the one that it is made of, whose joins it keeps.
+
+    starts, ends  (m,) angles [rad] of its pieces
+    """
+
+    def __init__(self, program: Any, cuts: tuple[float, ...]) -> None:
+        """cuts: angles [rad] in rising order; those at an end of a piece add nothing."""
+        self._program = program
+        at, starts, ends, of = np.array(cuts), [], [], []
+        for i, (a, b) in enumerate(zip(program.starts.tolist(), program.ends.tolist(), strict=True)):
+            inside = at[(at > a + CLOSEST) & (at < b - CLOSEST)]
+            edges = np.concatenate(([a], inside[np.diff(inside, prepend=a) > CLOSEST], [b]))
+            starts.append(edges[:-1])
+            ends.append(edges[1:])
+            of.append(np.full(edges.size - 1, i))
+        self.starts, self.ends, self._of = np.concatenate(starts), np.concatenate(ends), np.concatenate(of)
+        middle = Angles(0.5 * (self.starts + self.ends), self._of)
+        self._middle = np.array([middle.theta, program.state(middle).displacement[0]])
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        return getattr(self._program, name)
+
+    @property
+    def velocity_signs(self) -> np.ndarray:
+        """Sign (m,) of the velocity on each piece: -1, 0 or 1."""
+        return np.asarray(self._program.velocity_signs[self._of])
+
+    @property
+    def segment(self) -> np.ndarray:
+        """(m,) the segment that each piece belongs to."""
+        return np.asarray(self._program.segment[self._of])
+
+    def angles(self, theta: np.ndarray, kept: bool = False) -> Angles:
+        """Any angles (n,) [rad], each with the piece right of it."""
+        inner = self._program.angles(theta)
+        piece = np.searchsorted(self.starts - SNAP, inner.theta, side="right") - 1
+        return Angles(inner.theta, np.clip(piece, 0, None), kept)
+
+    def uncut(self, angles: Angles) -> Angles:
+        """The same, with the pieces of the program that it is made of."""
+        return Angles(angles.theta, self._of[angles.piece], unit=lambda: angles.unit)
+
+    def state(self, angles: Angles) -> MotionState:
+        """The motion at these angles."""
+        state = self._program.state(self.uncut(angles))
+        return MotionState(angles, state.displacement, state.velocity_sign, self._middle[:, angles.piece])

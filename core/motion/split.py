@@ -30,7 +30,7 @@ from core.design import (
     with_motion,
 )
 from core.design.edits import balance, is_dwell
-from core.design.motions import with_marks_of
+from core.design.motion_edits import with_marks_of
 from core.errors import DesignError, Fault
 from core.laws import LAWS, PieceTable, find_law
 from core.motion.curves import joined, shape_of

@@ -3,22 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import pairwise
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from core.design import BALANCER, UNITS, Design
+from core.design.fields import choice, number, whole
 from core.errors import KindynaError
-from core.numerics.cancellation import checkpoint
+from core.frozen import frozen
+from core.numerics.lazy import checkpoint
 from core.output.channels import ANGLES, channels, existing
 from core.output.summary import answers, runs, summary, to_json
 from core.project.files import write_into
+from core.requests import asked
 from core.study import Camshaft, Study
 from core.study.quantities import DYNAMICS, KINEMATICS, LINKAGE, ORBIT, PROFILE, SERVO
 
 if TYPE_CHECKING:
     from core.stability import Tongues
+
+
+# -- tables and figures of a study as files ---------------------------------------------------------------------
+
 
 TABLES = (PROFILE, KINEMATICS, LINKAGE, DYNAMICS, SERVO, ORBIT)
 ANGLES_AT_ONCE = 32_768  # a larger study is computed and written in blocks: memory does not grow with its angles
@@ -220,3 +229,37 @@ def _of_camshaft(study: Study, stages: Sequence[str]) -> dict[str, str | Iterato
         if own or not stages:
             made |= {f"{folder}/{file}": parts for file, parts in streams(each, own, OF_SHAFT).items()}
     return made
+
+
+# -- what an animation of one turn shall be like ----------------------------------------------------------------
+
+
+FORMATS: Mapping[str, str] = MappingProxyType(
+    {
+        ".gif": "GIF animation",
+        ".webp": "WebP animation",
+        ".mp4": "MP4 film, by ffmpeg",
+        ".png": "PNG pictures in a folder",
+    }
+)
+"""By the ending of the file's name; pictures go into a folder of that name without it."""
+TICK = 10  # milliseconds: what a GIF counts in
+LEAST_DELAY = 20  # a viewer plays what is shorter at a speed of its own
+
+
+@frozen
+class Film:
+    """What is wanted: ``.gif`` or ``.webp``, frames of the turn, size in pixels, seconds of the turn."""
+
+    ending: str = asked(choice("Format", tuple(FORMATS), default=".gif"), None, words=FORMATS)
+    frames: int = asked(whole("Frames per turn", 2, 360, default=72), help="per turn")
+    width: int = 800
+    height: int = 600
+    seconds: float = asked(number("One turn takes, s", 0.2, 600.0, default=4.0), None)
+
+    @property
+    def delays(self) -> list[int]:
+        """How long each frame stands [ms]: whole ticks that add up to the turn."""
+        total = max(round(1000.0 * self.seconds / TICK), self.frames * LEAST_DELAY // TICK)
+        marks = [total * i // self.frames for i in range(self.frames + 1)]
+        return [(after - before) * TICK for before, after in pairwise(marks)]

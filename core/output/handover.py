@@ -2,44 +2,265 @@
 
 from __future__ import annotations
 
+import base64
 import hashlib
 import io
 import json
 import os
 import zipfile
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from core.cam import keyway_corners, row_of
 from core.design import Design
 from core.design.fields import number
-from core.errors import KindynaError
+from core.errors import KindynaError, NoAnswer
 from core.findings import ERROR
 from core.frozen import frozen
-from core.output import inspection, profile
-from core.output.controllers.facts import facts
-from core.output.controllers.made import ecam
-from core.output.controllers.of_design import slave_of
-from core.output.controllers.request import Request as EcamRequest
-from core.output.controllers.row import controller
-from core.output.inspection.files import files as inspection_files
-from core.output.profile.drawing import facts as profile_facts
-from core.output.report.document import Cover
+from core.mechanism.kinematics import FRAME, SLIDING
+from core.output.channels import channels, existing
+from core.output.controllers.deviation import facts
+from core.output.controllers.rows import controller
+from core.output.controllers.slave import EcamRequest, slave_of
+from core.output.controllers.table import ecam
+from core.output.files.files import files as profile_files
+from core.output.files.files import job_of
+from core.output.files.inspection import files as inspection_files
+from core.output.files.inspection import inspection as inspection_of
+from core.output.files.probe import InspectionRequest
+from core.output.files.profile_files import facts as profile_facts
+from core.output.files.profile_request import ProfileRequest
+from core.output.lines import finding_line, printable
+from core.output.report.document import Cover, Document, document, numbered_chapters, template_of
+from core.output.report.parts import ROUNDING, ReportPicture, Section
 from core.output.summary import to_json
-from core.output.web import web_page
+from core.process import resources
 from core.project import dumps
 from core.project.files import is_folder, read_own, remove_listed, write, write_into
 from core.project.origins import with_own_motions
 from core.requests import asked, typed
-from core.study import Study
+from core.study import Study, findings_of
+from core.study.quantities import shape_of
+
+# -- A design as one web page that needs nothing beside it ------------------------------------------------------
+
+
+ANGLES = 720
+"""Positions of a turn that are stored."""
+SECONDS = 6.0
+"""That a turn takes where the page opens."""
+PLACE_DIGITS, CURVE_DIGITS = 9, 7
+"""Decimals of a place in mm and of an angle in degrees; digits of a curve's values."""
+SHOWN = ("displacement", "acceleration", "pressure_angle", "contact_force", "drive_torque", "driver_torque")
+OF_LINKS, FEWEST = ("link.{}_velocity", "transmission.{}"), 2
+"""Curves that stand there where the page opens, those that are 0 throughout aside; those of links where there are fewer than that; the
+others by choice."""
+PARTS, FINDINGS = ("inputs", "certificate"), "Findings"
+"""What of the report stands below."""
+PAGE, PROGRAM = "web_page.html.jinja", "web_page.js"
+_MM = 1e3
+
+
+def web_page(study: Study) -> str:
+    """The page as HTML. Raises NoAnswer where the design, or each of its drives, has no mechanism.
+
+    Nothing is asked of any server: styles and program stand inside, and a content security policy allows these alone.
+    """
+    program = (resources() / PROGRAM).read_text("utf-8")
+    digest = base64.b64encode(hashlib.sha256(program.encode()).digest()).decode()
+    made = document(study, PARTS)
+    return template_of(PAGE).render(
+        document=made,
+        chapters=list(_chapters(made)),
+        findings=[(each.severity, finding_line(each, study.angle_name)) for each in findings_of(study)],
+        data=_json(stored(study)),
+        program=program,
+        policy=f"default-src 'none'; style-src 'unsafe-inline'; script-src 'sha256-{digest}'; base-uri 'none'; form-action 'none'",
+    )
+
+
+def _chapters(made: Document) -> Iterator[tuple[str, Section, list[Section]]]:
+    """Those in which something is left to read: the findings stand above all, and pictures are left to the page's program."""
+    for count, chapter, inside in numbered_chapters(made):
+        sections = [each for each in inside if each.title != FINDINGS]
+        if sections or any(not isinstance(block, ReportPicture) for block in chapter.blocks):
+            yield count, chapter, sections
+
+
+def write_page(study: Study, path: Path) -> tuple[Path]:
+    """The page as a file. Raises as ``web_page``; FileError where it cannot be written."""
+    write(path, web_page(study).encode())
+    return (path,)
+
+
+def _json(data: Any) -> str:
+    """As it may stand inside of a script element: no name in it can end that."""
+    text = json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    return text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
+
+
+# -- what the page holds ----------------------------------------------------------------------------------
+
+
+def stored(study: Study, angles: int = ANGLES) -> dict[str, Any]:
+    """What the page's program reads: machines with the places of their bodies, and the curves of each, at equally spaced angles of the
+    shaft or crank; of drives that are listed each by the machine's angle."""
+    machines = [
+        {"name": printable(name), **_machine(each, phase)} for name, phase, each in _drives(Study(study.design, angles))
+    ]
+    return {
+        "name": printable(study.design.name),
+        "angle": "machine angle" if study.design.listed else study.angle_name,
+        "seconds": SECONDS,
+        "machines": machines,
+    }
+
+
+def _drives(study: Study) -> Iterator[tuple[str, float, Study]]:
+    if not study.design.listed:
+        yield "", 0.0, study
+        return
+    for (name, each), drive in zip(study.drives.items(), study.design.drives, strict=True):
+        if name not in study.camshaft.failures:
+            yield name, drive.phase_deg, each
+
+
+def _machine(study: Study, phase: float) -> dict[str, Any]:
+    """Angles and places by the drive's own angle; phase: by which it lags behind the machine's [deg]."""
+    kinematics = study.linkage
+    sliding = [pair for pair in kinematics.pairs.values() if pair.kind == SLIDING]
+    bodies = [
+        {
+            "name": name,
+            "fixed": name == FRAME,
+            "slides": any(pair.body == name for pair in sliding),
+            "stem": _stem(study) if name == kinematics.carrier and len(kinematics.pairs) == 1 and sliding else None,
+            "points": [[point, *_place(at)] for point, at in pose.points.items()],
+            **_track(pose.origin[0], pose.turn[0]),
+        }
+        for name, pose in kinematics.bodies.items()
+    ]
+    return {
+        "phase": phase,
+        "sense": study.sense,
+        "angles": _rounded(study.angle_degrees),
+        "whole": study.angle_degrees.size == study.samples,
+        "cam": _cam(study),
+        "bodies": bodies,
+        "fixed": _fixed(study),
+        "curves": _with_curves_shown(list(_curves(study)), study),
+    }
+
+
+def _stem(study: Study) -> list[float]:
+    """Where the stem of a follower that slides in the frame ends, in its own frame: away from the cam, as long as the cam is large."""
+    kinematics = study.linkage
+    (pair,) = kinematics.pairs.values()
+    pose = kinematics.bodies[pair.body]
+    outwards = 1.0 if (pose.origin[0][0] * pair.axis.conjugate()).real >= 0.0 else -1.0
+    return _place(outwards * pair.axis * np.exp(-1j * pose.turn[0][0]) * float(np.abs(pose.origin[0]).max()))
+
+
+def _fixed(study: Study) -> list[dict[str, Any]]:
+    """Pins and guides on the frame."""
+    kinematics, rows = study.linkage, []
+    for name, pair in kinematics.pairs.items():
+        if pair.on != FRAME:
+            continue
+        track = kinematics.bodies[pair.body].place(pair.point)
+        row: dict[str, Any] = {"name": name, "at": _place(track[0])}
+        if pair.kind == SLIDING:
+            along = ((track - track[0]) * pair.axis.conjugate()).real
+            row["guide"] = [_place(track[0] + pair.axis * end) for end in (along.min(), along.max())]
+        rows.append(row)
+    return rows
+
+
+def _cam(study: Study) -> dict[str, Any] | None:
+    """Outlines in the cam's own frame, and what touches them: the face around its reference point, further rollers."""
+    if "cam" not in study.stages:
+        return None
+    try:
+        shape = study.cam
+    except NoAnswer:
+        return None
+    cam, face = study.design.drive.cam, study.design.drive.face
+    outline = row_of(face).outline(shape, face, study.linkage).points
+    turn = study.linkage.bodies[study.linkage.follower_body].turn[0]
+    further = [flank for flank in shape.flanks[1:] if flank.reference is not shape.reference]
+    return {
+        "flanks": [[_place(at) for at in flank.profile] for flank in shape.flanks],
+        "keyway": [[_short(at.real), _short(at.imag)] for at in keyway_corners(cam)],
+        "circles": [_short(0.5 * size) for size in (cam.hub_mm, cam.bore_mm) if size],
+        "face": {"outline": [_place(at) for at in outline], **_track(shape.reference, turn)},
+        "rollers": [{"radius": _short(flank.radius * _MM), **_track(flank.reference, 0.0 * turn)} for flank in further],
+    }
+
+
+def _with_curves_shown(rows: list[dict[str, Any]], study: Study) -> list[dict[str, Any]]:
+    """The curves with enough of them to open with."""
+    if sum(row["shown"] for row in rows) < FEWEST:
+        of_links = {row.slug for row in channels(study.design) if shape_of(row.name) in OF_LINKS}
+        rows = [{**row, "shown": row["shown"] or row["slug"] in of_links} for row in rows]
+    return rows
+
+
+def _curves(study: Study) -> Iterator[dict[str, Any]]:
+    """Every channel that is no angle that goes round, and has a value at every angle."""
+    for row in existing(study, channels(study.design, [stage for stage in study.stages if stage != "stability"])):
+        if row.turns:
+            continue
+        try:
+            values = row.values(study)
+        except NoAnswer:  # no forces where a guide jams
+            continue
+        if np.isfinite(values).all():
+            values = np.where(np.abs(values) > ROUNDING * np.abs(values).max(), values, 0.0)
+            yield {
+                "slug": row.slug,
+                "label": row.label,
+                "symbol": row.symbol,
+                "unit": row.unit.symbol,
+                "shown": row.name in SHOWN and bool(values.any()),
+                "values": [float(f"{value:.{CURVE_DIGITS}g}") for value in values.tolist()],
+            }
+
+
+def _short(value: float) -> float:
+    return round(float(value), PLACE_DIGITS) + 0.0
+
+
+def _place(at: complex) -> list[float]:
+    """[m] as x, y [mm]."""
+    return [_short(at.real * _MM), _short(at.imag * _MM)]
+
+
+def _rounded(values: Iterable[float]) -> list[float]:
+    return [_short(value) for value in values]
+
+
+def _track(origin: np.ndarray, turn: np.ndarray) -> Mapping[str, list[float]]:
+    """Where a body is: x, y [mm], turn [deg]."""
+    return {
+        "x": _rounded(origin.real * _MM),
+        "y": _rounded(origin.imag * _MM),
+        "turn": _rounded(np.rad2deg(turn) + 0.0 * origin.real),
+    }
+
+
+# -- all of a design that its workshop, its controls engineer and its buyer ask for -----------------------------
+
 
 CONTENTS, ARCHIVE = "contents.json", ".zip"
 EARLIEST = (1980, 1, 1, 0, 0, 0)  # that an archive can hold: the same design gives the same bytes
 
 
 @frozen
-class Request(Cover):
+class HandoverRequest(Cover):
     """What else is wanted: what stands on report and drawings, for which controller, G-code, and how exact curves are."""
 
     controller: str = typed("row of the table of controllers: a table of each drive", default="", metavar="SLUG")
@@ -160,7 +381,7 @@ def _packed(files: dict[str, str | bytes]) -> bytes:
     return target.getvalue()
 
 
-def handover(design: Design, request: Request) -> Handover:
+def handover(design: Design, request: HandoverRequest) -> Handover:
     """What needs no fonts: profiles, inspection tables, tables of a controller, web page, the design itself.
 
     Raises KindynaError for a controller that is not known, NoAnswer where the whole has none.
@@ -193,7 +414,7 @@ def drives_of(study: Study) -> Iterator[tuple[str, str, Study]]:
 
 
 def _makers(
-    design: Design, folder: str, name: str, study: Study, request: Request
+    design: Design, folder: str, name: str, study: Study, request: HandoverRequest
 ) -> Iterator[tuple[str, Callable[[], Sequence[HandoverFile]]]]:
     of = f" of {name}" if name else ""
     if "cam" in study.stages:
@@ -205,10 +426,10 @@ def _makers(
         yield "table of the controller", lambda: _controller(design, folder, name, request)
 
 
-def _profile(study: Study, folder: str, of: str, request: Request, ending: str) -> list[HandoverFile]:
+def _profile(study: Study, folder: str, of: str, request: HandoverRequest, ending: str) -> list[HandoverFile]:
     path = Path(f"profile{ending}")
     fit = "arcs" if ending == ".nc" else ""
-    job = profile.job_of(study, path, profile.Request(tolerance_mm=request.error_mm, fit=fit))
+    job = job_of(study, path, ProfileRequest(tolerance_mm=request.error_mm, fit=fit))
     deviation = float(profile_facts(job)["deviation_mm"]), "mm"
     return [
         HandoverFile(
@@ -217,12 +438,12 @@ def _profile(study: Study, folder: str, of: str, request: Request, ending: str) 
             data,
             deviation if name == path.name else None,
         )
-        for name, data in profile.files(job, path).items()
+        for name, data in profile_files(job, path).items()
     ]
 
 
 def _inspection(study: Study, folder: str, of: str) -> list[HandoverFile]:
-    made = inspection.inspection(study, inspection.Request())
+    made = inspection_of(study, InspectionRequest())
     if wrong := [each.message for each in made.probing.findings if each.severity == ERROR]:
         raise KindynaError(wrong[0])
     texts = inspection_files(made, Path("inspection.csv"))
@@ -231,7 +452,7 @@ def _inspection(study: Study, folder: str, of: str) -> list[HandoverFile]:
     return [HandoverFile(folder + name, words.get(name, facts), data) for name, data in texts.items()]
 
 
-def _controller(design: Design, folder: str, name: str, request: Request) -> list[HandoverFile]:
+def _controller(design: Design, folder: str, name: str, request: HandoverRequest) -> list[HandoverFile]:
     row, wanted = controller(request.controller), EcamRequest(error=request.error_mm)
     slave, title, speed = slave_of(design, name, wanted)
     made = ecam(slave, row, wanted, title, speed)
@@ -241,6 +462,3 @@ def _controller(design: Design, folder: str, name: str, request: Request) -> lis
         HandoverFile(f"{folder}controller{row.extension}", f"table for {row.label}{of}", made.content, deviation),
         HandoverFile(f"{folder}controller.json", "its certificate, as JSON", to_json(facts(made)).encode()),
     ]
-
-
-__all__ = ["Handover", "HandoverFile", "Request", "drives_of", "handover"]

@@ -14,16 +14,14 @@ from core.design.parts import LINEAR
 from core.design.topology import mobility
 from core.errors import NoAnswer, NoStability
 from core.findings import Finding, Residual
-from core.mechanism.grashof import four_bar
+from core.mechanism.branches import four_bar
 from core.motion.extremes import Range
-from core.output.cam_or_servo import SERVO, Asked, asked
-from core.output.channels import channels
-from core.output.cycle import cycle_of, has_cycle
-from core.output.vibration_files import elastic_rows
+from core.output.channels import channels, cycle_of, has_cycle
+from core.output.subject_files import SERVO, Asked, asked, elastic_rows
 from core.shaft import Flywheel, peaks
 from core.study import Camshaft, Study, certificate_of, extremes_of, findings_of, quantities_of, roller_lives
 from core.study.cam_checks import limit_rows
-from core.study.servo import has_servo, servo_part, servo_turn
+from core.study.study import has_servo, servo_part, servo_turn
 
 if TYPE_CHECKING:  # no design without a flexible shaft loads it
     from core.stability import Stability, SteadyTurn, Verdict

@@ -10,9 +10,19 @@ from importlib import import_module
 from types import MappingProxyType
 
 from core.frozen import frozen
-from core.papers.claim import VERDICTS, Claim, Row
-from core.papers.examples import Examples
-from core.papers.sheet import Drawing, FigureTable, MechanismPicture, MechanismRow, PaperFigure, Polygon, ShaftPicture
+from core.papers.claim import (
+    VERDICTS,
+    Claim,
+    Drawing,
+    Examples,
+    FigureTable,
+    MechanismPicture,
+    MechanismRow,
+    PaperFigure,
+    Polygon,
+    Row,
+    ShaftPicture,
+)
 
 __all__ = [
     "PAPERS", "VERDICTS", "Claim", "Drawing", "Examples", "FigureTable", "MechanismPicture", "MechanismRow", "Paper",

@@ -10,11 +10,11 @@ from core.bounds import DIGITS
 from core.design import BALANCER, Design, drive_names, in_machine, numbered, only, part_faults
 from core.design.linkage_rules import only_unfinished
 from core.errors import MISSING, DesignError, Fault, KindynaError
-from core.late import late
-from core.project.counts import require_few_marks
+from core.process import late
 from core.project.differences import ValueDifference, differences
 from core.project.files import AnyPath, read_text, write
 from core.project.reading import from_table, within
+from core.project.reading_faults import require_few_marks
 
 if TYPE_CHECKING:
     from core.project.writing import dumps, dumps_table, to_table

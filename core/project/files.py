@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import errno
+import hashlib
 import os
 import re
 import stat
+import sys
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
@@ -14,7 +16,62 @@ from typing import NoReturn
 
 from core.bounds import BYTES
 from core.errors import FileError
-from core.project.locks import NO_LINK, NO_LOCKS, hold
+
+# -- lock files -------------------------------------------------------------------------------------------------
+
+
+_BUSY = (errno.EWOULDBLOCK, errno.EACCES, errno.EDEADLK)
+NO_LOCKS = (errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL)
+"""Numbers of the error on file systems that have no locks."""
+NO_LINK = getattr(os, "O_NOFOLLOW", 0)
+"""Flag of ``os.open``: an error where the file is a symbolic link."""
+
+
+def hold(path: str | os.PathLike[str], *, create: bool = True) -> int | None:
+    """Make a lock file, or open one that exists, and hold it: its handle, or None where another process or this one holds it.
+
+    The system gives the lock free with the handle, so also where the process is killed. Raises OSError where the file
+    cannot be made or is a link, and one of ``NO_LOCKS`` where the file system has no locks.
+    """
+    handle = os.open(path, os.O_RDWR | (os.O_CREAT if create else 0) | NO_LINK, 0o600)
+    try:
+        held = _lock(handle) and _still_there(path, handle)
+    except BaseException:
+        os.close(handle)
+        raise
+    if not held:
+        os.close(handle)
+        return None
+    return handle
+
+
+def _still_there(path: str | os.PathLike[str], handle: int) -> bool:
+    """False where it was taken away by another between making and locking."""
+    try:
+        return os.path.samestat(os.fstat(handle), os.lstat(path))
+    except FileNotFoundError:
+        return False
+
+
+def _lock(handle: int) -> bool:
+    try:
+        if sys.platform == "win32":
+            import msvcrt
+
+            msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)
+        else:
+            import fcntl
+
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        if error.errno in _BUSY:
+            return False
+        raise
+    return True
+
+
+# -- reading and writing files ----------------------------------------------------------------------------------
+
 
 AnyPath = str | os.PathLike[str]
 Content = bytes | str | Iterator[bytes]
@@ -419,3 +476,81 @@ def _refuse(path: AnyPath, done: str, reason: str, cause: Exception | None = Non
     text = os.fspath(path)
     shown = text if text and text.isprintable() else repr(text)
     raise FileError(f"{shown}: cannot be {done}: {reason}") from cause
+
+
+# -- A folder that the program makes, fills and deletes by itself -----------------------------------------------
+
+
+LIST = "kindyna-run"
+_ROW = re.compile(r"([0-9a-f]{64})  ([0-9]{5}\.npz)")
+_BINARY = getattr(os, "O_BINARY", 0)
+
+
+class OwnFolder:
+    """One such folder. It need not exist yet."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._mark = f"KINDYNA run {path.name}"
+        self._hashes: dict[str, str] = {}
+
+    def is_own(self) -> bool:
+        """Whether the program has made the folder; its list is read anew."""
+        self._hashes = {}
+        rows = None
+        with suppress(OSError):
+            if is_folder(self.path):
+                handle = os.open(self.path / LIST, os.O_RDONLY | NO_LINK | getattr(os, "O_NONBLOCK", 0) | _BINARY)
+                try:
+                    rows = listed(handle, self._mark)
+                finally:
+                    os.close(handle)
+        matches = (_ROW.fullmatch(row) for row in rows or ())
+        self._hashes = {match[2]: match[1] for match in matches if match is not None}
+        return rows is not None and is_folder(self.path.parent)
+
+    def is_usable(self) -> bool:
+        """Whether it does not exist yet, or is the program's and holds nothing that its list does not name; no link leads to it."""
+        if not os.path.lexists(self.path):
+            return is_folder(self.path.parent) or not os.path.lexists(self.path.parent)
+        if not self.is_own():
+            return False
+        with os.scandir(self.path) as entries:
+            names = {LIST, *self._hashes}
+            return all(entry.name in names and entry.is_file(follow_symlinks=False) for entry in entries)
+
+    def write(self, name: str, data: bytes) -> None:
+        """Put a file in place of one that is listed, or where none is. Raises FileError."""
+        with as_file_error(self.path, "written"):
+            if not os.path.lexists(self.path):
+                self.path.parent.mkdir(parents=True, exist_ok=True)
+                self.path.mkdir()
+                self._put(LIST, self._mark.encode(), os.O_CREAT | os.O_EXCL)
+            if os.path.lexists(self.path / name) and (name in self._hashes or (self.is_own() and name in self._hashes)):
+                remove(self.path / name)  # damaged, or of another process
+            self._hashes[name] = hashlib.sha256(data).hexdigest()
+            self._put(LIST, f"\n{self._hashes[name]}  {name}".encode(), os.O_APPEND)
+            self._put(name, data, os.O_CREAT | os.O_EXCL)
+
+    def _put(self, name: str, data: bytes, how: int) -> None:
+        handle = os.open(self.path / name, os.O_WRONLY | NO_LINK | _BINARY | how, 0o666)
+        with open(handle, "wb") as file:
+            file.write(data)
+
+    def read(self, name: str) -> bytes | None:
+        """A file as it was written; None where it is not listed, is gone, or holds anything else by now."""
+        with suppress(OSError):
+            data = read_own(self.path / name) if name in self._hashes else b""
+            if hashlib.sha256(data).hexdigest() == self._hashes.get(name):
+                return data
+        return None
+
+    def delete(self) -> None:
+        """Delete the files that the list names; where nothing else is there, the list and the folder, too."""
+        if self.is_own():
+            remove_listed(self.path, self._hashes)
+            self._hashes = {}
+            with suppress(OSError):
+                if os.listdir(self.path) == [LIST]:
+                    remove(self.path / LIST)
+                    self.path.rmdir()

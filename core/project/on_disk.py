@@ -10,7 +10,7 @@ from hashlib import sha256
 from pathlib import Path
 
 from core.design import Design
-from core.design.motions import files_of
+from core.design.motion_edits import files_of
 from core.errors import FileError
 from core.project import loads_drawing, save
 from core.project.files import read_bytes, read_text

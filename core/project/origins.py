@@ -31,14 +31,14 @@ from core.design import (
     TableCurve,
     with_drive,
 )
-from core.design.motions import files_of, motion_of, require_motion, without_marks
+from core.design.motion_edits import files_of, motion_of, require_motion, without_marks
 from core.design.parts import InverseOrigin, TableOrigin
 from core.design.topology import driver_turns
-from core.design.units import split_unit
 from core.errors import DesignError, Fault, KindynaError
 from core.laws import Piece
 from core.motion import Angles, Program, program
-from core.motion.turn import all_ends
+from core.motion.program import all_ends
+from core.units import split_unit
 
 TURN = 2.0 * np.pi
 Rows = Callable[[np.ndarray, float], np.ndarray]

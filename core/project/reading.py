@@ -53,15 +53,22 @@ from core.design import (
     row_at,
     with_guesses_marked,
 )
-from core.design.faces import FACE, Face, Roller, Rolling
 from core.design.fields import LAW, FileEntry, inside_of_table, slots
-from core.design.forms import FORM, FORMS, Form
+from core.design.followers import FACE, FORM, FORMS, Face, Form, Roller, Rolling
 from core.design.rules import count_fault
 from core.design.topology import driver_pair, is_pin
 from core.errors import MISSING, DesignError, Fault
 from core.laws import find_law
-from core.project.counts import require_few_entries
-from core.project.messages import did_you_mean, hinted, missing, nearest, spelled, stem, unknown_key
+from core.project.reading_faults import (
+    did_you_mean,
+    hinted,
+    missing,
+    nearest,
+    require_few_entries,
+    spelled,
+    stem,
+    unknown_key,
+)
 
 FORMAT = 1
 Tables = Mapping[str, Any]

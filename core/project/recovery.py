@@ -15,8 +15,7 @@ from typing import Any
 
 from core.errors import FileError
 from core.frozen import frozen
-from core.project.files import read_text, remove, sweep, write
-from core.project.locks import NO_LOCKS, hold
+from core.project.files import NO_LOCKS, hold, read_text, remove, sweep, write
 
 _HEAD = "# unsaved "
 

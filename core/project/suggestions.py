@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from core.errors import DesignError, Fault
-from core.project.messages import spelled
+from core.project.reading_faults import spelled
 
 MOST = 8  # suggestions that are confirmed; of a large file fewer, since each is one more reading
 _LARGE = 20_000  # entries that are read again in all

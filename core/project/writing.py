@@ -19,10 +19,10 @@ from core.design import (
     TurnLoads,
     all_paths,
 )
+from core.design.design import MOTIONS
 from core.design.edits import is_dwell
 from core.design.fields import FileEntry, Info, slots
 from core.design.paths import in_order
-from core.design.whole import MOTIONS
 from core.project.reading import FORMAT
 
 _SILENT = (

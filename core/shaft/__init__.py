@@ -2,17 +2,14 @@
 
 from typing import TYPE_CHECKING
 
-from core.late import late
-from core.shaft.curve import NODES, LoadCurve, load_curve, panel_angles
-from core.shaft.flywheel import Flywheel, findings, rounded_up
-from core.shaft.linear import filtered, lag, levels, motor_inertia
-from core.shaft.several import combined, peaks, rms, value
+from core.process import late
+from core.shaft.curve import NODES, LoadCurve, combined, load_curve, panel_angles, peaks, rms, value
+from core.shaft.flywheel import Flywheel, filtered, findings, lag, levels, motor_inertia, rounded_up
 from core.shaft.speed import SpeedCurve, speed_fluctuation, steady_speed
 
 if TYPE_CHECKING:
     from core.shaft.balancer import balance_drive, balance_drives, first_balancer, with_balancer
-    from core.shaft.phases import AIMS, Phases, Spacing, best_phases, reached_along
-    from core.shaft.sizing import (
+    from core.shaft.flywheel import (
         AgainstSpeed,
         against_speed,
         even,
@@ -21,8 +18,9 @@ if TYPE_CHECKING:
         reached_with,
         separated,
     )
+    from core.shaft.phases import AIMS, Phases, Spacing, best_phases, reached_along
 else:
-    __getattr__ = late(__name__, "balancer", "sizing", "phases")
+    __getattr__ = late(__name__, "balancer", "flywheel", "phases")
 
 __all__ = [
     "AIMS",

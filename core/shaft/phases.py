@@ -18,9 +18,9 @@ import numpy as np
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.motion import TURN
-from core.numerics.cancellation import checkpoint
+from core.numerics.lazy import checkpoint
 from core.shaft.curve import LoadCurve, placed, powers
-from core.shaft.energy import unbalanced
+from core.shaft.flywheel import unbalanced
 
 GRID = {1: 1, 2: 360, 3: 120, 4: 60}
 """Drives -> phases of each that are tried, all with all; of more drives two are moved at a time."""

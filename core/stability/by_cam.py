@@ -20,11 +20,10 @@ import numpy as np
 
 from core.frozen import frozen
 from core.motion import TURN
-from core.numerics.cancellation import checkpoint
-from core.numerics.gauss import gauss
-from core.stability.hill.coefficients import Coefficients, is_dwell
-from core.stability.integrator import ARRIVED, FASTEST, PHASE, IntegrationStep, Integrator
-from core.stability.nonlinear import OnPieces, WindUpEquation
+from core.numerics.lazy import checkpoint
+from core.numerics.roots import gauss
+from core.stability.coefficients import Coefficients, is_dwell
+from core.stability.integrator import ARRIVED, FASTEST, PHASE, IntegrationStep, Integrator, OnPieces, WindUpEquation
 from core.stability.panels import NODES, Panels, integrals, integration, powers, to_legendre
 
 TAIL = 1e-8  # of the largest |β| so far: part of the last Legendre coefficients in it; they leave out less than a tenth of that

@@ -25,12 +25,12 @@ import numpy as np
 
 from core.frozen import frozen
 from core.motion import EPS, TURN
-from core.numerics.cancellation import checkpoint
-from core.numerics.gauss import gauss
-from core.numerics.vectors import distinct
-from core.stability.hill.coefficients import EXACT, Coefficients, inertia_and_pull, weight_and_potential
-from core.stability.hill.edges import EDGE_ERROR, MOST_ORDER, Tongues, harmonic_tongues, with_rows
+from core.numerics.derivatives import distinct
+from core.numerics.lazy import checkpoint
+from core.numerics.roots import gauss
+from core.stability.coefficients import EXACT, Coefficients, inertia_and_pull, weight_and_potential
 from core.stability.panels import NODES, integration
+from core.stability.tongues import EDGE_ERROR, MOST_ORDER, Tongues, harmonic_tongues, with_rows
 
 PHASE = 2.0  # [rad] of the wave that one panel may hold
 SWEEPS = 40

@@ -13,7 +13,7 @@ import numpy as np
 from core.errors import NoStability
 from core.frozen import frozen
 from core.motion import TURN, Angles, Program
-from core.numerics.gauss import gauss, gauss_legendre, integrated, legendre, legendre_powers
+from core.numerics.roots import gauss, gauss_legendre, integrated, legendre, legendre_powers
 
 NODES = 16  # Gauss-Legendre nodes per panel; the polynomial has this many coefficients
 WIDEST = np.deg2rad(30.0)

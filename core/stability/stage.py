@@ -13,8 +13,9 @@ import numpy as np
 from core.design import ElasticShaft, si
 from core.errors import NoAnswer, NoStability
 from core.findings import ERROR, LEAST_BOUND, NOTE, WARNING, Finding, Residual
-from core.numerics.cancellation import postpone
-from core.stability.contact import ShaftContacts, Touching, contact
+from core.frozen import frozen
+from core.numerics.lazy import postpone
+from core.stability.coefficients import APPROXIMATE, EQUATIONS, EXACT, Coefficients
 from core.stability.critical_speeds import (
     CLEAR,
     NOTICEABLE,
@@ -25,19 +26,92 @@ from core.stability.critical_speeds import (
     bands,
     stiffness_for,
 )
-from core.stability.floquet import UNKNOWN, liouville, refined, tongues
-from core.stability.hill.coefficients import EXACT, Coefficients
-from core.stability.hill.edges import EDGE_ERROR, ETA_MAX, Tongues, count_up_to, harmonic_tongues
-from core.stability.model_comparison import (
-    PERIODS,
-    Verdict,
-    linear_verdicts,
-    rest_verdict,
-    steady_verdict,
-)
-from core.stability.steady_response import TOLERANCE
-from core.stability.steady_turn import Follower, SteadyTurn, steady_turn
-from core.stability.windup import Averages, History, etas, history, mean_wind_up
+from core.stability.floquet import UNKNOWN, liouville, monodromy, refined, tongues
+from core.stability.steady import TOLERANCE, Follower, SteadyTurn, steady_turn
+from core.stability.tongues import EDGE_ERROR, ETA_MAX, Tongues, count_up_to, harmonic_tongues
+from core.stability.windup import Averages, History, ShaftContacts, Touching, contact, etas, history, mean_wind_up
+
+# -- what each model says of one point of the chart, side by side -----------------------------------------------
+
+
+STEADY, FROM_REST = "steady", "from_rest"
+LINEAR = (APPROXIMATE, EXACT)
+SETTLED = 0.9  # of the time: what stands highest before it no longer grows
+PERIODS = 30.0
+
+STABLE, UNSTABLE, LOST, UNKNOWN_VERDICT = "stable", "unstable", "contact lost", "cannot say"
+"""What a model says in a word. LOST: of a response that would be stable, had the follower stayed on the cam."""
+
+LABELS = {**EQUATIONS, STEADY: "About the true steady response", FROM_REST: "Nonlinear, from rest (13)"}
+
+
+@frozen
+class Verdict:
+    """What one model says.
+
+    model    row of ``LABELS``
+    stable   None where it cannot say: there is no steady response, or the history is too short
+    growth   ln of the growth per turn, nan where the model has none
+    trace    of its monodromy matrix, nan where it has none
+    largest  largest |β| of the response [turns], nan where the model has none
+    lost     y at which the follower first leaves the cam [turns], None where it stays on it or no contact is known
+    leaving  of several drives the one whose follower that is
+    """
+
+    model: str
+    stable: bool | None
+    growth: float = float("nan")
+    trace: float = float("nan")
+    largest: float = float("nan")
+    lost: float | None = None
+    leaving: str = ""
+
+    @property
+    def label(self) -> str:
+        """What the model is called."""
+        return LABELS[self.model]
+
+    @property
+    def state(self) -> str:
+        """In a word, the same wherever it is shown: each equation holds only while the follower stays on the cam."""
+        if self.stable is None:
+            return UNKNOWN_VERDICT
+        if not self.stable:
+            return UNSTABLE
+        return STABLE if self.lost is None else LOST
+
+
+def linear_verdicts(
+    coefficients: Coefficients, eta: float, q: float, damping: float = 0.0, models: Sequence[str] = LINEAR
+) -> tuple[Verdict, ...]:
+    """(22) and (21): quick."""
+    made = []
+    for model in models:
+        turn = monodromy(coefficients, np.array([eta]), np.array([q]), model, damping)
+        rate = float(turn.growth[0])
+        made.append(Verdict(model, rate <= TOLERANCE, rate, float(turn.trace[0])))
+    return tuple(made)
+
+
+def steady_verdict(turn: SteadyTurn | None) -> Verdict:
+    """The last word: stability of the true steady response, with the largest wind-up of one turn of it."""
+    if turn is None:
+        return Verdict(STEADY, None)
+    response, run = turn.response, turn.history
+    return Verdict(
+        STEADY, response.stable, response.growth, response.trace, run.largest[0], run.contact_lost, run.leaving
+    )
+
+
+def rest_verdict(run: History) -> Verdict:
+    """What a history from rest shows: whether the wind-up has stopped growing."""
+    largest, y = run.largest
+    settled = y <= SETTLED * run.periods and run.ended == run.periods
+    return Verdict(FROM_REST, True if settled else None, largest=largest, lost=run.contact_lost, leaving=run.leaving)
+
+
+# -- the stability of one machine -------------------------------------------------------------------------------
+
 
 TIMES = (1.0, 2.0, 4.0, 10.0, 20.0)  # rows of the means, in the machine's Q: 0.05 ... 1 of Kim1990 where that is 0.05
 FARTHEST_ETA = 60.0  # the tongue next to the machine's own speed is computed up to here

@@ -14,10 +14,9 @@ from core.cam import checks
 from core.findings import Finding
 from core.motion import TURN, Angles
 from core.motion.extremes import Extreme, Range, find_extremes, piecewise_angles
-from core.study import contact_stress
+from core.study import quantity_requests
 from core.study.extremes import cam_extremes, undercut_on
-from core.study.limits import OWN, POLAR, UsualValue, by_torque, limit_of
-from core.study.own_limits import OWN_BOUNDS, worst_of
+from core.study.limits import OWN, OWN_BOUNDS, POLAR, UsualValue, by_torque, limit_of, worst_of
 from core.study.quantities import quantities_of
 from core.study.stages import memory
 from core.study.study import Study
@@ -216,7 +215,7 @@ def limit_rows(study: Study, stages: Sequence[str]) -> Iterator[LimitRow]:
         for key, own, worst in worst_of(study, stage):
             unit = key.removeprefix(f"{split_unit(key)[0]}_")
             yield LimitRow(key, OWN_BOUNDS[key][0].label, unit, worst.value, degrees(worst.theta), own, OWN)
-    if "dynamics" in stages and (pressed := contact_stress.worst(study)):
+    if "dynamics" in stages and (pressed := quantity_requests.worst(study)):
         most = max(pressed.values(), key=lambda extreme: extreme.value)
         yield _row(study, "contact_pressure_mpa", "Contact pressure", 1e-6 * most.value, most)
 

@@ -28,15 +28,22 @@ from core.mechanism import (
 )
 from core.mechanism.kinematics import FRAME, REVOLUTE, SLIDING, Kinematics
 from core.motion import TURN, Angles, MotionState, degrees, program
-from core.motion.cuts import CutProgram
 from core.motion.extremes import Extreme, find_above
-from core.motion.turn import ShaftPosition
+from core.motion.program import CutProgram, ShaftPosition
 from core.numerics.lazy import locked
 from core.shaft import LoadCurve, combined
 from core.stress import ContactStress, contact_stresses
-from core.study.cuts import cuts, failing_ranges
-from core.study.fitted_load import fitted_load
-from core.study.stages import crank_grid, crank_state, cut_grid, evaluations, grid, memory
+from core.study.stages import (
+    crank_grid,
+    crank_state,
+    cut_grid,
+    cuts,
+    evaluations,
+    failing_ranges,
+    fitted_load,
+    grid,
+    memory,
+)
 
 if TYPE_CHECKING:  # most questions need nothing of it
     from core.dynamics import ContactForce, Flights, ForceOnBody, LiftOff
@@ -403,7 +410,7 @@ class DriveStudy:
         if not self.mechanism.plan.redundant:
             return frozenset()
         key = (self.design.drive.posed, self.design.drive.motion)
-        from core.dynamics.undetermined import undetermined_pairs
+        from core.dynamics.forces import undetermined_pairs
 
         found: frozenset[str] = memory.get(
             "undetermined", key, lambda: undetermined_pairs(type(self)(self.design, _FEW).linkage)

@@ -13,8 +13,7 @@ from core.motion import TURN, Angles
 from core.motion.extremes import Extreme, Range, find_extremes
 from core.study.quantities import OF_CONTACT, OF_MOTOR, OF_SPEED, Quantity, quantities_of, quantity
 from core.study.stages import memory
-from core.study.study import Study
-from core.study.touching import pairings, ratings
+from core.study.study import Study, pairings, ratings
 
 PROFILE_CURVATURES = {
     cam.INNER: "profile_curvature",

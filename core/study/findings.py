@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from math import degrees, pi
 from typing import TYPE_CHECKING
 
 from core import cam, dynamics, mechanism, motion, shaft
@@ -13,18 +14,71 @@ from core.design import BALANCER, Design, contradiction, distances, excess, path
 from core.errors import KindynaError, NoAnswer, NoStability
 from core.findings import ERROR, NOTE, WARNING, Finding
 from core.motion import program
-from core.motion.extremes import find_extremes, piecewise_angles
-from core.study import cam_checks, contact_stress
+from core.motion.extremes import Extreme, find_extremes, piecewise_angles
+from core.study import cam_checks, quantity_requests
 from core.study.camshaft import Camshaft
 from core.study.extremes import cam_extremes, extremes_of, search_together
-from core.study.own_limits import own_findings
-from core.study.quantities import TRANSMISSION, member_of, quantities_of, quantity, shape_of
-from core.study.servo_findings import servo_findings
+from core.study.limits import own_findings
+from core.study.quantities import TRANSMISSION, member_of, names_of, quantities_of, quantity, shape_of
 from core.study.stages import memory
-from core.study.study import Study
+from core.study.study import Study, has_servo, servo_part, servo_turn
 
-if TYPE_CHECKING:  # a rigid shaft needs nothing of it
+if TYPE_CHECKING:
     from core.stability import Stability
+
+
+# -- what the servo's motor cannot give -------------------------------------------------------------------------
+
+
+ROUNDING = 1e-9  # of a limit: less above it is none
+
+
+def _largest(study: Study, *names: str) -> Extreme:
+    """Of the quantities that the servo has, the largest size [SI]."""
+    there = names_of(study.design)
+    found = extremes_of(study, "dynamics", tuple(name for name in names if name in there))
+    return max((end for each in found.values() for end in (each.low, each.high)), key=lambda end: abs(end.value))
+
+
+def _peak(study: Study) -> tuple[float, float | None]:
+    worst = _largest(study, "servo_torque", "servo_force")
+    return abs(worst.value), degrees(worst.theta)
+
+
+def _rms(study: Study) -> tuple[float, float | None]:
+    return servo_turn(study).rms, None
+
+
+def _speed(study: Study) -> tuple[float, float | None]:
+    worst = _largest(study, "servo_speed")
+    return abs(worst.value) * RPM, degrees(worst.theta)
+
+
+RPM = 30.0 / pi  # of one rad/s
+LIMITS: tuple[tuple[str, str, str, str, Callable[[Study], tuple[float, float | None]]], ...] = (
+    ("servo-peak", ERROR, "peak_torque_nm", "N·m", _peak),
+    ("servo-rms", ERROR, "rated_torque_nm", "N·m", _rms),
+    ("servo-speed", WARNING, "rated_rpm", "rpm", _speed),
+)
+"""Code, severity, field of [servo], unit, and what reaches it with its cam angle [deg]."""
+
+
+def servo_findings(study: Study) -> Iterator[Finding]:
+    """The limits of the motor that a design passes. Raises NoAnswer as the stage dynamics does."""
+    if not has_servo(study.design) or study.jam is not None:
+        return
+    servo = servo_part(study)
+    for code, severity, field, unit, reach in LIMITS:
+        limit = getattr(servo, field)
+        if limit is None:
+            continue
+        value, angle = reach(study)
+        if value > limit * (1.0 + ROUNDING):
+            yield Finding(code, severity, f"servo.{field}", angle, {"value": value, "limit": limit, "unit": unit})
+
+
+# -- what a study exceeds ---------------------------------------------------------------------------------------
+
 
 _ORDER = {ERROR: 0, WARNING: 1, NOTE: 2}
 _CONTACT, _ELASTIC_CONTACT = ("contact_force",), ("elastic_contact_force",)
@@ -131,7 +185,7 @@ def _of_dynamics(study: Study) -> list[Finding]:
         ]
         if study.holds and jam is None and not study.loading.empty:
             found += dynamics.change_findings(study.flank_impacts, drive.cam.form)
-        found += cam_checks.force_findings(study) + contact_stress.findings(study) + _of_elastic_follower(study)
+        found += cam_checks.force_findings(study) + quantity_requests.findings(study) + _of_elastic_follower(study)
     if study.undetermined and not study.loading.empty:
         pairs = ", ".join(name for name in study.linkage.pairs if name in study.undetermined)
         found.append(Finding("undetermined-reactions", NOTE, "linkage.links", None, {"pairs": pairs}))

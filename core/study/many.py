@@ -10,8 +10,8 @@ import numpy as np
 
 from core.design import Design
 from core.frozen import frozen
-from core.numerics.cancellation import checkpoint
-from core.study.batches.asked import asked_of, infos_of
+from core.numerics.lazy import checkpoint
+from core.study.quantity_requests import asked_of, infos_of
 from core.study.stages import evaluations
 
 
@@ -46,7 +46,10 @@ def many(
 
     A design that has no answer is NaN, with its reason. Raises ValueError for what cannot be asked.
     """
-    from core.study.batches.batch import block, block_size  # with all that it needs, when it is asked
+    from core.study.batch import (
+        block,
+        block_size,  # with all that it needs, when it is asked
+    )
 
     infos = infos_of(design, values)
     given, asked = _given(values), [asked_of(design, each) for each in quantities]

@@ -26,10 +26,7 @@ from core.frozen import frozen
 from core.mechanism import SINGULAR, body_name, mechanism_of
 from core.shaft import Flywheel
 from core.stress import pairings, ratings
-from core.study.servo import has_servo, servo_power, servo_speed, servo_torque
-from core.study.study import Study
-from core.study.touching import ROLLERS, roller_speed
-from core.study.values import (
+from core.study.member_quantities import (
     always,
     by_motor,
     centre_distance,
@@ -51,8 +48,9 @@ from core.study.values import (
     stress,
     transmission,
     turns_steadily,
-    vibrates,
-)  # fmt: skip
+    vibrates,  # fmt: skip
+)
+from core.study.study import ROLLERS, Study, has_servo, roller_speed, servo_power, servo_speed, servo_torque
 
 FOLLOWERS = frozenset(FOLLOWER_KINDS)
 ALONE = frozenset({MOTION})

@@ -10,9 +10,9 @@ import numpy as np
 from core.design import get
 from core.motion import Angles
 from core.motion.extremes import Extreme
-from core.study.batches.asked import Asked, asked_of, infos_of
 from core.study.extremes import exists, extremes_of
 from core.study.quantities import quantity
+from core.study.quantity_requests import Asked, asked_of, infos_of
 from core.study.study import Study
 
 HELD = 3e-5  # of a number, or of one in its unit where it is 0: the step
@@ -31,7 +31,7 @@ def sensitivity(study: Study, paths: Sequence[str], quantities: Sequence[str]) -
     of these designs are compared. NaN where there is no such quantity, or it is infinite. Raises ValueError as ``many``, NoAnswer as
     the stages do.
     """
-    from core.study.batches.batch import block
+    from core.study.batch import block
 
     design, infos = study.design, infos_of(study.design, paths)
     asked = [asked_of(design, key) for key in quantities]
@@ -52,7 +52,7 @@ def sensitivity(study: Study, paths: Sequence[str], quantities: Sequence[str]) -
 
 def _of_drives(study: Study, paths: list[str], asked: Sequence[Asked]) -> np.ndarray:
     """Of the quantities of each of several drives, in SI; 0 by what a drive does not depend on."""
-    from core.study.batches.batch import paths_inside
+    from core.study.batch import paths_inside
 
     found = np.zeros((len(paths), len(asked)))
     for number, drive in enumerate(study.drives.values()):
@@ -97,7 +97,7 @@ def _at_extremes(
 ) -> list[np.ndarray | None]:
     """What is asked, (m,) each, of the designs with these numbers (k, m), where the extremes of the first one stand; None of what is to be
     compared instead."""
-    from core.study.batches.batch import at_once, together
+    from core.study.batch import at_once, together
 
     result: list[np.ndarray | None] = [None] * len(asked)
     chosen = [i for i, a in enumerate(asked) if a.of in _ENDS and together(study.design, paths, a)]

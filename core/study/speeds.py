@@ -8,7 +8,7 @@ from math import pi
 import numpy as np
 
 from core.design import Design
-from core.motion.turn import ShaftPosition
+from core.motion.program import ShaftPosition
 from core.shaft import AgainstSpeed, LoadCurve, against_speed, combined, separated
 from core.study.stages import evaluations
 from core.study.study import Study

@@ -1,9 +1,7 @@
 """Studies of many designs: STUDY.toml, the designs that it asks for, their table."""
 
-from core.varying.bands import drive_bands, motor_bands, shaft_bands
-from core.varying.optimum import Binding, Optimum, optimise
-from core.varying.ready import READY, ready_study, words_that_go
-from core.varying.remarks import remarks
+from core.varying.bands import READY, drive_bands, motor_bands, ready_study, shaft_bands, words_that_go
+from core.varying.optimum import Binding, Optimum, optimise, remarks
 from core.varying.request import (
     AskedFor,
     Bounded,
@@ -17,8 +15,19 @@ from core.varying.request import (
     save_study,
     study_of,
 )
-from core.varying.run import BlockOfDesigns, Run, cache_folder, duration, workers
-from core.varying.space import Space, evaluated, none_built, sobol, with_words
+from core.varying.space import (
+    BlockOfDesigns,
+    Run,
+    Space,
+    cache_folder,
+    duration,
+    evaluated,
+    none_built,
+    sobol,
+    with_words,
+    workers,
+    write_table,
+)
 from core.varying.surveys import (
     Limits,
     Made,
@@ -39,9 +48,7 @@ from core.varying.surveys import (
     whole_numbers,
     with_values,
 )
-from core.varying.table import write_table
-from core.varying.tolerances import Corner, Scatter, Share, Tightened, tolerance_study
-from core.varying.waves import waves_of
+from core.varying.tolerances import Corner, Scatter, Share, Tightened, tolerance_study, waves_of
 
 __all__ = [
     "READY", "AskedFor", "Binding", "BlockOfDesigns", "Bounded", "Corner", "Goal", "Limits", "Made", "Optimum", "Question", "Run",

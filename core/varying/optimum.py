@@ -3,8 +3,9 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import field, replace
 from itertools import product
@@ -12,18 +13,25 @@ from typing import Any
 
 import numpy as np
 
-from core.design import Design, edited, row_at
+from core.design import Design, all_paths, edited, get, only, row_at
 from core.errors import KindynaError
-from core.find.checked import FindingsCheck, uneven
-from core.find.on_shaft import with_least_flywheel
+from core.find.shaft import with_least_flywheel
+from core.find.trial import FindingsCheck, uneven
 from core.frozen import frozen
-from core.study import many
-from core.study.batches.batch import FAULTY
+from core.laws import LAWS
+from core.study import Study, many
+from core.study.batch import FAULTY
 from core.study.limits import ANY_PRESSURE, CONVEX, LIMITS
+from core.study.quantities import quantity
+from core.study.quantity_requests import asked_of
+from core.units import split_unit
 from core.varying.descent import Descent, Held, Tell, Term, side_of
 from core.varying.request import Goal, StudyFile, StudyOfMany
 from core.varying.space import Axis, Space, apart, as_it_is, none_built, sobol, with_words
-from core.varying.tolerances import ONE_SIDED, Scatter, Share
+from core.varying.tolerances import ONE_SIDED, Scatter, Share, bounds_of
+
+# -- the best design of a study ---------------------------------------------------------------------------------
+
 
 FIRST, OF_NONE = 1024, 64  # designs by Sobol's points, at most; twice as many for each number that is varied
 STARTS = 6  # from the best of these
@@ -400,4 +408,88 @@ def _robust(
     return replace(best, kept=False)
 
 
-__all__ = ["Binding", "Optimum", "optimise"]
+# -- what is said of the best design of a study beside it -------------------------------------------------------
+
+
+TORQUE, POWER = "drive_torque", "power.load"
+PEAKS = ("max", "abs")
+MORE = 0.01  # of the goal: a law that gives no more than that is not worth a word
+WHOLE = 1000.0  # N·m, from which on a torque is said without decimals
+DWELL = "dwell"
+
+
+def remarks(study: StudyOfMany, found: Optimum) -> tuple[str, ...]:
+    """Sentences about an answer that keeps the limits, which cost a design of each law; the limits missed by one that does not."""
+    if not found.kept:
+        return tuple(_missed(study, found))
+    said = [_fixed(found, goal) for goal in study.file.goals]
+    return tuple(each for each in (*said, _law(study, found)) if each)
+
+
+def _missed(study: StudyOfMany, found: Optimum) -> Iterator[str]:
+    """What the design reaches of each limit that it does not keep."""
+    bounds = list(bounds_of(study.file.limits))
+    reached = many(found.design, as_it_is(found.design, 1), [limit.key for limit, _, _ in bounds]).value
+    for limit, side, bound in bounds:
+        value = float(reached[limit.key][0])
+        if not side * value <= side * bound:
+            yield f"{limit.key} = {value:.7g}, {'most' if side > 0.0 else 'least'} {bound:g}"
+
+
+def _fixed(found: Optimum, goal: Goal) -> str:
+    """Of a peak torque what a force on the follower takes: T_F = -F y', by the balance of power at constant speed."""
+    asked = asked_of(found.design, goal.key)
+    if asked.name != TORQUE or asked.of not in PEAKS or not goal.minimise:
+        return ""
+    design = found.design if asked.drive is None else only(found.design, asked.drive)
+    peak = many(found.design, as_it_is(found.design, 1), [goal.key])
+    there = Study(design).at_theta(np.deg2rad(peak.angle_deg[goal.key]))
+    torque, power = (float(quantity(name).value(there)[0]) for name in (TORQUE, POWER))
+    held = -power / there.omega
+    if held * torque <= 0.0:
+        return ""
+    part = f"{_newton_metres(held)} of {_newton_metres(torque)} N·m are force times y'"
+    if abs(held) > abs(torque):  # masses and friction take some off
+        part = f"force times y' alone is {_newton_metres(held)} N·m, more than all {_newton_metres(torque)} N·m,"
+    at = peak.angle_deg[goal.key][0]
+    return f"{quantity(TORQUE).label}: {part} at {at:.2f}°, which motion and load fix, whatever the lengths"
+
+
+def _newton_metres(torque: float) -> str:
+    """Four digits of a small one, a large one to 1 N·m."""
+    return f"{abs(torque):,.0f}" if abs(torque) >= WHOLE else f"{abs(torque):.4g}"
+
+
+def _law(study: StudyOfMany, found: Optimum) -> str:
+    """The law that, put in for those of all rises with the same numbers, makes the first goal best and brings no new finding."""
+    goal, design = study.file.goals[0], found.design
+    laws = [path for path in all_paths(design) if path.endswith(".law")]
+    moved = [path for path in laws if get(design, path) != DWELL]
+    if not moved or any(row.field in laws for row in study.file.vary):
+        return ""
+    side, own = 1.0 if goal.minimise else -1.0, found.goals[goal.key]
+    check = FindingsCheck(design, waived=waived(study.file))
+    for value, law, made in sorted(_others(study, design, moved), key=lambda row: side * row[0]):
+        if side * (own - value) <= MORE * abs(own):
+            break
+        if not check.new(with_flywheel(made, design)[0]):
+            label, unit = LAWS[law].label, split_unit(goal.quantity)[1].symbol
+            return (
+                f"Another law, {label} ({law}), with the same numbers brings the first goal to {value:.5g}"
+                f"{f' {unit}' if unit else ''} ({100.0 * (value / own - 1.0):+.1f} %)"
+            )
+    return ""
+
+
+def _others(study: StudyOfMany, design: Design, paths: Sequence[str]) -> Iterator[tuple[float, str, Design]]:
+    """The first goal with each law that keeps the limits, the law, and the design."""
+    keys = [row.key for row in study.asked]
+    for law in LAWS:
+        made = with_words(design, dict.fromkeys(paths, law)) if law != DWELL else None
+        if made is None:
+            continue
+        value = many(made, as_it_is(made, 1), keys).value
+        if all(side * value[limit.key][0] <= side * bound for limit, side, bound in bounds_of(study.file.limits)):
+            goal = float(value[study.file.goals[0].key][0])
+            if math.isfinite(goal):
+                yield goal, law, made

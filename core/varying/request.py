@@ -16,9 +16,9 @@ from core.frozen import frozen
 from core.laws import LAWS
 from core.project import dumps_table, load, parsed
 from core.project.files import AnyPath, read_text, write
-from core.project.messages import did_you_mean
 from core.project.reading import Reader
-from core.study.batches.asked import OVER_TURN, TOTALS, asked_of
+from core.project.reading_faults import did_you_mean
+from core.study.quantity_requests import OVER_TURN, TOTALS, asked_of
 from core.units import split_unit
 
 GRID, CURVE = 64, 64

@@ -11,8 +11,8 @@ import numpy as np
 
 from core.design import Design, Info, drive_at, edited, entries, get, names_a_link, only, path_of, row_at
 from core.frozen import frozen
-from core.study.batches.asked import TORQUE, TOTALS, asked_of, columns_of
 from core.study.limits import LIMITS
+from core.study.quantity_requests import TORQUE, TOTALS, asked_of, columns_of
 from core.study.study import Study
 from core.units import split_unit
 from core.varying.request import AskedFor, Bounded, Goal, StudyFile, StudyOfMany, Vary, field_info, study_of
@@ -292,7 +292,7 @@ def with_values(design: Design, values: Mapping[str, float]) -> Design:
         design = edited(design, path, int(_stepped(info, np.array([values[path]]))[0]))
     values = {path: value for path, value in values.items() if path not in whole}
     if design.listed:
-        from core.study.batches.batch import with_numbers
+        from core.study.batch import with_numbers
 
         return with_numbers(design, list(values), list(values.values()))
     kept = {row_at(path)[1] for path in values if path.startswith("motion.")}
@@ -304,7 +304,7 @@ def with_values(design: Design, values: Mapping[str, float]) -> Design:
 def present(study: Study, quantities: Sequence[str]) -> tuple[Mapping[str, float], str]:
     """What is asked (keys of ``many``) of one design, extremes refined; and the code of why something of it has no value, else empty.
     Raises ValueError as ``many``."""
-    from core.study.batches.batch import asked_of_study
+    from core.study.batch import asked_of_study
 
     asked = [asked_of(study.design, key) for key in quantities]
     values, _, reason = asked_of_study(study, asked)

@@ -20,9 +20,9 @@ from core.blend import (
     blend_sequence,
     sequence_ranges,
 )
-from core.blend.apply import into_design
+from core.blend.best import into_design
 from core.blend.request import KINDS
-from core.blend.succession import broken_at
+from core.blend.sequences import broken_at
 from core.design import UNITS, Design, Unit, faults, require_motion
 from core.design.fields import Info
 from core.errors import DesignError, KindynaError
@@ -304,7 +304,7 @@ class SequenceDialog(PutDialog):
     # -- the end --------------------------------------------------------------------------------------------
 
     def _as_command(self) -> str:
-        from core.commands.blend import Arguments
+        from core.commands.motions import BlendArguments
 
         given = {name: row.value for name, row in self.rows.items() if row.used and row.value is not None}
         asked = {
@@ -315,7 +315,7 @@ class SequenceDialog(PutDialog):
             "best": self.goal.currentData() or None,
             "unit": self._unit,
         }
-        return spelled("blend", options(Arguments, {**asked, **of_session(self._session)}))
+        return spelled("blend", options(BlendArguments, {**asked, **of_session(self._session)}))
 
     def accept(self) -> None:
         """Put the motion into the design, where there is one."""

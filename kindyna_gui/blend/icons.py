@@ -6,7 +6,7 @@ import numpy as np
 from PySide6.QtCore import QPointF, QSize, Qt
 from PySide6.QtGui import QColor, QIcon, QPainter, QPen, QPixmap, QPolygonF
 
-from core.output.blend_figure import curve_shape, type_shape
+from core.output.texts import curve_shape, type_shape
 from kindyna_gui.pictures.style import SCREEN, of_theme
 
 TYPE_SIZE, CURVE_SIZE = QSize(96, 46), QSize(72, 26)

@@ -10,7 +10,7 @@ from PySide6.QtGui import QPalette, QShowEvent
 from PySide6.QtWidgets import QButtonGroup, QFrame, QHBoxLayout, QLabel, QToolButton, QVBoxLayout, QWidget
 
 from core.blend import ELEMENTS, MOTION_TYPES, SIGNS, TABLE, CurveSequence, state_text, state_words, states
-from core.output.blend_text import verdict_after
+from core.output.texts import verdict_after
 from kindyna_gui.blend.fields import quiet
 from kindyna_gui.blend.icons import CURVE_SIZE, curve_icon
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow

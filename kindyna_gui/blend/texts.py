@@ -9,8 +9,9 @@ from math import isfinite
 
 from core.blend import Blended, SettingRange
 from core.design import UNITS, Motion
-from core.output.blend_text import changed_beside, curve_rows, flat_rows
-from kindyna_gui.labels import law_label, shortest
+from core.output.lines import shortest
+from core.output.texts import changed_beside, curve_rows, flat_rows
+from kindyna_gui.labels import law_label
 from kindyna_gui.pictures.units import MINUS, brief, measure, number, readable, short
 from kindyna_gui.preferences.units import size_of
 

@@ -17,11 +17,12 @@ from PySide6.QtWidgets import (
 )
 
 from core.blend import Blended, BlendError, best, blend, feasible_ranges
-from core.blend.apply import in_place, over_the_turn
+from core.blend.best import in_place, over_the_turn
 from core.design import Design, faults, require_motion
 from core.errors import DesignError, KindynaError
 from core.find import blend_candidates
 from core.laws import LAWS
+from core.output.lines import shortest
 from core.requests import options
 from kindyna_gui.background import Background, Job
 from kindyna_gui.blend.answer import AnswerPanel
@@ -33,7 +34,7 @@ from kindyna_gui.blend.texts import effect
 from kindyna_gui.documents.as_command import add_copy_of, of_session, spelled
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.put_dialog import PutDialog
-from kindyna_gui.labels import law_label, reason, shortest
+from kindyna_gui.labels import law_label, reason
 from kindyna_gui.motion.ranking import RankingPanel
 from kindyna_gui.note import bold_label
 
@@ -259,9 +260,11 @@ class BlendDialog(PutDialog):
     # -- the end --------------------------------------------------------------------------------------------
 
     def _as_command(self) -> str:
-        from core.commands.blend import Arguments
+        from core.commands.motions import BlendArguments
 
-        return spelled("blend", options(Arguments, {**words_of(self.questions.request()), **of_session(self._session)}))
+        return spelled(
+            "blend", options(BlendArguments, {**words_of(self.questions.request()), **of_session(self._session)})
+        )
 
     def accept(self) -> None:
         """Put the motion into the design, where there is one."""

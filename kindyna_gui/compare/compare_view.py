@@ -95,7 +95,7 @@ class CompareView(View):
         def made() -> bytes:
             if path.suffix.lower() == ".csv":
                 return as_csv(found).encode()
-            from core.output.report.html import html
+            from core.output.report.document import html
 
             return html(as_document(found), {}).encode()
 

@@ -7,13 +7,13 @@ from pathlib import Path
 from PySide6.QtCore import QModelIndex, QSize
 from PySide6.QtWidgets import QComboBox, QFormLayout, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
-from core.commands.motion_from import Arguments
+from core.commands.motions import MotionFromArguments
 from core.contour import GAP_MM, UNITS, TracedMotion, read_contour, trace
 from core.design import Info, require_motion
 from core.errors import KindynaError
 from core.findings import ERROR, WARNING
-from core.output.contour_text import figures
 from core.output.lines import digits
+from core.output.texts import figures
 from core.requests import known, options
 from core.units import UNITS as SYMBOLS
 from kindyna_gui import dialogs
@@ -29,7 +29,7 @@ from kindyna_gui.note import bold_label
 from kindyna_gui.pictures.plots.xy import XYPlot
 
 DRAWINGS = "DXF drawings (*.dxf)"
-GAP = known(Arguments, "gap_mm")
+GAP = known(MotionFromArguments, "gap_mm")
 LEFT_WIDTH, TABLE_WIDTH, USUAL, LEAST = 280, 340, QSize(1080, 720), QSize(900, 560)
 JUMPS = {1: ("Velocity", "/°", ERROR), 2: ("Acceleration", "/°²", WARNING)}
 
@@ -173,7 +173,7 @@ class CurveDialog(PutDialog):
             "centre": f"{x!r},{y!r}" if x or y else None,
             "gap_mm": GAP_MM if self.gap.value is None else self.gap.value,
         }
-        return spelled("motion-from", options(Arguments, asked))
+        return spelled("motion-from", options(MotionFromArguments, asked))
 
     def accept(self) -> None:
         """Put motion and base radius into the design, where the curve gives them."""

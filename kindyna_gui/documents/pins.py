@@ -12,7 +12,8 @@ from core.design import Design, only
 from core.errors import NoAnswer
 from core.frozen import frozen
 from core.study import Study
-from kindyna_gui.documents.session import SAMPLES, Session
+from kindyna_gui.documents.refusal import SAMPLES
+from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import reason
 from kindyna_gui.requirements import NotHere
 

@@ -33,9 +33,9 @@ from core.design import (
 )
 from core.design.linkage_rules import only_unfinished
 from core.errors import DesignError, Fault, KindynaError
-from core.followers.layouts import LAYOUT, in_layout
+from core.followers.cam_slider import LAYOUT, in_layout
 from core.mechanism.unfinished import holds_itself
-from core.motion.turn import ShaftPosition
+from core.motion.program import ShaftPosition
 from core.project import dumps, loads
 from core.project.on_disk import DesignFiles, OnDisk
 from core.study import Camshaft, Study

@@ -258,10 +258,10 @@ class DrivesView(View):
 
     def _fill(self, menu: QMenu) -> None:
         clear_menu(menu)
-        for slug, row in FOLLOWER_KINDS.items():
+        for kind, row in FOLLOWER_KINDS.items():
             action = menu.addAction(row.label)
             action.setStatusTip(f"A drive of this kind: {row.label}")
-            action.triggered.connect(partial(self._add, slug))
+            action.triggered.connect(partial(self._add, kind))
         for text, tip, slot in (
             (
                 "Chosen by its picture...",

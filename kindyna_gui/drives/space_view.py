@@ -7,7 +7,7 @@ from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPaintEvent, QPen, QPolygonF
 from PySide6.QtWidgets import QWidget
 
-from core.numerics.projection import ISOMETRIC, seen_from
+from core.numerics.derivatives import ISOMETRIC, seen_from
 from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.pictures.style import BLUE, SCREEN

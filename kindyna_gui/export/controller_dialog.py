@@ -15,11 +15,10 @@ from PySide6.QtWidgets import QComboBox, QGridLayout, QWidget
 
 from core.design import Design
 from core.frozen import frozen
-from core.output.controllers.facts import Errors, error_curve, errors_over_turn, text
-from core.output.controllers.made import NOT_PUBLISHED, Ecam, ecam
-from core.output.controllers.of_design import slave_of, slaves_of
-from core.output.controllers.request import EQUAL, PLACED, Request
-from core.output.controllers.row import INTERPOLATIONS, Controller, controllers
+from core.output.controllers.deviation import Errors, error_curve, errors_over_turn, text
+from core.output.controllers.rows import INTERPOLATIONS, Controller, controllers
+from core.output.controllers.slave import EQUAL, PLACED, EcamRequest, slave_of, slaves_of
+from core.output.controllers.table import NOT_PUBLISHED, Ecam, ecam
 from core.requests import options
 from kindyna_gui.forms.amount import fill_choices
 from kindyna_gui.forms.computed_dialog import ComputedDialog, accepted
@@ -49,7 +48,7 @@ class ControllerDialog(ComputedDialog):
     command, ending, help_page = "ecam", ".csv", "controllers#Rows"
 
     def asked(self) -> tuple[str, list[str]]:
-        words = options(Request, {**self.form.values, "of": self.of.currentData()})
+        words = options(EcamRequest, {**self.form.values, "of": self.of.currentData()})
         return self.ending, ["--controller", self.controller.currentData(), *words]
 
     def __init__(self, parent: QWidget, design: Design, drive: str) -> None:
@@ -66,7 +65,7 @@ class ControllerDialog(ComputedDialog):
         grid.addWidget(self.curve, 0, 1, 3, 1)
         grid.setColumnStretch(0, 3)
         grid.setColumnStretch(1, 2)
-        form = RequestForm(Request, above=[("Controller", self.controller), ("Slave", self.of)])
+        form = RequestForm(EcamRequest, above=[("Controller", self.controller), ("Slave", self.of)])
         super().__init__(parent, "controller table", form, grid)
         self.curve.viewport().installEventFilter(self)
         fill_choices(self.controller, {slug: row.label for slug, row in self._rows.items()})
@@ -102,7 +101,7 @@ class ControllerDialog(ComputedDialog):
         return {None: words[EQUAL]} if self.row.equal_steps else {None: "As the controller takes them", **words}
 
     def job(self) -> Callable[[], Computed]:
-        request: Request = self.form.request
+        request: EcamRequest = self.form.request
         return partial(_computed, self._design, self._drive, self.row, request, self.of.currentData())
 
     # -- what comes of it -----------------------------------------------------------------------------------
@@ -167,16 +166,16 @@ class ControllerDialog(ComputedDialog):
 
 @lru_cache(maxsize=8)
 def _curve(
-    design: Design, drive: str, request: Request, kind: str, placing: str, closing: bool
+    design: Design, drive: str, request: EcamRequest, kind: str, placing: str, closing: bool
 ) -> Mapping[str, np.ndarray]:
     return error_curve(slave_of(design, drive, request)[0], kind, placing, closing=closing)
 
 
-def _computed(design: Design, drive: str, row: Controller, request: Request, of: str) -> Computed:
+def _computed(design: Design, drive: str, row: Controller, request: EcamRequest, of: str) -> Computed:
     request = replace(request, of=of)
     slave, name, speed = slave_of(design, drive, request)
     made = ecam(slave, row, request, name, speed)
-    alike = Request(of=of, reverse=request.reverse, shift_deg=request.shift_deg, segment=request.segment)
+    alike = EcamRequest(of=of, reverse=request.reverse, shift_deg=request.shift_deg, segment=request.segment)
     curve = _curve(design, drive, alike, made.interpolation, made.placing, row.closing)
     return Computed(made, None if made.deviation is None else errors_over_turn(made), curve)
 

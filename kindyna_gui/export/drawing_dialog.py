@@ -12,8 +12,8 @@ from PySide6.QtGui import QPainter, QPaintEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from core.design import Design
-from core.output.drawing import DrawingSheet, Request, drawing
-from core.output.letterhead import Letterhead
+from core.output.files.cam_drawing import drawing
+from core.output.files.sheet import DrawingRequest, DrawingSheet, Letterhead
 from core.requests import filled, options
 from core.study import Study
 from kindyna_gui.export.report_dialog import kept_cover
@@ -64,7 +64,7 @@ class DrawingDialog(ComputedDialog):
         self._design, self.picture = design, SheetPicture()
         kept = kept_cover()
         self._head = {each.name: kept[each.name] for each in fields(Letterhead)}
-        super().__init__(parent, "drawing", RequestForm(Request, flanks(design)), self.picture)
+        super().__init__(parent, "drawing", RequestForm(DrawingRequest, flanks(design)), self.picture)
         self.changed()
 
     @property
@@ -72,10 +72,10 @@ class DrawingDialog(ComputedDialog):
         return {**self._head, **self.form.values}
 
     def asked(self) -> tuple[str, list[str]]:
-        return self.ending, options(Request, self._values)
+        return self.ending, options(DrawingRequest, self._values)
 
     def job(self) -> Callable[[], DrawingSheet]:
-        return partial(_computed, self._design, filled(Request, self._values))
+        return partial(_computed, self._design, filled(DrawingRequest, self._values))
 
     def show_waiting(self) -> None:
         self.picture.wait()
@@ -85,7 +85,7 @@ class DrawingDialog(ComputedDialog):
         return "" if made is None else "\n".join(filter(None, (made.about, made.lacking)))
 
 
-def _computed(design: Design, request: Request) -> DrawingSheet:
+def _computed(design: Design, request: DrawingRequest) -> DrawingSheet:
     return drawing(Study(design), request)
 
 

@@ -9,10 +9,9 @@ from typing import Any
 
 from PySide6.QtWidgets import QComboBox, QFileDialog, QHBoxLayout, QLineEdit, QPushButton, QWidget
 
-from core.commands.export import Arguments
+from core.commands.export import ExportArguments
 from core.frozen import frozen
-from core.output.export import names
-from core.output.film import FORMATS, Film
+from core.output.export import FORMATS, Film, names
 from core.requests import options
 from core.study import Study
 from kindyna_gui.dialogs import file_to_save
@@ -57,13 +56,13 @@ class TablesDialog(RequestDialog):
         where = QHBoxLayout()
         where.addWidget(self.folder, 1)
         where.addWidget(browse)
-        form = RequestForm(Arguments, above=[("Folder", where)])
+        form = RequestForm(ExportArguments, above=[("Folder", where)])
         form.name_row("samples", f"{angle.capitalize()}s per turn")
         super().__init__(parent, "Export tables", form, "Export", told)
         self.folder.textChanged.connect(lambda text: self.accept_button.setEnabled(bool(text.strip())))
 
     def asked(self) -> tuple[str, list[str]]:
-        return self.folder.text(), options(Arguments, self.form.values)
+        return self.folder.text(), options(ExportArguments, self.form.values)
 
     def _browse(self) -> None:
         name = QFileDialog.getExistingDirectory(self, "Export tables into folder", self.folder.text())

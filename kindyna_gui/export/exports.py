@@ -19,14 +19,14 @@ from core.design import Design, in_machine, slug
 from core.errors import KindynaError
 from core.file_names import file_name
 from core.frozen import frozen
-from core.numerics.cancellation import checkpoint
+from core.numerics.lazy import checkpoint
 from core.project.files import write_all, write_into
 from core.study import SAMPLES, Study
 from kindyna_gui import dialogs, waiting
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import waiting_text
 from kindyna_gui.labels import reason
-from kindyna_gui.pictures.drawing.mechanism import LAYERS
+from kindyna_gui.pictures.drawing.layers import LAYERS
 from kindyna_gui.player import Player
 from kindyna_gui.preferences.units import as_kept
 from kindyna_gui.requirements import NO_CAM
@@ -242,7 +242,7 @@ class Exports(QObject):
 
     def web_page(self) -> None:
         """The machine as a page that plays."""
-        from core.output.web import write_page
+        from core.output.handover import write_page
 
         path = dialogs.page_to_save(self._window, self._settings.folder / f"{self._name}.html")
         design = self._session.whole
@@ -282,7 +282,7 @@ class Exports(QObject):
 
     def profile(self) -> None:
         """The cam's profile, or the path of a cutter, for machines and drawings."""
-        from core.output.profile import write
+        from core.output.files.files import write_profile
         from kindyna_gui.export import profile_dialog
 
         if self._session.design.drive.cam is None:
@@ -293,7 +293,7 @@ class Exports(QObject):
             return
         job, ending = wanted
         path = dialogs.profile_to_save(self._window, self._settings.folder / f"{self._drive_name}{ending}")
-        self._write_beside(path, lambda path: write(job, path))
+        self._write_beside(path, lambda path: write_profile(job, path))
 
     def controller(self) -> None:
         """An electronic cam: the motion as a table for a servo controller."""
@@ -311,18 +311,18 @@ class Exports(QObject):
 
     def inspection(self) -> None:
         """The lift that a probe measures on the cam."""
-        from core.output.inspection import write
+        from core.output.files.inspection import write_inspection
         from kindyna_gui.inspection.export_dialog import inspection_wanted
 
         made = inspection_wanted(self._window, self._drive)
         if made is None:
             return
         path = dialogs.inspection_to_save(self._window, self._settings.folder / f"{self._drive_name}_lift.csv")
-        self._write_beside(path, lambda path: write(made, path))
+        self._write_beside(path, lambda path: write_inspection(made, path))
 
     def pose(self) -> None:
         """The links at the angle at hand."""
-        from core.output.linkage_drawing import pose_file
+        from core.output.position import pose_file
 
         path = dialogs.links_to_save(self._window, self._settings.folder / f"{self._drive_name}_pose.dxf")
         study, theta = Study(self._drive), self._player.theta
@@ -330,7 +330,7 @@ class Exports(QObject):
 
     def curves(self) -> None:
         """The curves of all points that move."""
-        from core.output.linkage_drawing import curves_file, point_curves
+        from core.output.position import curves_file, point_curves
 
         path = dialogs.links_to_save(self._window, self._settings.folder / f"{self._drive_name}_curves.csv", table=True)
         study = Study(self._drive)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from core.errors import KindynaError
-from core.output.drawing import Request as DrawingRequest
-from core.output.drawing import drawing
-from core.output.handover import HandoverFile, Request, drives_of
+from core.output.files.cam_drawing import drawing
+from core.output.files.sheet import DrawingRequest
+from core.output.handover import HandoverFile, HandoverRequest, drives_of
 from core.output.report.document import document
 from core.study import Study
 from kindyna_gui.pictures.report.files import GoOn, report_file
@@ -13,7 +13,7 @@ from kindyna_gui.pictures.sheet_file import sheet_file
 
 
 def painted(
-    study: Study, request: Request, go_on: GoOn = lambda done: True
+    study: Study, request: HandoverRequest, go_on: GoOn = lambda done: True
 ) -> tuple[list[HandoverFile], list[tuple[str, str]]] | None:
     """The files, and what there is none of with the reason; None where it was not to go on. Raises NoAnswer where there is no report."""
     made = document(study, cover=request)

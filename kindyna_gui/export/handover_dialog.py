@@ -6,8 +6,8 @@ from dataclasses import fields
 
 from PySide6.QtWidgets import QCheckBox, QComboBox, QWidget
 
-from core.output.controllers.row import controllers
-from core.output.handover import Request
+from core.output.controllers.rows import controllers
+from core.output.handover import HandoverRequest
 from core.requests import filled, options
 from kindyna_gui.export.report_dialog import kept_cover
 from kindyna_gui.forms.amount import fill_choices
@@ -24,25 +24,25 @@ class HandoverDialog(RequestDialog):
 
     def asked(self) -> tuple[str, list[str]]:
         request = self.request
-        values = {each.name: getattr(request, each.name) for each in fields(Request)}
-        return ".zip", options(Request, values)
+        values = {each.name: getattr(request, each.name) for each in fields(HandoverRequest)}
+        return ".zip", options(HandoverRequest, values)
 
     def __init__(self, parent: QWidget) -> None:
         self.controller, self.gcode = QComboBox(), QCheckBox("G-code of every cam too")
         fill_choices(self.controller, {"": "None", **{slug: row.label for slug, row in controllers().items()}})
         first, above = {"paper": kept_cover()["paper"]}, [("Controller", self.controller)]
-        form = RequestForm(Request, first=first, above=above)
+        form = RequestForm(HandoverRequest, first=first, above=above)
         form.rows.addRow("", self.gcode)
         super().__init__(parent, "Hand-over", form, "Save hand-over...", lambda values: TOLD)
 
     @property
-    def request(self) -> Request:
+    def request(self) -> HandoverRequest:
         """As it stands."""
         own = {"controller": self.controller.currentData(), "gcode": self.gcode.isChecked()}
-        return filled(Request, {**kept_cover(), **self.form.values, **own})
+        return filled(HandoverRequest, {**kept_cover(), **self.form.values, **own})
 
 
-def handover_wanted(parent: QWidget) -> Request | None:
+def handover_wanted(parent: QWidget) -> HandoverRequest | None:
     """Ask what a hand-over shall hold; None where the user cancels."""
     dialog = HandoverDialog(parent)
     return None if dialog.values() is None else dialog.request

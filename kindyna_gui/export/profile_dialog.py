@@ -9,9 +9,10 @@ from pathlib import Path
 from PySide6.QtWidgets import QComboBox, QWidget
 
 from core.design import Design
-from core.output.profile import FITS, FORMATS, ProfileDrawing, Request, job_of
-from core.output.profile.digits import rounded_up
-from core.output.profile.request import Machining
+from core.output.files.files import FORMATS, job_of
+from core.output.files.profile_files import ProfileDrawing
+from core.output.files.profile_fit import FITS
+from core.output.files.profile_request import Machining, ProfileRequest, rounded_up
 from core.requests import questions
 from core.study import Study
 from kindyna_gui.export.profile_preview import Preview, PreviewPicture, preview
@@ -30,7 +31,7 @@ class ProfileDialog(ComputedDialog):
     def __init__(self, parent: QWidget, design: Design) -> None:
         self._design, self.format, self.picture = design, QComboBox(), PreviewPicture()
         cutter = getattr(design.drive.cam, "cutter_radius_mm", None) or 0.0
-        form = RequestForm(Request, flanks(design), {**FIRST, "cutter_mm": cutter}, [("Format", self.format)])
+        form = RequestForm(ProfileRequest, flanks(design), {**FIRST, "cutter_mm": cutter}, [("Format", self.format)])
         super().__init__(parent, "profile", form, self.picture)
         fill_choices(self.format, {ending: f"{row.label} ({ending})" for ending, row in FORMATS.items()})
         self.format.setCurrentIndex(self.format.findData(".dxf"))
@@ -66,7 +67,7 @@ class ProfileDialog(ComputedDialog):
         return "" if made is None else _summary(made.job)
 
 
-def _computed(design: Design, ending: str, request: Request) -> Preview:
+def _computed(design: Design, ending: str, request: ProfileRequest) -> Preview:
     return preview(job_of(Study(design), Path(f"profile{ending}"), request))
 
 

@@ -8,7 +8,7 @@ from PySide6.QtGui import QPainter, QPaintEvent, QTransform
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from core.frozen import frozen
-from core.output.profile import ProfileDrawing
+from core.output.files.profile_files import ProfileDrawing
 from kindyna_gui.pictures.shapes import at, circle, outline, segments
 from kindyna_gui.pictures.style import CHAIN, OUTLINE, SCREEN, THIN, brush, no_pen
 

@@ -22,10 +22,10 @@ from core.design import (
     with_drive,
     with_stroke,
 )
-from core.design.faces import Roller
+from core.design.followers import Roller
 from core.errors import KindynaError
 from core.findings import ERROR
-from core.mechanism.drawing.edits import empty_linkage
+from core.mechanism.drawing_edits import empty_linkage
 from core.project import load
 from core.stress import has_width
 from core.study import Study, findings_of

@@ -23,7 +23,7 @@ from core.bounds import PROGRAM_BYTES
 from core.design import faults
 from core.errors import KindynaError
 from core.linkage_programs import Made, read_linkage
-from core.linkage_programs.read import UNITS, decoded
+from core.linkage_programs.design import UNITS, decoded
 from core.mechanism.unfinished import unfinished
 from core.requests import options
 from kindyna_gui import dialogs
@@ -96,7 +96,7 @@ class LinkageDialog(QDialog):
             self._file = str(path), self.text.toPlainText()
 
     def _as_command(self) -> str:
-        from core.commands.linkage.read import Arguments
+        from core.commands.linkages import LinkageFromArguments
 
         (path, read), text = self._file, self.text.toPlainText()
         items = [self.inputs.item(i) for i in range(self.inputs.count())]
@@ -108,7 +108,7 @@ class LinkageDialog(QDialog):
             "mirror": self.mirror.isChecked(),
             "inputs": driven if self.made is not None and tuple(driven) != self.made.inputs else [],
         }
-        return spelled("linkage-from", options(Arguments, asked))
+        return spelled("linkage-from", options(LinkageFromArguments, asked))
 
     def _afresh(self) -> None:
         """Another text: its own inputs."""

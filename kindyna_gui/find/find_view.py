@@ -22,7 +22,7 @@ from PySide6.QtWidgets import (
 from core.design import Design, get, with_only
 from core.errors import KindynaError
 from core.find import ON_SHAFT, Solution, Stated, UsualValue, find, offered, offered_on_shaft, varied
-from core.numerics.cancellation import Cancelled
+from core.numerics.lazy import Cancelled
 from core.study import Study
 from kindyna_gui.background_view import BackgroundView
 from kindyna_gui.documents.session import Session

@@ -108,7 +108,7 @@ class CertificateView(View):
         self.offer_explanation(self.table, "Explain what it proves")
 
     def number_at_hand(self) -> NumberAtHand | None:
-        from core.output.explain.subjects import number_of_residual
+        from core.output.explain import number_of_residual
 
         row = self.table.currentIndex().row()
         name = number_of_residual(self.session.study, self._names[row]) if 0 <= row < len(self._names) else ""

@@ -66,7 +66,7 @@ class FindingsView(View):
         self.mending_wanted.connect(window.mend)
 
     def number_at_hand(self) -> NumberAtHand | None:
-        from core.output.explain.subjects import number_of_finding
+        from core.output.explain import number_of_finding
 
         row = self.table.currentIndex().row()
         name = number_of_finding(self.session.study, self._findings[row]) if 0 <= row < len(self._findings) else ""

@@ -14,9 +14,10 @@ from PySide6.QtWidgets import QBoxLayout, QGridLayout, QLabel, QMenu, QWidget
 from core.design import Design, Entry, Info, Unit, get, is_assumed, names_a_link
 from core.errors import DesignError
 from core.frozen import frozen
-from core.project.reasons import reason
+from core.project.reading_faults import reason
 from kindyna_gui.dialogs import FIELD
-from kindyna_gui.documents.session import Refusal, Session
+from kindyna_gui.documents.refusal import Refusal
+from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.field_parts import AssumedMark, NameLabel, UnitLabel
 from kindyna_gui.forms.number_box import UNDO_KEYS, NameBox, NumberBox, WordBox
 from kindyna_gui.labels import allowed_text, choice_text, choice_tip, no_number, sentence, step_text

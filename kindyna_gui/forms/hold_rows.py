@@ -10,7 +10,8 @@ from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QWidget
 from core.design import LINK, AttachedEnd, Attachment, Design, Held, get, holds_of, places_for, with_held
 from core.errors import KindynaError
 from core.output.load_text import held_text, row_name
-from kindyna_gui.documents.session import Refusal, Session
+from kindyna_gui.documents.refusal import Refusal
+from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.field_parts import NameLabel
 from kindyna_gui.forms.fields import COLUMNS
 from kindyna_gui.forms.number_box import WordBox, row_height

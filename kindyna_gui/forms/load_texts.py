@@ -7,8 +7,9 @@ from collections.abc import Iterator, Mapping
 
 from core.design import Design, Entry, Process, entries, get, load_lists
 from core.frozen import frozen
+from core.output.lines import shortest
 from core.output.load_text import row_name, row_place
-from kindyna_gui.labels import shortest, value_text
+from kindyna_gui.labels import value_text
 
 WHAT = {
     "masses": ("&Mass", "A mass and an inertia on a link"),

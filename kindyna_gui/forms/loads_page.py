@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QMenu, QSizePolicy, QToolButton, QVBoxLayout, QWid
 from core.design import Design, load_lists, row_at, with_rows_in_order
 from core.dynamics import element_at, peak_load
 from core.errors import NoAnswer
+from core.output.load_text import row_name
 from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.form import Form
@@ -19,7 +20,6 @@ from kindyna_gui.forms.list_parts import list_button, row_of_buttons, taken_by_l
 from kindyna_gui.forms.load_texts import WHAT, LoadRow, lines_of, row_of
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.forms.when_row import WhenRow
-from kindyna_gui.labels import row_name
 from kindyna_gui.pictures.units import digits, readable
 from kindyna_gui.rebuilt import clear_menu
 

@@ -35,9 +35,10 @@ from PySide6.QtWidgets import (
 )
 
 from core.design import NO_UNIT, Info, Unit
+from core.output.lines import shortest
 from kindyna_gui.forms.text_keys import TextKeys
 from kindyna_gui.forms.typed_number import parsed
-from kindyna_gui.labels import rounded_to, shortest, value_text
+from kindyna_gui.labels import rounded_to, value_text
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.preferences.units import DIGITS, TOLD, number_text, point, size_of
 

@@ -7,7 +7,8 @@ from PySide6.QtWidgets import QDialog, QDialogButtonBox, QHBoxLayout, QLayout, Q
 
 from core.design import Design
 from kindyna_gui.dialogs import give_help
-from kindyna_gui.documents.session import Refusal, Session
+from kindyna_gui.documents.refusal import Refusal
+from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import sentence
 from kindyna_gui.look import coloured
 from kindyna_gui.note import MessageLabel

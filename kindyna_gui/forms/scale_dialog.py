@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from PySide6.QtWidgets import QCheckBox, QDialog, QDialogButtonBox, QFormLayout, QVBoxLayout, QWidget
 
-from core.commands.scale import Arguments
+from core.commands.designs import ScaleArguments
 from core.design import scale_text
 from core.requests import known, options
 from kindyna_gui.dialogs import give_help
@@ -14,7 +14,7 @@ from kindyna_gui.labels import sentence
 from kindyna_gui.note import MessageLabel
 from kindyna_gui.pictures.style import SCREEN
 
-FACTOR, MASSES = known(Arguments, "factor"), known(Arguments, "masses")
+FACTOR, MASSES = known(ScaleArguments, "factor"), known(ScaleArguments, "masses")
 WIDTH = 380  # of the text, pixels
 
 
@@ -41,7 +41,7 @@ class ScaleDialog(QDialog):
             "scale",
             lambda: (
                 "scaled.toml",
-                options(Arguments, {"factor": self.factor.value, "masses": self.masses.isChecked()}),
+                options(ScaleArguments, {"factor": self.factor.value, "masses": self.masses.isChecked()}),
             ),
         )
         give_help(self, "tour#Scale the design")

@@ -21,12 +21,13 @@ from core.design import (
     with_when,
 )
 from core.errors import KindynaError
+from core.output.load_text import row_name
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.field_parts import NameLabel
 from kindyna_gui.forms.form import POINT_FIELDS
 from kindyna_gui.forms.list_parts import list_button, row_of_buttons
 from kindyna_gui.forms.number_box import WordBox
-from kindyna_gui.labels import reason, row_name
+from kindyna_gui.labels import reason
 from kindyna_gui.look import coloured
 from kindyna_gui.pictures.style import SCREEN
 

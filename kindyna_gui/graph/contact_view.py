@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QLabel
 from core.design import UNITS, Design, require_motion
 from core.dynamics import ContactMap, Flights
 from core.errors import KindynaError
-from core.output.contact_files import lift_off_lines, map_of
+from core.output.subject_files import lift_off_lines, map_of
 from core.study import Study
 from kindyna_gui.background_view import BackgroundView
 from kindyna_gui.documents.session import Session

@@ -54,10 +54,10 @@ from core.output.graph import (
     to_data,
     with_curve,
 )
-from core.output.graph.picture import GraphPicture
-from core.output.graph.setup_file import ENDING, load_setup, relative, save_setup
+from core.output.graph.curves import GraphPicture
+from core.output.graph.model import ENDING, load_setup, relative, save_setup
 from core.study import STAGES, Quantity, Study, quantity
-from core.study.values import gain_of
+from core.study.member_quantities import gain_of
 from core.units import change
 from kindyna_gui import dialogs
 from kindyna_gui.documents.bands import Bands

@@ -11,7 +11,7 @@ from pathlib import Path
 from PySide6.QtCore import QFileSystemWatcher, QObject, QTimer, Signal
 
 from core.errors import KindynaError
-from core.numerics.cancellation import Cancelled
+from core.numerics.lazy import Cancelled
 from core.output.graph import DesignSource, Source, read_source
 from kindyna_gui.background import Background
 

@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QLabel, QSplitter
 from core.design import UNITS, Design
 from core.elastic import ResidualVibration, Spectrum
 from core.errors import KindynaError
-from core.output.vibration_files import SPEEDS, speeds_of, units_of
+from core.output.subject_files import SPECTRUM_SPEEDS, speeds_of, units_of
 from core.study import Study
 from kindyna_gui.background_view import BackgroundView
 from kindyna_gui.documents.session import Session
@@ -201,7 +201,9 @@ def _row(study: Study, residual: ResidualVibration) -> TableRow:
 
 def _found(design: Design, page: str) -> tuple[tuple[ResidualVibration, ...], Spectrum]:
     study = Study(design)
-    return study.follower_response.residuals, study.vibration(speeds_of(study, count=SPEEDS), page == ACCELERATION)
+    return study.follower_response.residuals, study.vibration(
+        speeds_of(study, count=SPECTRUM_SPEEDS), page == ACCELERATION
+    )
 
 
 __all__ = ["VibrationView"]

@@ -51,7 +51,7 @@ def _materials(page: str, host: Any) -> str:
 
 def _controllers(page: str, host: Any) -> str:
     """And that of controllers, with what is open of each."""
-    from core.output.controllers.row import shipped
+    from core.output.controllers.rows import shipped
 
     rows = shipped().values()
     table = "\n".join(f"| {row.label} | `{row.slug}` | {', '.join(row.interpolation)} | {row.source} |" for row in rows)

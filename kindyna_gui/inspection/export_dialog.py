@@ -10,7 +10,8 @@ import numpy as np
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from core.design import Design
-from core.output.inspection import Inspection, Request, inspection
+from core.output.files.inspection import Inspection, inspection
+from core.output.files.probe import InspectionRequest
 from core.study import Study
 from kindyna_gui.forms.computed_dialog import ComputedDialog, accepted
 from kindyna_gui.inspection.form import ProbeForm
@@ -64,7 +65,7 @@ class InspectionDialog(ComputedDialog):
         )
 
 
-def _computed(design: Design, request: Request) -> Inspection:
+def _computed(design: Design, request: InspectionRequest) -> Inspection:
     made = inspection(Study(design), request)
     made.probing.findings  # noqa: B018 - here, not in the window's thread
     return made

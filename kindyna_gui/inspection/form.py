@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from core.design import Design
-from core.output.inspection import PROBES, Request, own_direction, own_probe
+from core.output.files.inspection import own_direction, own_probe
+from core.output.files.probe import PROBES, InspectionRequest
 from kindyna_gui.forms.computed_dialog import flanks
 from kindyna_gui.forms.request_form import RequestForm
 
@@ -15,7 +16,7 @@ class ProbeForm(RequestForm):
 
     def __init__(self, design: Design) -> None:
         first = {"direction_deg": own_direction(design), "radius_mm": A_RADIUS}
-        super().__init__(Request, flanks(design), first)
+        super().__init__(InspectionRequest, flanks(design), first)
         self._design = design
         self.boxes["tolerance_mm"].setPrefix("± ")
         self.boxes["probe"].removeItem(0)  # that of the cam's own follower is named
@@ -34,8 +35,8 @@ class ProbeForm(RequestForm):
         self.boxes["radius_mm"].setEnabled(PROBES[self.boxes["probe"].currentData()].radius)
 
     @property
-    def request(self) -> Request:
-        request: Request = super().request
+    def request(self) -> InspectionRequest:
+        request: InspectionRequest = super().request
         return request
 
 

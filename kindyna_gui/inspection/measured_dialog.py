@@ -21,7 +21,8 @@ from PySide6.QtWidgets import (
 from core.design import Design
 from core.errors import KindynaError
 from core.findings import ERROR
-from core.output.inspection import ProfileComparison, Request, compare, measured_lift, probing
+from core.output.files.inspection import ProfileComparison, compare, measured_lift, probing
+from core.output.files.probe import InspectionRequest
 from core.project.files import read_bytes
 from core.requests import options
 from core.study import Study
@@ -126,10 +127,10 @@ class MeasuredCamDialog(QDialog):
         self.resize(USUAL.boundedTo(self.screen().availableGeometry().size() - QSize(40, 60)))
 
     def _asked(self) -> tuple[str, list[str]]:
-        from core.commands.inspection import Arguments
+        from core.commands.cams import InspectionArguments
 
         own = {"measured": self._path, "fit": self.fit.isChecked(), "samples": None}  # the table has its own angles
-        return ".csv", options(Arguments, {**self.form.values, **own})
+        return ".csv", options(InspectionArguments, {**self.form.values, **own})
 
     # -- what comes of it ----------------------------------------------------------------------------------------
 
@@ -192,7 +193,7 @@ class MeasuredCamDialog(QDialog):
         coloured(self.verdict, colour)
 
 
-def _compared(design: Design, request: Request, data: bytes, name: str, fit: bool) -> ShownComparison:
+def _compared(design: Design, request: InspectionRequest, data: bytes, name: str, fit: bool) -> ShownComparison:
     measured = measured_lift(data, name)
     return shown(compare(probing(Study(design), request), measured, fit))
 

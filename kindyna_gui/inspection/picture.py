@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from core.frozen import frozen
 from core.motion import TURN
-from core.output.inspection import ProfileComparison
+from core.output.files.inspection import ProfileComparison
 from kindyna_gui.pictures.shapes import at, circle, outline, polyline, segments
 from kindyna_gui.pictures.style import CHAIN, OUTLINE, SCREEN, THIN, brush, no_pen
 

@@ -11,8 +11,8 @@ from PySide6.QtGui import QMouseEvent
 from core.design import Design, put
 from core.design.linkage import FRAME_LINK
 from core.errors import DesignError, Fault
-from core.mechanism.drawing.edits import with_moved
-from core.mechanism.drawing.sheet import Places, pose_of
+from core.mechanism.drawing_edits import with_moved
+from core.mechanism.drawn import Places, pose_of
 from kindyna_gui.linkage.drawn_linkage import DrawnLinkage
 from kindyna_gui.linkage.snapping import grid_step, point_at, snapped
 from kindyna_gui.linkage.stroke import DRAG

@@ -12,7 +12,7 @@ from core.design import Attachment, Design, Linkage, put, with_new_row
 from core.design.linkage import FRAME_LINK, NO_DRIVER
 from core.errors import DesignError, Fault
 from core.frozen import frozen
-from core.mechanism.drawing.edits import (
+from core.mechanism.drawing_edits import (
     with_driving_link,
     with_ground,
     with_link,
@@ -20,7 +20,7 @@ from core.mechanism.drawing.edits import (
     with_slider,
     with_traced_point,
 )
-from core.mechanism.drawing.sheet import Places, Spot, frame_of, places_of, pose_of
+from core.mechanism.drawn import Places, Spot, frame_of, places_of, pose_of
 from kindyna_gui.linkage.snapping import Snap, faces_at
 
 CHOOSE = "choose"
@@ -86,7 +86,7 @@ def _new_points(before: Design, after: Design) -> tuple[str, ...]:
 def _link(drawing: Drawing, what: str) -> Made:
     made = with_link(drawing.design, drawing.spots, drawing.length_mm)
     if drawing.length_mm is not None and drawing.snaps[-1].point:
-        from core.mechanism.drawing.settling import settled
+        from core.mechanism.drawn import settled
 
         made = settled(made)
     link = made.drive.linkage.links[-1]
@@ -161,7 +161,7 @@ def _driver(drawing: Drawing) -> Made:
 
 
 def _gear(drawing: Drawing) -> Made:
-    from core.mechanism.drawing.inputs import with_second_input
+    from core.mechanism.drawn import with_second_input
 
     number = _link_meant(drawing)
     if number is None:

@@ -10,17 +10,18 @@ from core.design import Design, get, with_rows_in_order
 from core.design.linkage import FRAME_LINK
 from core.errors import KindynaError
 from core.frozen import frozen
-from core.mechanism.drawing.copies import part_of, with_part
-from core.mechanism.drawing.edits import (
+from core.mechanism.drawing_edits import (
+    part_of,
     with_driving_link,
     with_ground,
     with_joined,
     with_mirrored,
+    with_part,
     with_split,
     with_welded,
     without,
 )
-from core.mechanism.drawing.sheet import Spot
+from core.mechanism.drawn import Spot
 from core.project import dumps, loads
 from kindyna_gui.linkage.draw_tools import Made
 from kindyna_gui.linkage.drawn_linkage import DrawnLinkage

@@ -11,10 +11,8 @@ from core.design import Design
 from core.design.linkage import CRANK, FRAME_LINK
 from core.errors import DesignError, KindynaError
 from core.mechanism import CrankProgram, body_name
-from core.mechanism.drawing.led import LedPart, led_part_of
-from core.mechanism.drawing.sheet import Places, frame_of, places_of, with_places
-from core.mechanism.drawn import drawn_place
-from core.mechanism.unfinished import Unfinished, unfinished
+from core.mechanism.drawn import Places, drawn_place, frame_of, places_of, with_places
+from core.mechanism.unfinished import LedPart, Unfinished, led_part_of, unfinished
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import reason
 from kindyna_gui.linkage.canvas import Canvas

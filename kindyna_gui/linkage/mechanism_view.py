@@ -16,7 +16,7 @@ from PySide6.QtWidgets import QStackedWidget, QVBoxLayout
 from core.design import AttachedEnd, Held, entry_at, put, split_unit, turns_on
 from core.errors import KindynaError, NoAnswer
 from core.instant_centres import CHAINS
-from core.numerics.cancellation import postponing
+from core.numerics.lazy import postponing
 from core.study import Study
 from kindyna_gui.documents.pins import Pins
 from kindyna_gui.documents.session import Session
@@ -34,14 +34,16 @@ from kindyna_gui.pictures.drawing.geometry import MM
 from kindyna_gui.pictures.drawing.layers import (
     COLOURS,
     DIMENSIONS,
+    EVERY_LAYER,
     MODULO,
     OF_BODIES,
     OF_FORCES,
     OF_STEP,
     TWIST,
     goes_on,
+    layers_of,
 )
-from kindyna_gui.pictures.drawing.mechanism import EVERY_LAYER, MechanismScene, layers_of
+from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.pictures.style import LIGHT, SCREEN
 from kindyna_gui.player import Player, obey
 from kindyna_gui.requirements import ONLY_LINKAGES, why_no_forces, why_no_pressure

@@ -14,9 +14,8 @@ from core.design import Design
 from core.design.linkage import FRAME_LINK, Link
 from core.design.topology import driver_turns, input_slides
 from core.frozen import frozen
-from core.mechanism.drawing.inputs import input_pin
-from core.mechanism.drawing.sheet import Places, edges_of, frame_of, line_of_slider, pose_of
-from core.mechanism.wheels import wheel_pairs
+from core.mechanism.drawn import Places, edges_of, frame_of, input_pin, line_of_slider, pose_of
+from core.mechanism.drivers import wheel_pairs
 from kindyna_gui.linkage.snapping import (
     ANGLE,
     GRID,

@@ -10,7 +10,7 @@ import numpy as np
 
 from core.design.linkage import FRAME_LINK, Link, Linkage
 from core.frozen import frozen
-from core.mechanism.drawing.sheet import Places, Spot, line_of_slider
+from core.mechanism.drawn import Places, Spot, line_of_slider
 from kindyna_gui.linkage.picking import foot
 
 POINT, LINE, PERPENDICULAR, ANGLE, GRID, FREE = "point", "line", "perpendicular", "angle", "grid", ""

@@ -16,11 +16,9 @@ from core.design import NO_UNIT, UNITS, Design, SecondDriver, edited, put, with_
 from core.design.linkage import FRAME_LINK, GEAR, RACK, WHEELS
 from core.design.topology import input_slides
 from core.errors import KindynaError
-from core.mechanism.drawing.edits import with_length, with_moved, with_name
-from core.mechanism.drawing.inputs import with_input_values
-from core.mechanism.drawing.settling import settled
-from core.mechanism.drawing.sheet import places_of, with_places
-from kindyna_gui.labels import shortest
+from core.mechanism.drawing_edits import with_length, with_moved, with_name
+from core.mechanism.drawn import places_of, settled, with_input_values, with_places
+from core.output.lines import shortest
 from kindyna_gui.linkage.draw_tools import Made
 from kindyna_gui.linkage.drawn_linkage import DrawnLinkage, why
 from kindyna_gui.linkage.snapping import Snap

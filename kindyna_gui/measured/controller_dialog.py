@@ -13,7 +13,7 @@ from core.design import require_motion
 from core.errors import KindynaError
 from core.motion import program
 from core.output.controllers.motion import ReadMotion, motion_of, motion_text, put_into
-from core.output.controllers.row import INTERPOLATIONS, controllers
+from core.output.controllers.rows import INTERPOLATIONS, controllers
 from core.requests import options
 from kindyna_gui import dialogs
 from kindyna_gui.documents.as_command import add_copy_of, of_session, spelled
@@ -96,10 +96,10 @@ class ControllerTableDialog(PutDialog):
         self.plot.show_lines([line], fit=True, dots=[Dots(ends[:-1], rows, SCREEN.ink, 4.0)])
 
     def _as_command(self) -> str:
-        from core.commands.measured import Arguments
+        from core.commands.tables import MeasuredArguments
 
         asked = {"table": self._path, "controller": self.controller.currentData(), **of_session(self._session)}
-        return spelled("measured", options(Arguments, asked))
+        return spelled("measured", options(MeasuredArguments, asked))
 
     def accept(self) -> None:
         """Put the motion into the design as one step."""

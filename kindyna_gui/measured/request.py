@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import field, fields, replace
 from pathlib import Path
 
-from core.commands.measured import Arguments
+from core.commands.tables import MeasuredArguments
 from core.frozen import frozen
 from core.measured import (
     ALL_DETECTED,
@@ -155,7 +155,7 @@ def as_command(request: TableRequest, table: Path, into: Path, drive: str) -> st
         "no_dwells": not request.dwells,
         "switch": ",".join(f"{angle!r}={kind}" for angle, kind in request.switches) or (),
     }
-    return shlex.join(["kindyna", "--headless", "measured", *options(Arguments, values)])
+    return shlex.join(["kindyna", "--headless", "measured", *options(MeasuredArguments, values)])
 
 
 def _of_all_rows(table: MeasuredTable, request: TableRequest) -> MotionFit | None:

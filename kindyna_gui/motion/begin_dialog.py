@@ -11,8 +11,8 @@ from PySide6.QtWidgets import QWidget
 from core.design import Design
 from core.errors import KindynaError
 from core.frozen import frozen
-from core.motion.feeds import FlyingShear, Indexer, flying_shear, indexer
-from core.output.cycle import begun_text
+from core.motion.curves import FlyingShear, Indexer, flying_shear, indexer
+from core.output.channels import begun_text
 from core.requests import options
 from kindyna_gui.forms.request_dialog import RequestDialog
 from kindyna_gui.forms.request_form import RequestForm

@@ -13,13 +13,16 @@ from PySide6.QtWidgets import QWidget
 
 from core.design import UNITS, Design, Motion, SplineCurve, join_angles, join_levels, require_motion
 from core.frozen import frozen
+from core.output.lines import shortest
 from core.study import Quantity, Study
-from kindyna_gui.labels import shortest, value_text
+from kindyna_gui.labels import value_text
 from kindyna_gui.motion.grips import LEVEL, LINE, DiagramScale, Grip, places
 from kindyna_gui.motion.marks import JoinMark, marks
 from kindyna_gui.pictures.items import text_size
-from kindyna_gui.pictures.plots.background import Z_CURVE, Z_REFERENCE, Span, spans
-from kindyna_gui.pictures.plots.plot import NO_BANDS, Curve, CurvePlot
+from kindyna_gui.pictures.plots.background import Span, spans
+from kindyna_gui.pictures.plots.curves import Curve
+from kindyna_gui.pictures.plots.frame import Z_CURVE, Z_REFERENCE
+from kindyna_gui.pictures.plots.plot import NO_BANDS, CurvePlot
 from kindyna_gui.pictures.plots.ranges import peak, shown_range
 from kindyna_gui.pictures.style import DASHED, SCREEN, SMALL, THIN, brush, font
 from kindyna_gui.pictures.units import readable, short, with_unit

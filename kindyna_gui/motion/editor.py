@@ -13,8 +13,9 @@ from PySide6.QtWidgets import QToolTip, QWidget
 from core.design import Design, move_join, require_motion
 from core.errors import KindynaError
 from core.motion.split import shift_motion
+from core.output.lines import shortest
 from kindyna_gui.documents.session import Session
-from kindyna_gui.labels import law_label, shortest
+from kindyna_gui.labels import law_label
 from kindyna_gui.motion.diagram import JoinLabel, MotionDiagram, label_text, step_name
 from kindyna_gui.motion.grips import ANGLE_STEP, LEVEL, LINE, POINT, Grip, Pull, grip_at, nudged, segment_at, snapped
 from kindyna_gui.motion.marks import join_help

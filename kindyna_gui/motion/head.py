@@ -23,7 +23,7 @@ from core.design import (
 from core.design.fields import LONGEST_MM, MAIN
 from core.errors import KindynaError
 from core.motion.extremes import true_stroke
-from core.output.cycle import cycle_line, has_cycle
+from core.output.channels import cycle_line, has_cycle
 from core.study import Study
 from kindyna_gui.dialogs import FIELD, HELP
 from kindyna_gui.documents.session import Session

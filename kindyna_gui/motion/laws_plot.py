@@ -13,8 +13,8 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 from core.frozen import frozen
 from core.laws import Law
 from kindyna_gui.pictures.items import text_size
-from kindyna_gui.pictures.plots.background import LEFT_WIDTH
 from kindyna_gui.pictures.plots.fixed_plot import RIGHT_MARGIN
+from kindyna_gui.pictures.plots.frame import LEFT_WIDTH
 from kindyna_gui.pictures.plots.ranges import shown_range
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.style import (

@@ -24,9 +24,11 @@ from PySide6.QtWidgets import (
 from core.design import UNITS, Motion, edited, motion_of
 from core.design.edits import is_dwell
 from core.find import law_candidates, moving_segments
+from core.output.lines import shortest
 from core.study import Study
-from kindyna_gui.documents.session import Refusal, Session
-from kindyna_gui.labels import law_label, shortest, value_text
+from kindyna_gui.documents.refusal import Refusal
+from kindyna_gui.documents.session import Session
+from kindyna_gui.labels import law_label, value_text
 from kindyna_gui.look import coloured, icon, text_button
 from kindyna_gui.motion.laws_model import ENDS, NAME, LawsModel
 from kindyna_gui.motion.laws_plot import QUANTITIES, LawsLegend, show_laws

@@ -20,7 +20,8 @@ from PySide6.QtWidgets import (
 
 from core.design import Design, SplineCurve, SplinePoint, put, require_motion
 from core.motion.split import add_point
-from kindyna_gui.documents.session import Refusal, Session
+from kindyna_gui.documents.refusal import Refusal
+from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import waiting_paths
 from kindyna_gui.forms.cell_editor import CellDelegate, CellTable
 from kindyna_gui.forms.number_box import NumberBox

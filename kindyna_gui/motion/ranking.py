@@ -17,7 +17,7 @@ from core.errors import KindynaError
 from core.find import Ranked, RankingColumn, figures_of, in_order, ranked
 from core.find.ranking import Candidate
 from core.laws import LAWS
-from core.numerics.cancellation import Cancelled
+from core.numerics.lazy import Cancelled
 from kindyna_gui.background import Background
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import law_label, sentence

@@ -28,9 +28,11 @@ from core.design.edits import balance
 from core.frozen import frozen
 from core.laws import EVERY_LAW, find_law, named_law
 from core.motion import Join
-from kindyna_gui.documents.session import Refusal, Session
+from core.output.lines import shortest
+from kindyna_gui.documents.refusal import Refusal
+from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.typed_number import parsed
-from kindyna_gui.labels import law_label, no_number, sentence, shortest, value_text
+from kindyna_gui.labels import law_label, no_number, sentence, value_text
 from kindyna_gui.motion.law_list import law_tip
 from kindyna_gui.motion.marks import Parts, join_help, join_text, marks, variants
 from kindyna_gui.pictures.style import SCREEN

@@ -15,7 +15,8 @@ from core.design import Design, is_assumed, motion_of
 from core.errors import KindynaError
 from core.motion.extremes import Range
 from core.study import Quantity, Study
-from kindyna_gui.documents.session import SAMPLES, Refusal, Session
+from kindyna_gui.documents.refusal import SAMPLES, Refusal
+from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import closing_text, joins_of, misses, motion_waits, waiting_paths
 from kindyna_gui.forms.draft_bar import DraftBar
 from kindyna_gui.forms.field_parts import in_tab_order

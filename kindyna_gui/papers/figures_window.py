@@ -23,7 +23,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from core.output.paper_files import counted, table_text
+from core.output.stability_files import counted, table_text
 from core.papers import PAPERS, VERDICTS, Claim, Drawing, Examples, claims
 from core.papers.claim import (
     AGREES,

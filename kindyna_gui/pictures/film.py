@@ -22,7 +22,7 @@ from PySide6.QtWidgets import QWidget
 
 from core.design import Design
 from core.errors import KindynaError
-from core.output.film import Film
+from core.output.export import Film
 from core.study import Study
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.pictures.drawing.assembly import Assembly

@@ -8,7 +8,7 @@ from PySide6.QtCore import QPoint
 from PySide6.QtGui import QPainter
 from PySide6.QtWidgets import QWidget
 
-from core.output.graph.picture import GraphPicture
+from core.output.graph.curves import GraphPicture
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.pictures.paper import RATIO, png, svg
 from kindyna_gui.pictures.plots.graph_plot import NO_BANDS, Bands, GraphPlot

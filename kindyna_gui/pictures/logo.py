@@ -6,7 +6,7 @@ from PySide6.QtCore import QByteArray, QRectF, QSizeF, Qt
 from PySide6.QtGui import QImage, QPainter
 from PySide6.QtSvg import QSvgRenderer
 
-from core.output.letterhead import SVG, Logo
+from core.output.files.sheet import SVG, Logo
 
 
 def paint_logo(painter: QPainter, logo: Logo, box: QRectF) -> None:

@@ -32,7 +32,7 @@ def paint(drawn: Drawn) -> dict[str, bytes]:
         return {
             f"{name}{ending}": draw(drawn, ending) for name, draw in SNAPSHOTS.items() for ending in (".svg", ".png")
         }
-    from core.output.graph.picture import GraphPicture
+    from core.output.graph.curves import GraphPicture
 
     if isinstance(drawn, GraphPicture):
         from kindyna_gui.pictures.graph_file import graph_file

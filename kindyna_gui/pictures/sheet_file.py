@@ -39,8 +39,8 @@ from PySide6.QtGui import (
 )
 from PySide6.QtSvg import QSvgGenerator
 
-from core.output.drawing import (
-    ENDINGS,
+from core.output.files.cam_drawing import ENDINGS
+from core.output.files.sheet import (
     LINE_KINDS,
     ArrowHead,
     BezierLoop,

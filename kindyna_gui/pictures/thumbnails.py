@@ -12,7 +12,8 @@ from core.design import Design
 from core.errors import KindynaError
 from core.study import Study
 from kindyna_gui.pictures.drawing.assembly import Assembly
-from kindyna_gui.pictures.drawing.mechanism import EVERY_LAYER, MechanismScene
+from kindyna_gui.pictures.drawing.layers import EVERY_LAYER
+from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.pictures.files import MechanismSheet
 
 SAMPLES = 180  # of a turn

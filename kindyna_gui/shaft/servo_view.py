@@ -8,9 +8,9 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QSplitter
 
-from core.output.cam_or_servo import SERVO, Asked, asked, field_plot, torque_figure
+from core.output.subject_files import SERVO, Asked, asked, field_plot, torque_figure
 from core.study import Study
-from core.study.servo import Turn, has_servo, servo_part, servo_turn
+from core.study.study import Turn, has_servo, servo_part, servo_turn
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.pictures.plots.under_mouse import CursorPlot

@@ -9,7 +9,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QProgressBar, QSplitter
 
 from core.errors import KindynaError
-from core.numerics.cancellation import Cancelled
+from core.numerics.lazy import Cancelled
 from core.shaft import AgainstSpeed
 from core.study import Study
 from core.study.speeds import at_speeds

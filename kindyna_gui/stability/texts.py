@@ -13,7 +13,7 @@ from core.stability import (
     EXACT,
     LOST,
     STABLE,
-    UNKNOWN,
+    UNKNOWN_VERDICT,
     UNSTABLE,
     ForbiddenBand,
     Machine,
@@ -124,7 +124,9 @@ def verdict_table(verdicts: Sequence[Verdict]) -> str:
     rows = []
     good = SCREEN.good if all(verdict.lost is None for verdict in verdicts) else ""
     for verdict in verdicts:
-        colour = {STABLE: good, UNSTABLE: SCREEN.limit, LOST: SCREEN.limit, UNKNOWN: SCREEN.quiet}[verdict.state]
+        colour = {STABLE: good, UNSTABLE: SCREEN.limit, LOST: SCREEN.limit, UNKNOWN_VERDICT: SCREEN.quiet}[
+            verdict.state
+        ]
         growth = percent(verdict.growth) if verdict.stable is False and isfinite(verdict.growth) else "–"
         trace = f"{verdict.trace:.4f}" if isfinite(verdict.trace) else "–"
         largest = f"{360.0 * verdict.largest:.4g}°" if isfinite(verdict.largest) else "–"

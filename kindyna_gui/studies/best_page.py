@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QCheckBox, QGridLayout, QHBoxLayout, QLabel, QPush
 
 from core.design import Design
 from core.errors import KindynaError
-from core.numerics.cancellation import Cancelled
+from core.numerics.lazy import Cancelled
 from core.varying import Optimum, StudyOfMany, optimise, remarks
 from core.varying.tolerances import SHARE
 from kindyna_gui.background import Background

@@ -10,7 +10,7 @@ from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QMenu, QPushButton
 
 from core.design import Design
-from core.resources import resources
+from core.process import resources
 from core.varying import READY, ready_study
 from kindyna_gui import dialogs
 from kindyna_gui.rebuilt import clear_menu

@@ -56,14 +56,15 @@ from core.varying import (
     with_values,
     words_that_go,
 )
-from core.varying.ready import QUIET_LAWS
+from core.varying.bands import QUIET_LAWS
 from core.varying.surveys import SEED
 from core.varying.tolerances import SHARE
 from kindyna_gui import dialogs
 from kindyna_gui.background import Background
 from kindyna_gui.background_view import BackgroundView
 from kindyna_gui.documents.bands import Bands, scatters
-from kindyna_gui.documents.session import Refusal, Session
+from kindyna_gui.documents.refusal import Refusal
+from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import in_sentence, reason, thousands
 from kindyna_gui.player import Player
 from kindyna_gui.studies.best_page import BestPage

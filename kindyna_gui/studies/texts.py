@@ -9,7 +9,7 @@ from types import MappingProxyType
 from core.design import Design, Info, Unit, drive_at, entry_at, row_at, split_unit
 from core.laws import LAWS
 from core.study import TOTALS, quantity
-from core.study.batches.asked import asked_of
+from core.study.quantity_requests import asked_of
 from core.varying import Made, Optimum, StudyOfMany
 from core.varying.tolerances import SHARE
 from kindyna_gui import labels

@@ -7,9 +7,10 @@ from PySide6.QtGui import QFocusEvent, QKeyEvent
 from PySide6.QtWidgets import QLineEdit, QToolTip, QWidget
 
 from core.design import Unit
+from core.output.lines import shortest
 from kindyna_gui.forms.number_box import RedFrame
 from kindyna_gui.forms.typed_number import parsed
-from kindyna_gui.labels import no_number, sentence, shortest
+from kindyna_gui.labels import no_number, sentence
 from kindyna_gui.pictures.timing_chart import AXES
 
 WIDTH, HEIGHT = 92, 24

@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QDialog, QDialogButtonBox, QLabel, QVBoxLayout, QW
 
 from core.design import Design
 from core.design.topology import driver_turns
-from core.mechanism.circuits import Circuit
+from core.mechanism.drivers import Circuit
 from kindyna_gui.dialogs import give_help
 from kindyna_gui.documents.as_command import add_copy
 from kindyna_gui.look import coloured

@@ -25,16 +25,17 @@ from core.design import (
     with_motion_of,
 )
 from core.design import with_shaft as give_shaft
-from core.design.whole import with_servo, without_servo
+from core.design.design import with_servo, without_servo
 from core.errors import KindynaError
+from core.output.lines import shortest
 from core.project import load, save
 from core.requests import options
 from kindyna_gui import dialogs
 from kindyna_gui.documents.as_command import of_session, spelled
-from kindyna_gui.documents.session import Refusal
+from kindyna_gui.documents.refusal import Refusal
 from kindyna_gui.documents.texts import misses
 from kindyna_gui.drives.editing import replace_chosen
-from kindyna_gui.labels import reason, shortest
+from kindyna_gui.labels import reason
 from kindyna_gui.requirements import NO_CAM, NO_MOTION, NO_SHAFT, turned_shaft
 from kindyna_gui.settings import Settings
 from kindyna_gui.waiting import beside
@@ -155,12 +156,12 @@ class DesignActions(QObject):
 
     def _taking(self, path: Path | None = None, drive: str = "", shift_deg: float = 0.0) -> str:
         """The command that takes a motion into the design: of a file's drive, else its own."""
-        from core.commands.motions.motion import Arguments
+        from core.commands.motions import MotionArguments
 
         here = of_session(self._session)
         whose = {"design": here["into"], "drive": here["drive"]} if path is None else {"design": path, "drive": drive}
         taken = {**whose, "shift_deg": shift_deg, "into": here["into"], "into_drive": here["drive"]}
-        return spelled("motion", options(Arguments, taken))
+        return spelled("motion", options(MotionArguments, taken))
 
     def follow_files(self) -> None:
         """Ask for a table or designs, from which the motion follows from now on."""
@@ -202,7 +203,7 @@ class DesignActions(QObject):
             self._segment_from(QApplication.clipboard().text().encode(), "clipboard")
 
     def _segment_from(self, data: bytes, name: str, path: Path | None = None) -> None:
-        from core.measured.as_segment import segment_from_table
+        from core.measured.fitting import segment_from_table
         from core.measured.sheet import read_sheet
 
         session = self._session
@@ -214,10 +215,10 @@ class DesignActions(QObject):
         index = session.segment
 
         def command(taken: tuple[bool, bool]) -> str:
-            from core.commands.measured import Arguments
+            from core.commands.tables import MeasuredArguments
 
             how = {"as_is": taken[0], "joined": taken[1], "segment": index + 1}
-            return spelled("measured", options(Arguments, {"table": path, **how, **of_session(session)}))
+            return spelled("measured", options(MeasuredArguments, {"table": path, **how, **of_session(session)}))
 
         wanted = dialogs.segment_wanted(self._window, command if path is not None else None)
         if wanted is not None:
@@ -271,7 +272,7 @@ class DesignActions(QObject):
 
     def choose_circuit(self) -> None:
         """Ask which of its circuits the linkage is in."""
-        from core.mechanism.circuits import circuits
+        from core.mechanism.drivers import circuits
         from kindyna_gui.window.circuits_dialog import circuit_wanted
 
         self._window.documents.settle()

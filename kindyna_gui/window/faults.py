@@ -20,7 +20,8 @@ from PySide6.QtWidgets import QApplication, QDialog
 from shiboken6 import isValid
 
 from core.frozen import frozen
-from kindyna_gui.documents.session import Refusal, Work
+from kindyna_gui.documents.refusal import Refusal
+from kindyna_gui.documents.session import Work
 from kindyna_gui.fault_log import FaultLog, short
 from kindyna_gui.note import Note
 from kindyna_gui.view import View

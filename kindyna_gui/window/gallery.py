@@ -27,7 +27,7 @@ from PySide6.QtWidgets import (
 )
 
 from core.design import FOLLOWER_KINDS, Design, Motion, edited, get
-from core.followers.layouts import LAYOUT_LENGTHS, in_layout
+from core.followers.cam_slider import LAYOUT_LENGTHS, in_layout
 from core.frozen import frozen
 from core.project import load
 from kindyna_gui.dialogs import give_help

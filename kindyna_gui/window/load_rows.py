@@ -11,10 +11,10 @@ from PySide6.QtCore import QObject
 from PySide6.QtWidgets import QMenu
 
 from core.design import AttachedEnd, Held, get, holds_of, load_lists, with_new_row
+from core.output.load_text import row_name
 from kindyna_gui.forms.hold_rows import put_held
 from kindyna_gui.forms.load_texts import WHAT, first_field, what_of
 from kindyna_gui.forms.loads_page import parts_of, reordered
-from kindyna_gui.labels import row_name
 from kindyna_gui.window.base import Window
 
 MASSES = "masses"

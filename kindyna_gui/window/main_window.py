@@ -15,12 +15,12 @@ from PySide6.QtWidgets import QApplication, QMainWindow, QMenu, QTabWidget, QWid
 from core.design import Design, drive_at, with_only
 from core.errors import KindynaError
 from core.findings import Remedy
-from core.process import keep_freed_memory
+from core.process import keep_freed_memory, resources
 from core.project import load, load_drawing
-from core.resources import resources
 from kindyna_gui import dialogs
 from kindyna_gui.documents.pins import Pins
-from kindyna_gui.documents.session import Refusal, Session
+from kindyna_gui.documents.refusal import Refusal
+from kindyna_gui.documents.session import Session
 from kindyna_gui.export.exports import Exports
 from kindyna_gui.files.disk_button import DiskButton
 from kindyna_gui.files.file_actions import Documents, dropped_design

@@ -15,7 +15,7 @@ from PySide6.QtWidgets import QLabel, QMenu, QStatusBar, QToolButton
 from core.design import row_at
 from core.errors import KindynaError
 from core.findings import ERROR, NOTE, WARNING, Finding
-from core.project.reasons import reason as why
+from core.project.reading_faults import reason as why
 from core.study import findings_of
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import misses, waiting_text

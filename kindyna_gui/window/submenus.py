@@ -8,7 +8,7 @@ from PySide6.QtGui import QActionGroup, QKeySequence
 from PySide6.QtWidgets import QMenu
 
 from core.design import FOLLOWER_KINDS, LAYOUTS
-from core.project.examples import subjects
+from core.project.reading_faults import subjects
 from kindyna_gui.labels import choice_tip
 from kindyna_gui.places import lessons
 from kindyna_gui.window.base import Window

@@ -21,7 +21,7 @@ from PySide6.QtWidgets import (
 from core.errors import KindynaError
 from core.papers import PAPERS
 from core.project import load
-from core.project.examples import Example, subjects
+from core.project.reading_faults import Example, subjects
 from kindyna_gui import dialogs
 from kindyna_gui.look import coloured
 from kindyna_gui.pictures.style import SCREEN

@@ -22,7 +22,7 @@ from stress_cases import CASES
 from core.design import put
 from core.dynamics import newton_euler
 from core.stability import EXACT, tongues
-from core.stability.figures import MOST_Q, ROWS
+from core.stability.critical_speeds import MOST_Q, ROWS
 from core.study import Study, certificate_of, findings_of, many
 
 USUAL = 3600

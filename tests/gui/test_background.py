@@ -14,7 +14,7 @@ from window_user import settle, wait_for
 
 from core.blend import Request, best, blend, feasible_ranges
 from core.errors import KindynaError
-from core.numerics.cancellation import Cancelled, cancellable, checkpoint
+from core.numerics.lazy import Cancelled, cancellable, checkpoint
 from core.project import load
 from core.stability import chart
 from core.study import Study

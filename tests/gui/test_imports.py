@@ -67,9 +67,9 @@ NUMPY_NOT = {"fft", "random", "testing", "f2py", "ctypeslib", "distutils", "rec"
 PYQTGRAPH_NOT = {"opengl", "console", "flowchart", "canvas", "dockarea", "examples", "jupyter"}
 # of our own: views behind tabs or not open, what works headless, what a menu asks for later, what only linkages have
 LATER = {
-    "core.__main__", "core.blend", "core.commands", "core.output.blend_text", "core.output.export", "core.output.report",
+    "core.__main__", "core.blend", "core.commands", "core.output.texts", "core.output.export", "core.output.report",
     "core.measured",
-    "core.mechanism.drivers", "core.mechanism.grashof", "core.stability",
+    "core.stability",
     "kindyna_gui.findings.certificate_view", "kindyna_gui.graph.flywheel_view", "kindyna_gui.graph.graph_choice",
     "kindyna_gui.graph.graph_panel", "kindyna_gui.graph.graph_view", "kindyna_gui.headless", "kindyna_gui.help.window",
     "kindyna_gui.export.export_dialogs", "kindyna_gui.pictures.film",

@@ -9,10 +9,11 @@ from mechanisms import with_follower
 
 from core.design import NO_UNIT, UNITS
 from core.errors import KindynaError, NoAnswer
+from core.output.lines import shortest
 from core.project import load
 from core.study import Study
 from kindyna_gui.forms.typed_number import parsed
-from kindyna_gui.labels import name_of, reason, sentence, shortest, step_text, value_text
+from kindyna_gui.labels import name_of, reason, sentence, step_text, value_text
 from kindyna_gui.places import example
 
 LIFT = load(example("transfer_lift"))

@@ -14,11 +14,12 @@ from mechanisms import LIFT, PUSHER
 
 from core import __version__
 from core.design import TranslatingLoads, with_drive
+from core.process import resources
 from core.project import save
 from core.study import Study
 from kindyna_gui import __main__ as entry
 from kindyna_gui.display import missing_library, obstacle
-from kindyna_gui.places import default_design, example, examples, help_text, icon_file, resources
+from kindyna_gui.places import default_design, example, examples, help_text, icon_file
 
 PICTURES = {"mechanism.png", "mechanism.svg", "motion.png", "cam.png", "forces.png"}
 TABLES = {"profile.csv", "kinematics.csv", "dynamics.csv", "summary.json"}

@@ -14,7 +14,7 @@ from paper_claims import EXAMPLES
 from sampled import spread
 from shafts import kim, kim_table, leaves_cam
 
-from core.papers.kim1990.chart import averages, runs, shaft_of
+from core.papers.kim1990_chart import averages, runs, shaft_of
 from core.stability import (
     APPROXIMATE,
     EXACT,
@@ -27,8 +27,8 @@ from core.stability import (
     refined,
     tongues,
 )
-from core.stability.hill.coefficients import LOAD_SLOPE
-from core.stability.model_comparison import linear_verdicts, rest_verdict
+from core.stability.coefficients import LOAD_SLOPE
+from core.stability.stage import linear_verdicts, rest_verdict
 
 REFERENCE = json.loads((Path(__file__).parent / "kim1990_tongues.json").read_text(encoding="utf-8"))
 EXAMPLE = Path(__file__).parents[2] / "resources" / "examples" / "kim_1990.toml"

@@ -14,8 +14,8 @@ from sampled import stressed
 
 from core.__main__ import main
 from core.papers import Claim
-from core.papers.kim1990.chart import readings as kim_readings
-from core.papers.kim1990.chart import shaft_of
+from core.papers.kim1990_chart import readings as kim_readings
+from core.papers.kim1990_chart import shaft_of
 from core.stability import Verdict
 from kindyna_gui.stability.texts import verdict_table, waiting_text
 
@@ -29,7 +29,7 @@ def command() -> str:
     """What ``stability --claims`` prints; its rows are those of the table."""
     text = io.StringIO()
     with redirect_stdout(text), pytest.MonkeyPatch.context() as patch:
-        patch.setattr("core.commands.stability.Examples", lambda designs: EXAMPLES)
+        patch.setattr("core.papers.Examples", lambda designs: EXAMPLES)
         assert main(["stability", str(EXAMPLE), "--claims"]) == 0
     return text.getvalue()
 

@@ -18,7 +18,7 @@ from core.__main__ import main
 from core.design import put
 from core.papers import PAPERS, VERDICTS, Claim, Examples, claims
 from core.papers.claim import ComparedNumber
-from core.resources import resources
+from core.process import resources
 
 OTHER_THAN_AGREES = {
     "shin1995": {
@@ -223,7 +223,7 @@ def test_numbers_from_outside() -> None:
 def test_the_command_writes_every_row_with_its_table(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("core.commands.figures.Examples", lambda: EXAMPLES)
+    monkeypatch.setattr("core.papers.Examples", lambda: EXAMPLES)
     assert main(["figures", "all", "--out", str(tmp_path), "--json"]) == 0
     printed = capsys.readouterr()
     rows = json.loads(printed.out)
@@ -259,7 +259,7 @@ def test_the_papers_own_figures_are_all_there() -> None:
 
 
 def test_one_paper_as_text(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("core.commands.figures.Examples", lambda: EXAMPLES)
+    monkeypatch.setattr("core.papers.Examples", lambda: EXAMPLES)
     assert main(["figures", "yang", "--out", str(tmp_path)]) == 0
     text = capsys.readouterr().out
     assert text.startswith("Yang and Shon")

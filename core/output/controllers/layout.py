@@ -12,8 +12,8 @@ import numpy as np
 from core.bounds import BYTES, ROWS
 from core.errors import KindynaError
 from core.frozen import frozen
-from core.output.controllers import template
-from core.output.controllers.row import Controller
+from core.output.controllers import rows
+from core.output.controllers.rows import Controller
 
 LARGEST_COUNT = 2**31 - 1
 _BLANKS, _SPACE = re.compile(r"[ \t]{2,}+"), re.compile(r"\s*+")
@@ -92,13 +92,13 @@ def written(row: Controller, table: FileTable, name: str, interpolation: str) ->
         "interpolation": word,
     }  # fmt: skip
     shared = {"sep": row.separator, "interpolation": word, "last": str(count - 1)}
-    lines = template.rows(row.row, shared, texts, count)
+    lines = rows.rows(row.row, shared, texts, count)
     first = next(lines)
     if count * (len(first) + len(row.between[0])) > BYTES:
         raise KindynaError(f"{row.slug}: {count} rows make more than {BYTES / 1e6:g} MB; allow fewer rows")
     between = islice(row.gaps(), count - 1)
     body = "".join(chain.from_iterable(zip(chain([first], lines), chain(between, [""]), strict=True)))
-    text = template.filled(row.header, places) + body + template.filled(row.footer, places)
+    text = rows.filled(row.header, places) + body + rows.filled(row.footer, places)
     try:
         return text.replace("\n", row.newline).encode(row.encoding)
     except UnicodeEncodeError as error:
@@ -244,7 +244,7 @@ def _pattern(row: Controller, text: str) -> str:
     has taken it does not give back, so that a line is read in one go."""
     parts, seen = [], set()
     separator = row.separator.replace("{", "{{").replace("}", "}}")
-    places = template.places(text.replace("{sep}", separator))
+    places = rows.places(text.replace("{sep}", separator))
     for (literal, name), (behind, _) in zip(places, [*places[1:], ("", "")], strict=True):
         parts.append(_literal(literal.split(row.comment)[0] if row.comment else literal))
         if name:
@@ -303,13 +303,13 @@ def _body(row: Controller, text: str) -> tuple[int, int]:
         whole = last + ("$" if row.header.endswith("\n") else "")
         found = re.search(r"^" + _line(row, last) + (r"[ \t]*$" if whole != last else ""), text, re.MULTILINE)
         if found is None:
-            raise KindynaError(f"{row.slug}: no line as {template.filled(last, {})!r}; name a file of this controller")
+            raise KindynaError(f"{row.slug}: no line as {rows.filled(last, {})!r}; name a file of this controller")
         begin = found.end()
     end = len(text)
     if lines := _template_lines(row.footer):
         found = re.compile(_line(row, lines[0])).search(text, begin)
         if found is None:
-            raise KindynaError(f"{row.slug}: no end as {template.filled(lines[0], {})!r}; name a whole file")
+            raise KindynaError(f"{row.slug}: no end as {rows.filled(lines[0], {})!r}; name a whole file")
         end = found.start()
     return begin, end
 

@@ -17,15 +17,14 @@ from core.design import (
     require_motion,
     with_motion,
 )
-from core.design.motions import without_marks
-from core.design.whole import Design
+from core.design.design import Design
+from core.design.motion_edits import without_marks
 from core.errors import KindynaError
 from core.frozen import frozen
-from core.output.controllers.interpolation import KINDS, Table, evaluated
 from core.output.controllers.layout import FileTable, read
-from core.output.controllers.made import read_back
-from core.output.controllers.row import Controller
+from core.output.controllers.rows import KINDS, Controller, Table, evaluated
 from core.output.controllers.slave import TURN
+from core.output.controllers.table import read_back
 
 POLYNOMIALS = frozenset({"quintic-hermite", "cubic-hermite", "zebra"})
 """Interpolations whose pieces are quintics at most, each by what it does at its ends; others run through values alone."""

@@ -10,7 +10,7 @@ import numpy as np
 from core.cam import SECOND, Flank
 from core.design import UNITS, get
 from core.frozen import frozen
-from core.numerics.vectors import cross
+from core.numerics.derivatives import cross
 from core.study import Study, quantity
 
 MOTION, LINKAGE, CAM, DYNAMICS, STABILITY, LOADS = "motion", "linkage", "cam", "dynamics", "stability", "loads"

@@ -1,6 +1,21 @@
 """A graph: curves of any columns of tables and designs on axes by unit, their differences, and what is read off them."""
 
-from core.output.graph.curves import AxisOf, Plotted, Series, difference, plotted, series_of
+from core.output.graph.curves import (
+    AxisOf,
+    GraphPoint,
+    Plotted,
+    PointDistance,
+    Series,
+    angle_at,
+    angle_marks,
+    columns_of,
+    difference,
+    gap,
+    numbers_csv,
+    plotted,
+    point_at,
+    series_of,
+)
 from core.output.graph.model import (
     ALL,
     ANGLES,
@@ -23,31 +38,27 @@ from core.output.graph.model import (
     move_curve,
     remove_curve,
     to_data,
+    unit_of_column,
     with_curve,
 )
-from core.output.graph.numbers import (
-    GraphPoint,
-    PointDistance,
-    angle_at,
-    angle_marks,
-    columns_of,
-    gap,
-    numbers_csv,
-    point_at,
-)
-from core.output.graph.ready import PointValue, ReadyGraph, on_path, ready
 from core.output.graph.sources import (
     MACHINE,
     TIME,
     ColumnHeading,
     DesignSource,
+    NumberTable,
+    PointValue,
+    Progress,
+    ReadyGraph,
     Source,
     TableSource,
+    on_path,
+    read_numbers,
     read_source,
+    read_table_file,
+    ready,
     words_of,
 )
-from core.output.graph.table import NumberTable, Progress, read_numbers, read_table_file
-from core.output.graph.units import unit_of_column
 from core.units import kind_of, units_like
 
 __all__ = [

@@ -2,14 +2,25 @@
 
 from __future__ import annotations
 
+import json
+import os
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, field, fields, replace
+from functools import lru_cache
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+from core.bounds import bounded_json
 from core.errors import KindynaError
 from core.frozen import frozen
+from core.measured.units import LONGEST, unit_in
+from core.project.files import read_text, write
+from core.units import split_unit, unit_called
+
+# -- what a graph is --------------------------------------------------------------------------------------------
+
 
 AUTO, LEFT, RIGHT = "auto", "left", "right"
 SIDES = (AUTO, LEFT, RIGHT)
@@ -204,8 +215,80 @@ def _part(kind: Any, data: Any) -> Any:
     return made
 
 
-__all__ = [
-    "ALL", "ANGLES", "AUTO", "DASHES", "LEAST_WIDTH", "LEFT", "MARKS", "MOST_WIDTH", "RIGHT", "SIDES", "WHOLE", "Graph",
-    "GraphAxis", "GraphCurve", "add_curve", "copy_curve", "from_data", "is_colour", "move_curve", "remove_curve",
-    "require_no_ring", "to_data", "with_curve",
-]  # fmt: skip
+# -- A graph as a file ------------------------------------------------------------------------------------------
+
+
+ENDING = ".graph.json"
+
+
+def rooted(graph: Graph, folder: Path) -> Graph:
+    """The same with paths from the root, of paths from a folder."""
+    return replace(
+        graph,
+        curves=tuple(replace(c, source=str((folder / c.source).absolute()) if c.source else "") for c in graph.curves),
+    )
+
+
+def relative(graph: Graph, folder: Path | None) -> Graph:
+    """The same with paths from a folder, where the files are inside it or beside it; those farther off stay whole."""
+
+    def short(source: str) -> str:
+        if not source or folder is None:
+            return source
+        try:
+            text = os.path.relpath(source, folder)
+        except ValueError:  # on another disk
+            return source
+        return source if text.startswith(os.path.join("..", "..")) else text
+
+    return replace(graph, curves=tuple(replace(curve, source=short(curve.source)) for curve in graph.curves))
+
+
+def save_setup(graph: Graph, path: Path) -> None:
+    """Write the rows of a graph, not their numbers. Raises FileError."""
+    data = to_data(relative(graph, path.absolute().parent))
+    write(path, json.dumps(data, indent=1, ensure_ascii=False) + "\n")
+
+
+def load_setup(path: Path) -> Graph:
+    """Read them. Raises FileError, KindynaError where it is no such file."""
+    try:
+        data = bounded_json(read_text(path))
+    except ValueError:
+        data = None
+    if not isinstance(data, dict) or "curves" not in data:
+        raise KindynaError(f"{path.name}: no graph; wanted: a file that the graph page saved (*{ENDING})")
+    return rooted(from_data(data), path.absolute().parent)
+
+
+# -- units of the columns of a graph by the columns' names ------------------------------------------------------
+
+
+_AT_END = re.compile(r"[\[(]([^\[(\])]*)[\])]$")
+
+
+@lru_cache(maxsize=64)
+def unit_of_column(name: str) -> str:
+    """The unit that a column's name ends in: as in our own tables (``force_n``), in brackets, behind a comma, or as measured
+    tables have it; what stands in brackets and is no known unit is taken as it is; empty where there is none."""
+    name = name.strip()[-LONGEST:]
+    inside = _AT_END.search(name)
+    if inside:
+        return unit_called(inside[1]) or inside[1].strip()
+    own = split_unit(name)[1].symbol
+    if own:
+        return own
+    tail = re.split(r",\s*|_", name)
+    return unit_called(unit_in(name)) or (unit_called(tail[-1]) if len(tail) > 1 else "")
+
+
+def without_unit(name: str) -> str:
+    """A column's name in words: ``contact_force_n`` -> ``contact force``."""
+    text = _AT_END.sub("", name.strip()).rstrip()
+    short, unit = split_unit(text)
+    if not unit.symbol and unit_of_column(text):
+        short = re.sub(r"(_|,\s*+)[^_,]*+$", "", text)
+        words = short.rsplit(None, 1)  # "Hub mm", "Hub in mm"
+        if short == text and len(words) == 2 and unit_called(words[1]):
+            short = re.sub(r"\s+in$", "", words[0][-LONGEST:])
+    return short.replace("_", " ").strip()

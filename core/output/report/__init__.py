@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 from core.output.export import OF_SHAFT
 from core.output.lines import digits
-from core.output.report import of_stability
+from core.output.report import sections
 from core.output.report.chapters import TEXT, sections_of, subject_of
-from core.output.report.text import block_lines, lines, text
+from core.output.report.parts import block_lines, lines, text
 from core.output.summary import verdict_rows
 from core.study import Study
 
@@ -19,13 +19,13 @@ if TYPE_CHECKING:  # no design without a flexible shaft loads it
 
 def stability_text(study: Study) -> str:
     """The report's section on the flexible shaft alone."""
-    return "\n".join(list(lines(of_stability.shaft_stability(study)))[1:]) + "\n"
+    return "\n".join(list(lines(sections.shaft_stability(study)))[1:]) + "\n"
 
 
 def point_text(shaft: Stability, eta: float, q: float, verdicts: Sequence[Verdict]) -> str:
     """What every model says of any point of the chart."""
     head = f"At η = {digits(eta)}, Q = {digits(q)}, {digits(shaft.machine.rpm(eta))} rpm"
-    return "\n".join(block_lines(of_stability.verdicts(head, verdict_rows(verdicts)))) + "\n"
+    return "\n".join(block_lines(sections.verdicts(head, verdict_rows(verdicts)))) + "\n"
 
 
 def report(study: Study) -> str:

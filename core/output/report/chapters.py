@@ -13,9 +13,11 @@ from core.frozen import frozen
 from core.output.channels import channels
 from core.output.export import OF_SHAFT
 from core.output.lines import printable
-from core.output.report import of_camshaft, of_sources, of_stability, of_study
+from core.output.report import sections as of_camshaft
+from core.output.report import sections as of_sources
+from core.output.report import sections as of_stability
+from core.output.report import sections as of_study
 from core.output.report.equations import equations_of
-from core.output.report.of_papers import of_papers
 from core.output.report.parts import (
     Block,
     Number,
@@ -27,6 +29,7 @@ from core.output.report.parts import (
     section,
     table,
 )
+from core.output.report.sections import of_papers
 from core.output.summary import answers, extremes, flywheel, torque
 from core.study import Quantity, Study, names_of
 

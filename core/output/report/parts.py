@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, TypeAlias
 
 from core.frozen import frozen
-from core.output.lines import digits
+from core.output.lines import columns, digits, printable
 
 if TYPE_CHECKING:
     from core.output.report.equations import Equation
     from core.study import Study
+
+
+# -- what a report is made of -----------------------------------------------------------------------------------
+
 
 ROUNDING = 1e-12
 """Of the size of a channel: a smaller value is not certain."""
@@ -129,7 +133,31 @@ def section(title: str, *blocks: Block | None) -> list[Section]:
     return [Section(title, there)] if there else []
 
 
-__all__ = [
-    "Block", "Cell", "Number", "ReportEquations", "ReportPicture", "ReportTable", "Section", "Sentences", "section",
-    "table",
-]  # fmt: skip
+# -- A report as plain text -------------------------------------------------------------------------------------
+
+
+def text(name: str, sections: Iterable[Section]) -> str:
+    """The sections below the design's name, lines ending with a newline; pictures and equations have no place in it."""
+    name = printable(name)
+    return "\n".join([name, "=" * len(name), *lines(sections)]) + "\n"
+
+
+def lines(sections: Iterable[Section]) -> Iterator[str]:
+    """Each section after an empty line."""
+    for each in sections:
+        yield from ("", each.title, "-" * len(each.title))
+        for number, block in enumerate(each.blocks):
+            if number:
+                yield ""
+            yield from block_lines(block)
+
+
+def block_lines(block: Block) -> Iterator[str]:
+    """The lines of a table or of sentences; of pictures and equations none."""
+    if isinstance(block, Sentences):
+        yield from block.lines
+    elif isinstance(block, ReportTable):
+        if block.title:
+            yield block.title
+        rows = [[str(cell) for cell in row] for row in block.rows]
+        yield from columns([block.head, *rows] if block.head else rows, block.left)

@@ -15,8 +15,8 @@ from PySide6.QtWidgets import QGraphicsEllipseItem, QGraphicsItem, QGraphicsPath
 
 from core.errors import KindynaError, NoAnswer
 from core.motion import TURN
-from core.motion.turn import ShaftPosition
-from core.numerics.projection import ISOMETRIC, seen_from
+from core.motion.program import ShaftPosition
+from core.numerics.derivatives import ISOMETRIC, seen_from
 from core.study import Camshaft, Study
 from kindyna_gui.pictures.drawing import cam_parts, framing, load_parts, parts
 from kindyna_gui.pictures.drawing.framing import MARGIN_UNITS
@@ -25,7 +25,8 @@ from kindyna_gui.pictures.drawing.overlay import Overlay, VectorUnit
 from kindyna_gui.pictures.drawing.profile_colours import COLOURINGS, ColouredLoop, coloured, scale_of
 from kindyna_gui.pictures.drawing.profile_reading import on_cam, reading_at
 from kindyna_gui.pictures.drawing.vectors import FIELDS, arrows
-from kindyna_gui.pictures.items import DrawnPart, Loop, Tag, outline
+from kindyna_gui.pictures.items import DrawnPart, Loop, Tag
+from kindyna_gui.pictures.shapes import outline
 from kindyna_gui.pictures.style import BALANCE, BLUE, SCREEN, TEXT, Theme, rgb
 
 BUILDERS = (cam_parts.cam, parts.roller, parts.linkage)

@@ -8,7 +8,7 @@ import numpy as np
 from PySide6.QtCore import QRectF
 
 from core.instant_centres import CentreTable
-from core.instant_centres.centre import Key
+from core.instant_centres.construction import Key
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.drawing.overlay import BOTTOM_STRIP, TOP_STRIP
 from kindyna_gui.pictures.items import DrawnPart

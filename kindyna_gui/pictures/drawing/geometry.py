@@ -16,8 +16,8 @@ from core.errors import NoAnswer
 from core.followers import FACE_PLACE
 from core.frozen import frozen
 from core.mechanism import body_name
+from core.mechanism.drivers import Wheel, WheelPair, wheel_pairs
 from core.mechanism.kinematics import FRAME, SLIDING, Kinematics, Pair
-from core.mechanism.wheels import Wheel, WheelPair, wheel_pairs
 from core.study import Study
 from kindyna_gui.pictures.turn import nearest
 from kindyna_gui.requirements import lists_links

@@ -15,7 +15,7 @@ from core.cam import PRESSURE_LIMITS, Flank
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE
-from core.study.contact_stress import fits
+from core.study.extremes import fits
 from core.study.limits import limit_of
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.items import DrawnPart, text_size, turning
@@ -189,8 +189,8 @@ class ColouredLoop(QGraphicsItem):
 
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
         painter.setPen(no_pen())
-        for brush, path in zip(self._brushes, self._paths, strict=False):
-            painter.fillPath(path, brush)
+        for fill, path in zip(self._brushes, self._paths, strict=False):
+            painter.fillPath(path, fill)
 
 
 def _closed(values: np.ndarray) -> np.ndarray:

@@ -12,7 +12,7 @@ from PySide6.QtGui import QPolygonF
 from core.cam import INNER, OUTER, SECOND
 from core.errors import NoAnswer
 from core.frozen import frozen
-from core.study.contact_stress import fits
+from core.study.extremes import fits
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.units import readable, short, with_unit
 

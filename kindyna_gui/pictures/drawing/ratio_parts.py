@@ -81,10 +81,10 @@ class _Dimension:
         path = QPainterPath()
         one, other = (start + off + t * (end - start) for t in part)
         _stroke(path, one, other)
-        for at, whole, direction in ((start, part[0] <= 0.0, along), (end, part[1] >= 1.0, -along)):
+        for foot, whole, direction in ((start, part[0] <= 0.0, along), (end, part[1] >= 1.0, -along)):
             if whole:
-                _stroke(path, at, at + off * (1.0 + TICK * pixel / abs(off)))
-                tip = at + off
+                _stroke(path, foot, foot + off * (1.0 + TICK * pixel / abs(off)))
+                tip = foot + off
                 for side in (0.35j, -0.35j):
                     _stroke(path, tip, tip + HEAD * pixel * direction * (1.0 + side))
         self.line.redraw(path)

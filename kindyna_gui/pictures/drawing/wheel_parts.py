@@ -9,7 +9,7 @@ from PySide6.QtGui import QPainterPath
 
 from core.design.linkage import BELT, RACK
 from core.mechanism import body_name
-from core.mechanism.wheels import Wheel, WheelPair
+from core.mechanism.drivers import Wheel, WheelPair
 from kindyna_gui.pictures.drawing.geometry import Geometry
 from kindyna_gui.pictures.items import DrawnPart, Outline, riding
 from kindyna_gui.pictures.shapes import at, circle

@@ -15,9 +15,9 @@ from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE
 from core.motion.extremes import Range
 from core.study import Quantity, Study, extremes_of
-from core.study.contact_stress import borne
-from core.study.own_limits import OWN_BOUNDS, bounded
-from core.study.values import gain_of
+from core.study.limits import OWN_BOUNDS, bounded
+from core.study.member_quantities import gain_of
+from core.study.quantity_requests import borne
 from core.units import split_unit
 from kindyna_gui.pictures.sizes import floor_of, without_noise
 from kindyna_gui.pictures.style import Theme, shade

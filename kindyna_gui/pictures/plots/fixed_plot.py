@@ -10,8 +10,9 @@ from PySide6.QtGui import QBrush, QPainterPath, QResizeEvent, QWheelEvent
 from PySide6.QtWidgets import QFrame, QGraphicsGridLayout, QGraphicsItem, QSizePolicy, QWidget
 
 from kindyna_gui.pictures.items import Outline, Tag, wrapped
-from kindyna_gui.pictures.plots.background import BOTTOM_HEIGHT, LEFT_WIDTH, TOP_HEIGHT, Axis, Paper, Span
-from kindyna_gui.pictures.plots.frame import Frame
+from kindyna_gui.pictures.plots.axis import Axis
+from kindyna_gui.pictures.plots.background import Paper, Span
+from kindyna_gui.pictures.plots.frame import BOTTOM_HEIGHT, LEFT_WIDTH, TOP_HEIGHT, Frame
 from kindyna_gui.pictures.plots.legend import Entry, Legend
 from kindyna_gui.pictures.style import SCREEN, TEXT, THIN, Theme
 from kindyna_gui.preferences.units import sized

@@ -17,20 +17,11 @@ from core.motion.extremes import Range
 from core.study import Quantity, Study
 from core.study.quantities import TRANSMISSION, shape_of
 from kindyna_gui.pictures.items import Outline, text_size
-from kindyna_gui.pictures.plots.background import (
-    TOP_HEIGHT,
-    Z_CURVE,
-    Z_REFERENCE,
-    Span,
-    angle_ticks,
-    name_ticks,
-    spans,
-    value_ticks,
-)
+from kindyna_gui.pictures.plots.background import Span, angle_ticks, name_ticks, spans, value_ticks
 from kindyna_gui.pictures.plots.curves import Curve, drawn_alike, limits_of, moving, read_curves
 from kindyna_gui.pictures.plots.extreme_marks import Extreme, ExtremeMark, both_ends, lay_marks
 from kindyna_gui.pictures.plots.fixed_plot import FixedPlot
-from kindyna_gui.pictures.plots.frame import Frame
+from kindyna_gui.pictures.plots.frame import TOP_HEIGHT, Z_CURVE, Z_REFERENCE, Frame
 from kindyna_gui.pictures.plots.legend import Entry
 from kindyna_gui.pictures.plots.lines import Cursor, CurveLine, LimitLine, closed, shades, shades_entry
 from kindyna_gui.pictures.plots.ranges import FREE, readable_range, room_for, usual_range

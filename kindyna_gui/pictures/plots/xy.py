@@ -14,9 +14,9 @@ from PySide6.QtWidgets import QGraphicsItem, QWidget
 
 from core.frozen import frozen
 from kindyna_gui.pictures.items import Outline, Tag, text_size
-from kindyna_gui.pictures.plots.background import LEAST_ACROSS, TOP_HEIGHT, angle_ticks, value_ticks
+from kindyna_gui.pictures.plots.background import LEAST_ACROSS, angle_ticks, value_ticks
 from kindyna_gui.pictures.plots.fixed_plot import FixedPlot, Ticks
-from kindyna_gui.pictures.plots.frame import Z_CURSOR, Z_CURVE, Z_LIMIT, Frame
+from kindyna_gui.pictures.plots.frame import TOP_HEIGHT, Z_CURSOR, Z_CURVE, Z_LIMIT, Frame
 from kindyna_gui.pictures.plots.legend import Entry
 from kindyna_gui.pictures.plots.lines import MACHINES, Cursor, shades, shades_entry
 from kindyna_gui.pictures.plots.readouts import Readout, place_readouts

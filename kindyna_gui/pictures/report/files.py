@@ -6,8 +6,7 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
 from core.frozen import frozen
-from core.output.report.document import ENDINGS, Document
-from core.output.report.html import html
+from core.output.report.document import ENDINGS, Document, html
 from core.output.report.parts import ReportPicture
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.pictures.report.pdf import SCALE, pdf

@@ -237,8 +237,8 @@ class PolygonSheet(QWidget):
         for row, line in enumerate(self.lines):
             painter.drawText(QPointF(10.0, sized(33.0 + LINE * row)), line)
         painter.setPen(Qt.PenStyle.NoPen)
-        for number, corners in diagram.images:
-            tint = QColor(theme.links[(number - 2) % len(theme.links)])
+        for link, corners in diagram.images:
+            tint = QColor(theme.links[(link - 2) % len(theme.links)])
             tint.setAlphaF(0.55)
             painter.setBrush(tint)
             painter.drawPolygon(QPolygonF([_dot(frame.at(v)) for v in corners]))

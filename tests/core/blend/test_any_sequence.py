@@ -24,8 +24,8 @@ from core.blend import (
     feasible_ranges,
     sequence_ranges,
 )
+from core.process import resources
 from core.project import load
-from core.resources import resources
 
 RISING = ("C1", "C2", "C5", "H1", "H2", "H5", "P1", "CV1")
 WHOLE = 1e-12

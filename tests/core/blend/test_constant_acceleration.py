@@ -12,7 +12,7 @@ from core import project
 from core.__main__ import main
 from core.blend import BlendError, Request, best, blend, feasible_ranges
 from core.design import Motion, NamedCurve, Segment, edited, faults
-from core.design.mirror import mirrored
+from core.design.motion_edits import mirrored
 from core.errors import DesignError
 from core.laws import LAWS
 from core.motion import program

@@ -16,7 +16,7 @@ import pytest
 from folders import content
 
 from core.__main__ import main as core
-from core.resources import resources
+from core.process import resources
 from kindyna_gui.__main__ import main
 
 BUDGET_S = float(os.environ.get("KINDYNA_FUZZ_SECONDS", "600"))

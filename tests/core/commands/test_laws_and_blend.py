@@ -21,7 +21,7 @@ from mechanisms import LIFT, PUSHER, with_drive
 from core import project
 from core.__main__ import main
 from core.blend import GOALS, Request, best, blend
-from core.blend.apply import in_place, into_design, over_the_turn
+from core.blend.best import in_place, into_design, over_the_turn
 from core.design import Design, Motion, Segment, faults, with_assumed
 from core.errors import DesignError
 from core.laws import LAWS, find_law

@@ -18,7 +18,7 @@ from core import project
 from core.__main__ import main
 from core.output.export import csv as written
 from core.stability import Chart, Figure, histories, history, mean_wind_up
-from core.stability.tables import averages_columns, windup_columns
+from core.stability.critical_speeds import averages_columns, windup_columns
 from core.study import Study
 
 ROOT = Path(__file__).parents[3]
@@ -41,7 +41,7 @@ def rows(text: str) -> list[dict[str, str]]:
 
 @pytest.fixture
 def few_averages(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("core.stability.stage.etas", lambda eta_max: np.arange(0.5, eta_max, 1.0))
+    monkeypatch.setattr("core.stability.windup.etas", lambda eta_max: np.arange(0.5, eta_max, 1.0))
 
 
 def test_the_command_writes_the_tongues_of_every_row_and_the_forbidden_bands(
@@ -204,7 +204,7 @@ def test_the_papers_figures_come_out_of_its_example(
         given[name] = drawn
         return {f"{name}.svg": b"<svg/>", f"{name}.png": b"png"}
 
-    monkeypatch.setattr("core.commands.stability.claims", lambda *_: ())  # test_kim_claims has them
+    monkeypatch.setattr("core.papers.claims", lambda *_: ())  # test_kim_claims has them
     assert main(["stability", str(EXAMPLE), "--claims", "--out", str(tmp_path), "--periods", "2"], painter=painter) == 0
     pictures = {f"figure_{n}{ending}" for n in range(4, 13) for ending in (".svg", ".png")}
     tables = {"claims.txt", "figure_4.csv", "tongues.csv", "windup.csv", "windup_averages.csv", "coefficients.csv"}

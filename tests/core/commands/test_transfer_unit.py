@@ -12,7 +12,7 @@ from sampled import stressed
 from core.__main__ import main
 from core.design import only
 from core.errors import DesignError
-from core.numerics.projection import ISOMETRIC, seen_from
+from core.numerics.derivatives import ISOMETRIC, seen_from
 from core.project import load
 from core.study import Study, extremes_of, findings_of
 

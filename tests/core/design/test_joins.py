@@ -1,4 +1,4 @@
-"""core.design.joins: a join is moved, and every other join stays where it was."""
+"""core.design.motion_edits: a join is moved, and every other join stays where it was."""
 
 import math
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""core.design.mirror: the return runs the rise backwards."""
+"""core.design.motion_edits: the return runs the rise backwards."""
 
 import math
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""core.dynamics.across_play: the speed with which a follower strikes across the play, against an integration and a geometry of its own."""
+"""core.dynamics.flight: the speed with which a follower strikes across the play, against an integration and a geometry of its own."""
 
 from __future__ import annotations
 

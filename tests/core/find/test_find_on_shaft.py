@@ -11,7 +11,7 @@ from mechanisms import LIFT, levels
 
 from core.__main__ import main
 from core.design import Balancer, Design, Shaft, distances, faults, with_phase
-from core.design.whole import TimingRow
+from core.design.design import TimingRow
 from core.errors import KindynaError
 from core.find import find
 from core.project import load, save

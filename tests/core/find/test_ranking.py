@@ -11,7 +11,7 @@ from mechanisms import with_loads
 
 from core.__main__ import main
 from core.blend import Request, blend
-from core.blend.apply import into_design
+from core.blend.best import into_design
 from core.design import Design, edited
 from core.find import FIGURES, blend_candidates, figures_of, in_order, law_candidates, moving_segments, ranked, ranking
 from core.project import load

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from sampled import stressed
 
+from core.find.goals import WANTED, bounded
 from core.find.offer import request
 from core.find.trial import Outcome, Trials
-from core.find.wanted import WANTED, bounded
 from core.project import load
 from core.study.stages import clear_caches, evaluations
 

@@ -1,4 +1,4 @@
-"""core.followers.dragging with core.mechanism.dragging: a joint is put where it is wanted, and the
+"""core.followers.dragging with core.mechanism.checks: a joint is put where it is wanted, and the
 typed lengths follow."""
 
 import cmath

@@ -46,7 +46,7 @@ from core.errors import NoAssembly, NoCam
 from core.findings import ERROR, WARNING
 from core.followers import LAYOUT_TABLE
 from core.mechanism import solve_mechanism
-from core.mechanism.triangle import area4_of, brackets, opposite_angle
+from core.mechanism.dyads import area4_of, brackets, opposite_angle
 from core.numerics.derivatives import Derivatives
 from core.study import Study, findings_of
 

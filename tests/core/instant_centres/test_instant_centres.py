@@ -18,7 +18,7 @@ from core.instant_centres import (
     kennedy,
     line_of,
 )
-from core.instant_centres.linkage import CentreTable
+from core.instant_centres.centres import CentreTable
 from core.mechanism import driver_ranges_of, unit_speed_kinematics
 from core.mechanism.kinematics import FRAME, Kinematics
 

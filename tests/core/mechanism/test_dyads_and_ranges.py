@@ -39,10 +39,9 @@ from core.mechanism import (
     solve_mechanism,
     unit_speed_kinematics,
 )
-from core.mechanism.conditioning import error_bounds
-from core.mechanism.grashof import four_bar as four_bar_of
+from core.mechanism.branches import four_bar as four_bar_of
 from core.mechanism.kinematics import FRAME, Kinematics
-from core.mechanism.solving import at_driver
+from core.mechanism.mechanism import at_driver, error_bounds
 from core.numerics.derivatives import Derivatives
 
 TURN = 2.0 * math.pi

@@ -33,9 +33,8 @@ from core.design import (
 )
 from core.errors import NoPosition
 from core.linkage_programs import read_linkage
-from core.mechanism.circuits import circuits
-from core.mechanism.drawing.edits import with_driving_link, without
-from core.mechanism.drivers import redrawn, with_signs
+from core.mechanism.drawing_edits import with_driving_link, without
+from core.mechanism.drivers import circuits, redrawn, with_signs
 from core.mechanism.unfinished import unfinished
 from core.project import load, save
 from core.study import Study, certificate_of, extremes_of, findings_of, many

@@ -22,9 +22,9 @@ from core.design import (
     with_new_row,
 )
 from core.errors import DesignError, NoPosition
-from core.mechanism.drawing.copies import part_of, with_part
-from core.mechanism.drawing.edits import (
+from core.mechanism.drawing_edits import (
     empty_linkage,
+    part_of,
     with_driving_link,
     with_ground,
     with_joined,
@@ -33,6 +33,7 @@ from core.mechanism.drawing.edits import (
     with_mirrored,
     with_moved,
     with_name,
+    with_part,
     with_pin,
     with_slider,
     with_split,
@@ -40,8 +41,7 @@ from core.mechanism.drawing.edits import (
     with_welded,
     without,
 )
-from core.mechanism.drawing.settling import settled
-from core.mechanism.drawing.sheet import Spot, places_of, pose_of, with_places
+from core.mechanism.drawn import Spot, places_of, pose_of, settled, with_places
 from core.mechanism.drivers import with_roller
 from core.project import dumps, loads
 

@@ -14,8 +14,7 @@ from sampled import spread
 from core.design import Design, Drive, Driver, Linkage, LinkageLoads, LinkForce, Slider, with_drive
 from core.instant_centres import all_centres, mechanical_advantage
 from core.mechanism import driver_ranges_of, unit_speed_kinematics
-from core.mechanism.conditioning import error_bounds
-from core.mechanism.solving import at_driver
+from core.mechanism.mechanism import at_driver, error_bounds
 from core.study import Study, certificate_of, extremes_of, findings_of, quantity
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"

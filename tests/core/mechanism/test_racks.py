@@ -8,8 +8,8 @@ import pytest
 
 from core.design import Design, faults, get
 from core.errors import DesignError
+from core.mechanism.drivers import wheel_pairs
 from core.mechanism.unfinished import unfinished
-from core.mechanism.wheels import wheel_pairs
 from core.project import dumps, load, loads, save
 from core.study import Study, certificate_of, extremes_of, findings_of, many, quantity
 

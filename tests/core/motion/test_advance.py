@@ -16,8 +16,8 @@ from core.__main__ import main
 from core.design import Motion, NamedCurve, Segment, SplineCurve, SplinePoint, edited, faults, turns_on
 from core.errors import DesignError, NoSuchStage
 from core.motion import findings, program
-from core.motion.feeds import Indexer, indexer
-from core.output.cycle import stops_of
+from core.motion.curves import Indexer, indexer
+from core.output.channels import stops_of
 from core.project import dumps, load, loads
 from core.study import Study
 

@@ -10,7 +10,7 @@ from mechanisms import LIFT
 
 from core.__main__ import main
 from core.blend import Request, blend
-from core.blend.apply import in_place, into_design, over_the_turn
+from core.blend.best import in_place, into_design, over_the_turn
 from core.design import (
     Design,
     edited,

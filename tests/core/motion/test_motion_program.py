@@ -18,7 +18,7 @@ from core.design.edits import with_rise, with_span
 from core.errors import DesignError
 from core.findings import ERROR, WARNING
 from core.motion import TURN, Angles, Program, degrees, findings, going_on, program
-from core.numerics.columns import column
+from core.numerics.lazy import column
 
 # See test_laws; besides, the place inside the segment comes of: start of the segment, difference, span, quotient, start
 # of the piece (5 roundings of the cam angle), the level and the rise of two conversions each.

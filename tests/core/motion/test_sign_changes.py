@@ -1,4 +1,4 @@
-"""core.motion.roots: every change of sign, to the last bits, across kinks, between samples and at joins."""
+"""core.motion.extremes: every change of sign, to the last bits, across kinks, between samples and at joins."""
 
 import math
 
@@ -10,8 +10,7 @@ from mechanisms import levels
 from references import EPS
 
 from core.motion import TURN, Angles, Program
-from core.motion.extremes import piecewise_angles
-from core.motion.roots import crossings
+from core.motion.extremes import crossings, piecewise_angles
 
 ONE = Program(levels(0.0, (360.0, 0.0, "dwell")))
 HALVES = Program(levels(0.0, (180.0, 10.0, "cycloidal"), (180.0, 0.0, "cycloidal")))

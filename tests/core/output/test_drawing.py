@@ -11,7 +11,8 @@ from sampled import spread
 
 from core.design import Design
 from core.errors import KindynaError, NoCam
-from core.output.drawing import PAPERS, DrawingSheet, Request, SheetCircle, SheetLine, SheetLogo, SheetText, drawing
+from core.output.files.cam_drawing import drawing
+from core.output.files.sheet import PAPERS, DrawingRequest, DrawingSheet, SheetCircle, SheetLine, SheetLogo, SheetText
 from core.project import load, load_one
 from core.study import Study, extremes_of
 
@@ -92,7 +93,7 @@ def test_an_eccentric_disk_is_stated_in_closed_form(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("design", "flank"), [(HOLLOW, "inner"), (with_shaft(HOLLOW, rotation="cw"), "inner")])
 def test_radii_and_points_are_those_of_the_cam(design: Design, flank: str) -> None:
-    sheet, study = drawing(Study(design), Request(flank=flank)), Study(design, 36)
+    sheet, study = drawing(Study(design), DrawingRequest(flank=flank)), Study(design, 36)
     there = study.cam.only(flank).flank
     table = points(sheet)
     assert table[:, 0] == pytest.approx(np.arange(0.0, 360.0, 10.0), abs=0.0)
@@ -110,7 +111,7 @@ def test_radii_and_points_are_those_of_the_cam(design: Design, flank: str) -> No
 
 
 def test_what_is_known_of_the_blank_is_drawn_and_stated() -> None:
-    sheet = drawing(Study(KEYED), Request(date="1 March"))
+    sheet = drawing(Study(KEYED), DrawingRequest(date="1 March"))
     given = {
         "Base radius": "30", "Bore ⌀": "20", "Hub ⌀": "34", "Keyway width": "6", "Keyway depth, from the bore": "2.8",
         "Keyway angle, °": "90", "Thickness": "12",
@@ -138,10 +139,12 @@ def test_the_drawing_of_one_drive_of_several_names_machine_and_drive() -> None:
 @pytest.mark.stress
 def test_the_other_flanks_have_drawings() -> None:
     groove, pair = (Study(load(EXAMPLES / f"{name}.toml")) for name in ("groove", "conjugate"))
-    assert field(drawing(groove, Request(flank="outer")), "Face") == "Roller, radius 16 mm", (
+    assert field(drawing(groove, DrawingRequest(flank="outer")), "Face") == "Roller, radius 16 mm", (
         "the play is none of the roller"
     )
-    assert beside(drawing(pair, Request(flank="second")), "Smallest radius") != beside(drawing(pair), "Smallest radius")
+    assert beside(drawing(pair, DrawingRequest(flank="second")), "Smallest radius") != beside(
+        drawing(pair), "Smallest radius"
+    )
 
 
 # -- the page ---------------------------------------------------------------------------------------------
@@ -196,7 +199,7 @@ DRAWN = ("transfer_lift", "tappet_flat", "groove", "conjugate", "rocker_shoe", "
 
 @pytest.mark.parametrize(("name", "paper"), spread([(name, paper) for name in DRAWN for paper in PAPERS], 2))
 def test_nothing_lies_over_anything(name: str, paper: str) -> None:
-    check_page(drawing(Study(load(EXAMPLES / f"{name}.toml")), Request(paper=paper)), paper)
+    check_page(drawing(Study(load(EXAMPLES / f"{name}.toml")), DrawingRequest(paper=paper)), paper)
 
 
 @pytest.mark.stress
@@ -204,7 +207,8 @@ def test_a_full_page_has_room_for_all(tmp_path: Path) -> None:
     check_page(drawing(Study(KEYED)), "A4")
     Image.new("RGB", (300, 80), "navy").save(tmp_path / "logo.png")
     sheet = drawing(
-        Study(KEYED), Request(author="J. Kim", company="Cams & Sons Ltd., Busan", logo=str(tmp_path / "logo.png"))
+        Study(KEYED),
+        DrawingRequest(author="J. Kim", company="Cams & Sons Ltd., Busan", logo=str(tmp_path / "logo.png")),
     )
     check_page(sheet, "A4")
     assert (field(sheet, "Drawn"), field(sheet, "Company")) == ("J. Kim", "Cams & Sons Ltd., Busan")
@@ -217,7 +221,7 @@ def test_a_full_page_has_room_for_all(tmp_path: Path) -> None:
 def test_a_logo_that_is_no_picture_is_left_out_and_said(tmp_path: Path) -> None:
     (tmp_path / "logo.png").write_bytes(b"\x89PNG\r\n\x1a\n broken")
     for name, why in (("logo.png", "is no picture that can be read"), ("none.png", "no such file")):
-        sheet = drawing(Study(HOLLOW), Request(logo=str(tmp_path / name)))
+        sheet = drawing(Study(HOLLOW), DrawingRequest(logo=str(tmp_path / name)))
         assert why in sheet.lacking
         assert not any(isinstance(item, SheetLogo) for item in sheet.items)
 
@@ -225,7 +229,9 @@ def test_a_logo_that_is_no_picture_is_left_out_and_said(tmp_path: Path) -> None:
 def test_the_scale_fits_the_paper() -> None:
     """Four times the cam on the same paper, and larger paper, change the scale as they should."""
     scales = {
-        (size, paper): field(drawing(Study(with_cam(HOLLOW, base_radius_mm=size)), Request(paper=paper)), "Scale")
+        (size, paper): field(
+            drawing(Study(with_cam(HOLLOW, base_radius_mm=size)), DrawingRequest(paper=paper)), "Scale"
+        )
         for size, paper in ((30.0, "A4"), (30.0, "A3"), (300.0, "A4"), (300.0, "A3"))
     }
     factor = {key: float(text.split(":")[0]) / float(text.split(":")[1]) for key, text in scales.items()}
@@ -246,6 +252,6 @@ def test_what_cannot_be_drawn_is_refused_as_its_profile_is() -> None:
     with pytest.raises(KindynaError, match="this kind of design has none of that name"):
         drawing(Study(load(EXAMPLES / "four_bar.toml")))
     with pytest.raises(KindynaError, match="flank 'outer': this cam has none of that name; allowed: inner"):
-        drawing(Study(HOLLOW), Request(flank="outer"))
+        drawing(Study(HOLLOW), DrawingRequest(flank="outer"))
     with pytest.raises(KindynaError, match="paper 'A5': not known; allowed: A4, A3"):
-        drawing(Study(HOLLOW), Request(paper="A5"))
+        drawing(Study(HOLLOW), DrawingRequest(paper="A5"))

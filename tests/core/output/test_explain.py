@@ -18,8 +18,7 @@ from sampled import spread, stressed
 from core.__main__ import main
 from core.design import Balancer, put
 from core.output.channels import channels, existing
-from core.output.explain import Explanation, as_text, explainable, explained
-from core.output.explain.subjects import number_of_finding, number_of_residual
+from core.output.explain import Explanation, as_text, explainable, explained, number_of_finding, number_of_residual
 from core.output.export import files
 from core.output.report.formula import mathml
 from core.output.summary import summary

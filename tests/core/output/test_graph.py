@@ -30,7 +30,7 @@ from core.output.graph import (
     unit_of_column,
     with_curve,
 )
-from core.output.graph.setup_file import load_setup, save_setup
+from core.output.graph.model import load_setup, save_setup
 from core.project import load
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"

@@ -18,14 +18,13 @@ from core.design import Balancer, edited, entries, put
 from core.laws import LAWS
 from core.output.export import OF_SHAFT
 from core.output.report import report
-from core.output.report.document import PARTS, document
+from core.output.report.document import PARTS, document, html, inline_svg
 from core.output.report.equations import EQUATIONS, equations_of
 from core.output.report.formula import mathml
-from core.output.report.html import html, inline_svg
 from core.output.summary import summary
 from core.papers import claims
 from core.project import load, loads
-from core.project.reasons import reason
+from core.project.reading_faults import reason
 from core.study import Study
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"

@@ -15,7 +15,7 @@ import pytest
 from mechanisms import LIFT
 from sampled import stressed
 
-from core.output.web import web_page
+from core.output.handover import web_page
 from core.project import load
 from core.study import Study
 

@@ -7,10 +7,10 @@ import pytest
 
 from core.design import all_paths, put
 from core.output.report import report
-from core.output.report.of_study import table_sections
 from core.output.report.parts import ReportTable
+from core.output.report.sections import table_sections
 from core.project import load
-from core.project.reasons import reason, reasons, reasons_of
+from core.project.reading_faults import reason, reasons, reasons_of
 from core.study import Study
 
 EXAMPLES = {

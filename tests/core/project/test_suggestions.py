@@ -12,8 +12,8 @@ import tomli_w
 from sampled import spread
 
 from core.errors import DesignError, Fault
+from core.process import resources
 from core.project import loads
-from core.resources import resources
 
 EXAMPLES = [
     file.read_text("utf-8")

@@ -28,7 +28,7 @@ from core.design import Design, Shaft
 from core.motion import TURN, Angles, Program
 from core.output.channels import channels, existing
 from core.shaft import Flywheel, LoadCurve, filtered, load_curve, panel_angles
-from core.shaft.linear import phi
+from core.shaft.flywheel import phi
 from core.study import Study
 from core.study.stages import evaluations
 

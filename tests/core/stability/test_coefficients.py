@@ -8,7 +8,7 @@ from shafts import HARD, KIM, coefficients, kim_table, of, with_elastic
 
 from core.design import Design
 from core.errors import NoStability
-from core.stability.hill.coefficients import CENTRIPETAL, CURVATURE, INERTIA, LOAD, LOAD_SLOPE, is_dwell
+from core.stability.coefficients import CENTRIPETAL, CURVATURE, INERTIA, LOAD, LOAD_SLOPE, is_dwell
 from core.stability.panels import fit
 from core.study import Study, certificate_of, extremes_of, findings_of
 

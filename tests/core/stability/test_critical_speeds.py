@@ -14,7 +14,7 @@ from shafts import HARD, KIM, KIM_SHAFT, coefficients, of, with_elastic
 
 from core.design import Design, ElasticShaft, entries, faults, get, put
 from core.design import with_elastic as with_shaft_of
-from core.numerics.cancellation import Cancelled, cancellable
+from core.numerics.lazy import Cancelled, cancellable
 from core.output.report import report
 from core.output.summary import summary
 from core.stability import (

@@ -1,4 +1,4 @@
-"""core.stability.hill.coefficients and harmonics: coefficients of functions in pieces, and multiplication by them."""
+"""core.stability.coefficients and harmonics: coefficients of functions in pieces, and multiplication by them."""
 
 import mpmath
 import numpy as np
@@ -8,18 +8,20 @@ from hypothesis import strategies as st
 from sampled import spread
 from shafts import HARD, KIM, A, coefficients, kim, moved
 
-from core.stability.hill.coefficients import (
+from core.stability.coefficients import (
     APPROXIMATE,
     CENTRIPETAL,
     CURVATURE,
     EXACT,
     INERTIA,
     LOAD_SLOPE,
+    Basis,
+    basis,
     fourier,
+    product,
     truncation,
     weight_and_potential,
 )
-from core.stability.hill.matrices import Basis, basis, product
 
 ORDERS = (0, 1, 2, 7, 24)
 

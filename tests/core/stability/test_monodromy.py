@@ -15,8 +15,8 @@ from shafts import HARD, KIM, coefficients
 
 from core.project import loads
 from core.stability import APPROXIMATE, EXACT, monodromy
+from core.stability.coefficients import INERTIA
 from core.stability.floquet import determinant, growth, liouville, zeros_at_standstill
-from core.stability.hill.coefficients import INERTIA
 from core.study import Study
 
 POINTS = ((0.85, 0.1, 0.0), (2.0, 0.05, 0.01), (5.3, 0.4, 0.0), (0.3, 1.0, 0.05))

@@ -124,7 +124,7 @@ def test_the_linear_harmonics_are_those_of_the_periodic_solution(equation: str, 
     start = np.linalg.solve(np.eye(2) - np.array([one[:, -1], other[:, -1]]).T, own[:, -1])
     beta = (own + start[0] * one + start[1] * other)[0, :-1]
     dense = np.fft.rfft(beta)[:13] / beta.size
-    from core.stability.hill.forced import forced_response
+    from core.stability.tongues import forced_response
 
     found = forced_response(coefficients(KIM), ETA, Q, damping, equation)
     assert np.abs(found[:13] - dense).max() < 1e-8 * np.abs(dense).max() + 1e-11

@@ -24,8 +24,8 @@ from core.stability import (
     tongues,
     tongues_of_order,
 )
+from core.stability.coefficients import LOAD_SLOPE, fourier
 from core.stability.critical_speeds import loads_at
-from core.stability.hill.coefficients import LOAD_SLOPE, fourier
 from core.study import Study, certificate_of, findings_of
 
 MODELS = (APPROXIMATE, EXACT)

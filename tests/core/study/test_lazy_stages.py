@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from mechanisms import LIFT
 
-from core.cam import round_face
+from core.cam import shape
 from core.study import Study, clear_caches, evaluations, findings_of
 
 FLANK = ("pitch", "profile", "pressure_angle", "pitch_curvature", "pitch_curvature_slope", "profile_curvature")
@@ -51,8 +51,8 @@ def test_of_a_flank_only_what_is_asked_for_is_made(study: Study, name: str) -> N
 
 def test_the_curvatures_are_made_together_and_once(study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[int] = []
-    usual = round_face.curvature
-    monkeypatch.setattr(round_face, "curvature", lambda *parts: asked.append(1) or usual(*parts))
+    usual = shape.curvature
+    monkeypatch.setattr(shape, "curvature", lambda *parts: asked.append(1) or usual(*parts))
     flank = study.cam.flank
     assert asked == []
     for _ in range(2):

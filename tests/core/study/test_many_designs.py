@@ -15,13 +15,13 @@ from sampled import spread, stressed
 
 from core.design import ELEMENT_LISTS, FOLLOWER_KINDS, Design, edited, entries, get, put, row_at
 from core.design.edits import with_face, with_form
-from core.design.element_edits import load_lists, with_new_row
+from core.design.load_edits import load_lists, with_new_row
 from core.errors import NoAnswer
 from core.output.channels import channels
 from core.project import load
 from core.study import Study, extremes_of, findings_of, many
-from core.study.batches.asked import asked_of
-from core.study.batches.batch import together
+from core.study.batch import together
+from core.study.quantity_requests import asked_of
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
 EXAMPLE = {"cam-slider": "transfer_lift", "translating": "dwell_rise_dwell", "oscillating": "rocker_cam"}

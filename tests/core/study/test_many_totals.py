@@ -14,8 +14,8 @@ from core.design import Design, edited, get, only, put, row_at, with_only
 from core.design.camshaft import drive_at
 from core.project import load
 from core.study import Study, extremes_of, many, roller_lives
-from core.study.batches.asked import asked_of
-from core.study.batches.batch import together
+from core.study.batch import together
+from core.study.quantity_requests import asked_of
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
 TOTALS = ("energy_j", "flywheel_inertia_kg_m2")

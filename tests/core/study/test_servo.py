@@ -8,10 +8,10 @@ import pytest
 
 from core.__main__ import main
 from core.errors import DesignError
+from core.process import resources
 from core.project import loads
-from core.resources import resources
 from core.study import Study, findings_of
-from core.study.servo import servo_power, servo_turn
+from core.study.study import servo_power, servo_turn
 
 TURN = 1.0  # s, at 60 rpm
 HEAD = 'format = 1\nname = "Servo"\n'

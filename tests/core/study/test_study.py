@@ -263,7 +263,7 @@ def test_exporting_loads_neither_scipy_nor_a_window(tmp_path: Path) -> None:
     loaded = set(done.stdout.splitlines()[-1].split()[1:])
     assert "core" in loaded
     assert not {"scipy", "PySide6", "shiboken6", "pyqtgraph", "PIL", "kindyna_gui", "matplotlib"} & loaded
-    others = {"blend", "measured", "stability", "output.blend_text", "output.position", "output.stability_files"}
+    others = {"blend", "measured", "stability", "output.texts", "output.position", "output.stability_files"}
     assert not {f"core.{name}" for name in others} & loaded, "of other commands"
 
 
@@ -298,11 +298,11 @@ def test_checking_a_lift_loads_nothing_of_other_questions() -> None:
     done = subprocess.run([sys.executable, "-c", NEEDED], cwd=ROOT, capture_output=True, text=True, check=True)
     loaded = set(done.stdout.splitlines()[-1].split()[1:])
     other = {
-        "core.design": "element_edits unfinished timing_moves joins mirror motions",
-        "core.dynamics": "contact_force flight across_play free_body",
-        "core.instant_centres": "differences velocities",
-        "core.shaft": "balancer phases follower_mass",
-        "core.study": "batch together highest speeds flexible_shaft",
+        "core.design": "load_edits unfinished motion_edits",
+        "core.dynamics": "contact_force flight free_body",
+        "core.instant_centres": "velocities",
+        "core.shaft": "balancer phases",
+        "core.study": "batch stages_of_many highest speeds",
     }
     assert "core.study.findings" in loaded
     assert not {f"{room}.{name}" for room, names in other.items() for name in names.split()} & loaded

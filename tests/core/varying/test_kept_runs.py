@@ -13,7 +13,7 @@ from folders import content
 from sampled import spread
 
 from core.__main__ import main
-from core.resources import resources
+from core.process import resources
 
 STUDY = """
 design = "lift.toml"

@@ -12,12 +12,12 @@ from sampled import stressed
 
 from core.__main__ import main
 from core.design import Tolerance, edited, get, only, put
+from core.process import resources
 from core.project import load
-from core.resources import resources
 from core.study import Study, extremes_of, findings_of, many
 from core.study.quantities import quantity
 from core.varying import Bounded, Goal, StudyFile, Vary, load_study, optimise, remarks, study_of, with_words
-from core.varying.epigraph import epigraph
+from core.varying.descent import epigraph
 
 
 def translating():

@@ -11,8 +11,8 @@ import pytest
 
 from core.__main__ import main
 from core.design import Tolerance, Waviness, only, put
+from core.process import resources
 from core.project import dumps, load, save
-from core.resources import resources
 from core.study import Study, many
 from core.study.quantities import quantity
 from core.varying import Bounded, Scatter, Share, StudyFile, study_of, waves_of

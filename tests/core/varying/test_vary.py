@@ -16,8 +16,8 @@ import pytest
 from core.__main__ import main
 from core.design import edited, put
 from core.errors import DesignError
+from core.process import resources
 from core.project import load
-from core.resources import resources
 from core.study import Study, extremes_of, many
 from core.varying import Run, load_study, save_study, workers
 
@@ -285,7 +285,7 @@ def test_a_cluster_one_of_whose_processes_dies_gives_the_same_bytes(place):
 
 
 def test_a_cluster_that_does_not_answer_is_one_line(place, capsys, monkeypatch):
-    monkeypatch.setattr("core.varying.run.CONNECTING", 0.5)
+    monkeypatch.setattr("core.varying.space.CONNECTING", 0.5)
     if importlib.util.find_spec("distributed") is None:
         assert vary(place, "--scheduler", "tcp://127.0.0.1:9") == 2
         assert "install the extra cluster" in capsys.readouterr().err

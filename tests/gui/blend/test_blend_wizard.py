@@ -16,7 +16,7 @@ from sampled import spread
 from window_user import Open, User, settle, wait_for
 
 from core.blend import BlendError, Request, SettingRange, best, blend, feasible_ranges
-from core.blend.apply import into_design
+from core.blend.best import into_design
 from core.design import Design, Motion, NamedCurve, Segment, edited, faults
 from core.project import load
 from core.study import Study

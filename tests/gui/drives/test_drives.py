@@ -17,7 +17,7 @@ from window_user import Open, User, end_pauses, pixel, settle, wait_for
 
 from core.design import drive_names, only, phase_room
 from core.design.limits import Waviness
-from core.output.export import streams, texts
+from core.output.export import Film, streams, texts
 from core.project import load
 from core.study import Study
 from core.study.stages import memory
@@ -30,7 +30,7 @@ from kindyna_gui.export.export_dialogs import TablesWanted
 from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.linkage.mechanism_view import MechanismView
 from kindyna_gui.pictures.drawing.assembly import DriveFigure
-from kindyna_gui.pictures.film import Film, shoot
+from kindyna_gui.pictures.film import shoot
 from kindyna_gui.places import example
 from kindyna_gui.touched import BesideMouse
 

@@ -20,17 +20,17 @@ from sampled import spread
 from window_user import Open, User, settle
 
 from core.errors import KindynaError
-from core.output.export import files
-from core.output.handover import Request
+from core.output.export import Film, files
+from core.output.handover import HandoverRequest, web_page
 from core.output.report import report
-from core.output.web import web_page
 from core.project import load, loads
 from core.study import Study
 from kindyna_gui import dialogs, waiting
-from kindyna_gui.export import controller_dialog, drawing_dialog, export_dialogs, handover_dialog, profile_dialog
+from kindyna_gui.export import controller_dialog, drawing_dialog, handover_dialog, profile_dialog
+from kindyna_gui.export import export_dialogs as export_tables
 from kindyna_gui.export.export_dialogs import FilmDialog, TablesDialog, TablesWanted, film_wanted, tables_wanted
 from kindyna_gui.inspection import export_dialog
-from kindyna_gui.pictures.film import Camera, Film, pictures, shoot
+from kindyna_gui.pictures.film import Camera, pictures, shoot
 from kindyna_gui.places import example
 from kindyna_gui.waiting import progress
 
@@ -67,7 +67,7 @@ def test_file_export_offers_everything(user: User) -> None:
 @pytest.mark.parametrize("samples", spread([72, 3600], 1))
 def test_the_tables_are_the_cores(samples: int, user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = tmp_path / "new" / "tables"
-    monkeypatch.setattr(export_dialogs, "tables_wanted", lambda *_: TablesWanted(folder, samples))
+    monkeypatch.setattr(export_tables, "tables_wanted", lambda *_: TablesWanted(folder, samples))
     user.session.edit("motion.stroke", 160.0, "a")
     user.choose(*EXPORT, "Tables...")
     wanted = files(Study(user.design, samples))
@@ -77,7 +77,7 @@ def test_the_tables_are_the_cores(samples: int, user: User, tmp_path: Path, monk
 
 def test_tables_that_cannot_be_written_are_told(user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "file").write_text("")
-    monkeypatch.setattr(export_dialogs, "tables_wanted", lambda *_: TablesWanted(tmp_path / "file", 72))
+    monkeypatch.setattr(export_tables, "tables_wanted", lambda *_: TablesWanted(tmp_path / "file", 72))
     user.choose(*EXPORT, "Tables...")
     assert [what for what, _ in user.faults] == ["The tables cannot be exported."]
 
@@ -94,8 +94,8 @@ def test_a_cancelled_dialog_writes_nothing(user: User, tmp_path: Path, monkeypat
     user.picks("page_to_save", None)
     user.picks("picture_to_save", None)
     user.picks("timing_to_save", None)
-    monkeypatch.setattr(export_dialogs, "tables_wanted", lambda *_: None)
-    monkeypatch.setattr(export_dialogs, "film_wanted", lambda *_: None)
+    monkeypatch.setattr(export_tables, "tables_wanted", lambda *_: None)
+    monkeypatch.setattr(export_tables, "film_wanted", lambda *_: None)
     monkeypatch.setattr(profile_dialog, "profile_wanted", lambda *_: None)
     monkeypatch.setattr(drawing_dialog, "drawing_wanted", lambda *_: None)
     monkeypatch.setattr(export_dialog, "inspection_wanted", lambda *_: None)
@@ -140,7 +140,7 @@ def test_the_hand_over_is_one_archive_of_all_files(
     same_window: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     user = same_window(example("card_picker"))
-    monkeypatch.setattr(handover_dialog, "handover_wanted", lambda *_: Request(controller="codesys-xyva"))
+    monkeypatch.setattr(handover_dialog, "handover_wanted", lambda *_: HandoverRequest(controller="codesys-xyva"))
     user.picks("handover_to_save", tmp_path / "lift.zip")
     user.choose(*EXPORT, "Hand-over...")
     with zipfile.ZipFile(tmp_path / "lift.zip") as archive:
@@ -256,7 +256,7 @@ def test_frames_size_format_and_time_are_asked(user: User, tmp_path: Path, monke
         suggested.append(suggestion)
         return str(tmp_path / "film"), filters
 
-    monkeypatch.setattr(export_dialogs.QFileDialog, "getSaveFileName", pick)
+    monkeypatch.setattr(export_tables.QFileDialog, "getSaveFileName", pick)
 
     def act(dialog: QWidget) -> None:
         assert isinstance(dialog, FilmDialog)
@@ -293,7 +293,7 @@ def test_an_animation_of_one_turn(user: User, tmp_path: Path, monkeypatch: pytes
         asked.append(seconds)
         return tmp_path / "film.gif", SMALL
 
-    monkeypatch.setattr(export_dialogs, "film_wanted", wanted)
+    monkeypatch.setattr(export_tables, "film_wanted", wanted)
     user.choose(*EXPORT, "Animation...")
     assert asked == pytest.approx([3.0]), "20 rpm in true time"
     film = Image.open(BytesIO((tmp_path / "film.gif").read_bytes()))
@@ -305,12 +305,12 @@ def test_an_animation_of_one_turn(user: User, tmp_path: Path, monkeypatch: pytes
 def test_the_layers_on_the_screen_are_those_of_the_animation(
     user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(export_dialogs, "film_wanted", lambda *_: (tmp_path / "a.gif", SMALL))
+    monkeypatch.setattr(export_tables, "film_wanted", lambda *_: (tmp_path / "a.gif", SMALL))
     user.choose(*EXPORT, "Animation...")
     view = user.window.view("mechanism")
     assert view is not None
     next(a for a in view.layer_actions() if a.text() == "Labels").trigger()
-    monkeypatch.setattr(export_dialogs, "film_wanted", lambda *_: (tmp_path / "b.gif", SMALL))
+    monkeypatch.setattr(export_tables, "film_wanted", lambda *_: (tmp_path / "b.gif", SMALL))
     user.choose(*EXPORT, "Animation...")
     assert (tmp_path / "a.gif").read_bytes() == shoot(user.design, SMALL)
     assert (tmp_path / "b.gif").read_bytes() == shoot(user.design, SMALL, {"labels": False})
@@ -324,7 +324,7 @@ def test_a_cancelled_animation_writes_nothing(user: User, tmp_path: Path, monkey
         yield lambda done: (drawn.append(done), done < 3)[1]
 
     monkeypatch.setattr(waiting, "progress", impatient)
-    monkeypatch.setattr(export_dialogs, "film_wanted", lambda *_: (tmp_path / "film.gif", SMALL))
+    monkeypatch.setattr(export_tables, "film_wanted", lambda *_: (tmp_path / "film.gif", SMALL))
     user.choose(*EXPORT, "Animation...")
     assert drawn == [0, 1, 2, 3]
     assert list(tmp_path.iterdir()) == []
@@ -361,7 +361,7 @@ def test_an_animation_is_given_up_while_it_is_encoded_too(ending: str) -> None:
 def test_tables_are_written_beside_the_window_which_stays_alive_and_can_be_cancelled(
     user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(export_dialogs, "tables_wanted", lambda *_: TablesWanted(tmp_path / "tables", 200_000))
+    monkeypatch.setattr(export_tables, "tables_wanted", lambda *_: TablesWanted(tmp_path / "tables", 200_000))
     ticks: list[bool] = []
 
     def tick() -> None:
@@ -396,7 +396,7 @@ def test_the_progress_can_be_cancelled(open_user: Open) -> None:
 def test_an_animation_that_cannot_be_written_is_told(
     user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(export_dialogs, "film_wanted", lambda *_: (tmp_path / "nowhere" / "film.gif", SMALL))
+    monkeypatch.setattr(export_tables, "film_wanted", lambda *_: (tmp_path / "nowhere" / "film.gif", SMALL))
     user.choose(*EXPORT, "Animation...")
     assert [what for what, _ in user.faults] == ["film.gif cannot be written."]
 

@@ -10,8 +10,8 @@ from PySide6.QtWidgets import QComboBox
 from window_user import Open, User, answering, wait_for
 
 from core.__main__ import main
-from core.output.profile import files
-from core.output.profile.drawing import layers
+from core.output.files.files import files
+from core.output.files.profile_files import layers
 from core.project import load, save
 from kindyna_gui.export.profile_dialog import ProfileDialog
 from kindyna_gui.pictures.style import LIGHT

@@ -11,8 +11,8 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QPushButton, QStyle, QStyleOptionSpinBox, QToolTip, QVBoxLayout, QWidget
 
 from core.design import UNITS, Info
+from core.output.lines import shortest
 from kindyna_gui.forms.number_box import NumberBox
-from kindyna_gui.labels import shortest
 
 LENGTH = Info("Length", low=0.0, high=1e9, open_low=True)
 SHARE = Info("Share", low=0.0, high=1.0, step=0.05)

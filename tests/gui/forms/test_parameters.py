@@ -13,12 +13,12 @@ from sampled import spread
 from window_user import Open, User, settle, wait_for
 
 from core.design import CamSlider, entries, get
+from core.output.lines import shortest
 from core.project import load, save
 from kindyna_gui.export.exports import Exports
 from kindyna_gui.files.beginnings import beginning
 from kindyna_gui.forms.number_box import NumberBox, WordBox
 from kindyna_gui.forms.parameters_view import SECTIONS
-from kindyna_gui.labels import shortest
 from kindyna_gui.places import example
 
 ROD, ARM, X = "follower.rod_mm", "follower.roller_arm_mm", "follower.pivot_x_mm"

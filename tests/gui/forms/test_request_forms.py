@@ -9,15 +9,15 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 from window_user import Open, User, answering, wait_for
 
-import core.commands.inspection as command
-import kindyna_gui.inspection.form as form_room
 from core.__main__ import main
-from core.commands.export import Arguments as Tables
+from core.commands.cams import InspectionArguments
+from core.commands.export import ExportArguments as Tables
 from core.design.fields import choice, flag, number
 from core.frozen import frozen
-from core.output import drawing, inspection
-from core.output.film import Film
-from core.output.profile.request import Machining
+from core.output.export import Film
+from core.output.files.probe import InspectionRequest
+from core.output.files.profile_request import Machining
+from core.output.files.sheet import DrawingRequest
 from core.requests import asked
 from kindyna_gui.forms.request_form import RequestForm
 from kindyna_gui.inspection.export_dialog import InspectionDialog
@@ -31,7 +31,7 @@ def open_user(same_window: Open) -> Open:
 
 
 @frozen
-class Strange(inspection.Request):
+class Strange(InspectionRequest):
     """An inspection for which a stranger wants to know more."""
 
     pace_mm_min: float = asked(number("Pace of the probe", 1.0, 500.0, default=60.0, help="along the profile"))
@@ -40,7 +40,7 @@ class Strange(inspection.Request):
 
 
 @frozen(kw_only=True)
-class StrangeArguments(command.Arguments):
+class StrangeArguments(InspectionArguments):
     """The command's with this request."""
 
     request: Strange = Strange()
@@ -50,8 +50,8 @@ def test_a_field_of_a_stranger_is_an_option_and_stands_in_the_dialog(
     user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Of the real command and the real dialog, from nothing but the request."""
-    monkeypatch.setattr(command, "Arguments", StrangeArguments)
-    monkeypatch.setattr(form_room, "Request", Strange)
+    monkeypatch.setattr("core.commands.cams.InspectionArguments", StrangeArguments)
+    monkeypatch.setattr("kindyna_gui.inspection.form.InspectionRequest", Strange)
     assert main(["inspection", "--help"]) == 0
     told = " ".join(capsys.readouterr().out.split())
     assert "--pace MM/MIN along the profile (60)" in told
@@ -61,7 +61,9 @@ def test_a_field_of_a_stranger_is_an_option_and_stands_in_the_dialog(
     assert main([*words, "--pace", "501"]) == 2
     assert "argument --pace: '501': pace of the probe; allowed: 1 ... 500 mm/min" in capsys.readouterr().err
     taken: list[Any] = []
-    monkeypatch.setattr(command, "run", lambda arguments, painter: taken.append(arguments.request) or 0)
+    monkeypatch.setattr(
+        "core.commands.cams.run_inspection", lambda arguments, painter: taken.append(arguments.request) or 0
+    )
     assert main([*words, "--pace", "90", "--side", "far", "--dry", "--samples", "72"]) == 0
     typed = (taken[0].pace_mm_min, taken[0].side, taken[0].dry, taken[0].samples, taken[0].flank)
     assert typed == (90.0, "far", True, 72, "inner")
@@ -89,7 +91,7 @@ def test_a_field_of_a_stranger_is_an_option_and_stands_in_the_dialog(
     assert (taken[1].pace_mm_min, taken[1].side, taken[1].dry) == (45.5, "far", True)
 
 
-@pytest.mark.parametrize("kind", [inspection.Request, drawing.Request, Machining, Film])
+@pytest.mark.parametrize("kind", [InspectionRequest, DrawingRequest, Machining, Film])
 def test_a_form_begins_with_what_a_command_takes_as_usual(app: QApplication, kind: Any) -> None:
     assert RequestForm(kind).request == kind()
 

@@ -16,7 +16,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 from window_user import Alone, settle, wait_for
 
-from core.numerics.cancellation import checkpoint
+from core.numerics.lazy import checkpoint
 from core.output.graph import DesignSource, GraphPoint, Progress, Source
 from core.project import load
 from core.study import Study

@@ -28,7 +28,7 @@ from window_user import Open, User, settle, wait_for
 from core.__main__ import main
 from core.design import SplineCurve
 from core.measured import MotionFit
-from core.numerics.cancellation import checkpoint
+from core.numerics.lazy import checkpoint
 from core.project import load
 from kindyna_gui import dialogs
 from kindyna_gui.measured import request

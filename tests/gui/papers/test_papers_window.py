@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QTreeWidgetItem
 from sampled import spread
 from window_user import Open, User, wait_for
 
-from core.output.paper_files import table_text
+from core.output.stability_files import table_text
 from core.papers import PAPERS, VERDICTS
 from kindyna_gui.papers.figures_window import CHOOSE, FiguresWindow
 from kindyna_gui.pictures.painter import paint

@@ -11,10 +11,10 @@ from sampled import stressed
 
 from core.project import load
 from core.study import Study
-from kindyna_gui.pictures.drawing.layers import lists_links
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.pictures.items import Tag
 from kindyna_gui.places import examples
+from kindyna_gui.requirements import lists_links
 
 pytestmark = pytest.mark.usefixtures("app")
 

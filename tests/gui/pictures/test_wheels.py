@@ -6,7 +6,7 @@ from linkages import geared
 from PySide6.QtCore import QPointF
 from PySide6.QtWidgets import QApplication
 
-from core.mechanism.wheels import wheel_pairs
+from core.mechanism.drivers import wheel_pairs
 from core.study import Study
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 

@@ -12,8 +12,9 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QWidget
 from window_user import Open, User, settle, wait_for
 
-from core.numerics.cancellation import checkpoint
+from core.numerics.lazy import checkpoint
 from core.stability import stage
+from core.stability.steady import steady_turn
 from core.study.stages import memory
 from kindyna_gui.pictures.items import Tag
 from kindyna_gui.places import example
@@ -24,7 +25,7 @@ class Search:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.found, self.begun, self.ended = False, 0, 0
-        true = stage.steady_turn
+        true = steady_turn
 
         def search(*arguments: Any) -> Any:
             self.begun += 1

@@ -11,7 +11,7 @@ from PySide6.QtTest import QTest
 from stability_page import KIM, TURNS, page, pixel, unhurried
 from window_user import Open, User, settle, wait_for
 
-from core.numerics.cancellation import checkpoint
+from core.numerics.lazy import checkpoint
 from core.stability import EXACT, Stability, Verdict
 from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.stability.texts import verdict_table, waiting_text

@@ -61,7 +61,7 @@ def shown(view: StabilityView) -> History:
 @pytest.mark.stress
 def test_averages_are_followed_when_their_page_comes_to_the_front(kim: User, monkeypatch: pytest.MonkeyPatch) -> None:
     """Kim1990 Figs. 6 and 7: mean wind-up and mean rate of the first turn by η, a row for each Q."""
-    monkeypatch.setattr("core.stability.stage.etas", lambda eta_max: FEW)
+    monkeypatch.setattr("core.stability.windup.etas", lambda eta_max: FEW)
     view = page(kim)
     found = view.found
     assert found is not None

@@ -213,7 +213,7 @@ def test_a_closed_window_computes_no_more(kim: User) -> None:
 def test_a_page_that_leaves_the_screen_gives_up_and_asks_again_when_it_returns(
     kim: User, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("core.stability.stage.etas", lambda eta_max: np.arange(0.5, eta_max, 0.85))
+    monkeypatch.setattr("core.stability.windup.etas", lambda eta_max: np.arange(0.5, eta_max, 0.85))
     view = page(kim, rest=False)
     counts, few = counted(view, monkeypatch), view.drawn.q.size
     view.pages.show_page("Averages")

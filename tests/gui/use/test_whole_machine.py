@@ -28,7 +28,7 @@ from core.design import (
     rescaled,
     stroke,
 )
-from core.followers.layouts import in_layout
+from core.followers.cam_slider import in_layout
 from core.project import load
 from core.study import Study
 from kindyna_gui.documents.session import Session

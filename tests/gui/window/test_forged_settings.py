@@ -13,7 +13,8 @@ from kindyna_gui.settings import Settings
 from kindyna_gui.window.main_window import open_window
 
 KEYS = (
-    *kept.WORDS, *kept.TEXTS.values(), "window/geometry", "window/task", "window/graph", "window/welcome", "files/recent", "files/folder",
+    *kept.WORDS, *kept.TEXTS.values(), "window/geometry", "window/task", "window/graph",
+    "window/welcome", "files/recent", "files/folder",
     "layouts/names", "layouts/61/version", "layouts/61/task", "layouts/61/docks", f"layout{Settings.VERSION}/stroke/docks",
     f"layout{Settings.VERSION}/stroke/pages", f"layout{Settings.VERSION}/stroke/links",
 )  # fmt: skip

@@ -11,9 +11,9 @@ from window_user import Open, User, settle, wait_for
 
 from core.design import get
 from core.papers import PAPERS
+from core.process import resources
 from core.project import load, recovery
-from core.project.examples import subjects
-from core.resources import resources
+from core.project.reading_faults import subjects
 from kindyna_gui.files.recovery import recovery_folder
 from kindyna_gui.places import example
 from kindyna_gui.window.welcome import Card, Welcome

@@ -11,7 +11,7 @@ from feeds import FEED
 from sampled import spread
 
 from core.__main__ import main
-from core.output.controllers.row import settings_folder
+from core.output.controllers.rows import settings_folder
 from core.project import load
 
 SPLINE = "clamped-spline"

@@ -5,7 +5,7 @@ import pytest
 
 from core.errors import KindynaError
 from core.output.controllers.layout import FileTable, read, steps, written
-from core.output.controllers.row import controller, controllers
+from core.output.controllers.rows import controller, controllers
 
 A = np.array
 XYVA = """aFeed : ARRAY[0..2] OF SMC_CAMXYVA := [(dX := 0.0, dY := 0.0, dV := 0.0, dA := 0.0),

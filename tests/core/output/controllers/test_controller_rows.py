@@ -6,7 +6,7 @@ import pytest
 
 from core.errors import KindynaError
 from core.output.controllers.layout import FileTable, written
-from core.output.controllers.row import controller, controllers, rows_of, settings_folder
+from core.output.controllers.rows import controller, controllers, rows_of, settings_folder
 from kindyna_gui.__main__ import main
 from kindyna_gui.places import example
 

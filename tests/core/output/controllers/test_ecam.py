@@ -9,7 +9,7 @@ from controller_reader import CUBIC, LAWS, LINES, QUINTIC, brute, exact_motion, 
 from sampled import spread
 
 from core.__main__ import main
-from core.output.controllers.row import settings_folder
+from core.output.controllers.rows import settings_folder
 from core.project import load
 from core.study import Study
 

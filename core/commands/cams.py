@@ -1,0 +1,233 @@
+"""The command ``contact``: whether the follower stays on its cam, its flights where it does not, and the map over angle and speed."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from core.commands import DONE, DONE_WITH_ERRORS, Painter
+from core.commands.common import as_json, design_file, drive_name, one_studied, require_cam, samples_per_turn, verdict
+from core.design.fields import flag, number, whole
+from core.findings import ERROR
+from core.frozen import frozen
+from core.motion import degrees
+from core.output.files.files import FORMATS, facts_text, job_of, write_profile
+from core.output.files.inspection import (
+    Inspection,
+    ProfileComparison,
+    compare,
+    facts,
+    inspection,
+    measured_lift,
+    require_name,
+    write_inspection,
+)
+from core.output.files.probe import InspectionRequest
+from core.output.files.profile_request import ProfileRequest, rounded_up
+from core.output.lines import finding_line, printable
+from core.output.subject_files import (
+    CONTACT_SPEEDS,
+    SPECTRUM_SPEEDS,
+    elastic_lines,
+    elastic_rows,
+    flight_lines,
+    lift_off_lines,
+    map_csv,
+    map_of,
+    spectrum_csv,
+    spectrum_table,
+    speeds_of,
+)
+from core.output.summary import to_json
+from core.project import load_one
+from core.project.files import read_bytes, write_all
+from core.requests import asked, typed
+from core.study import Study
+
+# -- the command ``contact`` ------------------------------------------------------------------------------------
+
+
+@frozen(kw_only=True)
+class ContactArguments:
+    """Whose contact, whether its flights are followed, and how finely the map is."""
+
+    design: Path = design_file()
+    drive: str = drive_name()
+    flights: bool = flag("Flights", help="follow the follower after it has left the cam")
+    turns: float = asked(number("Turns", 0.0, 200.0, open_low=True, default=3.0, help="through so many"), metavar="N")
+    out: Path | None = typed("the contact force over cam angle and speed", default=None, type=Path, metavar="FILE.csv")
+    samples: int = samples_per_turn(help="cam angles of the table", default=360)
+    speeds: int = whole("Speeds of the map", 1, 2000, default=CONTACT_SPEEDS, help="speeds of the table")
+    rpm: float | None = asked(
+        number("Speed", 0.0, 1e5, open_low=True, default=None, help="highest speed of the table"),
+        usual="above the design's and that of lift-off",
+        metavar="RPM",
+    )
+
+
+def run_contact(arguments: ContactArguments, painter: Painter | None) -> int:
+    """The speed of lift-off on the terminal, with the flights where they are asked for; the map as a file."""
+    study = one_studied(arguments.design, arguments.drive)
+    require_cam(study, "contact")
+    study.contact_force  # noqa: B018 - raises, and says why, where no contact can be lost
+    lines = lift_off_lines(study)
+    if arguments.flights:
+        lines += ["", *flight_lines(study, study.flights(arguments.turns))]
+    if arguments.out is not None:
+        theta = np.deg2rad(degrees(arguments.samples))
+        found = map_of(study, theta, arguments.rpm, arguments.speeds)
+        write_all(arguments.out.parent, {arguments.out.name: map_csv(found)})
+    print("\n".join(lines))
+    return DONE
+
+
+# -- the command ``inspection`` ---------------------------------------------------------------------------------
+
+
+@frozen(kw_only=True)
+class InspectionArguments:
+    """Of which cam, how it is inspected, and the measured table that is held against it."""
+
+    design: Path = design_file()
+    drive: str = drive_name()
+    out: Path = typed("table to write (.csv), with a summary beside it", type=Path, metavar="FILE")
+    request: InspectionRequest = InspectionRequest()
+    measured: Path | None = typed(
+        "measured table: cam angle and lift in each row", default=None, type=Path, metavar="TABLE"
+    )
+    fit: bool = flag("Fit", help="fit the zero marks of its angles and of its lift by least squares")
+    json: bool = as_json()
+
+
+def run_inspection(arguments: InspectionArguments, painter: Painter | None) -> int:
+    """The files, and the verdict on the terminal."""
+    require_name(arguments.out)
+    made, comparison = inspection(Study(load_one(arguments.design, arguments.drive)), arguments.request), None
+    if arguments.measured is not None:
+        comparison = compare(
+            made.probing, measured_lift(read_bytes(arguments.measured), arguments.measured.name), arguments.fit
+        )
+    elif arguments.fit:
+        print("--fit is left aside: there is no measured table", file=sys.stderr)
+    paths = write_inspection(made, arguments.out, comparison)
+    if arguments.json:
+        print(to_json(facts(made, comparison)), end="")
+    else:
+        print("\n".join([*map(str, paths), *_lines(made, comparison)]))
+    findings = made.probing.findings if comparison is None else comparison.findings
+    for finding in findings:
+        print(finding_line(finding), file=sys.stderr)
+    return DONE_WITH_ERRORS if any(finding.severity == ERROR for finding in findings) else DONE
+
+
+def _lines(made: Inspection, comparison: ProfileComparison | None) -> list[str]:
+    """What the files hold."""
+    at = made.probing
+    size = f", radius {at.radius:.9g} mm" if at.kind.radius else ""
+    lines = [
+        f"{at.kind.label}{size}; lift 0 at {at.base:.9g} mm from the cam centre, largest {made.table.lift.max():.9g} mm",
+    ]
+    if comparison is None:
+        return lines
+    row = comparison.worst
+    if comparison.fitted:
+        lines.append(
+            f"fitted: cam angle = angle {comparison.angle_offset:+.6g} deg, lift = measured {-comparison.lift_offset:+.6g} mm"
+        )
+    band = at.request.tolerance_mm
+    lines += [
+        *(printable(note) for note in comparison.notes),
+        f"{comparison.lines.size} rows; largest deviation {comparison.normal[row]:+.4g} mm normal to the profile "
+        f"({comparison.deviation[row]:+.4g} mm of lift) at {comparison.table.degrees[row]:.6g} deg, line {comparison.lines[row]}",
+        f"in tolerance, ± {band:g} mm"
+        if comparison.in_tolerance
+        else f"OUT OF TOLERANCE, ± {band:g} mm, in {comparison.out.sum()} rows",
+    ]
+    return lines
+
+
+# -- the command ``profile`` ------------------------------------------------------------------------------------
+
+
+@frozen(kw_only=True)
+class ProfileArguments:
+    """Of which cam, and what the file shall hold."""
+
+    design: Path = design_file()
+    out: Path = typed(
+        f"file to write, its ending says how: {'|'.join(FORMATS)}; FILE.json beside it holds the facts, as --json prints them",
+        type=Path,
+        metavar="FILE",
+    )
+    drive: str = drive_name()
+    request: ProfileRequest = ProfileRequest()
+    json: bool = as_json()
+
+
+def run_profile(arguments: ProfileArguments, painter: Painter | None) -> int:
+    """The file, and the deviation that it reaches on the terminal."""
+    study = one_studied(arguments.design, arguments.drive)
+    job = job_of(study, arguments.out, arguments.request)
+    made, main = write_profile(job, arguments.out), job.main
+    if arguments.json:
+        print(facts_text(job, arguments.out), end="")
+    else:
+        for path in made:
+            print(path)
+        print(
+            f"{main.count} points on {main.curve.length:.9g} mm, at most {rounded_up(main.deviation, 4):g} mm from the exact curve"
+        )
+    return verdict(study, ("cam",))
+
+
+# -- the command ``vibration`` ----------------------------------------------------------------------------------
+
+
+FASTEST = 1e5
+
+
+def _speeds(text: str) -> tuple[float, float]:
+    low, colon, high = text.partition(":")
+    try:
+        ends = float(low), float(high)
+    except ValueError:
+        ends = (0.0, 0.0)
+    if not (colon and 0.0 < ends[0] < ends[1] <= FASTEST):
+        raise argparse.ArgumentTypeError(f"{text!r}: range of speeds; allowed: A:B in rpm, 0 < A < B <= {FASTEST:g}")
+    return ends
+
+
+@frozen(kw_only=True)
+class VibrationArguments:
+    """Whose vibration, and the speeds of its spectrum."""
+
+    design: Path = design_file()
+    drive: str = drive_name()
+    speeds: tuple[float, float] | None = typed(
+        "of the spectrum, in rpm", default=None, usual="up to twice the design's", type=_speeds, metavar="A:B"
+    )
+    count: int = whole("Speeds of the spectrum", 2, 5000, default=SPECTRUM_SPEEDS, help="speeds of the spectrum")
+    out: Path | None = typed("the spectrum as a table", default=None, type=Path, metavar="FILE.csv")
+    json: bool = as_json("figures and spectrum as JSON")
+
+
+def run_vibration(arguments: VibrationArguments, painter: Painter | None) -> int:
+    """The residual vibration in each dwell on the terminal; the spectrum as a file. A follower that is rigid has neither."""
+    study = Study(load_one(arguments.design, arguments.drive))
+    require_cam(study, "vibration")
+    study.elasticity  # noqa: B018 - raises, and says why, where nothing vibrates
+    low, high = arguments.speeds or (None, None)
+    found = None
+    if arguments.out is not None or arguments.json:
+        found = study.vibration(speeds_of(study, low, high, arguments.count))
+    if arguments.out is not None and found is not None:
+        write_all(arguments.out.parent, {arguments.out.name: spectrum_csv(study, found)})
+    if arguments.json and found is not None:
+        table = {name: column.tolist() for name, column in spectrum_table(study, found).items()}
+        print(to_json({**elastic_rows(study), "spectrum": table}), end="")
+    else:
+        print("\n".join(elastic_lines(study)))
+    return DONE

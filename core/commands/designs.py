@@ -1,0 +1,336 @@
+"""The command ``compare``: two designs held against each other."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from functools import partial
+from pathlib import Path
+
+from core.commands import DONE, DONE_WITH_ERRORS, NOTHING_DONE, Painter
+from core.commands.common import (
+    as_json,
+    design_file,
+    drive_name,
+    ending_with,
+    in_file,
+    one_studied,
+    out_folder,
+    pictures,
+    samples_per_turn,
+    studied,
+    verdict,
+)
+from core.design import only, rescaled, scale_text, with_only
+from core.design.fields import choice, flag, number
+from core.errors import KindynaError, NoAnswer
+from core.find import BOUNDS, LIMITS, ON_SHAFT, SEARCHES, WANTED, Solution, Stated, alone, find
+from core.findings import ERROR
+from core.frozen import frozen
+from core.output.compare import Side, as_csv, as_document, as_rows, as_text, compared, side_of
+from core.output.explain import as_row, explained
+from core.output.explain import as_text as explain_as_text
+from core.output.export import bounded
+from core.output.lines import finding_line
+from core.output.report import report
+from core.output.report.document import ENDINGS, PARTS, Cover, Printed, document
+from core.output.summary import summary, to_json
+from core.project import load, number_of, save
+from core.project.files import write, write_into
+from core.requests import asked, typed
+from core.shaft import AIMS
+from core.study import Study, findings_of
+from core.study.limits import FieldBound, Limit
+
+# -- the command ``compare`` ------------------------------------------------------------------------------------
+
+
+@frozen(kw_only=True)
+class CompareArguments:
+    """Which designs, and where to."""
+
+    a: Path = typed("design file (.toml)", "A", type=Path)
+    b: Path = typed("design file to hold against it", "B", type=Path)
+    out: Path | None = typed(
+        "also write what differs there", default=None, type=ending_with("a comparison", ".csv", ".html"), metavar="FILE"
+    )
+    json: bool = as_json()
+
+
+def run_compare(arguments: CompareArguments, painter: Painter | None) -> int:
+    """What differs, on the terminal, and as a file where one is named."""
+    found = compared(_side(arguments.a), _side(arguments.b))
+    if arguments.out is not None:
+        if arguments.out.suffix.lower() == ".csv":
+            write(arguments.out, as_csv(found).encode())
+        else:
+            from core.output.report.document import html
+
+            write(arguments.out, html(as_document(found), {}).encode())
+    print(to_json(as_rows(found)) if arguments.json else as_text(found), end="")
+    return DONE
+
+
+def _side(path: Path) -> Side:
+    """Raises KindynaError naming the file: of two designs either may have no answer."""
+    design = load(path)
+    try:
+        return side_of(studied(design))
+    except NoAnswer as error:
+        raise KindynaError(f"{path}: {error}") from error
+
+
+# -- the command ``explain`` ------------------------------------------------------------------------------------
+
+
+@frozen(kw_only=True)
+class ExplainArguments:
+    """Which number of which design, and at which angle."""
+
+    design: Path = design_file()
+    quantity: str = typed(
+        "column of a table, or a figure of the flywheel: drive_torque_nm, needed_inertia_kg_m2", "QUANTITY"
+    )
+    at: float | None = typed(
+        "angle of cam, crank or machine; else where it is largest", default=None, type=float, metavar="DEG"
+    )
+    drive: str = drive_name()
+    json: bool = as_json()
+
+
+def run_explain(arguments: ExplainArguments, painter: Painter | None) -> int:
+    """Equation, letters and proof, on the terminal."""
+    study = one_studied(arguments.design, arguments.drive) if arguments.drive else studied(load(arguments.design))
+    made = explained(study, arguments.quantity, arguments.at)
+    print(to_json(as_row(made)) if arguments.json else explain_as_text(made), end="")
+    return DONE
+
+
+# -- the command ``find`` ---------------------------------------------------------------------------------------
+
+
+PATIENCE = 2.0  # seconds between two lines that say how far it is
+
+
+def _limit(text: str) -> tuple[str, float | None]:
+    key, equals, value = text.partition("=")
+    if equals and value == "none":
+        return key, None
+    try:
+        number = float(value)
+    except ValueError:
+        number = math.nan
+    if not equals or not math.isfinite(number):
+        raise argparse.ArgumentTypeError(
+            f"{text!r}: must be KEY=VALUE, the value a number with a decimal point, or none"
+        )
+    return key, number
+
+
+def _limits_help() -> str:
+    keys = f"{' | '.join(LIMITS)} (radii of the profile), or the path of a varied field with _min or _max"
+    table: Mapping[str, Limit | FieldBound] = {**LIMITS, **BOUNDS}
+    usual = "; ".join(f"{key} {row.help}" for key, row in table.items() if row.help)
+    return f"{keys}. What is not stated has the design's own limit, else the usual one: {usual}. none: no limit"
+
+
+@frozen(kw_only=True)
+class FindArguments:
+    """What is sought, in which design, and within which limits."""
+
+    design: Path = design_file()
+    drive: str = drive_name()
+    what: str = typed("; ".join(f"{name}: {words}" for name, words in SEARCHES.items()), "WHAT")
+    limit: tuple[tuple[str, float | None], ...] = typed(
+        _limits_help(), default=(), action="append", type=_limit, metavar="KEY=VALUE"
+    )
+    aim: str = asked(
+        choice("Aim", tuple(AIMS), default="peak", help="what of the torque the best phases make least"), "--for"
+    )
+    into: Path | None = typed("write the design with the answer", default=None, type=Path, metavar="FILE")
+    json: bool = as_json()
+
+
+def run_find(arguments: FindArguments, painter: Painter | None) -> int:
+    """The answer, or the best that there is and what stands against it."""
+    whole, what = load(arguments.design), arguments.what
+    if what in ON_SHAFT and arguments.drive:
+        raise KindynaError(f"--drive {arguments.drive}: {what} is sought for the whole shaft; leave --drive out")
+    number = 0 if what in ON_SHAFT else number_of(whole, arguments.drive)
+    design = whole if what in ON_SHAFT else only(whole, number)
+    solution = find(
+        design,
+        what,
+        _limits(arguments.limit),
+        aim=arguments.aim,
+        tell=_Progress().tell,
+        machine=alone if what in ON_SHAFT else partial(with_only, whole, number),
+    )
+    print(to_json(_data(solution)) if arguments.json else _text(solution), end="")
+    if not solution.serves:
+        print(f"no value serves; what stands against the best: {'; '.join(solution.against)}", file=sys.stderr)
+        return NOTHING_DONE
+    if arguments.into is not None:
+        save(solution.machine, arguments.into)
+    holding = what in WANTED and WANTED[what].holding
+    study, stages = studied(solution.design), ("dynamics",) if what in ON_SHAFT or holding else ("cam",)
+    errors = [finding for finding in findings_of(study, stages) if finding.severity == ERROR]
+    for finding in errors if what in ON_SHAFT else in_file(errors, whole, number):
+        print(finding_line(finding, study.angle_name), file=sys.stderr)
+    return DONE_WITH_ERRORS if errors else DONE
+
+
+class _Progress:
+    """Says now and then how many designs were tried, to a reader at a terminal."""
+
+    def __init__(self) -> None:
+        self._last = time.monotonic()
+
+    def tell(self, count: int) -> None:
+        now = time.monotonic()
+        if now - self._last > PATIENCE and sys.stderr.isatty():
+            self._last = now
+            print(f"{count} designs tried ...", file=sys.stderr)
+
+
+def _limits(given: Sequence[tuple[str, float | None]]) -> Stated:
+    """By key; raises KindynaError where a key is given two values."""
+    limits = dict(given)
+    for key, value in given:
+        if value != limits[key]:
+            both = (f"{key} = {'none' if each is None else f'{each:g}'}" for each in (value, limits[key]))
+            raise KindynaError(f"limit {', '.join(both)}: a limit has one value; give one")
+    return limits
+
+
+def _data(solution: Solution) -> dict[str, object]:
+    return {
+        "answer": dict(solution.answer),
+        "reached": dict(solution.reached),
+        "curve": [list(point) for point in solution.curve],
+        "limits": dict(solution.limits),
+        "reasons": dict(solution.reasons),
+        "curve_of": solution.curve_of,
+        "against": list(solution.against),
+        "end": solution.end,
+        "held_by": list(solution.held_by),
+        "besides": list(solution.besides),
+        "taken": dict(solution.taken),
+        "assumed": dict(solution.assumed),
+    }
+
+
+def _text(solution: Solution) -> str:
+    heading = f"{solution.wanted}:" if solution.serves else "the best that there is:"
+    lines = [heading, *(f"  {path} = {value:.9g}" for path, value in solution.answer.items()), "reached:"]
+    for key, value in solution.reached.items():
+        number = f"{value:.7g}" if math.isfinite(value) else "none"
+        limit, reason = solution.limits.get(key), solution.reasons.get(key)
+        against = "" if limit is None else ", not undercut" if not limit and key in LIMITS else f", limit {limit:.6g}"
+        lines.append(f"  {key} = {number}{against}{f' ({reason})' if reason else ''}")
+    lines += [f"it rests on {path} = {value:.9g}, which is assumed" for path, value in solution.assumed.items()]
+    if solution.end:
+        lines.append(f"no limit holds it: it stands at the end, {solution.end}")
+    lines += [f"beyond it: {text}" for text in solution.held_by]
+    lines += [f"comes with it: {text}" for text in solution.besides]
+    lines += [f"goes into the design: {path} = {value:.12g}" for path, value in solution.taken.items()]
+    return "\n".join(lines) + "\n"
+
+
+# -- the command ``report`` -------------------------------------------------------------------------------------
+
+
+@frozen(kw_only=True)
+class ReportArguments:
+    """Of which design, where to, and what of a file to hand on is left out."""
+
+    design: Path = design_file()
+    samples: int = samples_per_turn()
+    out: Path | None = out_folder(
+        "also write report, summary and pictures there; NAME.html or NAME.pdf: instead, one file to hand on"
+    )
+    without: tuple[str, ...] = typed(
+        f"what to leave out of the file to hand on: {', '.join(PARTS)}",
+        default=(),
+        nargs="+",
+        choices=tuple(PARTS),
+        metavar="PART",
+    )
+    cover: Cover = Cover()
+
+
+def run_report(arguments: ReportArguments, painter: Painter | None) -> int:
+    """The report on the terminal; with a folder, also as files."""
+    study = studied(load(arguments.design), arguments.samples)
+    if arguments.out is not None and arguments.out.suffix.lower() in ENDINGS:
+        return _to_hand_on(study, arguments, painter)
+    text = report(study)
+    if arguments.out is not None:
+        made: dict[str, str | bytes] = {"report.txt": text, "summary.json": to_json(summary(bounded(study)))}
+        write_into(arguments.out, {**made, **_pictures(study, painter)})
+    print(text, end="")
+    return verdict(study)
+
+
+def _pictures(study: Study, painter: Painter | None) -> Mapping[str, bytes]:
+    """Those of each drive that is listed in a folder of its slug."""
+    if painter is None:
+        return pictures(painter)
+    drawn = ((slug, painter(each)) for slug, each in study.answering.items())
+    return {f"{slug}/{name}".removeprefix("/"): data for slug, found in drawn for name, data in found.items()}
+
+
+def _to_hand_on(study: Study, arguments: ReportArguments, painter: Painter | None) -> int:
+    """One file that needs nothing beside it."""
+    out = arguments.out
+    assert out is not None
+    ending = out.suffix.lower()
+    made = document(study, [name for name in PARTS if name not in arguments.without], arguments.cover)
+    if made.lacking:
+        print(made.lacking, file=sys.stderr)
+    painted = painter(Printed(made, ending)) if painter is not None else {}
+    if ending not in painted:
+        if ending != ".html":
+            raise KindynaError(f"{out}: a PDF is painted, which needs kindyna --headless; NAME.html is written without")
+        if painter is None and made.pictures:
+            print("pictures left out: they need kindyna --headless", file=sys.stderr)
+        from core.output.report.document import html
+
+        painted = {ending: html(made, {}).encode()}
+    write(out, painted[ending])
+    print(out)
+    return verdict(study)
+
+
+# -- the command ``scale`` --------------------------------------------------------------------------------------
+
+
+@frozen(kw_only=True)
+class ScaleArguments:
+    """Of which design, by which factor, and where to."""
+
+    design: Path = design_file()
+    factor: float = asked(
+        number("Factor of all lengths", 0.0, open_low=True, help="0.1 or 1/10 makes the machine ten times smaller"),
+        "FACTOR",
+        help="of all lengths, with a decimal point: 0.1",
+    )
+    out: Path = typed("design file to write", type=Path, metavar="FILE.toml")
+    masses: bool = asked(
+        flag("Masses and inertias grow along, as of the same material", default=True),
+        "--keep-masses",
+        help="leave masses and moments of inertia as they are; else they grow by FACTOR^3 and FACTOR^5, as parts of the same "
+        "material do",
+    )
+
+
+def run_scale(arguments: ScaleArguments, painter: Painter | None) -> int:
+    """The scaled design as a file, and on the terminal what was scaled."""
+    if arguments.out.resolve() == arguments.design.resolve():
+        raise KindynaError(f"--out {arguments.out}: is the design that is read; choose another file")
+    save(rescaled(load(arguments.design), arguments.factor, masses=arguments.masses), arguments.out)
+    print(scale_text(arguments.factor, arguments.masses))
+    return DONE

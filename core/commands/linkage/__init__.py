@@ -1,1 +1,0 @@
-"""Commands of linkages: from other programs, and out."""

@@ -1,0 +1,530 @@
+"""Commands that begin a design with its motion."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from core.blend import (
+    CONSTANT_VELOCITY,
+    ELEMENTS,
+    GOALS,
+    MOTION_TYPES,
+    SETTINGS,
+    Blended,
+    BlendError,
+    Request,
+    SequenceRequest,
+    best,
+    best_of_sequence,
+    blend,
+    blend_sequence,
+)
+from core.blend.best import into_design
+from core.blend.request import KINDS, LEAST_STROKE
+from core.blend.sequences import broken_at, type_of
+from core.commands import DONE, Painter
+from core.commands.common import as_json, design_file, drive_name, ending_with, pictures, sorted_by, verdict
+from core.contour import GAP_MM, MOST_GAP_MM, UNITS, read_contour, trace
+from core.design import Design, alone, only, split_unit, with_motion_of, with_only
+from core.design.fields import choice, number
+from core.errors import KindynaError
+from core.find import Ranked, RankingColumn, figures_of, in_order, ranking
+from core.find.ranking import Candidate
+from core.frozen import frozen
+from core.laws import LAWS, Peaks, peaks
+from core.motion.curves import FlyingShear, Indexer, flying_shear, indexer
+from core.motion.split import shift_motion
+from core.output.channels import begun_text
+from core.output.lines import columns, digits
+from core.output.summary import to_json
+from core.output.texts import (
+    beside_text,
+    blend_figure,
+    blend_text,
+    contour_data,
+    contour_text,
+    curves_data,
+    table_data,
+    table_text,
+)
+from core.project import load, load_one, number_of, save
+from core.project.files import read_bytes, write
+from core.requests import asked, typed
+from core.study import Study
+
+# -- commands that begin a design with its motion ---------------------------------------------------------------
+
+
+def begin(arguments: Any, make: Callable[[Any], Design]) -> int:
+    """What is wanted as a design file, and on the terminal its peaks; the exit code."""
+    from core.commands import DONE
+    from core.output.channels import begun_text
+    from core.project import save
+    from core.requests import require
+
+    require(arguments.wanted)
+    design = make(arguments.wanted)
+    save(design, arguments.out)
+    print(begun_text(design))
+    return DONE
+
+
+# -- the command ``blend`` --------------------------------------------------------------------------------------
+
+
+PICTURES = (".png", ".svg")
+_WANTED = ("type", "stroke", "start", "end")
+
+
+def _setting(text: str) -> tuple[str, float]:
+    name, _, value = text.partition("=")
+    try:
+        return name, float(value)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r}: must be NAME=NUMBER, one of {' | '.join(SETTINGS)}") from None
+
+
+def _point(text: str) -> tuple[float, float]:
+    angle, _, level = text.partition("=")
+    try:
+        return float(angle), float(level)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r}: must be ANGLE=DISPLACEMENT, two numbers") from None
+
+
+def _settings(given: Sequence[tuple[str, float]]) -> dict[str, float]:
+    """By name; raises BlendError where a name is given two values."""
+    settings = dict(given)
+    for name, value in given:
+        if value != settings[name]:
+            raise BlendError(
+                f"{name} = {value:g}, {name} = {settings[name]:g}: a setting has one value; give one", name
+            )
+    return settings
+
+
+def _curve(text: str) -> str:
+    """A curve of the table, or none."""
+    if text and text.upper() not in ELEMENTS:
+        raise argparse.ArgumentTypeError(f"{text!r}: unknown curve; allowed: {' | '.join(ELEMENTS)}")
+    return text.upper()
+
+
+def _typed(sequence: str) -> tuple[str, str]:
+    """The type of motion that a sequence is, and its constant velocity; empty where it is of none. Raises BlendError."""
+    if broken := broken_at(sequence):
+        raise BlendError(f"--sequence {sequence}: {broken}")
+    return type_of(sequence)
+
+
+def _types_help() -> str:
+    return "; ".join(f"{slug}: {row.label[:1].lower()}{row.label[1:]}" for slug, row in MOTION_TYPES.items())
+
+
+@frozen(kw_only=True)
+class BlendArguments:
+    """The motion that is wanted, and where it goes; or what is asked of the table of the curves."""
+
+    type: str | None = choice("Type", tuple(MOTION_TYPES), default=None, help=_types_help())
+    stroke: float | None = asked(
+        number("Stroke", LEAST_STROKE, 1e9, default=None, help="of the rise (mm, or --unit)"), metavar="S"
+    )
+    return_stroke: float = asked(
+        number("Return stroke", LEAST_STROKE, 1e9, default=0.0, help="where it differs"), metavar="S"
+    )
+    start: float | None = asked(
+        number("Cam angle in degrees", 0.0, 360.0, default=None), help="cam angle where it starts", metavar="DEG"
+    )
+    end: float | None = asked(
+        number("Cam angle in degrees", 0.0, 360.0, default=None), help="cam angle where it ends", metavar="DEG"
+    )
+    constant_velocity: str = asked(
+        choice("Constant velocity", CONSTANT_VELOCITY[1:], default="none", help="plain = rise"), nargs="?", const="rise"
+    )
+    set: tuple[tuple[str, float], ...] = typed(
+        f"{' | '.join(SETTINGS)}; flat1: span of a constant acceleration inside the curve of h1, a1: its size; "
+        "length, length2: span of the constant velocity, of the return where the rise has one too; with --best the least span",
+        default=(),
+        action="append",
+        type=_setting,
+        metavar="NAME=VALUE",
+    )
+    point: tuple[tuple[float, float], ...] = typed(
+        "a displacement to pass at a cam angle, above the lowest; counts as a setting",
+        default=(),
+        action="append",
+        type=_point,
+        metavar="DEG=S",
+    )
+    sequence: str = typed(
+        "this sequence and no other; it says its type of motion and constant velocity itself. One of no type, of any curves "
+        f"that join, takes --set with the curves and strokes counted from 1: {', '.join(f'{name}1' for name in KINDS)}",
+        default="",
+        metavar="C1-H2-P2",
+    )
+    best: str | None = choice(
+        "Best", tuple(GOALS), default=None, help="the gentlest, over what the settings leave free"
+    )
+    unit: str = choice("Unit", ("mm", "deg"), default="mm", help="of the stroke")
+    out: Path | None = typed(
+        f"displacement, velocity and acceleration as a picture: {' or '.join(PICTURES)}",
+        default=None,
+        type=ending_with("a picture", *PICTURES),
+        metavar="NAME",
+    )
+    table: str | None = typed(
+        "print which curve may follow which, with the signs at their ends, and do nothing else; CURVE: what may follow it, "
+        "and why not",
+        default=None,
+        nargs="?",
+        const="",
+        type=_curve,
+        metavar="CURVE",
+    )
+    json: bool = as_json()
+    into: Path | None = typed("write it into a design file", default=None, type=Path, metavar="DESIGN")
+    rank: Path | None = typed(
+        "rank this blend, the other sequences that answer, and the laws by what each costs in a design at its speed",
+        default=None,
+        type=Path,
+        metavar="DESIGN",
+    )
+    by: str = sorted_by()
+    drive: str = drive_name()
+
+
+def run_blend(arguments: BlendArguments, painter: Painter | None) -> int:
+    """A blended motion, printed and perhaps painted or written into a design; or the table of the curves."""
+    if arguments.table is not None:
+        words = arguments.table, arguments.type or ""
+        print(to_json(table_data(*words)) if arguments.json else table_text(*words), end="")
+        return DONE
+    constant, motion_type = arguments.constant_velocity, arguments.type
+    if arguments.sequence and motion_type is None:
+        motion_type, constant = _typed(arguments.sequence)
+    blended = _of_a_sequence(arguments) if motion_type == "" else _of_a_type(arguments, motion_type, constant)
+    if arguments.rank is not None:
+        return _rank_blend(arguments.rank, arguments, blended)
+    beside = ""
+    if arguments.into is not None:
+        whole = load(arguments.into)
+        number = number_of(whole, arguments.drive)
+        before = only(whole, number)
+        made = into_design(before, blended)
+        save(with_only(whole, number, made), arguments.into, in_place=True)
+        beside = beside_text(before, made, blended)
+    if arguments.out is not None:
+        painted = pictures(painter, blend_figure(blended, arguments.out.stem))
+        for name, data in painted.items():
+            if Path(name).suffix == arguments.out.suffix.lower():
+                write(arguments.out, data)
+    print(to_json(curves_data(blended)) if arguments.json else blend_text(blended) + beside, end="")
+    return DONE
+
+
+def _require(missing: Sequence[str]) -> None:
+    if missing:
+        raise BlendError(
+            f"blend: {', '.join(missing)}: wanted for a motion; --table alone prints which curve may follow which"
+        )
+
+
+def _of_a_type(arguments: BlendArguments, motion_type: str | None, constant: str) -> Blended:
+    """A motion of one of Yang's types. Raises BlendError."""
+    wanted: dict[str, Any] = {name: getattr(arguments, name) for name in _WANTED} | {"type": motion_type}
+    _require([f"--{name}" for name, value in wanted.items() if value is None])
+    if constant == "rise" and arguments.type == "DRD-return":
+        constant = "return"  # plain: of the one stroke there is
+    request = Request(
+        **wanted,
+        constant=constant,
+        settings=_settings(arguments.set),
+        return_stroke=arguments.return_stroke,
+        points=arguments.point,
+        sequence=arguments.sequence,
+        unit=arguments.unit,
+    )
+    return best(request, arguments.best) if arguments.best else blend(request)
+
+
+def _of_a_sequence(arguments: BlendArguments) -> Blended:
+    """Any curves of the table in a row; a stroke is that of the first rise, or return where there is none. Raises BlendError."""
+    _require([f"--{name}" for name in ("start", "end") if getattr(arguments, name) is None])
+    if arguments.point:
+        raise BlendError(
+            "--point: only of the four types of motion; set the cam angle where a curve ends: --set end2=120"
+        )
+    assert arguments.start is not None
+    assert arguments.end is not None
+    request = SequenceRequest(
+        tuple(arguments.sequence.upper().split("-")), arguments.start, arguments.end, {}, arguments.unit
+    )
+    names = [name for name in ("rise1", "return1") if name in request.strokes]
+    values = arguments.stroke, arguments.return_stroke
+    strokes = {name: value for name, value in zip(names, values, strict=False) if value}
+    request = replace(request, settings=strokes | _settings(arguments.set))
+    return best_of_sequence(request, arguments.best) if arguments.best else blend_sequence(request)
+
+
+def _rank_blend(path: Path, arguments: BlendArguments, blended: Blended) -> int:
+    """Print the blend, and what it and all in its place cost in the design. Raises KindynaError."""
+    from core.find import blend_candidates
+
+    if arguments.into is not None or arguments.out is not None:
+        raise BlendError("--rank: a blend is ranked in a design, nothing is written; leave --into and --out out")
+    whole = load(path)
+    design = only(whole, number_of(whole, arguments.drive))
+    candidates = blend_candidates(blended, partial(into_design, design), arguments.best or "")
+    figures, rows = rows_of(design, candidates, arguments.by)
+    if arguments.json:
+        ranking = [{"blend": row.name, **data_of(figures, row)} for row in rows]
+        print(to_json({"curves": curves_data(blended), "ranking": ranking}), end="")
+    else:
+        print(blend_text(blended) + "\n" + text_of("in its place", figures, rows), end="")
+    return DONE
+
+
+# -- the command ``laws`` ---------------------------------------------------------------------------------------
+
+
+@frozen(kw_only=True)
+class LawsArguments:
+    """The table alone, or the design that the laws are ranked in."""
+
+    design: Path | None = typed(
+        "rank the laws by what each costs in this design at its speed: torque, wind-up, residual vibration, contact",
+        "DESIGN",
+        default=None,
+        nargs="?",
+        type=Path,
+    )
+    drive: str = drive_name()
+    segment: tuple[int, ...] = typed(
+        "the segment that takes the law, counted from 1; may be repeated",
+        default=(),
+        usual="all that move",
+        action="append",
+        type=int,
+        metavar="N",
+    )
+    by: str = sorted_by()
+    json: bool = as_json("print JSON; infinite = null")
+
+
+def run_laws(arguments: LawsArguments, painter: Painter | None) -> int:
+    """The table of laws with their peak coefficients, or ranked in a design."""
+    if arguments.design is not None:
+        _rank_laws(arguments.design, arguments)
+    elif arguments.segment or arguments.by or arguments.drive:
+        raise KindynaError("--segment, --by, --drive: laws are ranked in a design; name its file")
+    elif arguments.json:
+        print(to_json([{"law": slug, **_coefficients(peaks(law))} for slug, law in LAWS.items()]), end="")
+    else:
+        print(_text(), end="")
+    return DONE
+
+
+def _rank_laws(path: Path, arguments: LawsArguments) -> None:
+    """Print what each law costs in the design. Raises KindynaError."""
+    from core.design import only
+    from core.find import law_candidates, moving_segments
+    from core.project import load, number_of
+
+    whole = load(path)
+    design = only(whole, number_of(whole, arguments.drive))
+    numbers = [number - 1 for number in arguments.segment] or moving_segments(design)
+    moving = moving_segments(design)
+    if not moving:
+        raise KindynaError("laws: no segment of this design's motion moves; give it one with a rise")
+    for segment in numbers:
+        if segment not in moving:
+            allowed = " | ".join(str(i + 1) for i in moving)
+            raise KindynaError(f"--segment {segment + 1}: none that moves; allowed: {allowed}")
+    figures, rows = rows_of(design, law_candidates(design, numbers), arguments.by)
+    if arguments.json:
+        print(
+            to_json(
+                [{"law": row.name, **_coefficients(peaks(LAWS[row.name])), **data_of(figures, row)} for row in rows]
+            ),
+            end="",
+        )
+    else:
+        print(text_of("law", figures, rows), end="")
+
+
+def _coefficients(peak: Peaks) -> dict[str, float]:
+    """For unit rise and span."""
+    return {"cv": peak.cv, "ca": peak.ca, "cj": peak.cj, "cm": peak.cm}
+
+
+def _text() -> str:
+    rows: list[tuple[str, ...]] = [("law", "velocity", "acceleration", "jerk", "torque", "")]
+    for slug, law in LAWS.items():
+        peak = peaks(law)
+        numbers = [digits(value) for value in _coefficients(peak).values()]
+        rows.append((slug, *numbers, "acceleration jumps at an end" if peak.jumps_at_an_end else ""))
+    return "\n".join(columns(rows)) + "\n"
+
+
+# -- the command ``motion-from`` --------------------------------------------------------------------------------
+
+
+def _centre(text: str) -> complex:
+    try:
+        x, y = map(float, text.split(","))
+    except ValueError:
+        x = y = math.nan
+    if not (math.isfinite(x) and math.isfinite(y)):
+        raise argparse.ArgumentTypeError(
+            f"{text!r}: must be X,Y: two numbers with decimal points, in the drawing's units"
+        )
+    return complex(x, y)
+
+
+@frozen(kw_only=True)
+class MotionFromArguments:
+    """Which curve, for which design, and how the drawing is read."""
+
+    design: Path = design_file()
+    drive: str = drive_name()
+    curve: Path = typed(
+        "drawing with one closed curve of lines and arcs; the layer PROFILE counts where it has a curve",
+        "CURVE.dxf",
+        type=Path,
+    )
+    out: Path = typed(
+        "design file to write: the design with the motion and the base radius of the curve",
+        type=Path,
+        metavar="FILE.toml",
+    )
+    units: str = asked(choice("Units", tuple(UNITS), default="", help="of the drawing"), usual="as its header states")
+    centre: complex | None = typed(
+        "of the cam, in the drawing's units", default=None, usual="its origin", type=_centre, metavar="X,Y"
+    )
+    gap_mm: float = number(
+        "Gap", 0.0, MOST_GAP_MM, default=GAP_MM, help="over which ends of lines and arcs join that belong to no other"
+    )
+    json: bool = as_json()
+
+
+def run_motion_from(arguments: MotionFromArguments, painter: Painter | None) -> int:
+    """The design with the motion, and on the terminal what the curve was and where velocity or acceleration jumps."""
+    whole = load(arguments.design)
+    number = number_of(whole, arguments.drive)
+    design = only(whole, number)
+    contour = read_contour(
+        read_bytes(arguments.curve), arguments.curve.name, arguments.units, arguments.centre, arguments.gap_mm
+    )
+    traced = trace(design, contour)
+    code = verdict(Study(traced.design), ("motion", "cam"))
+    save(with_only(whole, number, traced.design), arguments.out)
+    print(to_json(contour_data(traced)) if arguments.json else contour_text(traced), end="")
+    return code
+
+
+# -- the command ``flying-shear`` -------------------------------------------------------------------------------
+
+
+@frozen(kw_only=True)
+class FlyingShearArguments:
+    """What is wanted, and where it goes."""
+
+    wanted: FlyingShear = FlyingShear()
+    out: Path = typed("design file to write", type=Path, metavar="FILE.toml")
+
+
+def run_flying_shear(arguments: FlyingShearArguments, painter: Painter | None) -> int:
+    """The design as a file, and on the terminal its peaks."""
+    return begin(arguments, flying_shear)
+
+
+# -- the command ``indexer`` ------------------------------------------------------------------------------------
+
+
+@frozen(kw_only=True)
+class IndexerArguments:
+    """What is wanted, and where it goes."""
+
+    wanted: Indexer = Indexer()
+    out: Path = typed("design file to write", type=Path, metavar="FILE.toml")
+
+
+def run_indexer(arguments: IndexerArguments, painter: Painter | None) -> int:
+    """The design as a file, and on the terminal its peaks."""
+    return begin(arguments, indexer)
+
+
+# -- the command ``motion`` -------------------------------------------------------------------------------------
+
+
+@frozen(kw_only=True)
+class MotionArguments:
+    """Whose motion, and where it goes: to a file of its own, or into a design, which may be the same one."""
+
+    design: Path = typed("design, or file of a motion (.toml)", "DESIGN", type=Path)
+    drive: str = drive_name()
+    shift_deg: float = asked(
+        number(
+            "Shift", -360.0, 360.0, default=0.0, help="the same so much later: the motion at DEG is what it was at 0"
+        )
+    )
+    out: Path | None = typed("file of the motion alone to write", default=None, type=Path, metavar="FILE.toml")
+    into: Path | None = typed("design file that takes the motion", default=None, type=Path, metavar="DESIGN")
+    into_drive: str = typed("which drive of that design takes it", "--into-drive", default="", metavar="NAME")
+
+
+def run_motion(arguments: MotionArguments, painter: Painter | None) -> int:
+    """The motion written, and its peaks on the terminal."""
+    if (arguments.out is None) == (arguments.into is None):
+        raise KindynaError("motion: wanted: --out FILE.toml, or --into DESIGN")
+    source = load_one(arguments.design, arguments.drive)
+    moved = shift_motion(alone(source), arguments.shift_deg)
+    if arguments.out is not None:
+        save(moved, arguments.out)
+    elif arguments.into is not None:
+        whole = load(arguments.into)
+        index = number_of(whole, arguments.into_drive)
+        save(with_only(whole, index, with_motion_of(only(whole, index), moved)), arguments.into, in_place=True)
+    print(begun_text(moved))
+    return DONE
+
+
+# -- what laws and blends cost in a design, as the commands ``laws`` and ``blend`` print it ---------------------
+
+
+def rows_of(
+    design: Design, candidates: Mapping[str, Candidate], by: str
+) -> tuple[tuple[RankingColumn, ...], list[Ranked]]:
+    """The columns, and the rows in the order of one of them, by its key; of the first where none is named. Raises KindynaError."""
+    figures = figures_of(design)
+    if not figures:
+        raise KindynaError(
+            "this design has nothing to rank by: it needs a cam, and loads; give it both, or leave the design out"
+        )
+    keys = [figure.key for figure in figures]
+    if by and by not in keys:  # the unit may be left out
+        by = next((key for key in keys if split_unit(key)[0] == by), by)
+    if by and by not in keys:
+        raise KindynaError(f"--by {by}: this design has no such figure; allowed: {' | '.join(keys)}")
+    return figures, in_order(list(ranking(candidates, figures)), keys.index(by) if by else 0)
+
+
+def data_of(figures: Sequence[RankingColumn], row: Ranked) -> dict[str, Any]:
+    """For JSON; ``problem`` is empty where the design takes it."""
+    values = zip(figures, row.figures, strict=True)
+    return {**{figure.key: value for figure, value in values}, "problem": row.problem}
+
+
+def text_of(heading: str, figures: Sequence[RankingColumn], rows: Sequence[Ranked]) -> str:
+    """A table with the reason at the end of each row that has no figures."""
+    table: list[tuple[str, ...]] = [(heading, *(f"{figure.title} {figure.symbol}" for figure in figures), "")]
+    for row in rows:
+        table.append((row.name, *("–" if value is None else digits(value, 5) for value in row.figures), row.problem))
+    widths = columns([row[:-1] for row in table])
+    return "\n".join(f"{line}  {row[-1]}".rstrip() for line, row in zip(widths, table, strict=True)) + "\n"

@@ -1,1 +1,0 @@
-"""The commands about studies of many designs."""

@@ -1,0 +1,318 @@
+"""What of the follower touches the cam: one small class per face, chosen by the word ``face`` of the file.
+
+A roller's radius stands in [cam]; a linkage's cam holds its face whole. Whoever needs the face of a drive asks ``Drive.face``.
+Each class has its word as ``face``, what it is called in messages as ``noun``, whether it slides on the cam as ``slides`` and is a
+straight line, which has no centre, as ``straight``, and as ``reach`` what takes its reference point from the cam centre to where it
+stands on the base circle.
+"""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from typing import Any, ClassVar
+
+from core.design.fields import (
+    LARGEST,
+    LONGEST_MM,
+    MAIN,
+    FileLayout,
+    choice,
+    chosen_by_word,
+    coordinate,
+    leading,
+    length,
+    number,
+    placed,
+    seldom,
+    whole,
+)
+from core.frozen import frozen
+from core.materials import MATERIALS
+
+# -- what of the follower touches the cam -----------------------------------------------------------------------
+
+
+FACE = "face"
+"""Key of the word."""
+
+
+@frozen
+class Roller:
+    """It turns on its own axis and rolls on the cam; its centre is the follower's reference point."""
+
+    face: ClassVar[str] = "roller"
+    noun: ClassVar[str] = "roller"
+    straight: ClassVar[bool] = False
+    reach: ClassVar[str] = "base radius + roller radius"
+    slides: ClassVar[bool] = False
+    roller_radius_mm: float = leading(length("Roller radius Rr"))
+
+    @property
+    def radius_mm(self) -> float:
+        """Radius of the face about the reference point [mm]."""
+        return self.roller_radius_mm
+
+    def on(self, cam: Any) -> Roller:
+        """The face as it is on this cam, whose table may state its radius."""
+        return self
+
+
+@frozen
+class Rolling:
+    """A roller in [follower], which says no more: its radius is the cam's entry."""
+
+    face: ClassVar[str] = "roller"
+    noun: ClassVar[str] = "roller"
+    straight: ClassVar[bool] = False
+    reach: ClassVar[str] = "base radius + roller radius"
+
+    def on(self, cam: Any) -> Roller:
+        """The face as it is on this cam, whose table may state its radius."""
+        return Roller(cam.roller_radius_mm)
+
+
+@frozen
+class _Sliding:
+    """A face that is fixed to the follower and slides on the cam."""
+
+    slides: ClassVar[bool] = True
+    straight: ClassVar[bool] = False
+
+    def on(self, cam: Any) -> Any:
+        """The face as it is on this cam, whose table may state its radius."""
+        return self
+
+
+@frozen
+class Knife(_Sliding):
+    """An edge: the profile is the path of the reference point."""
+
+    face: ClassVar[str] = "knife"
+    noun: ClassVar[str] = "knife edge"
+    reach: ClassVar[str] = "base radius"
+
+    @property
+    def radius_mm(self) -> float:
+        """Radius of the face about the reference point [mm]."""
+        return 0.0
+
+
+@frozen
+class Shoe(_Sliding):
+    """A round that slides; its centre is the reference point."""
+
+    face: ClassVar[str] = "shoe"
+    noun: ClassVar[str] = "shoe"
+    reach: ClassVar[str] = "base radius + shoe radius"
+    shoe_radius_mm: float = length("Shoe radius", help="its centre is where a roller's would be")
+
+    @property
+    def radius_mm(self) -> float:
+        """Radius of the face about the reference point [mm]."""
+        return self.shoe_radius_mm
+
+
+@frozen(kw_only=True)
+class Flat(_Sliding):
+    """A straight face. Its normal m points from the cam to the face; places on it are counted along i·m from the
+    reference point."""
+
+    face: ClassVar[str] = "flat"
+    straight: ClassVar[bool] = True
+    noun: ClassVar[str] = "flat face"
+    face_half_width_mm: float | None = number(
+        "Face half width", 0.0, 1e9, open_low=True, default=None, help="empty = as wide as it needs to be"
+    )
+    face_centre_mm: float = seldom(
+        coordinate("Face centre", default=0.0, help="middle of the face, along it from its reference point")
+    )
+
+    @property
+    def radius_mm(self) -> float:
+        """How far its reference stands off the cam: it lies on it."""
+        return 0.0
+
+    @property
+    def tilt_deg(self) -> float:
+        """Of its normal from the x axis of its body."""
+        return 0.0
+
+
+@frozen(kw_only=True)
+class TiltedFlat(Flat):
+    """Of a translating follower: the reference point is where the line at the offset meets the face."""
+
+    face_tilt_deg: float = seldom(
+        number("Face tilt", -89.0, 89.0, default=0.0, help="from square to the guide, counter-clockwise")
+    )
+
+    @property
+    def tilt_deg(self) -> float:
+        """Tilt of the face [deg]."""
+        return self.face_tilt_deg
+
+
+@frozen(kw_only=True)
+class OffsetFlat(Flat):
+    """Of an arm: the reference point is the foot of the pivot on the face."""
+
+    face_offset_mm: float = coordinate(
+        "Face offset",
+        default=0.0,
+        help="of the face from the pivot, along its normal, which points from the cam to the face",
+    )
+
+
+RoundFace = Roller | Knife | Shoe
+Face = Roller | Knife | Shoe | TiltedFlat | OffsetFlat
+"""A face with its size, as the cam sees it."""
+
+
+@frozen
+class ContactFriction:
+    """Of a face that slides on the cam."""
+
+    contact_friction: float = number(
+        "Contact friction", 0.0, 10.0, default=0.0, step=0.01, help="coefficient between face and cam"
+    )
+
+
+def rubs(table: Any) -> type[ContactFriction] | None:
+    """Whether loads state a friction of the contact."""
+    return ContactFriction if "contact_friction" in table else None
+
+
+# -- forms of a disk cam ----------------------------------------------------------------------------------------
+
+
+FORM = "form"
+"""Key of the word."""
+
+
+def _play(help: str) -> Any:
+    return number("Play", 0.0, LONGEST_MM, default=0.0, help=help)
+
+
+@frozen
+class Open:
+    """One flank; something has to press the follower on it."""
+
+    form: ClassVar[str] = "open"
+    holds: ClassVar[bool] = False
+
+
+@frozen
+class Groove:
+    """The roller runs between an inner and an outer flank."""
+
+    form: ClassVar[str] = "groove"
+    holds: ClassVar[bool] = True
+    play_mm: float = _play("the groove is so much wider than the roller; the outer flank is the farther one")
+
+
+def _known(label: str, help: str, most: float = LONGEST_MM, otherwise: str = "not known") -> Any:
+    return number(label, 0.0, most, open_low=True, default=None, help=f"{help}; empty = {otherwise}")
+
+
+def _material(label: str, help: str) -> Any:
+    gives = "gives modulus, Poisson's ratio and, where known, the pressure that it bears"
+    return choice(label, tuple(MATERIALS), default=None, help=f"{help}; {gives}")
+
+
+def _ratio(label: str) -> Any:
+    return number(
+        label, 0.0, 0.5, default=None, step=0.01, help="beside a typed modulus; empty = the material's, else 0.3"
+    )
+
+
+@frozen(kw_only=True)
+class Surfaces:
+    """What touches there, as far as it is known: materials of cam and of the roller, shoe or face on it, and the roller's bearing.
+    A typed modulus stands before that of the material."""
+
+    material: str | None = leading(_material("Material", "of the cam"))
+    roller_material: str | None = leading(_material("Roller material", "of what touches the cam, roller or not"))
+    youngs_modulus_gpa: float | None = _known("Young's modulus", "of the cam", LARGEST, "the material's")
+    poisson_ratio: float | None = _ratio("Poisson's ratio")
+    roller_youngs_modulus_gpa: float | None = _known(
+        "Roller's modulus", "Young's, of what touches the cam", LARGEST, "the material's"
+    )
+    roller_poisson_ratio: float | None = _ratio("Roller's Poisson's ratio")
+    roller_load_rating_n: float | None = _known(
+        "Roller's load rating C", "dynamic, of its bearing by ISO 281: then its life is computed", LARGEST
+    )
+
+
+@frozen(kw_only=True)
+class SecondSurfaces(Surfaces):
+    """The same of the second cam; what is empty is as of the first."""
+
+    thickness_mm: float | None = _known(
+        "Second thickness", "width of the second cam along the shaft", otherwise="as the first cam"
+    )
+
+
+OF_SECOND = tuple(field.name for field in fields(SecondSurfaces))
+
+
+@frozen(kw_only=True)
+class SecondRoller(SecondSurfaces):
+    """The roller on the second cam of a conjugate pair; where it stands is the follower's entry."""
+
+    roller_radius_mm: float = leading(length("Second roller radius"))
+
+
+@frozen(kw_only=True)
+class SecondLinkRoller(SecondSurfaces):
+    """The roller on the second cam of a conjugate pair, at a point of a link."""
+
+    link: int = whole("Second roller on link", 2, 999)
+    point: str = placed(FileLayout(missing="the name of a point"))
+    roller_radius_mm: float = leading(length("Second roller radius"))
+
+
+@frozen(kw_only=True)
+class Conjugate:
+    """Two cams on one shaft, a roller on each: where the one would pull, the other pushes."""
+
+    form: ClassVar[str] = "conjugate"
+    holds: ClassVar[bool] = True
+    play_mm: float = _play("between the second roller and its cam")
+    second: SecondRoller = placed(FileLayout(SecondRoller, single=True, missing="{ roller_radius_mm = 20.0 }"))
+
+
+@frozen(kw_only=True)
+class LinkageConjugate:
+    """The same under a linkage."""
+
+    form: ClassVar[str] = "conjugate"
+    holds: ClassVar[bool] = True
+    play_mm: float = _play("between the second roller and its cam")
+    second: SecondLinkRoller = placed(
+        FileLayout(SecondLinkRoller, single=True, missing='{ link = 3, point = "C", roller_radius_mm = 20.0 }')
+    )
+
+
+Form = Open | Groove | Conjugate | LinkageConjugate
+FORMS = (Open.form, Groove.form, Conjugate.form)
+
+
+def form_of(*classes: type[Form]) -> Any:
+    """A dataclass field for the form of a cam, whose keys stand in the cam's table."""
+    words = {each.form: each for each in classes}
+    return placed(chosen_by_word(FORM, words, "Form", otherwise=Open.form, weight=MAIN), Open())
+
+
+@frozen(kw_only=True)
+class CamDetails(Surfaces):
+    """What the drawing of a cam may state besides its form, as far as it is known."""
+
+    thickness_mm: float | None = leading(_known("Thickness", "width of the profile along the shaft"))
+    bore_mm: float | None = _known("Bore", "diameter")
+    hub_mm: float | None = _known("Hub", "diameter")
+    keyway_width_mm: float | None = _known("Keyway width", "of the groove in the bore")
+    keyway_depth_mm: float | None = _known("Keyway depth", "from the bore")
+    keyway_angle_deg: float | None = number(
+        "Keyway angle", -360.0, 360.0, default=None, help="of its middle in the cam's own frame; empty = not known"
+    )
+    cutter_radius_mm: float | None = _known("Cutter radius", "of cutter or grinding wheel")

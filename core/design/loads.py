@@ -1,0 +1,147 @@
+"""A balance cam: it loads and frees a spring so that what is left of the shaft's torque is its mean."""
+
+from __future__ import annotations
+
+from core.design.fields import FileLayout, coordinate, length, number, placed, whole
+from core.frozen import frozen
+
+# -- A balance cam ----------------------------------------------------------------------------------------------
+
+
+@frozen(kw_only=True)
+class Balancer:
+    """A translating roller follower on a spring; its motion follows from the torque that it balances, at the shaft's speed.
+
+    The motion begins at 0, where the spring has its preload; the follower's weight counts as preload.
+    """
+
+    spring_rate_n_per_mm: float = number("Spring rate", 0.0, help="a softer spring makes a longer stroke")
+    preload_n: float = number(
+        "Spring preload", 0.0, open_low=True, help="where the motion is 0; with none the cam would have a kink there"
+    )
+    follower_mass_kg: float = number("Follower mass", 0.0, default=0.0, help="with its roller")
+    phase_deg: float = number("Phase", -360.0, 360.0, default=0.0, help="machine angle at the cam's zero mark")
+    base_radius_mm: float = length("Base radius Br", help="smallest radius of the cam where the motion is 0")
+    roller_radius_mm: float = length("Roller radius Rr")
+
+
+# -- force elements as typed ------------------------------------------------------------------------------------
+
+
+_POINT = "the name of a point, or at = [x, y]"
+
+
+@frozen(kw_only=True)
+class Attachment:
+    """Where a force element holds on to a link: a point of it, or a place in its frame."""
+
+    link: int = whole("Link", 1, 999, help="1 = frame")
+    point: str | None = placed(FileLayout(), None)
+    x_mm: float | None = coordinate(
+        "Place x", pair="at", default=None, help="in the link's frame, of the frame the global one"
+    )
+    y_mm: float | None = coordinate("Place y", pair="at", default=None)
+
+
+def _end() -> Attachment:
+    field: Attachment = placed(FileLayout(Attachment, single=True, missing='{ link = 1, point = "S" }'))
+    return field
+
+
+@frozen(kw_only=True)
+class PointSpring:
+    """A spring between two points, and a damper along the same line: F = k (l - l0) + c l̇ pulls them together."""
+
+    from_: Attachment = _end()
+    to: Attachment = _end()
+    rate_n_per_mm: float = number("Spring rate", 0.0, default=0.0)
+    free_length_mm: float = number("Free length", 0.0, 1e9, default=0.0, help="without force")
+    damping_n_s_per_mm: float = number("Damping", 0.0, default=0.0, help="of the damper beside it")
+
+
+@frozen(kw_only=True)
+class TorsionSpring:
+    """A torsion spring, and a damper, between two links: M = k (φ - φ0) + c φ̇ turns ``link`` back, φ its angle against ``on``."""
+
+    link: int = whole("Link", 1, 999)
+    on: int = whole("On", 1, 999, help="1 = frame")
+    rate_nm_per_rad: float = number("Spring rate", 0.0, default=0.0)
+    free_angle_deg: float = number(
+        "Free angle",
+        -3600.0,
+        3600.0,
+        default=0.0,
+        help="without moment: angle of link less that of on, in the global frame",
+    )
+    damping_nm_s_per_rad: float = number("Damping", 0.0, default=0.0)
+
+
+@frozen(kw_only=True)
+class PairFriction:
+    """Coulomb friction of a pair: μ|R| at the radius of a pin; μ|N| along a slide, of a long one by both of its edges."""
+
+    pair: str = placed(FileLayout(missing="the name of a pin, or the number of the link that slides, as text"))
+    link: int | None = whole("Links, first", 1, 999, pair="links", default=None, help="where a pin joins more than two")
+    other: int | None = whole("Links, second", 1, 999, pair="links", default=None)
+    coefficient: float = number("Coefficient", 0.0, 10.0, step=0.01)
+    radius_mm: float | None = length("Radius", help="of a pin", default=None)
+    length_mm: float | None = length(
+        "Length", help="of a slide: both edges carry half the normal force, ± moment/length", default=None
+    )
+
+
+@frozen
+class LoadPoint:
+    """A row of a table of force over the turn."""
+
+    deg: float = number("Cam angle", 0.0, 360.0)
+    value: float = number("Force", help="torque, where it turns")
+
+
+@frozen(kw_only=True)
+class Process:
+    """A force or a torque that works on a part of the turn, at a part of the motion, or as a table over the turn.
+
+    Without a link it acts on the output along its motion: N where that slides, N m where it swings. At a point of a link it is a
+    force in a direction of the global frame, and a torque on the link.
+    """
+
+    cam_from_deg: float | None = number("From cam angle", 0.0, 360.0, default=None, step=1.0, help="of the drive's own")
+    cam_to_deg: float | None = number(
+        "To cam angle", 0.0, 360.0, default=None, step=1.0, help="less than from: past 360°"
+    )
+    position_from_mm: float | None = coordinate("From position", default=None, help="of the motion")
+    position_to_mm: float | None = coordinate("To position", default=None, help="of the motion")
+    position_from_deg: float | None = number("From position", -3600.0, 3600.0, default=None, help="of the motion")
+    position_to_deg: float | None = number("To position", -3600.0, 3600.0, default=None, help="of the motion")
+    force_n: float = number("Force", default=0.0, help="along +guide or direction")
+    torque_nm: float = number("Torque", default=0.0, help="along the motion; on a link counter-clockwise")
+    link: int | None = whole("Link", 2, 999, default=None, help="on which it acts; none: the output")
+    point: str | None = placed(FileLayout(), None)
+    direction_deg: float | None = number(
+        "Direction", -360.0, 360.0, default=None, help="of the force, in the global frame"
+    )
+    points: tuple[LoadPoint, ...] = placed(FileLayout(LoadPoint, rows=True, whole=True), ())
+
+
+@frozen(kw_only=True)
+class ForceElements:
+    """The force elements that any loads can have, and how elastic the follower is between its mass and the cam."""
+
+    follower_stiffness_n_per_mm: float | None = number(
+        "Follower stiffness",
+        0.0,
+        default=None,
+        help="at the roller's centre, or the contact, along its path; none or 0 = rigid",
+    )
+    follower_damping_ratio: float | None = number(
+        "Follower damping ratio", 0.0, 0.99, default=None, step=0.01, help="of critical damping; 0 where none is given"
+    )
+    springs: tuple[PointSpring, ...] = placed(FileLayout(PointSpring), ())
+    torsion_springs: tuple[TorsionSpring, ...] = placed(FileLayout(TorsionSpring), ())
+    pair_friction: tuple[PairFriction, ...] = placed(FileLayout(PairFriction), ())
+    process: tuple[Process, ...] = placed(FileLayout(Process), ())
+
+
+ELEMENT_LISTS = ("springs", "torsion_springs", "pair_friction", "process")
+"""The lists of force elements in the table ``loads``."""

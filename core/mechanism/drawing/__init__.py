@@ -1,1 +1,0 @@
-"""Linkages as people draw them: where things stand on the sheet, edits of what is drawn, copies, and how a drawing is put together."""

@@ -1,0 +1,196 @@
+"""Numbers in sentences that promise something: rounded to the side on which the promise stays true."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from math import ceil, floor, log10
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from core.cam import INNER, OUTER, SECOND
+from core.design.fields import choice, flag, length, number, whole
+from core.errors import KindynaError
+from core.frozen import frozen
+from core.motion import degrees
+from core.numerics.lazy import checkpoint
+from core.output.files.fewest import TooMany, fewest
+from core.output.files.profile_curve import ProfileCurve, SpanEnds
+from core.output.files.profile_fit import FITS, FitMethod
+from core.requests import asked
+
+# -- numbers in sentences that promise something ----------------------------------------------------------------
+
+
+def rounded_up(value: float, digits: int) -> float:
+    """A positive number to so many digits, not below it; 0 stays."""
+    return _rounded(value, digits, ceil)
+
+
+def rounded_down(value: float, digits: int) -> float:
+    """A positive number to so many digits, not above it; 0 stays."""
+    return _rounded(value, digits, floor)
+
+
+def _rounded(value: float, digits: int, side: Callable[[float], int]) -> float:
+    if not value:
+        return 0.0
+    places = digits - 1 - floor(log10(value))
+    return float(f"{side(value * 10.0**places)}e{-places}")
+
+
+# -- points on a curve ------------------------------------------------------------------------------------------
+
+
+LEAST_POINTS, MOST_POINTS = 3, 1_000_000
+AT_ONCE = 32_768  # points that are computed together: memory does not grow with them
+MOST_SEARCHED = 100_000  # points whose spans are searched one by one
+
+
+@frozen(eq=False)
+class Points:
+    """n points of a curve: cam angles [deg] (n,), and the points at just these angles."""
+
+    degrees: np.ndarray
+    ends: SpanEnds
+
+    def spans(self, length: float) -> tuple[SpanEnds, SpanEnds]:
+        """Each point and the next, the last being followed by the first, one length of the curve [mm] further on."""
+        here = self.ends
+        after = SpanEnds(np.roll(here.z, -1), np.roll(here.tangent, -1), np.append(here.s[1:], here.s[0] + length))
+        return here, after
+
+
+@frozen
+class Sampling:
+    """One row: the sentence that tells what it is of its value; the cam angles [deg] (n,) of the points it gives."""
+
+    text: str
+    degrees: Callable[[ProfileCurve, FitMethod, float], np.ndarray]
+
+
+def _equal_angles(curve: ProfileCurve, fit: FitMethod, count: float) -> np.ndarray:
+    return degrees(int(count))
+
+
+def _equal_lengths(curve: ProfileCurve, fit: FitMethod, spacing: float) -> np.ndarray:
+    count = ceil(curve.length / spacing * (1.0 - 1e-12))
+    if not LEAST_POINTS <= count <= MOST_POINTS:
+        low, high = curve.length / MOST_POINTS, curve.length / LEAST_POINTS
+        raise KindynaError(
+            f"spacing {spacing:g} mm: the curve is {curve.length:.6g} mm long; allowed: {low:.3g} ... {high:.6g} mm"
+        )
+    return np.rad2deg(curve.theta(curve.length * np.arange(count) / count))
+
+
+def _fewest(curve: ProfileCurve, fit: FitMethod, tolerance: float) -> np.ndarray:
+    try:
+        s = fewest(curve, fit, tolerance, MOST_SEARCHED)
+    except TooMany as error:
+        raise KindynaError(
+            f"tolerance {tolerance:g} mm: it takes about {error.count} points, {MOST_SEARCHED} at most are searched for; "
+            "choose a larger tolerance, or arcs or a spline"
+        ) from None
+    return np.rad2deg(curve.theta(s))
+
+
+SAMPLINGS: Mapping[str, Sampling] = MappingProxyType(
+    {
+        "samples": Sampling("{value:g} points at equal cam angles", _equal_angles),
+        "spacing": Sampling("points at equal arc lengths of at most {value:g} mm", _equal_lengths),
+        "tolerance": Sampling("the fewest points that keep a tolerance of {value:g} mm", _fewest),
+    }
+)
+
+
+def points(curve: ProfileCurve, program: Any, sampling: str, fit: FitMethod, value: float) -> Points:
+    """The points of a sampling. Raises KindynaError where they would be too few or too many."""
+    angles = SAMPLINGS[sampling].degrees(curve, fit, value)
+    rows = []
+    for first in range(0, angles.size, AT_ONCE):
+        checkpoint()
+        there = program.angles(np.deg2rad(angles[first : first + AT_ONCE]))
+        exact = curve.exact(there)
+        rows.append((exact.z, exact.tangent, curve.reached(there.theta)))
+    return Points(angles, SpanEnds(*(np.concatenate(part) for part in zip(*rows, strict=True))))
+
+
+# -- what a profile file shall hold, and how --------------------------------------------------------------------
+
+
+ALL_FLANKS = (INNER, OUTER, SECOND)
+
+
+def flank_choice() -> Any:
+    """A field for one of a cam's flanks."""
+    return choice("Flank", ALL_FLANKS, default=INNER, help="which side of the cam")
+
+
+def _of_path(label: str, low: float, high: float, default: float, help: str, usual: str = "") -> Any:
+    """A field for a number of G-code, which the option says."""
+    known = number(label, low, high, default=default, help=help)
+    return asked(known, help=f"G-code: {label.lower()}, {help}", usual=usual)
+
+
+@frozen
+class Machining:
+    """How a path is cut."""
+
+    feed_mm_min: float = _of_path("Feed", 0.1, 1e5, 200.0, "along the path")
+    plunge_mm_min: float = _of_path("Plunge", 0.1, 1e5, 50.0, "feed on the way down")
+    safe_mm: float = _of_path("Safe height", 0.1, 1e4, 10.0, "of rapid moves above the face of the blank")
+    depth_mm: float = _of_path("Depth", 0.0, 1e4, 0.0, "below the face of the blank", "the cam's thickness, or 10 mm")
+    step_mm: float = _of_path("Depth of a pass", 0.0, 1e4, 0.0, "at most", "all in one pass")
+    conventional: bool = asked(
+        flag("Conventional instead of climb milling"), help="G-code: conventional instead of climb milling"
+    )
+
+
+@frozen
+class ProfileRequest:
+    """One curve.
+
+    flank      name of one of the cam's flanks
+    samples, spacing_mm, tolerance_mm  one of them says where the points lie; None of all: as the format usually has them
+    cutter_mm  radius of a cutter or grinding wheel, the path of whose centre is wanted; 0 where the profile is
+    fit        row of ``FITS``: what runs from point to point; empty: what the format usually has
+    machining  of a path that a machine is to follow
+    """
+
+    flank: str = flank_choice()
+    samples: int | None = asked(
+        whole("Points", LEAST_POINTS, MOST_POINTS, default=None, help="points at equal cam angles"),
+        one_of=("Points", "At equal cam angles"),
+    )
+    spacing_mm: float | None = asked(
+        length("Spacing", default=None, help="points at equal arc lengths, at most so far apart"),
+        one_of=("Points", "At equal arc lengths"),
+    )
+    tolerance_mm: float | None = asked(
+        length("Tolerance", default=None, help="the fewest points that keep a tolerance"),
+        one_of=("Points", "The fewest that keep a tolerance"),
+    )
+    fit: str = asked(
+        choice("Between them", tuple(FITS), default="", help="what runs from point to point"),
+        "--as",
+        usual="spline; CSV: polyline",
+        words={name: row.label.capitalize() for name, row in FITS.items()},
+    )
+    cutter_mm: float = asked(
+        length("Cutter radius", default=0.0, help="path of the centre of a cutter or grinding wheel of this radius"),
+        usual="none: the profile itself",
+        metavar="RADIUS_MM",
+    )
+    machining: Machining = Machining()
+
+    @property
+    def sampling(self) -> str:
+        """The row of ``SAMPLINGS`` that is asked for; empty where none is."""
+        given = {"samples": self.samples, "spacing": self.spacing_mm, "tolerance": self.tolerance_mm}
+        return next((name for name, value in given.items() if value is not None), "")
+
+    @property
+    def value(self) -> float:
+        """Of the sampling: how many points, or [mm]; 0 where none is asked for."""
+        return self.samples or self.spacing_mm or self.tolerance_mm or 0.0
