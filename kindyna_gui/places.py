@@ -12,6 +12,9 @@ FIRST_EXAMPLE = "transfer_lift"
 LESSONS = ("lift", "linkage", "camshaft")
 """Tutorials, as they are offered; others follow by their names."""
 
+CHANGES = "changes"
+"""The page of the help that is the changelog, beside the resources in the package as in the checkout."""
+
 
 def example(name: str) -> Path:
     """The file of one of the designs that come with the program."""
@@ -52,7 +55,7 @@ def icon_file(name: str) -> str:
 
 def help_text(name: str) -> str:
     """A page of the help (Markdown); a sentence about it where the page is missing."""
-    path = resources() / "help" / f"{name}.md"
+    path = resources().parent / "CHANGELOG.md" if name == CHANGES else resources() / "help" / f"{name}.md"
     return path.read_text(encoding="utf-8") if path.is_file() else f"The page {name} is missing."
 
 
