@@ -6,8 +6,6 @@ import json
 import math
 from typing import Any
 
-from core.errors import KindynaError
-
 BYTES = 64_000_000
 """Of a text, a table, a drawing or a picture file."""
 PROGRAM_BYTES = 1_000_000
@@ -50,15 +48,7 @@ def bounded_json(text: str) -> Any:
         raise ValueError("nested too deeply") from None
 
 
-def require_encodable(name: str, text: str) -> None:
-    """Raises KindynaError where a text holds bytes that are no UTF-8."""
-    try:
-        text.encode()
-    except UnicodeEncodeError as error:
-        raise KindynaError(f"{name}: not UTF-8 text (character {error.start + 1}); type it anew") from None
-
-
 __all__ = [
     "BYTES", "CELLS", "COLUMNS", "DIGITS", "FIELD", "LINES", "NESTING", "PIXELS", "PROGRAM_BYTES", "ROWS", "bounded_float",
-    "bounded_json", "number_from_one", "require_encodable",
+    "bounded_json", "number_from_one",
 ]  # fmt: skip

@@ -260,9 +260,9 @@ def sign_changes(force_at: Callable[[Angles], np.ndarray], program: Program) -> 
 
     def carrying(there: Angles) -> np.ndarray:
         force = force_at(there)
-        return np.where(np.abs(force) <= least, 0.0, force)
+        return np.where(np.abs(force) > least, force, 0.0)  # nor has one that a jam leaves without a value
 
-    value = np.where(np.abs(forces) <= least, 0.0, forces)
+    value = np.where(np.abs(forces) > least, forces, 0.0)
     roots = crossings(carrying, angles, value)
     inner = list(zip(roots.theta.tolist(), roots.piece.tolist(), strict=True))
     found = [(theta, _sign_after(carrying, theta, piece, program)) for theta, piece in inner]
