@@ -246,7 +246,6 @@ UNDOCUMENTED: tuple[str, ...] = (
     "core/papers/",
     "core/project/",
     "core/shaft/",
-    "core/stability/",
     "core/study/",
     "core/varying/",
     "core/__main__.py",
