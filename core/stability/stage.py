@@ -303,9 +303,8 @@ class Stability:
     def certificate(self) -> dict[str, Residual]:
         """Residuals of the tongues' edges up to η = 5.6, by two methods, and of Liouville's determinant.
 
-        The tongues of (21) without damping follow from harmonic balance and from monodromy matrices; they may differ by the sum of both error bounds.
-        Empty where
-        there are no tongues.
+        The tongues of (21) without damping follow from harmonic balance and from monodromy matrices; they may differ by
+        the sum of both error bounds. Empty where there are no tongues.
         """
         try:
             harmonic = harmonic_tongues(self.coefficients, np.array([self.machine.q]), count_up_to(ETA_MAX), EXACT)

@@ -21,7 +21,7 @@ from kindyna_gui.stability.texts import verdict_table, waiting_text
 
 EXAMPLE = Path(__file__).parents[2] / "resources" / "examples" / "kim_1990.toml"
 STABLE, UNSTABLE, SILENT = Verdict("steady", True), Verdict("steady", False), Verdict("steady", None)
-LEFT = Verdict("steady", True, lost=0.5)
+LEFT = Verdict("steady", True, contact_lost=0.5)
 
 
 @cache

@@ -325,7 +325,7 @@ def test_an_approximation_at_the_largest_q_is_answered() -> None:
 
 
 def test_a_refusal_names_the_row_that_asks_too_much() -> None:
-    with pytest.raises(NoStability, match=r"at Q = 20 the load is stiffer than the shaft.* or Q smaller"):
+    with pytest.raises(NoStability, match=r"at Q = 20 the load is stiffer than the shaft.* or decrease Q"):
         tongues(coefficients(HARD["fixed"]), np.array([0.05, 20.0]), 4)
 
 
