@@ -524,14 +524,14 @@ def lives(one: Together) -> np.ndarray:
     for roller in rated:
         names.append(one.reader(f"force {roller}", partial(pressing, roller=roller)))
         names.append(one.reader(f"speed {roller}", partial(_speed, roller)))
-    angles, weight = stress.turn_nodes(one.program, (), LIFE_PANEL)
+    angles, weight = stress.turn_quadrature(one.program, (), LIFE_PANEL)
     values = np.array(_values(one, names, [(k, angles) for k in range(one.count)]))
     if one.motions is not None:
         weight = weight * one.motions.stretched()[:, angles.piece]
     omega = np.broadcast_to(np.asarray(Study(one.design).omega), one.count)
     least = np.full(one.count, inf)
     for i, rating in enumerate(rated.values()):
-        *_, hours = stress.lives_of(np.asarray(rating), values[:, 2 * i], values[:, 2 * i + 1], weight, omega)
+        *_, hours = stress.rolling_life(np.asarray(rating), values[:, 2 * i], values[:, 2 * i + 1], weight, omega)
         least = np.minimum(least, hours)
     return least
 

@@ -32,7 +32,7 @@ from core.motion.extremes import Extreme, find_above
 from core.motion.program import CutProgram, ShaftPosition
 from core.numerics.lazy import locked
 from core.shaft import LoadCurve, combined
-from core.stress import ContactStress, contact_stresses
+from core.stress import ContactStress, contact_stress
 from core.study.stages import (
     crank_grid,
     crank_state,
@@ -601,7 +601,7 @@ class DriveStudy:
 
         def compute(shape: CamShape, forces: Forces, *pairs: Any) -> Mapping[str, ContactStress]:
             rows = zip(shape.flanks, forces.contacts, pairs, strict=True)
-            return {flank.name: contact_stresses(flank, contact.force, pair) for flank, contact, pair in rows}
+            return {flank.name: contact_stress(flank, contact.force, pair) for flank, contact, pair in rows}
 
         drive = self.design.drive
         there = stress.pairings(drive.face, drive.cam) if drive.cam is not None else {}

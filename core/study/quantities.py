@@ -25,7 +25,7 @@ from core.errors import DesignError, NoAnswer
 from core.frozen import frozen
 from core.mechanism import SINGULAR, body_name, mechanism_of
 from core.shaft import Flywheel
-from core.stress import pairings, ratings
+from core.stress import load_ratings, pairings
 from core.study.member_quantities import (
     always,
     by_motor,
@@ -68,7 +68,7 @@ TABLES: Mapping[str, str] = MappingProxyType(
 
 
 def _is_rated(roller: str, design: Design) -> bool:
-    return design.drive.cam is not None and roller in ratings(design.drive.face, design.drive.cam)
+    return design.drive.cam is not None and roller in load_ratings(design.drive.face, design.drive.cam)
 
 
 def has_motor(design: Design) -> bool:

@@ -269,7 +269,7 @@ def pairings(study: Study) -> Mapping[str, Pairing]:
 def ratings(study: Study) -> Mapping[str, float]:
     """Roller -> load rating [N], as far as stated."""
     drive = study.design.drive
-    return stress.ratings(drive.face, drive.cam) if drive.cam is not None else {}
+    return stress.load_ratings(drive.face, drive.cam) if drive.cam is not None else {}
 
 
 def pressing(study: Study, roller: str) -> np.ndarray:
