@@ -108,7 +108,7 @@ def _travel(kinematics: Kinematics, contact: np.ndarray) -> np.ndarray:
 
 def _require_cam(kinematics: Kinematics, support: np.ndarray, rate: np.ndarray, cam: object, name: str) -> None:
     fast = spread(rate >= 0.0, support.shape[-1])
-    NoCam.where(
+    NoCam.raise_where(
         fast,
         lambda: NoCam(
             f"the {name} turns as fast as the cam, or faster: no cam can touch it on the outside",
@@ -118,7 +118,7 @@ def _require_cam(kinematics: Kinematics, support: np.ndarray, rate: np.ndarray, 
         ),
     )
     bad = support <= 0.0
-    NoCam.where(
+    NoCam.raise_where(
         bad,
         lambda: NoCam(
             f"the {name} passes the cam centre, by {-support.min() * 1e3:.9g} mm: no cam radius is left",

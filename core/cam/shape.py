@@ -326,7 +326,7 @@ def _require_cam(
     """Raises NoCam; name: of the round, field, hint: which entry makes the cam larger, and how."""
     distance = np.abs(reference)
     bad = distance <= radius
-    NoCam.where(
+    NoCam.raise_where(
         bad,
         lambda: NoCam(
             f"the {name} covers the cam centre: its own centre comes as near as {distance.min() * 1e3:.9g} mm, "
@@ -337,7 +337,7 @@ def _require_cam(
         ),
     )
     still = t == 0.0
-    NoCam.where(
+    NoCam.raise_where(
         still,
         lambda: NoCam(
             f"the {name} stands still on the cam (cusp of the pitch curve)",

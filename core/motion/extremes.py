@@ -360,7 +360,7 @@ class _Search:
 @lru_cache(maxsize=32)
 def true_stroke(motion: Motion) -> float:
     """Highest minus lowest position over one turn, in the motion's unit, to ``DIGITS`` digits. A named law stays between
-    its ends; a polynomial or a spline need not. Raises NoAnswer where the points of a spline contradict each other."""
+    its ends; a polynomial or a spline need not. Raises NoSolution where the points of a spline contradict each other."""
     if all(isinstance(segment.curve, NamedCurve | SccaCurve) for segment in motion.segments):
         return stroke(motion)
     compiled = program(motion)
