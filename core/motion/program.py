@@ -13,7 +13,7 @@ from core.design import Motion
 from core.findings import ERROR, NOTE, WARNING, Finding
 from core.frozen import frozen
 from core.laws import Piece, PieceTable
-from core.motion.curves import joined, shape_of
+from core.motion.curves import curve_shape, with_joined_ends
 from core.numerics.derivatives import Derivatives, distinct, unit
 from core.numerics.lazy import Lazy
 from core.numerics.roots import two_sum
@@ -32,7 +32,7 @@ class Angles:
     """Cam angles, each with the piece of the motion that it is taken to lie in.
 
     theta  (n,) [rad], 0 ... 2π
-    piece  (n,) row of ``Program``; at a join it says which side is meant
+    piece  (n,) row of ``CompiledMotion``; at a join it says which side is meant
     kept   True for a grid that stages may keep results of
     search True for the samples between which extremes are searched: kept apart from what tables and plots show
     unit   (n,) complex, e^{iθ}, made when it is read
@@ -40,7 +40,7 @@ class Angles:
 
     theta: np.ndarray
     piece: np.ndarray
-    kept: bool = False
+    cached: bool = False
     search: bool = False
     unit: Lazy[np.ndarray] = Lazy(lambda angles: unit(angles.theta))
 
@@ -80,7 +80,7 @@ class MotionState:
         return self.angles.theta
 
 
-class Program:
+class CompiledMotion:
     """A motion compiled to one table of pieces.
 
     starts    (m,) cam angle [rad] where each piece starts; ends (m,) where it ends
@@ -107,7 +107,7 @@ class Program:
         self._gain = gain.ravel() * motion.scale / self._span ** np.arange(4)[:, None]
 
     @classmethod
-    def of_columns(cls, motion: Motion, count: int) -> Program:
+    def from_columns(cls, motion: Motion, count: int) -> CompiledMotion:
         """As ``stacked``, of so many motions: one in which spans and rises are columns (count,), of curves that these only stretch."""
         pieces, rows = _rows_of(motion)
         made = cls.__new__(cls)
@@ -121,7 +121,7 @@ class Program:
         return made
 
     @classmethod
-    def stacked(cls, programs: Sequence[Program]) -> Program:
+    def stacked(cls, programs: Sequence[CompiledMotion]) -> CompiledMotion:
         """Several motions of as many pieces: those of the second follow on those of the first. Of it ``state`` is asked, at angles whose
         pieces are known, and ``jumps``."""
         made = cls.__new__(cls)
@@ -131,14 +131,14 @@ class Program:
         made._table = PieceTable.stacked([each._table for each in programs])
         return made
 
-    def angles(self, theta: np.ndarray, kept: bool = False) -> Angles:
+    def angles(self, theta: np.ndarray, cached: bool = False) -> Angles:
         """Any cam angles (n,) [rad], each with the piece right of it."""
         theta = np.asarray(theta, dtype=float)
         if theta.size and (theta.min() < 0.0 or theta.max() >= TURN - SNAP):
             theta = np.mod(theta, TURN)
             theta = np.where(theta >= TURN - SNAP, 0.0, theta)  # the end of the turn is the first join
         piece = np.searchsorted(self.starts - SNAP, theta, side="right") - 1
-        return Angles(theta, piece, kept)
+        return Angles(theta, piece, cached)
 
     def uncut(self, angles: Angles) -> Angles:
         """The same, whose pieces are the motion's own."""
@@ -146,7 +146,7 @@ class Program:
 
     def state(self, angles: Angles) -> MotionState:
         """The motion at these angles; exact derivatives, no interpolation."""
-        return self.stretched(self.curve(angles), angles)
+        return self.state_from_curve(self.curve(angles), angles)
 
     def curve(self, angles: Angles) -> Callable[[int], np.ndarray]:
         """order -> of the curves of the pieces, from 0 to 1, the value (n,) at these angles or its derivative by the part of the span."""
@@ -222,7 +222,7 @@ class Program:
         def tiled(order: int) -> np.ndarray:
             return np.tile(curve(order).reshape(2, -1), self._copies).ravel()
 
-        there = self.stretched(tiled, Angles(ends.ravel(), pieces.ravel())).displacement
+        there = self.state_from_curve(tiled, Angles(ends.ravel(), pieces.ravel())).displacement
         begin, end = np.array([there[order] for order in range(orders)]).reshape(orders, 2, -1).swapaxes(0, 1)
         jump = of_next(begin) - end
         jump[0].reshape(turns, -1)[:, -1] += self._gains  # where the next turn begins
@@ -245,7 +245,7 @@ def _rows_of(motion: Motion) -> tuple[list[Piece], list[tuple[Any, ...]]]:
     whole = 360.0 / turn
     heights = _sums_before([s.rise for s in motion.segments])
     for i, (part, before, height) in enumerate(zip(motion.segments, sums, heights, strict=True)):
-        shape = shape_of(joined(motion, i), len(motion.segments) == 1, f"motion.segments[{i}]")
+        shape = curve_shape(with_joined_ends(motion, i), len(motion.segments) == 1, f"motion.segments[{i}]")
         begin, span, level = np.deg2rad(before) * whole, np.deg2rad(part.span_deg) * whole, motion.start + height
         pieces += shape.pieces
         for piece, velocity_sign in zip(shape.pieces, shape.velocity_signs, strict=True):
@@ -264,12 +264,12 @@ def _sums_before(values: list[float]) -> list[float]:
 
 
 @lru_cache(maxsize=32)
-def program(motion: Motion) -> Program:
+def program(motion: Motion) -> CompiledMotion:
     """The compiled motion. Raises DesignError where a law is unknown."""
-    return Program(motion)
+    return CompiledMotion(motion)
 
 
-def at_turn(compiled: Program, q: Derivatives) -> Derivatives:
+def motion_at(compiled: CompiledMotion, q: Derivatives) -> Derivatives:
     """A motion that goes by an angle q (n,) [rad] which may be beyond a turn: its advance with each, and three derivatives by what
     q's are by, by the chain rule."""
     y = compiled.state(compiled.angles(q[0])).displacement
@@ -288,7 +288,7 @@ def at_turn(compiled: Program, q: Derivatives) -> Derivatives:
 
 
 @lru_cache(maxsize=32)
-def steepest(motion: Motion) -> float:
+def largest_rate(motion: Motion) -> float:
     """The largest rate of a motion at whole degrees, in SI per radian."""
     compiled = program(motion)
     return float(np.abs(compiled.state(compiled.angles(np.deg2rad(degrees(360)))).displacement[1]).max())
@@ -298,7 +298,7 @@ _AT_REST = 1e-9  # of the largest velocity and acceleration: less is rest
 
 
 @lru_cache(maxsize=32)
-def going_on(motion: Motion, index: int) -> tuple[int, ...]:
+def connected_segments(motion: Motion, index: int) -> tuple[int, ...]:
     """The segments that go on into each other without rest, of which one is given, in the order of the turn: where they meet velocity
     or acceleration is another than 0, the same on both sides."""
     compiled, count = program(motion), len(motion.segments)
@@ -329,7 +329,7 @@ _JUMPS = (
 WHOLE = 1e-9  # turns, or parts of one, this near to a whole number are whole
 
 
-def findings(compiled: Program) -> list[Finding]:
+def findings(compiled: CompiledMotion) -> list[Finding]:
     """Jumps of displacement, velocity and acceleration; for each join only the first that jumps is named. An advance of an angle after
     which what turns stands otherwise, and never at the same places again."""
     result = []
@@ -374,7 +374,7 @@ class ShaftPosition:
         return np.asarray(np.mod(self.phase + self.sense * own, TURN))
 
 
-def all_ends(cuts: Sequence[np.ndarray]) -> np.ndarray:
+def piece_ends(cuts: Sequence[np.ndarray]) -> np.ndarray:
     """Ends of pieces over one turn (m + 1,), 0 and 2π among them, at all the cuts [rad]."""
     ends = distinct(np.concatenate((np.zeros(1), *cuts)))
     ends = ends[np.diff(ends, prepend=-1.0) > CLOSEST]
@@ -389,7 +389,7 @@ class MachineTurn:
 
     def __init__(self, programs: Sequence[tuple[Any, ShaftPosition]]) -> None:
         self.programs = tuple(programs)
-        ends = all_ends([place.machine(program.starts) for program, place in self.programs])
+        ends = piece_ends([place.machine_angle(program.starts) for program, place in self.programs])
         self.starts, self.ends = ends[:-1], ends[1:]
 
     def angles(self, theta: np.ndarray) -> Angles:
@@ -398,19 +398,19 @@ class MachineTurn:
         theta = np.where(theta >= TURN - CLOSEST, 0.0, theta)
         return Angles(theta, np.searchsorted(self.starts - CLOSEST, theta, side="right") - 1)
 
-    def own(self, number: int, angles: Angles, kept: bool = False) -> Angles:
+    def own(self, number: int, angles: Angles, cached: bool = False) -> Angles:
         """The angles of one program at machine angles, each on the same side of its joins."""
         program, place = self.programs[number]
         middle = (0.5 * (self.starts + self.ends))[angles.piece]
-        inside = program.angles(place.own(middle))
-        theta = inside.theta + place.sense * (angles.theta - middle)
-        return Angles(np.clip(theta, program.starts[inside.piece], program.ends[inside.piece]), inside.piece, kept)
+        inside = program.angles(place.drive_angle(middle))
+        theta = inside.theta + place.rotation_sign * (angles.theta - middle)
+        return Angles(np.clip(theta, program.starts[inside.piece], program.ends[inside.piece]), inside.piece, cached)
 
 
 # -- A motion's turn, or a crank's, cut at further angles -------------------------------------------------------
 
 
-class CutProgram:
+class SubdividedTurn:
     """A program with more pieces: looks like the one that it is made of, whose joins it keeps.
 
     starts, ends  (m,) angles [rad] of its pieces
@@ -445,11 +445,11 @@ class CutProgram:
         """(m,) the segment that each piece belongs to."""
         return np.asarray(self._program.segment[self._of])
 
-    def angles(self, theta: np.ndarray, kept: bool = False) -> Angles:
+    def angles(self, theta: np.ndarray, cached: bool = False) -> Angles:
         """Any angles (n,) [rad], each with the piece right of it."""
         inner = self._program.angles(theta)
         piece = np.searchsorted(self.starts - SNAP, inner.theta, side="right") - 1
-        return Angles(inner.theta, np.clip(piece, 0, None), kept)
+        return Angles(inner.theta, np.clip(piece, 0, None), cached)
 
     def uncut(self, angles: Angles) -> Angles:
         """The same, with the pieces of the program that it is made of."""
