@@ -24,10 +24,10 @@ __all__ = [
     "CompiledMotion",
     "Join",
     "MotionState",
-    "at_turn",
+    "connected_segments",
     "degrees",
     "findings",
-    "going_on",
+    "largest_rate",
+    "motion_at",
     "program",
-    "steepest",
 ]

@@ -100,7 +100,7 @@ def with_joined_ends(motion: Motion, index: int) -> Segment:
     for kind, at, level, side in ((curve.start, 0.0, 0.0, -1), (curve.end, segment.span_deg, segment.rise, 1)):
         if kind == JOINED:
             beside = motion.segments[(index + side) % count]
-            shape = curve_shape(beside, False, f"motion.segments[{(index + side) % count}]")
+            shape = segment_shape(beside, False, f"motion.segments[{(index + side) % count}]")
             y = PieceTable(shape.pieces).at(np.array([0.0 if side > 0 else 1.0])).all[:, 0]
             _, v, a, _ = (shape.gain * y / beside.span_deg ** np.arange(4)).tolist()
             points = [p for p in points if abs(p.at_deg - at) > _SAME]
@@ -231,7 +231,7 @@ def _whole(curve: Curve, varied: Curve) -> Curve:
     return made if getattr(made, "ramp_fraction", 0.0) + made.flat_fraction <= 1.0 else curve
 
 
-def curve_shape(segment: Segment, whole_turn: bool, path: str) -> CurveShape:
+def segment_shape(segment: Segment, whole_turn: bool, path: str) -> CurveShape:
     """The pieces of a segment; whole_turn: it is the only one. Raises DesignError, NoSpline."""
     return SHAPES[type(segment.curve)](segment.curve, segment, whole_turn, path)
 
