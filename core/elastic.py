@@ -16,7 +16,7 @@ from core.findings import Residual
 from core.frozen import frozen
 from core.mechanism import DriverRanges, Mechanism, solve_mechanism
 from core.mechanism.kinematics import Kinematics
-from core.motion import EPS, SNAP, TURN, Angles, MotionState, Program
+from core.motion import EPS, SNAP, TURN, Angles, CompiledMotion, MotionState
 from core.numerics.derivatives import Derivatives
 from core.numerics.lazy import checkpoint
 from core.numerics.roots import gauss_legendre
@@ -179,7 +179,7 @@ class MotionPieces:
     sines: np.ndarray
 
     @staticmethod
-    def of(program: Program) -> MotionPieces:
+    def of(program: CompiledMotion) -> MotionPieces:
         """Those of a compiled motion."""
         return MotionPieces(program.starts, program.ends - program.starts, program.powers, program.sines)
 
@@ -323,7 +323,7 @@ class ResidualVibration:
     steady: float
 
 
-def dwells(program: Program) -> tuple[Dwell, ...]:
+def dwells(program: CompiledMotion) -> tuple[Dwell, ...]:
     """The dwells in the order of their starts; one that passes 360° is one, and the last. None where nothing else is."""
     stands = program.velocity_signs == 0.0
     n = stands.size
@@ -352,7 +352,7 @@ class States(NamedTuple):
 class ProgramTurn:
     """The program's turn in n pieces: as they are, or cut into parts no wider than ``step`` [rad]."""
 
-    def __init__(self, program: Program, step: float | None = None) -> None:
+    def __init__(self, program: CompiledMotion, step: float | None = None) -> None:
         whole = MotionPieces.of(program)
         self.pieces, of = (whole, np.arange(whole.widths.size)) if step is None else whole.cut(step)
         first = np.searchsorted(of, np.arange(whole.widths.size))
@@ -425,7 +425,7 @@ class Response:
     steady: the response that repeats every turn; else that from rest, begun anew at the end of each dwell.
     """
 
-    def __init__(self, one: Equivalent, program: Program, omega: float) -> None:
+    def __init__(self, one: Equivalent, program: CompiledMotion, omega: float) -> None:
         self.one, self.program, self.omega = one, program, omega
         self._turn, self._oscillator = ProgramTurn(program), oscillators(one, np.array([omega]))
 
@@ -520,7 +520,7 @@ class Spectrum:
     acceleration: np.ndarray
 
 
-def spectrum(one: Equivalent, program: Program, omega: np.ndarray, largest: bool = True) -> Spectrum:
+def spectrum(one: Equivalent, program: CompiledMotion, omega: np.ndarray, largest: bool = True) -> Spectrum:
     """At speeds (m,) > 0 [rad/s]; largest: with the largest values over the turn. Raises Cancelled where it is no longer wanted."""
     turn, parts = ProgramTurn(program, STEP if largest else None), []
     for first in range(0, omega.size, AT_ONCE):

@@ -18,7 +18,7 @@ from core.findings import ERROR, Finding
 from core.followers.dimensions import rounded
 from core.instant_centres import cam_follower_centre
 from core.mechanism.kinematics import REVOLUTE, Kinematics
-from core.motion.extremes import Range
+from core.motion.extremes import Extremes
 from core.numerics.derivatives import between_lines, cross, dot, heading, spread
 from core.numerics.lazy import once
 
@@ -128,7 +128,7 @@ def _require_cam(kinematics: Kinematics, support: np.ndarray, rate: np.ndarray, 
     )
 
 
-def is_undercut(extremes: Mapping[str, Range], face: Flat) -> bool:
+def is_undercut(extremes: Mapping[str, Extremes], face: Flat) -> bool:
     """Whether the radius of curvature somewhere is 0 or less: there the profile has a cusp, or would have to be concave."""
     return extremes["profile_radius"].low.value <= 0.0
 
@@ -162,12 +162,12 @@ def outline(shape: CamShape, face: Flat, kinematics: Kinematics) -> FaceOutline:
     return FaceOutline(corners, m * complex(thick, 0.5 * (low + high)))
 
 
-def findings(extremes: Mapping[str, Range], face: Flat, cam: DiskCam, least_at: LeastAt) -> list[Finding]:
+def findings(extremes: Mapping[str, Extremes], face: Flat, cam: DiskCam, least_at: LeastAt) -> list[Finding]:
     """A radius of curvature that is not positive, and a face that the contact leaves."""
     return [*_undercut(extremes, face, cam, least_at), *_too_narrow(extremes, face)]
 
 
-def _undercut(extremes: Mapping[str, Range], face: Flat, cam: DiskCam, least_at: LeastAt) -> list[Finding]:
+def _undercut(extremes: Mapping[str, Extremes], face: Flat, cam: DiskCam, least_at: LeastAt) -> list[Finding]:
     if not is_undercut(extremes, face):
         return []
     least = extremes["profile_radius"].low
@@ -210,7 +210,7 @@ def _base_radius(base: float, least: float, least_at: LeastAt) -> float:
     return above[0] if above else 0.0
 
 
-def _too_narrow(extremes: Mapping[str, Range], face: Flat) -> list[Finding]:
+def _too_narrow(extremes: Mapping[str, Extremes], face: Flat) -> list[Finding]:
     """Where the contact runs farthest beyond the face, and the half width about its centre that would do."""
     half, centre = face.face_half_width_mm, face.face_centre_mm
     if half is None:
@@ -227,7 +227,7 @@ def _too_narrow(extremes: Mapping[str, Range], face: Flat) -> list[Finding]:
 # -- faces of followers, one row each ---------------------------------------------------------------------------
 
 
-Extremes = Mapping[str, Range]
+ExtremesByName = Mapping[str, Extremes]
 LeastAt = Callable[[str, float], float]
 
 
@@ -249,8 +249,8 @@ class FaceRow(NamedTuple):
 
     envelope: Callable[[Kinematics, Any, Any, float], CamShape]
     limits: tuple[str, ...]
-    undercut: Callable[[Extremes, Any], bool]
-    findings: Callable[[Extremes, Any, Any, LeastAt], list[Finding]]
+    undercut: Callable[[ExtremesByName, Any], bool]
+    findings: Callable[[ExtremesByName, Any, Any, LeastAt], list[Finding]]
     proof: str
     own_distance: Callable[[CamShape, Any], np.ndarray]
     gaps: Callable[[CamShape, Any, int], np.ndarray]

@@ -30,7 +30,7 @@ from core.frozen import frozen
 from core.mechanism.kinematics import FRAME, REVOLUTE, SLIDING, Kinematics, Pose
 from core.mechanism.mechanism import body_name
 from core.motion import EPS, TURN, Angles
-from core.motion.extremes import Extreme, Range
+from core.motion.extremes import Extreme, Extremes
 from core.numerics.derivatives import dot
 
 # -- forms of a cam, one row each -------------------------------------------------------------------------------
@@ -161,7 +161,7 @@ def faces_of(face: Any, cam: Any) -> Mapping[str, Face]:
 # -- limits of the flanks that a cam may have besides its first -------------------------------------------------
 
 
-Extremes = Mapping[str, Range]
+ExtremesByName = Mapping[str, Extremes]
 _RADIUS = "cam.second.roller_radius_mm"
 
 
@@ -173,17 +173,17 @@ class FlankRow(NamedTuple):
     """
 
     limits: tuple[str, ...]
-    undercut: Callable[[Extremes, Any], bool]
-    findings: Callable[[Extremes, Any, Any], list[Finding]]
+    undercut: Callable[[ExtremesByName, Any], bool]
+    findings: Callable[[ExtremesByName, Any, Any], list[Finding]]
     pressure: str = ""
 
 
-def _outer_undercut(extremes: Extremes, face: Any) -> bool:
+def _outer_undercut(extremes: ExtremesByName, face: Any) -> bool:
     """Whether the pitch curve is somewhere so hollow that the roller with its play does not fit: κ_p (Rr + play) ≤ -1."""
     return 1e-3 * face.radius_mm * extremes["pitch_curvature"].low.value <= -1.0
 
 
-def _outer_findings(extremes: Extremes, face: Any, cam: Any) -> list[Finding]:
+def _outer_findings(extremes: ExtremesByName, face: Any, cam: Any) -> list[Finding]:
     if not _outer_undercut(extremes, face):
         return []
     hollow = extremes["pitch_curvature"].low
@@ -191,11 +191,11 @@ def _outer_findings(extremes: Extremes, face: Any, cam: Any) -> list[Finding]:
     return [Finding("outer-undercut", ERROR, ENTRIES[type(cam)].size, degrees(hollow.theta), values)]
 
 
-def _second_undercut(extremes: Extremes, face: Any) -> bool:
+def _second_undercut(extremes: ExtremesByName, face: Any) -> bool:
     return 1e-3 * face.radius_mm * extremes["second_pitch_curvature"].high.value >= 1.0
 
 
-def _second_findings(extremes: Extremes, face: Any, cam: Any) -> list[Finding]:
+def _second_findings(extremes: ExtremesByName, face: Any, cam: Any) -> list[Finding]:
     """Undercut, a second roller that meets the shaft or the first cam's hub, and one that does not push back."""
     found = []
     if _second_undercut(extremes, face):
@@ -330,7 +330,7 @@ ROUNDING = 1e-12  # relative accuracy of a channel: a radius found for the limit
 NO_DRIVE = 89.0  # from here on the cam cannot move the follower, whatever the force
 
 
-def findings(extremes: Mapping[str, Range], ground: str, face: Any, cam: Any, least_at: LeastAt) -> list[Finding]:
+def findings(extremes: Mapping[str, Extremes], ground: str, face: Any, cam: Any, least_at: LeastAt) -> list[Finding]:
     """What the refined extremes of pressure angle [rad] and of the face's own quantities exceed; ground: kind of the pair
     that holds the follower; least_at: quantity, base radius [mm] -> its refined least value with that one."""
     found = []
@@ -354,7 +354,7 @@ def limits_of(face: Any, cam: Any) -> tuple[str, ...]:
 
 
 def further_findings(
-    extremes: Mapping[str, Range], grounds: Mapping[str, str], face: Any, cam: Any, second: SecondEntry | None
+    extremes: Mapping[str, Extremes], grounds: Mapping[str, str], face: Any, cam: Any, second: SecondEntry | None
 ) -> list[Finding]:
     """What the flanks besides the first exceed; grounds: kind of the pair that holds what touches each; second: the entry of the second
     roller."""
@@ -371,7 +371,7 @@ def further_findings(
     return found
 
 
-def undercut(extremes: Mapping[str, Range], flank: str, face: Any, cam: Any) -> bool:
+def undercut(extremes: Mapping[str, Extremes], flank: str, face: Any, cam: Any) -> bool:
     """Whether a flank has a cusp, or crosses itself where it is curved too much for what touches it."""
     further = {
         name: row.undercut(extremes, touching) for name, row, touching in further_flanks(face, cam) if name == flank
@@ -435,7 +435,7 @@ class Radius:
         return "pitch" not in self.curve
 
 
-def smallest_radii(extremes: Mapping[str, Range], face: Any, cam: Any) -> tuple[Radius, ...]:
+def smallest_radii(extremes: Mapping[str, Extremes], face: Any, cam: Any) -> tuple[Radius, ...]:
     """Of each curve the smallest radius where it is convex and where it is hollow, as far as it is so anywhere.
 
     Beside a pitch curve of radius ρ_p lies a profile of ρ_p - Rr where that is convex, ρ_p + Rr where it is hollow, so that its

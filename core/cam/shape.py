@@ -26,7 +26,7 @@ from core.findings import ERROR, Finding
 from core.frozen import frozen
 from core.instant_centres import Centres, cam_follower_centre
 from core.mechanism.kinematics import Kinematics
-from core.motion.extremes import Range
+from core.motion.extremes import Extremes
 from core.numerics.derivatives import BINOMIAL, Derivatives, between_lines, cross, dot
 from core.numerics.lazy import Lazy, once
 
@@ -348,7 +348,7 @@ def _require_cam(
     )
 
 
-def is_undercut(extremes: Mapping[str, Range], face: RoundFace) -> bool:
+def is_undercut(extremes: Mapping[str, Extremes], face: RoundFace) -> bool:
     """Whether the pitch curve is somewhere no blunter than the round: there the profile has a cusp, or crosses itself."""
     return 1e-3 * face.radius_mm * extremes["pitch_curvature"].high.value >= 1.0
 
@@ -383,7 +383,7 @@ def outline(shape: CamShape, face: RoundFace, kinematics: Kinematics) -> FaceOut
     return FaceOutline(-radius * middle * np.exp(1j * np.linspace(-half, half, POINTS)), 0j)
 
 
-def findings(extremes: Mapping[str, Range], face: RoundFace, cam: object, least_at: object) -> list[Finding]:
+def findings(extremes: Mapping[str, Extremes], face: RoundFace, cam: object, least_at: object) -> list[Finding]:
     """The pitch curve's smallest radius against that of the round."""
     if not is_undercut(extremes, face):
         return []

@@ -19,7 +19,7 @@ from core.errors import NoSolution
 from core.frozen import frozen
 from core.mechanism import Mechanism, driver_ranges_for, solve_mechanism
 from core.mechanism.kinematics import Kinematics
-from core.motion import TURN, Angles, MotionState, Program
+from core.motion import TURN, Angles, CompiledMotion, MotionState
 from core.numerics.derivatives import Derivatives
 
 # -- after lift-off ---------------------------------------------------------------------------------------------
@@ -399,7 +399,7 @@ def with_impacts(
     at: ForcesAt,
     mechanism: Mechanism,
     loading: Loading,
-    program: Program,
+    program: CompiledMotion,
     omega: float,
     play: float,
 ) -> tuple[FlankChange, ...]:
@@ -436,7 +436,7 @@ class _Row(NamedTuple):
 class _Flanks:
     """Motion and gaps by the cam angle, counted on over the turns: polynomials on panels, made when they are passed."""
 
-    def __init__(self, at: ForcesAt, program: Program, sense: float) -> None:
+    def __init__(self, at: ForcesAt, program: CompiledMotion, sense: float) -> None:
         self._at, self._program, self._sense = at, program, sense
         self._panels: dict[tuple[int, int], np.ndarray] = {}
 

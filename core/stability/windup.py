@@ -18,7 +18,7 @@ from core.dynamics import Loading, OutputForce, newton_euler
 from core.errors import NoStability
 from core.frozen import frozen
 from core.mechanism.kinematics import Kinematics
-from core.motion import TURN, Angles, Program
+from core.motion import TURN, Angles, CompiledMotion
 from core.stability.by_cam import follow
 from core.stability.coefficients import RETUNED, Coefficients, Sizes
 from core.stability.integrator import OUTSIDE, STAGES, IntegrationStep, OnPieces, WindUpEquation
@@ -44,7 +44,7 @@ class Touching:
 
     at: KinematicsAndShapeAt
     loading: Loading
-    program: Program
+    program: CompiledMotion
     sizes: Sizes
     own: Callable[[Angles], Angles] = lambda angles: angles
     sense: float = 1.0

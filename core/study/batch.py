@@ -18,7 +18,7 @@ from core.errors import NoSolution
 from core.mechanism import plan_of
 from core.mechanism.kinematics import SLIDING
 from core.motion import Angles
-from core.motion.curves import only_stretched
+from core.motion.curves import has_common_pieces
 from core.motion.extremes import crossings
 from core.motion.program import ShaftPosition
 from core.numerics.lazy import at_angles_of, column, design_by_design, taken
@@ -104,7 +104,7 @@ def block(
         motion = _own_motion(own, tuple(here), rows[[paths.index(path) for path in here.values()]])
         for segment in () if motion is None else motion.segments:
             inside &= np.asarray(segment.span_deg > 0.0)
-        if motion is not None and not only_stretched(motion):
+        if motion is not None and not has_common_pieces(motion):
             for k in np.flatnonzero(inside).tolist():
                 if part_faults(taken(motion, design_by_design(k)), "motion"):
                     found.reason[k] = FAULTY

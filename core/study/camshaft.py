@@ -17,7 +17,7 @@ from core.frozen import frozen
 from core.mechanism import solve_mechanism
 from core.mechanism.kinematics import Kinematics
 from core.motion import TURN, Angles, degrees
-from core.motion.extremes import Extreme, Range, find_extremes
+from core.motion.extremes import Extreme, Extremes, find_extremes
 from core.motion.program import MachineTurn, ShaftPosition
 from core.shaft import Flywheel, LoadCurve, combined, levels, peaks, rms
 from core.study.drive_study import DriveStudy
@@ -270,7 +270,7 @@ class Camshaft(Generic[D]):
         return rms(self.load)
 
     @property
-    def peaks(self) -> Range:
+    def peaks(self) -> Extremes:
         """Lowest and highest torque [N m], by machine angle."""
         return peaks(self.load)
 
@@ -327,13 +327,13 @@ class Camshaft(Generic[D]):
         return self.flywheel.speed(self._wheel_angles) if self.levelled else np.full(self.theta.size, self.omega)
 
     @property
-    def motor_range(self) -> Mapping[str, Range]:
+    def motor_range(self) -> Mapping[str, Extremes]:
         """Refined extremes of ``motor_torque`` [N m], ``speed`` [rad/s] and ``motor_power`` [W]. Raises NoSolution where it stalls."""
         if not self.levelled:
             low, high = self.peaks.low, self.peaks.high
-            power = Range(Extreme(low.value * self.omega, low.theta), Extreme(high.value * self.omega, high.theta))
+            power = Extremes(Extreme(low.value * self.omega, low.theta), Extreme(high.value * self.omega, high.theta))
             steady = Extreme(self.omega, 0.0)
-            return {"motor_torque": self.peaks, "speed": Range(steady, steady), "motor_power": power}
+            return {"motor_torque": self.peaks, "speed": Extremes(steady, steady), "motor_power": power}
         wheel = self.flywheel
 
         def values(angles: Any) -> Mapping[str, np.ndarray]:
@@ -341,7 +341,7 @@ class Camshaft(Generic[D]):
             return {"motor_torque": torque, "speed": speed, "motor_power": torque * speed}
 
         key = self._key, self.design.balancer, self.design.camshaft
-        found: Mapping[str, Range] = memory.get("motor range", key, lambda: find_extremes(values, self.turn))
+        found: Mapping[str, Extremes] = memory.get("motor range", key, lambda: find_extremes(values, self.turn))
         return found
 
     # -- the flexible shaft ---------------------------------------------------------------------------------
@@ -386,7 +386,7 @@ class Camshaft(Generic[D]):
         return stable
 
 
-def _greatest(found: Range) -> Extreme:
+def _greatest(found: Extremes) -> Extreme:
     return max((found.low, found.high), key=lambda extreme: abs(extreme.value))
 
 
@@ -398,10 +398,10 @@ def _there(study: D, place: ShaftPosition, samples: int, theta: np.ndarray | Non
     """A drive's study at machine angles; at equally spaced ones it is remembered."""
     turn = MachineTurn([(study.program, place)])
     if theta is not None:
-        return study.at(turn.own(0, turn.angles(theta)))
+        return study.at(turn.drive_angles(0, turn.angles(theta)))
 
     def compute() -> Any:
-        return turn.own(0, turn.angles(np.deg2rad(degrees(samples))), kept=True)
+        return turn.drive_angles(0, turn.angles(np.deg2rad(degrees(samples))), cached=True)
 
     return study.at(memory.get("grid", (study.program, samples, place), compute))
 
@@ -411,7 +411,7 @@ def _on_grid(place: ShaftPosition, samples: int) -> np.ndarray | None:
     steps = place.phase * samples / TURN
     if abs(steps - round(steps)) > 1e-9:
         return None
-    return np.asarray((int(place.sense) * (np.arange(samples) - round(steps))) % samples)
+    return np.asarray((int(place.rotation_sign) * (np.arange(samples) - round(steps))) % samples)
 
 
 # -- the stability of a flexible shaft with the drives that it carries ------------------------------------------
@@ -451,7 +451,7 @@ class ShaftDrive:
 
     def own(self, angles: Angles) -> Angles:
         """Its own angles at those of the shaft."""
-        return angles if self.turn is None else self.turn.own(self.at, angles)
+        return angles if self.turn is None else self.turn.drive_angles(self.at, angles)
 
     def kinematics(self, angles: Angles) -> Kinematics:
         """The drive's kinematics at any of its own angles."""
@@ -465,7 +465,7 @@ class ShaftDrive:
     def displacement(self, theta: np.ndarray) -> np.ndarray:
         """Of the motion, at angles of the shaft (n,) [rad]."""
         program = self.study.program
-        own = theta if self.turn is None else self.place.own(theta)
+        own = theta if self.turn is None else self.place.drive_angle(theta)
         return np.asarray(program.state(program.angles(own)).displacement[0])
 
     @property
@@ -474,14 +474,16 @@ class ShaftDrive:
         from core.stability import DrivenMechanism
 
         study = self.study
-        return DrivenMechanism(self.kinematics, study.loading, study.program, self.own, self.place.sense, self.path)
+        return DrivenMechanism(
+            self.kinematics, study.loading, study.program, self.own, self.place.rotation_sign, self.path
+        )
 
     def touching(self, sizes: Sizes | None) -> Touching:
         """sizes: those of all together, where it is the only one."""
         from core.stability import Touching, own_sizes
 
         study, sizes = self.study, sizes or own_sizes(self.driven)
-        parts = (study.loading, study.program, sizes, self.own, self.place.sense, self.name, self.number)
+        parts = (study.loading, study.program, sizes, self.own, self.place.rotation_sign, self.name, self.number)
         return Touching(self.kinematics_and_shape, *parts)
 
     @property
@@ -490,7 +492,7 @@ class ShaftDrive:
         from core.stability import Follower
 
         starts = self.study.program.starts
-        places = starts if self.turn is None else self.place.machine(starts)
+        places = starts if self.turn is None else self.place.machine_angle(starts)
         return Follower(self.name, self.study.design.drive.motion_unit, self.displacement, places)
 
 

@@ -29,7 +29,7 @@ from core.mechanism import (
 from core.mechanism.kinematics import FRAME, REVOLUTE, SLIDING, Kinematics
 from core.motion import TURN, Angles, MotionState, degrees, program
 from core.motion.extremes import Extreme, find_above
-from core.motion.program import CutProgram, ShaftPosition
+from core.motion.program import ShaftPosition, SubdividedTurn
 from core.numerics.lazy import locked
 from core.shaft import LoadCurve, combined
 from core.stress import ContactStress, contact_stress
@@ -177,14 +177,14 @@ class DriveStudy:
 
     @cached_property
     def program(self) -> Any:
-        """What the driver does over one turn, a Program or a CrankProgram: its pieces and joins. Its pieces end where a process
+        """What the driver does over one turn, a CompiledMotion or a CrankProgram: its pieces and joins. Its pieces end where a process
         force switches and where friction turns round in a pin, too."""
         if not (found := self._cuts):
             return self.uncut
         return memory.get(
             "cut program",
             (self.driver_ranges if self.by_crank else self.uncut, found),
-            lambda: CutProgram(self.uncut, found),
+            lambda: SubdividedTurn(self.uncut, found),
         )
 
     @property
@@ -209,7 +209,7 @@ class DriveStudy:
         """The angles at which the drive is studied."""
         if self._given is not None:
             return self._given
-        if isinstance(self.program, CutProgram):
+        if isinstance(self.program, SubdividedTurn):
             return cut_grid(self.program, self.angle_degrees)
         return (
             crank_grid(self.driver_ranges, self.samples)
@@ -254,7 +254,7 @@ class DriveStudy:
             evaluations[name] += 1
             return function(*parts)
 
-        if not self.angles.kept:
+        if not self.angles.cached:
             return locked(compute())
         return memory.get((name, "searched") if self.angles.search else name, parts, compute)
 
@@ -264,7 +264,7 @@ class DriveStudy:
         try:
             yield
         except NoSolution as error:
-            if not error.cam_angles or error.exact or not self.angles.kept:
+            if not error.cam_angles or error.exact or not self.angles.cached:
                 raise
             raise at_angles(error, failing_ranges(self.at, stage, self.program)) from None
 
@@ -309,7 +309,7 @@ class DriveStudy:
     @cached_property
     def drive(self) -> MotionState:
         """What moves the mechanism: the motion, or the crank's own angle, with three derivatives (4, n) [rad or m]."""
-        if isinstance(self.program, CutProgram):
+        if isinstance(self.program, SubdividedTurn):
             return self._stage("motion", self.program.state, self.angles)
         if self.by_crank:
             return crank_state(self.driver_ranges, self.angles)

@@ -15,10 +15,10 @@ from core.dynamics import Forces, Friction, Loading
 from core.errors import NoSolution
 from core.mechanism import CrankProgram, DriverRanges, Mechanism, solve_mechanism
 from core.mechanism.kinematics import Kinematics
-from core.motion import Angles, MotionState, Program, program
+from core.motion import Angles, CompiledMotion, MotionState, program
 from core.motion import degrees as motion_degrees
 from core.motion.extremes import crossings, piecewise_angles
-from core.motion.program import CutProgram
+from core.motion.program import SubdividedTurn
 from core.numerics.derivatives import spread
 from core.numerics.lazy import locked
 from core.shaft import LoadCurve, load_curve
@@ -124,7 +124,7 @@ def grid(motion: Any, samples: int) -> Angles:
     """Equally spaced cam angles over one turn, the same object for the same question."""
 
     def compute() -> Angles:
-        return program(motion).angles(np.deg2rad(motion_degrees(samples)), kept=True)
+        return program(motion).angles(np.deg2rad(motion_degrees(samples)), cached=True)
 
     return memory.get("grid", (motion, samples), compute)
 
@@ -132,12 +132,14 @@ def grid(motion: Any, samples: int) -> Angles:
 def crank_grid(driver_ranges: DriverRanges, samples: int) -> Angles:
     """Equally spaced driver angles over one turn, as far as the linkage can be assembled there."""
     run = CrankProgram(driver_ranges)
-    return memory.get("grid", (driver_ranges, samples), lambda: run.angles(np.deg2rad(run.degrees(samples)), kept=True))
+    return memory.get(
+        "grid", (driver_ranges, samples), lambda: run.angles(np.deg2rad(run.degrees(samples)), cached=True)
+    )
 
 
-def cut_grid(cut: CutProgram, at: np.ndarray) -> Angles:
+def cut_grid(cut: SubdividedTurn, at: np.ndarray) -> Angles:
     """The angles [deg] (n,) of a turn that is cut, the same object for the same question."""
-    return memory.get("grid", (cut, at.size), lambda: cut.angles(np.deg2rad(at), kept=True))
+    return memory.get("grid", (cut, at.size), lambda: cut.angles(np.deg2rad(at), cached=True))
 
 
 def crank_state(driver_ranges: DriverRanges, angles: Angles) -> MotionState:
@@ -146,7 +148,7 @@ def crank_state(driver_ranges: DriverRanges, angles: Angles) -> MotionState:
     def compute() -> MotionState:
         return CrankProgram(driver_ranges).state(angles)
 
-    return memory.get("crank", (driver_ranges, angles), compute) if angles.kept else compute()
+    return memory.get("crank", (driver_ranges, angles), compute) if angles.cached else compute()
 
 
 # -- the angles at which the torque of a study jumps or breaks, but for the joins of its motion -----------------
@@ -194,7 +196,7 @@ MOST = 1000  # angles that are tried; motions of many more pieces are sampled mo
 _PARTS = np.linspace(0.0, 1.0, 9)[1:-1, None]  # of the interval between an angle that fails and one that does not
 
 
-def failing_ranges(study_at: Callable[[Angles], Any], stage: str, program: Program) -> list[tuple[float, float]]:
+def failing_ranges(study_at: Callable[[Angles], Any], stage: str, program: CompiledMotion) -> list[tuple[float, float]]:
     """Ranges of cam angles [deg] at which the stage raises NoSolution; study_at gives the study at any cam angles."""
     angles = piecewise_angles(program)
     step = max(1, angles.theta.size // MOST)

@@ -83,7 +83,7 @@ def shaft_bands(design: Design, samples: int = 360, machines: int = FEW_MACHINES
     every = AllWaves(design)
     for i, number in enumerate(map(own.number, names)):
         if number in every.each and every.each[number].changes(DRIVE_TORQUE):
-            there = every.each[number].at(own.places[names[i]].own(theta))
+            there = every.each[number].at(own.places[names[i]].drive_angle(theta))
             found[i] += there.more(DRIVE_TORQUE, found[i], there.error(*every.drawn(number, machines, SEED)))
     balance: float | np.ndarray = 0.0
     with suppress(NoSolution):

@@ -133,7 +133,7 @@ class DriveFigure:
 
     def move(self, machine: float) -> None:
         """To the sample nearest to where it stands at a machine angle [rad]."""
-        self.index = self.geometry.nearest(float(self.place.own(np.array([machine]))[0]))
+        self.index = self.geometry.nearest(float(self.place.drive_angle(np.array([machine]))[0]))
         for part in self.parts:
             if part.move is not None:
                 part.move(self.index)

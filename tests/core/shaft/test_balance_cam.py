@@ -10,12 +10,12 @@ from sampled import spread
 
 from core.design import Balancer, Design, Shaft, part_faults
 from core.errors import NoSolution
-from core.motion import TURN, Angles, Program, degrees
+from core.motion import TURN, Angles, CompiledMotion, degrees
 from core.shaft import LoadCurve, balance_drive, balance_drives, load_curve
 from core.study import Study
 
 SPRING = Balancer(spring_rate_n_per_mm=100.0, preload_n=2000.0, base_radius_mm=150.0, roller_radius_mm=30.0)
-HALVES = Program(levels(0.0, (180.0, 10.0, "cycloidal"), (180.0, 0.0, "cycloidal")))
+HALVES = CompiledMotion(levels(0.0, (180.0, 10.0, "cycloidal"), (180.0, 0.0, "cycloidal")))
 
 
 def curve_of(torque: object) -> LoadCurve:

@@ -18,7 +18,7 @@ from core.__main__ import main
 from core.design import Design, si
 from core.errors import NoSolution
 from core.findings import ERROR
-from core.motion import TURN, Angles, Program
+from core.motion import TURN, Angles, CompiledMotion
 from core.output.export import files
 from core.output.report import report
 from core.output.summary import summary
@@ -28,13 +28,13 @@ from core.study import Study, extremes_of, findings_of
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
 FREE_LIFT = with_loads(LIFT, friction=0.0)
-EVEN = Program(levels(0.0, *[(45.0, 10.0 * (i % 2), "cycloidal") for i in range(7)], (45.0, 0.0, "cycloidal")))
-HALVES = Program(levels(0.0, (180.0, 10.0, "cycloidal"), (180.0, 0.0, "cycloidal")))
+EVEN = CompiledMotion(levels(0.0, *[(45.0, 10.0 * (i % 2), "cycloidal") for i in range(7)], (45.0, 0.0, "cycloidal")))
+HALVES = CompiledMotion(levels(0.0, (180.0, 10.0, "cycloidal"), (180.0, 0.0, "cycloidal")))
 
 Curve = Callable[[np.ndarray], np.ndarray]
 
 
-def of(torque: Curve, inertia: Curve, program: Program = EVEN) -> LoadCurve:
+def of(torque: Curve, inertia: Curve, program: CompiledMotion = EVEN) -> LoadCurve:
     """A load by its torque at constant speed and its inertia at the camshaft."""
     return load_curve(lambda a: np.array([torque(a.theta), inertia(a.theta)]), program)
 
