@@ -18,7 +18,7 @@ from core.findings import ERROR, Finding
 from core.followers.dimensions import rounded
 from core.instant_centres import cam_follower_centre
 from core.mechanism.kinematics import REVOLUTE, Kinematics
-from core.motion.extremes import Range
+from core.motion.extremes import Extremes
 from core.numerics.derivatives import between_lines, cross, dot, heading, spread
 from core.numerics.lazy import once
 
@@ -124,7 +124,7 @@ def _travel(kinematics: Kinematics, contact: np.ndarray) -> np.ndarray:
 
 def _require_cam(kinematics: Kinematics, support: np.ndarray, rate: np.ndarray, cam: object, name: str) -> None:
     too_fast = spread(rate >= 0.0, support.shape[-1])
-    NoCam.where(
+    NoCam.raise_where(
         too_fast,
         lambda: NoCam(
             f"the {name} turns as fast as the cam, or faster: no cam can touch it on the outside",
@@ -134,7 +134,7 @@ def _require_cam(kinematics: Kinematics, support: np.ndarray, rate: np.ndarray, 
         ),
     )
     outside = support <= 0.0
-    NoCam.where(
+    NoCam.raise_where(
         outside,
         lambda: NoCam(
             f"the {name} passes the cam centre by {-support.min() * 1e3:.9g} mm, so no cam radius is left",
@@ -144,7 +144,7 @@ def _require_cam(kinematics: Kinematics, support: np.ndarray, rate: np.ndarray, 
     )
 
 
-def is_undercut(extremes: Mapping[str, Range], face: Flat) -> bool:
+def is_undercut(extremes: Mapping[str, Extremes], face: Flat) -> bool:
     """Whether the smallest radius of curvature is 0 or less: the profile has a cusp, or would have to be concave."""
     return extremes["profile_radius"].low.value <= 0.0
 
@@ -186,7 +186,7 @@ def gaps(shape: CamShape, face: Flat, positions: int) -> np.ndarray:
 
 
 def outline(shape: CamShape, face: Flat, kinematics: Kinematics) -> FaceOutline:
-    """The face as a plate, attached at the middle of its back; of its stated width, or a little wider than its contacts."""
+    """The face as a plate, attached at the middle of its back; a little wider than its contacts if no width is stated."""
     flank, m, dimensions = shape.flank, face_normal(face), si(face)
     size = float(np.abs(shape.flank.contact).max())
     if dimensions.face_half_width is None:
@@ -202,12 +202,12 @@ def outline(shape: CamShape, face: Flat, kinematics: Kinematics) -> FaceOutline:
     return FaceOutline(corners, m * complex(thick, 0.5 * (low + high)))
 
 
-def findings(extremes: Mapping[str, Range], face: Flat, cam: DiskCam, least_at: LeastAt) -> list[Finding]:
+def findings(extremes: Mapping[str, Extremes], face: Flat, cam: DiskCam, least_at: LeastAt) -> list[Finding]:
     """Findings for a radius of curvature that is not positive, and for a contact beyond the face."""
     return [*_undercut(extremes, face, cam, least_at), *_too_narrow(extremes, face)]
 
 
-def _undercut(extremes: Mapping[str, Range], face: Flat, cam: DiskCam, least_at: LeastAt) -> list[Finding]:
+def _undercut(extremes: Mapping[str, Extremes], face: Flat, cam: DiskCam, least_at: LeastAt) -> list[Finding]:
     if not is_undercut(extremes, face):
         return []
     least = extremes["profile_radius"].low
@@ -251,7 +251,7 @@ def _base_radius(base: float, least: float, least_at: LeastAt) -> float:
     return above[0] if above else 0.0
 
 
-def _too_narrow(extremes: Mapping[str, Range], face: Flat) -> list[Finding]:
+def _too_narrow(extremes: Mapping[str, Extremes], face: Flat) -> list[Finding]:
     """Finding where the contact is farthest beyond the face, with the half width about its centre that contains it."""
     half, centre = face.face_half_width_mm, face.face_centre_mm
     if half is None:
@@ -268,7 +268,7 @@ def _too_narrow(extremes: Mapping[str, Range], face: Flat) -> list[Finding]:
 # -- faces of followers, one row each ---------------------------------------------------------------------------
 
 
-Extremes = Mapping[str, Range]
+ExtremesByName = Mapping[str, Extremes]
 LeastAt = Callable[[str, float], float]
 
 
@@ -292,8 +292,8 @@ class FaceRow(NamedTuple):
 
     envelope: Callable[[Kinematics, Any, Any, float], CamShape]
     limits: tuple[str, ...]
-    undercut: Callable[[Extremes, Any], bool]
-    findings: Callable[[Extremes, Any, Any, LeastAt], list[Finding]]
+    undercut: Callable[[ExtremesByName, Any], bool]
+    findings: Callable[[ExtremesByName, Any, Any, LeastAt], list[Finding]]
     proof: str
     contact_distance: Callable[[CamShape, Any], np.ndarray]
     gaps: Callable[[CamShape, Any, int], np.ndarray]

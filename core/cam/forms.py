@@ -30,7 +30,7 @@ from core.frozen import frozen
 from core.mechanism.kinematics import FRAME, REVOLUTE, SLIDING, Kinematics, Pose
 from core.mechanism.mechanism import body_name
 from core.motion import EPS, TURN, Angles
-from core.motion.extremes import Extreme, Range
+from core.motion.extremes import Extreme, Extremes
 from core.numerics.derivatives import dot
 
 # -- forms of a cam, one row each -------------------------------------------------------------------------------
@@ -184,7 +184,7 @@ def faces_of(face: Any, cam: Any) -> Mapping[str, Face]:
 # -- limits of the flanks besides the first ---------------------------------------------------------------------
 
 
-Extremes = Mapping[str, Range]
+ExtremesByName = Mapping[str, Extremes]
 _RADIUS = "cam.second.roller_radius_mm"
 
 
@@ -200,17 +200,17 @@ class FlankRow(NamedTuple):
     """
 
     limits: tuple[str, ...]
-    undercut: Callable[[Extremes, Any], bool]
-    findings: Callable[[Extremes, Any, Any], list[Finding]]
+    undercut: Callable[[ExtremesByName, Any], bool]
+    findings: Callable[[ExtremesByName, Any, Any], list[Finding]]
     pressure: str = ""
 
 
-def _outer_undercut(extremes: Extremes, face: Any) -> bool:
+def _outer_undercut(extremes: ExtremesByName, face: Any) -> bool:
     """Whether the pitch curve is so concave that the roller with its play does not fit: κ_p (Rr + play) ≤ -1."""
     return 1e-3 * face.radius_mm * extremes["pitch_curvature"].low.value <= -1.0
 
 
-def _outer_findings(extremes: Extremes, face: Any, cam: Any) -> list[Finding]:
+def _outer_findings(extremes: ExtremesByName, face: Any, cam: Any) -> list[Finding]:
     if not _outer_undercut(extremes, face):
         return []
     concave = extremes["pitch_curvature"].low
@@ -218,11 +218,11 @@ def _outer_findings(extremes: Extremes, face: Any, cam: Any) -> list[Finding]:
     return [Finding("outer-undercut", ERROR, ENTRIES[type(cam)].size, degrees(concave.theta), values)]
 
 
-def _second_undercut(extremes: Extremes, face: Any) -> bool:
+def _second_undercut(extremes: ExtremesByName, face: Any) -> bool:
     return 1e-3 * face.radius_mm * extremes["second_pitch_curvature"].high.value >= 1.0
 
 
-def _second_findings(extremes: Extremes, face: Any, cam: Any) -> list[Finding]:
+def _second_findings(extremes: ExtremesByName, face: Any, cam: Any) -> list[Finding]:
     """Findings for undercut, and for a second roller that meets shaft or hub, or does not push back."""
     findings = []
     if _second_undercut(extremes, face):
@@ -356,7 +356,7 @@ ROUNDING = 1e-12  # relative accuracy of a channel: a radius computed for the li
 NO_DRIVE = 89.0  # [deg] from which on no force of the cam moves the follower
 
 
-def findings(extremes: Mapping[str, Range], ground: str, face: Any, cam: Any, least_at: LeastAt) -> list[Finding]:
+def findings(extremes: Mapping[str, Extremes], ground: str, face: Any, cam: Any, least_at: LeastAt) -> list[Finding]:
     """Findings of the pressure angle [rad] and of the face's quantities, from their refined extremes.
 
     ground: kind of the pair that joins the follower to the frame; least_at: quantity, base radius [mm] -> its refined
@@ -383,7 +383,7 @@ def limits_of(face: Any, cam: Any) -> tuple[str, ...]:
 
 
 def further_findings(
-    extremes: Mapping[str, Range], grounds: Mapping[str, str], face: Any, cam: Any, second: SecondEntry | None
+    extremes: Mapping[str, Extremes], grounds: Mapping[str, str], face: Any, cam: Any, second: SecondEntry | None
 ) -> list[Finding]:
     """Findings of the flanks besides the first.
 
@@ -402,7 +402,7 @@ def further_findings(
     return findings
 
 
-def undercut(extremes: Mapping[str, Range], flank: str, face: Any, cam: Any) -> bool:
+def undercut(extremes: Mapping[str, Extremes], flank: str, face: Any, cam: Any) -> bool:
     """Whether a flank has a cusp, or crosses itself where it is curved too much for the face that touches it."""
     for name, row, face_on in further_flanks(face, cam):
         if name == flank:
@@ -468,7 +468,7 @@ class Radius:
         return "pitch" not in self.curve
 
 
-def smallest_radii(extremes: Mapping[str, Range], face: Any, cam: Any) -> tuple[Radius, ...]:
+def smallest_radii(extremes: Mapping[str, Extremes], face: Any, cam: Any) -> tuple[Radius, ...]:
     """Smallest radius of each curve where it is convex and where it is concave, as far as it is so anywhere.
 
     A profile has the radius ρ_p - Rr where its pitch curve of radius ρ_p is convex, ρ_p + Rr where that is concave, so

@@ -26,7 +26,7 @@ from core.findings import ERROR, Finding
 from core.frozen import frozen
 from core.instant_centres import Centres, cam_follower_centre
 from core.mechanism.kinematics import Kinematics
-from core.motion.extremes import Range
+from core.motion.extremes import Extremes
 from core.numerics.derivatives import BINOMIAL, Derivatives, between_lines, cross, dot
 from core.numerics.lazy import Lazy, once
 
@@ -460,7 +460,7 @@ def _require_cam(
     """Raise NoCam; name: of the round, field, hint: which entry makes the cam larger, and how."""
     distance = np.abs(reference)
     covered = distance <= radius
-    NoCam.where(
+    NoCam.raise_where(
         covered,
         lambda: NoCam(
             f"the {name} covers the cam centre: the least distance of their centres is {distance.min() * 1e3:.9g} mm, "
@@ -471,7 +471,7 @@ def _require_cam(
         ),
     )
     still = t == 0.0
-    NoCam.where(
+    NoCam.raise_where(
         still,
         lambda: NoCam(
             f"the {name} stands still on the cam (cusp of the pitch curve)",
@@ -482,8 +482,8 @@ def _require_cam(
     )
 
 
-def is_undercut(extremes: Mapping[str, Range], face: RoundFace) -> bool:
-    """Whether the profile has a cusp, or crosses itself: the round is not smaller than the pitch curve's convex radius."""
+def is_undercut(extremes: Mapping[str, Extremes], face: RoundFace) -> bool:
+    """Whether the profile has a cusp, or crosses itself: the round is not smaller than the pitch curve's radius."""
     return 1e-3 * face.radius_mm * extremes["pitch_curvature"].high.value >= 1.0
 
 
@@ -540,7 +540,7 @@ def outline(shape: CamShape, face: RoundFace, kinematics: Kinematics) -> FaceOut
     return FaceOutline(-radius * middle * np.exp(1j * np.linspace(-half, half, POINTS)), 0j)
 
 
-def findings(extremes: Mapping[str, Range], face: RoundFace, cam: object, least_at: object) -> list[Finding]:
+def findings(extremes: Mapping[str, Extremes], face: RoundFace, cam: object, least_at: object) -> list[Finding]:
     """Finding where the pitch curve's smallest radius is not larger than the round's."""
     if not is_undercut(extremes, face):
         return []

@@ -13,7 +13,7 @@ from core import cam
 from core.cam import checks
 from core.findings import Finding
 from core.motion import TURN, Angles
-from core.motion.extremes import Extreme, Range, find_extremes, piecewise_angles
+from core.motion.extremes import Extreme, Extremes, find_extremes, piecewise_angles
 from core.study import quantity_requests
 from core.study.extremes import cam_extremes, undercut_on
 from core.study.limits import OWN, OWN_BOUNDS, POLAR, UsualValue, by_torque, limit_of, worst_of
@@ -27,11 +27,11 @@ CLEAR = 1.05  # times a limit: what samples leave needs no refining
 _SAMPLES = 181  # between two cam angles, to see whether the profile runs backwards there
 
 
-def pressure_angles(study: Study) -> Mapping[str, Mapping[str, Range]]:
+def pressure_angles(study: Study) -> Mapping[str, Mapping[str, Extremes]]:
     """Refined extremes of the pressure angle [rad] of each flank that has one of its own (name of the quantity), by stretch of the
     motion: ``rise`` and ``return``, as far as there is one."""
 
-    def compute() -> Mapping[str, Mapping[str, Range]]:
+    def compute() -> Mapping[str, Mapping[str, Extremes]]:
         rows = {name: row for name, row in quantities_of(study, "cam").items() if name.endswith(_UNDER)}
 
         def values(angles: Angles) -> Mapping[str, np.ndarray]:
@@ -50,7 +50,7 @@ def pressure_angles(study: Study) -> Mapping[str, Mapping[str, Range]]:
             name: {key: each for key, each in by.items() if isfinite(each.high.value)} for name, by in there.items()
         }
 
-    found: Mapping[str, Mapping[str, Range]] = memory.get("pressure angles", study.depends_on("cam"), compute)
+    found: Mapping[str, Mapping[str, Extremes]] = memory.get("pressure angles", study.depends_on("cam"), compute)
     return found
 
 

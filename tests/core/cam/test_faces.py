@@ -36,7 +36,7 @@ from core.design import (
     get,
     with_drive,
 )
-from core.errors import DesignError, NoAnswer, NoAssembly, NoCam
+from core.errors import DesignError, NoAssembly, NoCam, NoSolution
 from core.followers import built
 from core.followers.dragging import joints_of, move_joint
 from core.mechanism import solve_mechanism
@@ -62,7 +62,7 @@ def check(design: Design, positions: int = 24, points: int = 1080) -> str:
     study = Study(design, points)
     try:
         profile = study.cam.flank.profile * 1e3
-    except NoAnswer:
+    except NoSolution:
         return "none"
     step = points // positions
     where = placed(study.at_theta(study.theta[::step]))
@@ -320,7 +320,7 @@ def test_power_and_momentum_balance_with_sliding_friction(follower: str, face: s
         study = Study(design, 120)
         try:
             forces = study.dynamics
-        except NoAnswer:
+        except NoSolution:
             continue
         if study.jam is not None:
             continue
