@@ -11,7 +11,7 @@ import numpy as np
 
 from core.design.fields import choice, length, number, whole
 from core.frozen import frozen
-from core.motion import EPS, TURN, Angles, Program
+from core.motion import EPS, TURN, Angles, CompiledMotion
 from core.motion.extremes import piecewise_angles
 from core.numerics.derivatives import cross, dot
 from core.numerics.lazy import checkpoint
@@ -145,7 +145,7 @@ class Stretches:
     end: np.ndarray
 
 
-def stretches(guide: Guide, program: Program) -> Stretches:
+def stretches(guide: Guide, program: CompiledMotion) -> Stretches:
     """The profile cut where the direction turns round: at inflections under a flat face, at cusps of the path of a round probe's
     centre, and where that path runs along the line of measurement."""
     angles = piecewise_angles(program)
