@@ -89,7 +89,7 @@ def _table(curve: TableCurve, segment: Segment, whole_turn: bool, path: str) -> 
     return _through(curve, segment, whole_turn, (curve.start, curve.end))
 
 
-def joined(motion: Motion, index: int) -> Segment:
+def with_joined_ends(motion: Motion, index: int) -> Segment:
     """A segment as its neighbours leave it: of a table whose start or end is joined the row there is given the velocity and the
     acceleration of the segment beside it, per degree."""
     segment, count = motion.segments[index], len(motion.segments)
@@ -100,7 +100,7 @@ def joined(motion: Motion, index: int) -> Segment:
     for kind, at, level, side in ((curve.start, 0.0, 0.0, -1), (curve.end, segment.span_deg, segment.rise, 1)):
         if kind == JOINED:
             beside = motion.segments[(index + side) % count]
-            shape = shape_of(beside, False, f"motion.segments[{(index + side) % count}]")
+            shape = segment_shape(beside, False, f"motion.segments[{(index + side) % count}]")
             y = PieceTable(shape.pieces).at(np.array([0.0 if side > 0 else 1.0])).all[:, 0]
             _, v, a, _ = (shape.gain * y / beside.span_deg ** np.arange(4)).tolist()
             points = [p for p in points if abs(p.at_deg - at) > _SAME]
@@ -196,7 +196,7 @@ _ONLY_STRETCHED = frozenset({NamedCurve, SccaCurve})
 """Curves whose pieces stay the same over any span and to any rise."""
 
 
-def only_stretched(motion: Motion) -> bool:
+def has_common_pieces(motion: Motion) -> bool:
     """Whether the motions of many designs, whose numbers are columns, have the same pieces, which spans and rises stretch: no curve has
     numbers of its own in each, and nothing rises in a dwell."""
     return all(taker(segment) is None or _stretches(segment) for segment in motion.segments)
@@ -231,7 +231,7 @@ def _whole(curve: Curve, varied: Curve) -> Curve:
     return made if getattr(made, "ramp_fraction", 0.0) + made.flat_fraction <= 1.0 else curve
 
 
-def shape_of(segment: Segment, whole_turn: bool, path: str) -> CurveShape:
+def segment_shape(segment: Segment, whole_turn: bool, path: str) -> CurveShape:
     """The pieces of a segment; whole_turn: it is the only one. Raises DesignError, NoSpline."""
     return SHAPES[type(segment.curve)](segment.curve, segment, whole_turn, path)
 

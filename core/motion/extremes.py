@@ -11,7 +11,7 @@ import numpy as np
 
 from core.design import Motion, NamedCurve, SccaCurve, stroke
 from core.frozen import frozen
-from core.motion import EPS, TURN, Angles, Program, program
+from core.motion import EPS, TURN, Angles, CompiledMotion, program
 from core.numerics.derivatives import distinct
 from core.numerics.lazy import checkpoint, locked
 
@@ -63,7 +63,7 @@ class Extreme:
 
 
 @frozen
-class Range:
+class Extremes:
     """The smallest and the largest value over the turn."""
 
     low: Extreme
@@ -90,7 +90,7 @@ def piecewise_angles(program: Pieces) -> Angles:
     )
 
 
-def find_extremes(quantities: Quantities, program: Pieces) -> dict[str, Range]:
+def find_extremes(quantities: Quantities, program: Pieces) -> dict[str, Extremes]:
     """Lowest and highest value of each quantity over one turn.
 
     quantities: gives the values (n,) by name at any cam angles; all are refined together, so that each pass costs one
@@ -98,15 +98,15 @@ def find_extremes(quantities: Quantities, program: Pieces) -> dict[str, Range]:
     Where several angles share an extreme the smallest is named.
     """
     best = _refined(quantities, program, (-1.0, 1.0))
-    return {name: Range(best[name, -1.0], best[name, 1.0]) for name, _ in best}
+    return {name: Extremes(best[name, -1.0], best[name, 1.0]) for name, _ in best}
 
 
-def find_highest(quantities: Quantities, program: Program) -> dict[str, Extreme]:
+def find_highest(quantities: Quantities, program: CompiledMotion) -> dict[str, Extreme]:
     """The highest value of each quantity over one turn, as by ``find_extremes``; -inf where a quantity is NaN throughout."""
     return {name: found for (name, _), found in _refined(quantities, program, (1.0,)).items()}
 
 
-def find_above(quantity: Callable[[Angles], np.ndarray], program: Program, level: float) -> Extreme | None:
+def find_above(quantity: Callable[[Angles], np.ndarray], program: CompiledMotion, level: float) -> Extreme | None:
     """The highest value of one quantity (n,) over one turn, as by ``find_extremes``, if it reaches the level; None where it
     does not, and then nothing is refined that could not."""
     highest = _refined(lambda angles: {"": quantity(angles)}, program, (1.0,), level)["", 1.0]
@@ -360,7 +360,7 @@ class _Search:
 @lru_cache(maxsize=32)
 def true_stroke(motion: Motion) -> float:
     """Highest minus lowest position over one turn, in the motion's unit, to ``DIGITS`` digits. A named law stays between
-    its ends; a polynomial or a spline need not. Raises NoAnswer where the points of a spline contradict each other."""
+    its ends; a polynomial or a spline need not. Raises NoSolution where the points of a spline contradict each other."""
     if all(isinstance(segment.curve, NamedCurve | SccaCurve) for segment in motion.segments):
         return stroke(motion)
     compiled = program(motion)

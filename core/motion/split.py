@@ -33,7 +33,7 @@ from core.design.edits import balance, is_dwell
 from core.design.motion_edits import with_marks_of
 from core.errors import DesignError, Fault
 from core.laws import LAWS, PieceTable, find_law
-from core.motion.curves import joined, shape_of
+from core.motion.curves import segment_shape, with_joined_ends
 
 LEAST_CUT = 1e-3
 """Degrees that both parts of a cut segment must have; where one had less the segment is cut in its middle."""
@@ -182,7 +182,7 @@ def _state(motion: Motion, index: int, at_deg: float) -> tuple[float, float, flo
     """s, v, a, j of a segment at an angle from its start: the motion's unit, per degree; s from its start. They go into designs, so
     they are plain numbers."""
     segment = motion.segments[index]
-    shape = shape_of(joined(motion, index), len(motion.segments) == 1, f"motion.segments[{index}]")
+    shape = segment_shape(with_joined_ends(motion, index), len(motion.segments) == 1, f"motion.segments[{index}]")
     y = PieceTable(shape.pieces).at(np.array([at_deg / segment.span_deg])).all[:, 0]
     s, v, a, j = (shape.gain * y / segment.span_deg ** np.arange(4)).tolist()
     return s, v, a, j

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from core.cam import INNER, OUTER, faces_of, form_row
-from core.cam.shape import size_of
+from core.cam.shape import size_entry
 from core.design import Face
 from core.errors import KindynaError, NoCam
 from core.frozen import frozen
@@ -125,7 +125,7 @@ def _require_smooth(study: Study, flank: int) -> None:
         face = study.design.drive.face
         raise NoCam(
             "the profile is undercut: it runs backwards, so no file can describe the cut cam",
-            *size_of(study.design.drive.cam, face.noun, face.radius_mm),
+            *size_entry(study.design.drive.cam, face.noun, face.radius_mm),
             [(angle, angle)],
         )
 
@@ -136,7 +136,7 @@ def _require_contact(study: Study, curve: ProfileCurve, rolling: float, face: Fa
     if gap is not None:
         raise NoCam(
             f"the profile crosses itself: the {face.noun} cannot touch it",
-            *size_of(study.design.drive.cam, face.noun, face.radius_mm),
+            *size_entry(study.design.drive.cam, face.noun, face.radius_mm),
             [(gap.begin, gap.end)],
         )
 

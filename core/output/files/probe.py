@@ -13,7 +13,7 @@ import numpy as np
 
 from core.design.fields import choice, length, number, whole
 from core.frozen import frozen
-from core.motion import EPS, TURN, Angles, Program
+from core.motion import EPS, TURN, Angles, CompiledMotion
 from core.motion.extremes import piecewise_angles
 from core.numerics.derivatives import cross, dot
 from core.numerics.lazy import checkpoint
@@ -159,7 +159,7 @@ class ProfileSections:
     end: np.ndarray
 
 
-def profile_sections(guide: ProbeGuide, motion: Program) -> ProfileSections:
+def profile_sections(guide: ProbeGuide, motion: CompiledMotion) -> ProfileSections:
     """Sections of the profile between reversals of the direction of measurement.
 
     It reverses at inflections under a flat face, at cusps of the path of a round probe's centre, and where that path is

@@ -393,7 +393,7 @@ def find_uncut_hollow(
     ----------
     curve : ProfileCurve
     exact : ExactCurve
-    motion : Program
+    motion : CompiledMotion
     side : float
         Side of the curve on which the cutter runs: +1 left, -1 right.
     radius : float
