@@ -17,7 +17,7 @@ from core.design import Motion, NamedCurve, SccaCurve, Segment
 from core.design.edits import with_rise, with_span
 from core.errors import DesignError
 from core.findings import ERROR, WARNING
-from core.motion import TURN, Angles, CompiledMotion, degrees, findings, connected_segments, program
+from core.motion import TURN, Angles, CompiledMotion, connected_segments, degrees, findings, program
 from core.numerics.lazy import column
 
 # See test_laws; besides, the place inside the segment comes of: start of the segment, difference, span, quotient, start
