@@ -15,7 +15,7 @@ from math import isnan
 from core.blend import Blended, Request, best, blend, sequences
 from core.cam import form_row
 from core.design import Design, NamedCurve, Segment, edited, faults, split_unit
-from core.errors import DesignError, KindynaError, NoAnswer
+from core.errors import DesignError, KindynaError, NoSolution
 from core.findings import ERROR
 from core.frozen import frozen
 from core.laws import LAWS
@@ -142,7 +142,7 @@ def figures_of(design: Design) -> tuple[RankingColumn, ...]:
     study = Study(design)
     try:
         return tuple(figure for figure in FIGURES if figure.exists(study))
-    except NoAnswer:
+    except NoSolution:
         return ()
 
 
@@ -161,7 +161,7 @@ def ranked(name: str, candidate: Candidate, figures: Sequence[RankingColumn]) ->
         return Ranked(name, tuple(_value(figure, study, found) for figure in figures))
     except DesignError as error:
         return _none(name, figures, "; ".join(fault.problem for fault in error.faults))
-    except NoAnswer as error:
+    except NoSolution as error:
         return _none(name, figures, error.problem)
     except KindynaError as error:
         return _none(name, figures, str(error).partition("\n")[0])
@@ -176,7 +176,7 @@ def _value(figure: RankingColumn, study: Study, found: ExtremesByName) -> float 
     checkpoint()
     try:
         value = figure.value(study, found)
-    except NoAnswer:
+    except NoSolution:
         return None
     return None if value is None or isnan(value) else value / split_unit(figure.key)[1].factor
 

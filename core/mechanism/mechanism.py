@@ -12,7 +12,7 @@ import numpy as np
 
 from core.design import FRAME_LINK, Linkage
 from core.design.topology import GROUP, INPUT, SolutionStep
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.frozen import frozen
 from core.mechanism.branches import Branch
 from core.mechanism.dyads import DYADS, DyadSolution, pin_of, placed, turned_like
@@ -268,7 +268,7 @@ class Mechanism:
                  further codes, from the solved poses in the own frame
     ranged       its links are laid out one by one: where the driver can move is searched, and bodies go by number
     refuse       the answer where links do not meet or lie in line, from the motion, the solution and where it is lost (n,)
-    require      start, motion: raises NoAnswer for a motion that the mechanism cannot follow although its links meet
+    require      start, motion: raises NoSolution for a motion that the mechanism cannot follow although its links meet
     """
 
     linkage: Linkage
@@ -287,7 +287,7 @@ class Mechanism:
     singular: Mapping[str, str] = field(default_factory=_none)
     more_singular: Callable[[Solved], Mapping[str, np.ndarray]] | None = None
     ranged: bool = False
-    refuse: Callable[[MotionState, Solved, np.ndarray], NoAnswer] | None = None
+    refuse: Callable[[MotionState, Solved, np.ndarray], NoSolution] | None = None
     require: Callable[[float, MotionState], None] | None = None
 
     @cached_property

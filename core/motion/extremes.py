@@ -411,7 +411,7 @@ class _Search:
 def true_stroke(motion: Motion) -> float:
     """Highest minus lowest position over one turn, in the motion's unit, rounded to ``DIGITS`` digits.
 
-    Named laws stay between their ends; polynomials and splines may not. Raises NoAnswer where the points of a spline
+    Named laws stay between their ends; polynomials and splines may not. Raises NoSolution where the points of a spline
     contradict each other.
     """
     if all(isinstance(segment.curve, NamedCurve | SccaCurve) for segment in motion.segments):

@@ -18,7 +18,7 @@ import numpy as np
 from core.cam import keyway_corners, row_of
 from core.design import Design
 from core.design.fields import number
-from core.errors import KindynaError, NoAnswer
+from core.errors import KindynaError, NoSolution
 from core.findings import ERROR
 from core.frozen import frozen
 from core.mechanism.kinematics import FRAME, SLIDING
@@ -66,7 +66,7 @@ _MM = 1e3
 
 
 def web_page(study: Study) -> str:
-    """The page as HTML. Raises NoAnswer where the design, or each of its drives, has no mechanism.
+    """The page as HTML. Raises NoSolution where the design, or each of its drives, has no mechanism.
 
     Nothing is asked of any server: styles and program stand inside, and a content security policy allows these alone.
     """
@@ -186,7 +186,7 @@ def _cam(study: Study) -> dict[str, Any] | None:
         return None
     try:
         shape = study.cam
-    except NoAnswer:
+    except NoSolution:
         return None
     cam, face = study.design.drive.cam, study.design.drive.face
     outline = row_of(face).outline(shape, face, study.linkage).points
@@ -216,7 +216,7 @@ def _curves(study: Study) -> Iterator[dict[str, Any]]:
             continue
         try:
             values = row.values(study)
-        except NoAnswer:  # no forces where a guide jams
+        except NoSolution:  # no forces where a guide jams
             continue
         if np.isfinite(values).all():
             values = np.where(np.abs(values) > ROUNDING * np.abs(values).max(), values, 0.0)
@@ -384,7 +384,7 @@ def _packed(files: dict[str, str | bytes]) -> bytes:
 def handover(design: Design, request: HandoverRequest) -> Handover:
     """What needs no fonts: profiles, inspection tables, tables of a controller, web page, the design itself.
 
-    Raises KindynaError for a controller that is not known, NoAnswer where the whole has none.
+    Raises KindynaError for a controller that is not known, NoSolution where the whole has none.
     """
     if request.controller:
         controller(request.controller)

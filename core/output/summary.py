@@ -12,7 +12,7 @@ import numpy as np
 from core.design import UNITS, Design, distances
 from core.design.parts import LINEAR
 from core.design.topology import mobility
-from core.errors import NoAnswer, NoStability
+from core.errors import NoSolution, NoStability
 from core.findings import Finding, Residual
 from core.mechanism.branches import four_bar
 from core.motion.extremes import Extremes
@@ -360,7 +360,7 @@ def answers(camshaft: Camshaft[Study]) -> bool:
     """Whether all that the shaft carries has an answer, the balance cam included."""
     try:
         return camshaft.load is not None
-    except NoAnswer:
+    except NoSolution:
         return False
 
 

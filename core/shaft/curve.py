@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from core.errors import NoAnswer, angle_ranges
+from core.errors import NoSolution, angle_ranges
 from core.frozen import frozen
 from core.motion import TURN, Angles, CompiledMotion
 from core.motion.extremes import Extreme, Extremes, crossings
@@ -110,7 +110,7 @@ def panel_angles(
 def load_curve(
     load: Load, program: CompiledMotion, *switches: Callable[[Angles], np.ndarray] | None, even_at_rest: bool = False
 ) -> LoadCurve:
-    """The load fitted on panels. Raises NoAnswer where its torque is infinite.
+    """The load fitted on panels. Raises NoSolution where its torque is infinite.
 
     switches  (n,) at any cam angles: where the sign of one changes, as that of the guide's force does, friction breaks the
               torque, and so panels end there
@@ -132,7 +132,7 @@ def load_curve(
         values[:, fresh] = load(Angles(angles.theta[fresh], angles.piece[fresh]))
     lost = np.any(~np.isfinite(values), axis=0)
     if lost.any():
-        raise NoAnswer("the torque is infinite", "loads", "change them", angle_ranges(angles.theta, lost))
+        raise NoSolution("the torque is infinite", "loads", "change them", angle_ranges(angles.theta, lost))
     torque, inertia = (row.reshape(-1, NODES) for row in values)
     return fitted(start, width, torque, inertia)
 

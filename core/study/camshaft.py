@@ -12,7 +12,7 @@ import numpy as np
 from core import shaft
 from core.cam import CamShape, envelope
 from core.design import BALANCER, Design, ElasticShaft, Shaft, path_in, si, slugs
-from core.errors import KindynaError, NoAnswer, NoStability
+from core.errors import KindynaError, NoSolution, NoStability
 from core.frozen import frozen
 from core.mechanism import solve_mechanism
 from core.mechanism.kinematics import Kinematics
@@ -40,7 +40,7 @@ class Camshaft(Generic[D]):
 
     ``drives`` holds the study of each drive alone (``design.only``) by its name, so that an edit of one computes that one anew. The
     machine angle θ counts as the shaft turns; a drive's own angle is θ less its phase, for a mirrored one too, whose torque turns the
-    same shaft. A drive that has no answer is in ``failures``, and takes no other with it: only what needs all raises its NoAnswer.
+    same shaft. A drive that has no answer is in ``failures``, and takes no other with it: only what needs all raises its NoSolution.
 
     ``alone`` is the drive of a design that lists none: flywheel and flexible shaft are taken by its own angle, and are the very same
     that its study has.
@@ -130,22 +130,22 @@ class Camshaft(Generic[D]):
         return tuple(name for name, study in self.drives.items() if study.loads_shaft)
 
     @cached_property
-    def failures(self) -> Mapping[str, NoAnswer]:
+    def failures(self) -> Mapping[str, NoSolution]:
         """Name -> why it has none, of the drives that cannot be assembled or jam; its field is that of the whole file."""
-        found: dict[str, NoAnswer] = {}
+        found: dict[str, NoSolution] = {}
         for i, (name, study) in enumerate(self.drives.items()):
             try:
                 if study.loads_shaft:
                     study.require_load()
                 else:
                     _ = study.linkage
-            except NoAnswer as error:
+            except NoSolution as error:
                 field = path_in(self.design, i, error.field)
                 found[name] = type(error)(error.problem, field, error.hint, error.cam_angles)
         return found
 
     def _require_all(self, what: str) -> None:
-        """Raises NoAnswer for the first drive that is missing."""
+        """Raises NoSolution for the first drive that is missing."""
         for name in self.carried:
             if name in self.failures:
                 error = self.failures[name]
@@ -155,7 +155,7 @@ class Camshaft(Generic[D]):
     # -- torque ---------------------------------------------------------------------------------------------
 
     def drive_torque(self, name: str) -> np.ndarray:
-        """What one drive asks of the shaft at constant speed (n,) [N m]. Raises NoAnswer where it has none."""
+        """What one drive asks of the shaft at constant speed (n,) [N m]. Raises NoSolution where it has none."""
         if name in self.failures:
             raise self.failures[name]
         study, place = self.drives[name], self.places[name]
@@ -175,12 +175,12 @@ class Camshaft(Generic[D]):
         return self.drives[name].load_curve, ShaftPosition(self.places[name].phase)
 
     def drive_peak(self, name: str) -> Extreme:
-        """That of the greatest size of what one drive asks of the shaft [N m], by machine angle. Raises NoAnswer as ``drive_load``."""
+        """That of the greatest size of what one drive asks of the shaft [N m], by machine angle. Raises NoSolution as ``drive_load``."""
         return _greatest(peaks(self.drive_load(name)))
 
     @property
     def cams_torque(self) -> np.ndarray:
-        """That of all drives, without the balance cam (n,) [N m]. Raises NoAnswer, which names the drive that is missing."""
+        """That of all drives, without the balance cam (n,) [N m]. Raises NoSolution, which names the drive that is missing."""
         self._require_all("the shaft's torque")
         return np.asarray(sum((self.drive_torque(name) for name in self.carried), np.zeros(self.theta.size)))
 
@@ -196,7 +196,7 @@ class Camshaft(Generic[D]):
 
     @property
     def cams_load(self) -> LoadCurve:
-        """The sum of the drives as one curve, without the balance cam. Raises NoAnswer as ``cams_torque``."""
+        """The sum of the drives as one curve, without the balance cam. Raises NoSolution as ``cams_torque``."""
         if self.alone is not None:
             return self.alone.load_curve
         self._require_all("the shaft's torque")
@@ -234,13 +234,13 @@ class Camshaft(Generic[D]):
 
     @property
     def balancer(self) -> D | None:
-        """The balance cam as a drive of its own, by its own angle; None where the design has none. Raises NoAnswer where nothing
+        """The balance cam as a drive of its own, by its own angle; None where the design has none. Raises NoSolution where nothing
         can balance the torque, or the torque has no answer."""
         return None if self._balance is None else self._balance[0]
 
     @property
     def balancer_place(self) -> ShaftPosition:
-        """Where the balance cam stands on the shaft. Raises NoAnswer as ``balancer``."""
+        """Where the balance cam stands on the shaft. Raises NoSolution as ``balancer``."""
         assert self._balance is not None, "a design without [balancer]"
         return self._balance[1]
 
@@ -291,7 +291,7 @@ class Camshaft(Generic[D]):
 
     @property
     def flywheel(self) -> Flywheel:
-        """Sizing, true speed and motor torque, by machine angle, or by a drive's own where that is alone. Raises NoAnswer as
+        """Sizing, true speed and motor torque, by machine angle, or by a drive's own where that is alone. Raises NoSolution as
         ``torque``."""
         camshaft, alone = self.design.camshaft, self.alone
 
@@ -313,7 +313,7 @@ class Camshaft(Generic[D]):
 
     @property
     def motor_torque(self) -> np.ndarray:
-        """T̄ + k(ω̄ - ω) (n,) [N m]; the shaft's without a flywheel. Raises NoAnswer where the motor stalls."""
+        """T̄ + k(ω̄ - ω) (n,) [N m]; the shaft's without a flywheel. Raises NoSolution where the motor stalls."""
         return self.flywheel.motor_torque(self._wheel_angles) if self.levelled else self.torque
 
     @property
@@ -323,12 +323,12 @@ class Camshaft(Generic[D]):
 
     @property
     def speed(self) -> np.ndarray:
-        """The true speed of the shaft (n,) [rad/s]; constant without a flywheel. Raises NoAnswer where the motor stalls."""
+        """The true speed of the shaft (n,) [rad/s]; constant without a flywheel. Raises NoSolution where the motor stalls."""
         return self.flywheel.speed(self._wheel_angles) if self.levelled else np.full(self.theta.size, self.omega)
 
     @property
     def motor_range(self) -> Mapping[str, Extremes]:
-        """Refined extremes of ``motor_torque`` [N m], ``speed`` [rad/s] and ``motor_power`` [W]. Raises NoAnswer where it stalls."""
+        """Refined extremes of ``motor_torque`` [N m], ``speed`` [rad/s] and ``motor_power`` [W]. Raises NoSolution where it stalls."""
         if not self.levelled:
             low, high = self.peaks.low, self.peaks.high
             power = Extremes(Extreme(low.value * self.omega, low.theta), Extreme(high.value * self.omega, high.theta))
@@ -347,7 +347,7 @@ class Camshaft(Generic[D]):
     # -- the flexible shaft ---------------------------------------------------------------------------------
 
     def flexible_shaft(self) -> Stability:
-        """The stability of all drives together. Raises NoStability, which says why there is none; NoAnswer where a drive is missing."""
+        """The stability of all drives together. Raises NoStability, which says why there is none; NoSolution where a drive is missing."""
         elastic = None if self.design.shaft is None else self.design.shaft.elastic
         if elastic is None:
             raise NoStability("the camshaft is rigid", "shaft", "give camshaft_inertia_kg_m2 and stiffness_nm_per_rad")

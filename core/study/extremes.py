@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 from core import cam
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.motion import TURN, Angles
 from core.motion.extremes import Extreme, Extremes, find_extremes
 from core.study.quantities import OF_CONTACT, OF_MOTOR, OF_SPEED, Quantity, quantities_of, quantity
@@ -28,7 +28,7 @@ _AT_CHANGE = 1e-3  # the same from a change point, where samples fall beside it
 
 def extremes_of(study: Study, stage: str, only: tuple[str, ...] = ()) -> Mapping[str, Extremes]:
     """Of a stage's quantities (of those named only, where any are), in SI units; of the steady response of a flexible shaft for
-    the stage ``stability``. Raises NoSuchStage; NoAnswer as the stage does."""
+    the stage ``stability``. Raises NoSuchStage; NoSolution as the stage does."""
     study.require_stage(stage)
     if stage == "stability":
         return _of_the_steady_turn(study)
@@ -47,7 +47,7 @@ def search_together(study: Study, asked: Mapping[str, tuple[str, ...]]) -> None:
     rows = {stage: _rows(study, stage, only) for stage, only in asked.items()}
     try:
         found = _searched(study, {name: row for of_stage in rows.values() for name, row in of_stage.items()})
-    except NoAnswer:
+    except NoSolution:
         return
     for stage, of_stage in rows.items():
         own = {name: found[name] for name in of_stage}

@@ -12,7 +12,7 @@ import numpy as np
 
 from core import dynamics
 from core.dynamics import Forces, Friction, Loading
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.mechanism import CrankProgram, DriverRanges, Mechanism, solve_mechanism
 from core.mechanism.kinematics import Kinematics
 from core.motion import Angles, CompiledMotion, MotionState, program
@@ -37,7 +37,7 @@ def fitted_load(
     slides: Sequence[Friction],
     holds: bool,
 ) -> LoadCurve:
-    """Torque [N m] and reduced inertia [kg m^2] by the angle of cam or crank. Raises NoAnswer as the stage ``dynamics`` does.
+    """Torque [N m] and reduced inertia [kg m^2] by the angle of cam or crank. Raises NoSolution as the stage ``dynamics`` does.
 
     torque: what the shaft is asked for (n,) [N m]; slides: friction in slides; holds: whether the cam holds the follower from both sides
     """
@@ -164,7 +164,7 @@ def cuts(
         pairs = tuple(friction.pair for friction in loading.frictions)
         key = (driven, mechanism, pairs)
         back = memory.get("turning back", key, lambda: _turning_back(pairs, uncut, mechanism, course_of))
-    except NoAnswer:
+    except NoSolution:
         return ()
     return tuple(sorted({*switches, *back}))
 
@@ -197,7 +197,7 @@ _PARTS = np.linspace(0.0, 1.0, 9)[1:-1, None]  # of the interval between an angl
 
 
 def failing_ranges(study_at: Callable[[Angles], Any], stage: str, program: CompiledMotion) -> list[tuple[float, float]]:
-    """Ranges of cam angles [deg] at which the stage raises NoAnswer; study_at gives the study at any cam angles."""
+    """Ranges of cam angles [deg] at which the stage raises NoSolution; study_at gives the study at any cam angles."""
     angles = piecewise_angles(program)
     step = max(1, angles.theta.size // MOST)
     theta, piece = angles.theta[::step], angles.piece[::step]
@@ -229,13 +229,13 @@ def _edges(
 
 
 def _failing(study_at: Callable[[Angles], Any], stage: str, theta: np.ndarray, piece: np.ndarray) -> np.ndarray:
-    """At which angles (n,) [rad], each in its piece (n,), the stage raises NoAnswer."""
+    """At which angles (n,) [rad], each in its piece (n,), the stage raises NoSolution."""
     bad, rest = np.zeros(theta.size, dtype=bool), np.argsort(theta, kind="stable")
     while rest.size:
         try:
             getattr(study_at(Angles(theta[rest], piece[rest])), stage)
             break
-        except NoAnswer as error:
+        except NoSolution as error:
             at = np.rad2deg(theta[rest])
             named = [(low <= at) & (at <= high) for low, high in error.cam_angles]
             failed = np.any(named, axis=0) if named else np.ones(rest.size, dtype=bool)

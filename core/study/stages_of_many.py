@@ -15,7 +15,7 @@ import numpy as np
 
 from core import cam, dynamics
 from core.design import FRAME_LINK, Design, Motion, get, put
-from core.errors import noting
+from core.errors import collecting_failures
 from core.followers import BUILDERS
 from core.mechanism import CrankProgram, DriverRange, DriverRanges, SolutionPlan, at_driver, swept
 from core.mechanism.branches import Branch
@@ -198,7 +198,7 @@ class Together:
         switches = tuple(sorted(Study(self.plain).loading.cuts(uncut).tolist()))
         self.program: Any = SubdividedTurn(uncut, switches) if switches else uncut
         self.apart = self.nobody if self.motions is None else self.motions.other
-        with noting(self._note), np.errstate(all="ignore"):
+        with collecting_failures(self._note), np.errstate(all="ignore"):
             row = BUILDERS[type(drive.mechanism)]
             self.mechanism = row.build(*row.needs(drive.mechanism, drive.cam))
             self.loading = dynamics.loading_of(drive.mechanism, drive.loads, self.mechanism)
@@ -369,7 +369,7 @@ class Together:
     ) -> Any:
         """What is read of the study of all, as far as a stage. What has no answer is noted."""
         there, self._owner = self.study(state, owner, take), owner
-        with noting(self._note), np.errstate(all="ignore"):
+        with collecting_failures(self._note), np.errstate(all="ignore"):
             for self._stage in _STAGES[1 : _STAGES.index(stage) + 1]:
                 if self._stage in there.stages:
                     getattr(there, self._stage)
@@ -584,7 +584,7 @@ class Together:
         if not jammed.size:
             return {}
         at = self.program.angles(theta[jammed])
-        with noting(lambda code, lost: None), np.errstate(all="ignore"):
+        with collecting_failures(lambda code, lost: None), np.errstate(all="ignore"):
             forces = self.study(self.state(at.theta, at.piece, jammed), jammed).dynamics
             rows = (np.broadcast_to(each, jammed.shape) for each in (forces.contact_jam, forces.most_jamming))
         frictions, found = self.loading.frictions, {}

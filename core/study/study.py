@@ -56,7 +56,7 @@ class Study(DriveStudy):
     @property
     def answering(self) -> Mapping[str, Study]:
         """Those of ``drives`` that have an answer, by the slug that columns, folders and residuals name them by. The drive of a design that
-        lists none needs no name: it has the slug '', and stands for the whole, whose questions raise its NoAnswer."""
+        lists none needs no name: it has the slug '', and stands for the whole, whose questions raise its NoSolution."""
         if not self.design.listed:
             return {"": self}
         camshaft = self.camshaft
@@ -74,11 +74,11 @@ class Study(DriveStudy):
 
     @cached_property
     def flywheel(self) -> Flywheel:
-        """Sizing, speed and motor torque. Raises NoAnswer where friction jams, or a crank cannot turn fully."""
+        """Sizing, speed and motor torque. Raises NoSolution where friction jams, or a crank cannot turn fully."""
         return self.camshaft.flywheel
 
     def flexible_shaft(self) -> Stability:
-        """The stage ``stability``. Raises NoStability, which says why there is none; NoAnswer where there is no linkage."""
+        """The stage ``stability``. Raises NoStability, which says why there is none; NoSolution where there is no linkage."""
         self.require_stage("stability")
         return self._flexible_shaft
 
@@ -185,7 +185,7 @@ class Turn:
 
 def servo_turn(study: Study) -> Turn:
     """What the motor does in a turn, by Gauss's rule between the ends of the motion's pieces and the zeros of the power. Raises
-    NoAnswer as the linkage does."""
+    NoSolution as the linkage does."""
     turn: Turn = memory.get("servo", study.depends_on("dynamics"), lambda: _turn(study.whole))
     return turn
 
@@ -269,7 +269,7 @@ def pairings(study: Study) -> Mapping[str, Pairing]:
 def ratings(study: Study) -> Mapping[str, float]:
     """Roller -> load rating [N], as far as stated."""
     drive = study.design.drive
-    return stress.ratings(drive.face, drive.cam) if drive.cam is not None else {}
+    return stress.load_ratings(drive.face, drive.cam) if drive.cam is not None else {}
 
 
 def pressing(study: Study, roller: str) -> np.ndarray:

@@ -180,7 +180,7 @@ def slave(study: Study, of: str = MOTION, placing: Placing = PLAIN, segment: int
     """The motion, or a segment of it alone, counted from 1 and stretched to the turn; or a position of the linkage by the name of its
     column.
 
-    Raises KindynaError where the design has none of that name or number, NoAnswer where the linkage has no position.
+    Raises KindynaError where the design has none of that name or number, NoSolution where the linkage has no position.
     """
     design = study.design
     there = positions(design)

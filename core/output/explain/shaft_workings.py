@@ -12,7 +12,7 @@ import numpy as np
 
 from core.design import UNITS
 from core.design.parts import LINEAR
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.frozen import frozen
 from core.motion import TURN
 from core.motion.extremes import Extreme, Extremes
@@ -60,7 +60,7 @@ class Figure:
 def _wheel(study: Study) -> bool:
     try:
         return bool(flywheel(study))
-    except NoAnswer:
+    except NoSolution:
         return False
 
 

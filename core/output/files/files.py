@@ -98,7 +98,7 @@ def format_of(path: Path) -> Format:
 def job_of(study: Study, path: Path, request: ProfileRequest) -> ProfileDrawing:
     """What a file of this name will hold: computed, nothing written. What the request leaves open is as usual for such a file.
 
-    Raises NoSuchStage, NoAnswer, KindynaError.
+    Raises NoSuchStage, NoSolution, KindynaError.
     """
     row = format_of(path)
     sampling: dict[str, Any] = {} if request.sampling else dict([row.sampling])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from core.cam import INNER, OUTER, faces_of, form_row
-from core.cam.shape import size_of
+from core.cam.shape import size_entry
 from core.design import Face
 from core.errors import KindynaError, NoCam
 from core.frozen import frozen
@@ -109,7 +109,7 @@ def _require_smooth(study: Study, flank: int) -> None:
         face = study.design.drive.face
         raise NoCam(
             "the profile is undercut: it runs backwards, so no file can hold what would be cut",
-            *size_of(study.design.drive.cam, face.noun, face.radius_mm),
+            *size_entry(study.design.drive.cam, face.noun, face.radius_mm),
             [(angle, angle)],
         )
 
@@ -120,7 +120,7 @@ def _require_whole(study: Study, curve: ProfileCurve, rolling: float, face: Face
     if found is not None:
         raise NoCam(
             f"the profile crosses itself: the {face.noun} cannot touch it",
-            *size_of(study.design.drive.cam, face.noun, face.radius_mm),
+            *size_entry(study.design.drive.cam, face.noun, face.radius_mm),
             [(found.begin, found.end)],
         )
 

@@ -98,7 +98,7 @@ ENDINGS = (".html", ".pdf")
 
 
 def document(study: Study, parts: Collection[str] = tuple(PARTS), cover: Cover = Cover()) -> Document:  # noqa: B008, frozen
-    """The report of a design or of a shaft with several drives. Raises NoAnswer where it has none."""
+    """The report of a design or of a shaft with several drives. Raises NoSolution where it has none."""
     whole = subject_of(study, parts)
     sections = sections_of(CHAPTERS, whole)
     rows = (*cover.rows, *_title_rows(whole))

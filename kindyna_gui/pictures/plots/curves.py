@@ -107,7 +107,7 @@ class Curve:
 
 
 def read_curves(study: Study, channels: Sequence[Quantity], theme: Theme) -> list[Curve]:
-    """The curves of these channels, those of one family in different shades. Raises NoAnswer where one has none."""
+    """The curves of these channels, those of one family in different shades. Raises NoSolution where one has none."""
     seen: dict[str, int] = {}
     curves: list[Curve] = []
     for row in channels:

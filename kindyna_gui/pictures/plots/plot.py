@@ -110,7 +110,7 @@ class CurvePlot(FixedPlot):
         bands: Mapping[str, np.ndarray] = NO_BANDS,
     ) -> None:
         """Draw these channels of the study; reference: a second study, dashed; bands: column -> percentiles (5, n), evenly over the turn,
-        within which machines lie, shaded. Raises NoAnswer where one has none.
+        within which machines lie, shaded. Raises NoSolution where one has none.
 
         Where all would be drawn as it is nothing is touched, and so nothing painted. read: False where ``set_angle``
         follows at once, so that no value is written twice.

@@ -85,7 +85,7 @@ class PolarPlot(QWidget):
         self, study: Study, channels: Sequence[Quantity], *, bands: Mapping[str, np.ndarray] = NO_BANDS
     ) -> None:
         """Draw these channels of the study; bands: column -> percentiles (5, n), evenly over the turn, within which machines lie, shaded.
-        Raises NoAnswer where one has none."""
+        Raises NoSolution where one has none."""
         self._curves = read_curves(study, channels, self._theme)
         shaded = [(curve, bands[curve.channel.slug]) for curve in self._curves if curve.channel.slug in bands]
         values = [*(curve.values for curve in self._curves), *(band[i] for _, band in shaded for i in (0, -1))]

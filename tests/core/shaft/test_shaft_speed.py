@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 
 from core.__main__ import main
 from core.design import Design, si
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.findings import ERROR
 from core.motion import TURN, Angles, CompiledMotion
 from core.output.export import files
@@ -274,7 +274,7 @@ def test_a_motor_that_stalls_is_an_error_that_names_the_flywheel_it_takes() -> N
     assert f"{least:.3g} kg·m²" in stalls.message
     assert Study(with_shaft(LIFT, flywheel_inertia_kg_m2=least)).flywheel.runs
     assert not Study(with_shaft(LIFT, flywheel_inertia_kg_m2=0.985 * least)).flywheel.runs
-    with pytest.raises(NoAnswer, match=r"shaft\.flywheel_inertia_kg_m2: the motor stalls"):
+    with pytest.raises(NoSolution, match=r"shaft\.flywheel_inertia_kg_m2: the motor stalls"):
         study.flywheel.motor_torque(study.angles)
 
 
@@ -376,5 +376,5 @@ def test_a_motor_slope_that_nobody_gave_is_assumed_wherever_it_enters(
 def test_a_pusher_that_jams_has_no_speed_either() -> None:
     study = Study(with_shaft(with_loads(PUSHER, friction=3.5), flywheel_inertia_kg_m2=1.0), 72)
     assert "motor-stalls" not in [f.code for f in findings_of(study)]
-    with pytest.raises(NoAnswer, match="jams"):
+    with pytest.raises(NoSolution, match="jams"):
         _ = study.flywheel
