@@ -36,7 +36,7 @@ from core.dynamics import Loading
 from core.errors import NoStability
 from core.frozen import frozen
 from core.mechanism.kinematics import Kinematics
-from core.motion import TURN, Angles, Program
+from core.motion import TURN, Angles, CompiledMotion
 from core.motion.extremes import find_extremes, find_highest
 from core.numerics.derivatives import Derivatives
 from core.numerics.lazy import Lazy
@@ -152,7 +152,7 @@ class DrivenMechanism:
         Its motion: pieces and joins by its own angle.
     own : callable
         Its own angles at angles of the shaft.
-    sense : float
+    rotation_sign : float
         +1, or -1 where its own angle falls as the shaft rotates.
     path : str
         Prefix of its fields in the file: `drives[1].`
@@ -160,13 +160,13 @@ class DrivenMechanism:
 
     kinematics_at: KinematicsAt
     loading: Loading
-    program: Program
+    program: CompiledMotion
     own: Callable[[Angles], Angles] = lambda angles: angles
-    sense: float = 1.0
+    rotation_sign: float = 1.0
     path: str = ""
 
 
-def sizes(kinematics_at: KinematicsAt, loading: Loading, program: Program) -> Sizes:
+def sizes(kinematics_at: KinematicsAt, loading: Loading, program: CompiledMotion) -> Sizes:
     """Refined maxima of inertia and motion over the turn.
 
     Raises
@@ -185,7 +185,7 @@ def sizes(kinematics_at: KinematicsAt, loading: Loading, program: Program) -> Si
     raise NoStability("nothing that moves has mass, so nothing excites the shaft", "loads", "give the moving masses")
 
 
-def _motion_sizes(program: Program) -> MotionSizes:
+def _motion_sizes(program: CompiledMotion) -> MotionSizes:
     def quantities(angles: Angles) -> dict[str, np.ndarray]:
         y = program.state(angles).displacement
         return {"y": y[0], "slope": np.abs(y[1]), "curvature": np.abs(y[2])}
@@ -198,7 +198,7 @@ def _motion_sizes(program: Program) -> MotionSizes:
 def coefficients(
     kinematics_at: KinematicsAt,
     loading: Loading,
-    program: Program,
+    program: CompiledMotion,
     camshaft_inertia: float,
     stiffness: float,
     spring: str,
@@ -261,7 +261,7 @@ def shaft_coefficients(
         inertia, load = np.zeros((3, angles.theta.size)), np.zeros((2, angles.theta.size))
         for mechanism, scale in zip(mechanisms, member_sizes, strict=True):
             kinematics = mechanism.kinematics_at(mechanism.own(angles))
-            by_shaft = np.array([[1.0], [mechanism.sense], [1.0]])  # of a function and its derivatives
+            by_shaft = np.array([[1.0], [mechanism.rotation_sign], [1.0]])  # of a function and its derivatives
             inertia += mechanism.loading.inertia(kinematics) * by_shaft
             if spring == RETUNED:
                 load_terms = _valve_spring(kinematics.motion.displacement, scale, spring_factor) * (

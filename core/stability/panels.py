@@ -12,7 +12,7 @@ import numpy as np
 
 from core.errors import NoStability
 from core.frozen import frozen
-from core.motion import TURN, Angles, Program
+from core.motion import TURN, Angles, CompiledMotion
 from core.numerics.roots import gauss, gauss_legendre, integrated, legendre, legendre_powers
 
 NODES = 16  # Gauss-Legendre nodes per panel; the polynomial has this many coefficients
@@ -227,7 +227,7 @@ class Panels:
         return Panels(self.start[parent] + index_in_parent * width, width, self.piece[parent], values, self.tail)
 
 
-def fit(functions: Functions, program: Program, rows: int) -> Panels:
+def fit(functions: Functions, program: CompiledMotion, rows: int) -> Panels:
     """Panels on which polynomials represent the functions to rounding.
 
     Parameters

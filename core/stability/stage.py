@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from core.design import ElasticShaft, si
-from core.errors import NoAnswer, NoStability
+from core.errors import NoSolution, NoStability
 from core.findings import ERROR, LEAST_BOUND, NOTE, WARNING, Finding, Residual
 from core.frozen import frozen
 from core.numerics.lazy import postpone
@@ -266,7 +266,7 @@ class Stability:
 
         Raises
         ------
-        NotYet
+        ResultPending
             Where another thread computes it.
         """
         if self._last_steady is None or self._last_steady[0] != (eta, q):
@@ -388,7 +388,7 @@ def contact_forces(
             coefficients.q,
             si(elastic).stiffness,
         )
-    except NoAnswer:
+    except NoSolution:
         return None
 
 

@@ -18,7 +18,7 @@ from core.dynamics import Loading, OutputForce, newton_euler
 from core.errors import NoStability
 from core.frozen import frozen
 from core.mechanism.kinematics import Kinematics
-from core.motion import TURN, Angles, Program
+from core.motion import TURN, Angles, CompiledMotion
 from core.stability.by_cam import follow
 from core.stability.coefficients import RETUNED, Coefficients, Sizes
 from core.stability.integrator import OUTSIDE, STAGES, IntegrationStep, OnPieces, WindUpEquation
@@ -45,7 +45,7 @@ class FollowerContact:
         Its own, by which its valve spring is retuned; without inertia it has no valve spring.
     own : callable
         Its own angles at angles of the shaft.
-    sense : float
+    rotation_sign : float
         +1, or -1 where its own angle falls as the shaft rotates.
     name : str
         Name of its drive.
@@ -55,10 +55,10 @@ class FollowerContact:
 
     at: KinematicsAndShapeAt
     loading: Loading
-    program: Program
+    program: CompiledMotion
     sizes: Sizes
     own: Callable[[Angles], Angles] = lambda angles: angles
-    sense: float = 1.0
+    rotation_sign: float = 1.0
     name: str = ""
     number: int = 0
 
@@ -146,7 +146,7 @@ def contact(
 
     Raises
     ------
-    NoAnswer
+    NoSolution
         Where a follower has no cam.
     """
     unit = _unit(sizes)
@@ -168,7 +168,9 @@ def contact(
             rows += [
                 newton_euler(kinematics, shape, static, 0.0).contact / scale,
                 newton_euler(kinematics, shape, inertial, 1.0).contact / unit,
-                follower.sense * newton_euler(kinematics, shape, inertial, 0.0, acceleration=1.0).contact / unit,
+                follower.rotation_sign
+                * newton_euler(kinematics, shape, inertial, 0.0, acceleration=1.0).contact
+                / unit,
             ]
         return np.array(rows)
 

@@ -12,12 +12,12 @@ import numpy as np
 from core import shaft
 from core.cam import CamShape, envelope
 from core.design import BALANCER, Design, ElasticShaft, Shaft, path_in, si, slugs
-from core.errors import KindynaError, NoAnswer, NoStability
+from core.errors import KindynaError, NoSolution, NoStability
 from core.frozen import frozen
 from core.mechanism import solve_mechanism
 from core.mechanism.kinematics import Kinematics
 from core.motion import TURN, Angles, degrees
-from core.motion.extremes import Extreme, Range, find_extremes
+from core.motion.extremes import Extreme, Extremes, find_extremes
 from core.motion.program import MachineTurn, ShaftPosition
 from core.shaft import Flywheel, LoadCurve, combined, levels, peaks, rms
 from core.study.drive_study import DriveStudy
@@ -40,7 +40,7 @@ class Camshaft(Generic[D]):
 
     ``drives`` holds the study of each drive alone (``design.only``) by its name, so that an edit of one computes that one anew. The
     machine angle θ counts as the shaft turns; a drive's own angle is θ less its phase, for a mirrored one too, whose torque turns the
-    same shaft. A drive that has no answer is in ``failures``, and takes no other with it: only what needs all raises its NoAnswer.
+    same shaft. A drive that has no answer is in ``failures``, and takes no other with it: only what needs all raises its NoSolution.
 
     ``alone`` is the drive of a design that lists none: flywheel and flexible shaft are taken by its own angle, and are the very same
     that its study has.
@@ -130,22 +130,22 @@ class Camshaft(Generic[D]):
         return tuple(name for name, study in self.drives.items() if study.loads_shaft)
 
     @cached_property
-    def failures(self) -> Mapping[str, NoAnswer]:
+    def failures(self) -> Mapping[str, NoSolution]:
         """Name -> why it has none, of the drives that cannot be assembled or jam; its field is that of the whole file."""
-        found: dict[str, NoAnswer] = {}
+        found: dict[str, NoSolution] = {}
         for i, (name, study) in enumerate(self.drives.items()):
             try:
                 if study.loads_shaft:
                     study.require_load()
                 else:
                     _ = study.linkage
-            except NoAnswer as error:
+            except NoSolution as error:
                 field = path_in(self.design, i, error.field)
                 found[name] = type(error)(error.problem, field, error.hint, error.cam_angles)
         return found
 
     def _require_all(self, what: str) -> None:
-        """Raises NoAnswer for the first drive that is missing."""
+        """Raises NoSolution for the first drive that is missing."""
         for name in self.carried:
             if name in self.failures:
                 error = self.failures[name]
@@ -155,7 +155,7 @@ class Camshaft(Generic[D]):
     # -- torque ---------------------------------------------------------------------------------------------
 
     def drive_torque(self, name: str) -> np.ndarray:
-        """What one drive asks of the shaft at constant speed (n,) [N m]. Raises NoAnswer where it has none."""
+        """What one drive asks of the shaft at constant speed (n,) [N m]. Raises NoSolution where it has none."""
         if name in self.failures:
             raise self.failures[name]
         study, place = self.drives[name], self.places[name]
@@ -175,12 +175,12 @@ class Camshaft(Generic[D]):
         return self.drives[name].load_curve, ShaftPosition(self.places[name].phase)
 
     def drive_peak(self, name: str) -> Extreme:
-        """That of the greatest size of what one drive asks of the shaft [N m], by machine angle. Raises NoAnswer as ``drive_load``."""
+        """That of the greatest size of what one drive asks of the shaft [N m], by machine angle. Raises NoSolution as ``drive_load``."""
         return _greatest(peaks(self.drive_load(name)))
 
     @property
     def cams_torque(self) -> np.ndarray:
-        """That of all drives, without the balance cam (n,) [N m]. Raises NoAnswer, which names the drive that is missing."""
+        """That of all drives, without the balance cam (n,) [N m]. Raises NoSolution, which names the drive that is missing."""
         self._require_all("the shaft's torque")
         return np.asarray(sum((self.drive_torque(name) for name in self.carried), np.zeros(self.theta.size)))
 
@@ -196,7 +196,7 @@ class Camshaft(Generic[D]):
 
     @property
     def cams_load(self) -> LoadCurve:
-        """The sum of the drives as one curve, without the balance cam. Raises NoAnswer as ``cams_torque``."""
+        """The sum of the drives as one curve, without the balance cam. Raises NoSolution as ``cams_torque``."""
         if self.alone is not None:
             return self.alone.load_curve
         self._require_all("the shaft's torque")
@@ -234,13 +234,13 @@ class Camshaft(Generic[D]):
 
     @property
     def balancer(self) -> D | None:
-        """The balance cam as a drive of its own, by its own angle; None where the design has none. Raises NoAnswer where nothing
+        """The balance cam as a drive of its own, by its own angle; None where the design has none. Raises NoSolution where nothing
         can balance the torque, or the torque has no answer."""
         return None if self._balance is None else self._balance[0]
 
     @property
     def balancer_place(self) -> ShaftPosition:
-        """Where the balance cam stands on the shaft. Raises NoAnswer as ``balancer``."""
+        """Where the balance cam stands on the shaft. Raises NoSolution as ``balancer``."""
         assert self._balance is not None, "a design without [balancer]"
         return self._balance[1]
 
@@ -270,7 +270,7 @@ class Camshaft(Generic[D]):
         return rms(self.load)
 
     @property
-    def peaks(self) -> Range:
+    def peaks(self) -> Extremes:
         """Lowest and highest torque [N m], by machine angle."""
         return peaks(self.load)
 
@@ -291,7 +291,7 @@ class Camshaft(Generic[D]):
 
     @property
     def flywheel(self) -> Flywheel:
-        """Sizing, true speed and motor torque, by machine angle, or by a drive's own where that is alone. Raises NoAnswer as
+        """Sizing, true speed and motor torque, by machine angle, or by a drive's own where that is alone. Raises NoSolution as
         ``torque``."""
         camshaft, alone = self.design.camshaft, self.alone
 
@@ -313,7 +313,7 @@ class Camshaft(Generic[D]):
 
     @property
     def motor_torque(self) -> np.ndarray:
-        """T̄ + k(ω̄ - ω) (n,) [N m]; the shaft's without a flywheel. Raises NoAnswer where the motor stalls."""
+        """T̄ + k(ω̄ - ω) (n,) [N m]; the shaft's without a flywheel. Raises NoSolution where the motor stalls."""
         return self.flywheel.motor_torque(self._wheel_angles) if self.levelled else self.torque
 
     @property
@@ -323,17 +323,17 @@ class Camshaft(Generic[D]):
 
     @property
     def speed(self) -> np.ndarray:
-        """The true speed of the shaft (n,) [rad/s]; constant without a flywheel. Raises NoAnswer where the motor stalls."""
+        """The true speed of the shaft (n,) [rad/s]; constant without a flywheel. Raises NoSolution where the motor stalls."""
         return self.flywheel.speed(self._wheel_angles) if self.levelled else np.full(self.theta.size, self.omega)
 
     @property
-    def motor_range(self) -> Mapping[str, Range]:
-        """Refined extremes of ``motor_torque`` [N m], ``speed`` [rad/s] and ``motor_power`` [W]. Raises NoAnswer where it stalls."""
+    def motor_range(self) -> Mapping[str, Extremes]:
+        """Refined extremes of ``motor_torque`` [N m], ``speed`` [rad/s] and ``motor_power`` [W]. Raises NoSolution where it stalls."""
         if not self.levelled:
             low, high = self.peaks.low, self.peaks.high
-            power = Range(Extreme(low.value * self.omega, low.theta), Extreme(high.value * self.omega, high.theta))
+            power = Extremes(Extreme(low.value * self.omega, low.theta), Extreme(high.value * self.omega, high.theta))
             steady = Extreme(self.omega, 0.0)
-            return {"motor_torque": self.peaks, "speed": Range(steady, steady), "motor_power": power}
+            return {"motor_torque": self.peaks, "speed": Extremes(steady, steady), "motor_power": power}
         wheel = self.flywheel
 
         def values(angles: Any) -> Mapping[str, np.ndarray]:
@@ -341,13 +341,13 @@ class Camshaft(Generic[D]):
             return {"motor_torque": torque, "speed": speed, "motor_power": torque * speed}
 
         key = self._key, self.design.balancer, self.design.camshaft
-        found: Mapping[str, Range] = memory.get("motor range", key, lambda: find_extremes(values, self.turn))
+        found: Mapping[str, Extremes] = memory.get("motor range", key, lambda: find_extremes(values, self.turn))
         return found
 
     # -- the flexible shaft ---------------------------------------------------------------------------------
 
     def flexible_shaft(self) -> Stability:
-        """The stability of all drives together. Raises NoStability, which says why there is none; NoAnswer where a drive is missing."""
+        """The stability of all drives together. Raises NoStability, which says why there is none; NoSolution where a drive is missing."""
         elastic = None if self.design.shaft is None else self.design.shaft.elastic
         if elastic is None:
             raise NoStability("the camshaft is rigid", "shaft", "give camshaft_inertia_kg_m2 and stiffness_nm_per_rad")
@@ -386,7 +386,7 @@ class Camshaft(Generic[D]):
         return stable
 
 
-def _greatest(found: Range) -> Extreme:
+def _greatest(found: Extremes) -> Extreme:
     return max((found.low, found.high), key=lambda extreme: abs(extreme.value))
 
 
@@ -398,10 +398,10 @@ def _there(study: D, place: ShaftPosition, samples: int, theta: np.ndarray | Non
     """A drive's study at machine angles; at equally spaced ones it is remembered."""
     turn = MachineTurn([(study.program, place)])
     if theta is not None:
-        return study.at(turn.own(0, turn.angles(theta)))
+        return study.at(turn.drive_angles(0, turn.angles(theta)))
 
     def compute() -> Any:
-        return turn.own(0, turn.angles(np.deg2rad(degrees(samples))), kept=True)
+        return turn.drive_angles(0, turn.angles(np.deg2rad(degrees(samples))), cached=True)
 
     return study.at(memory.get("grid", (study.program, samples, place), compute))
 
@@ -411,7 +411,7 @@ def _on_grid(place: ShaftPosition, samples: int) -> np.ndarray | None:
     steps = place.phase * samples / TURN
     if abs(steps - round(steps)) > 1e-9:
         return None
-    return np.asarray((int(place.sense) * (np.arange(samples) - round(steps))) % samples)
+    return np.asarray((int(place.rotation_sign) * (np.arange(samples) - round(steps))) % samples)
 
 
 # -- the stability of a flexible shaft with the drives that it carries ------------------------------------------
@@ -451,7 +451,7 @@ class ShaftDrive:
 
     def own(self, angles: Angles) -> Angles:
         """Its own angles at those of the shaft."""
-        return angles if self.turn is None else self.turn.own(self.at, angles)
+        return angles if self.turn is None else self.turn.drive_angles(self.at, angles)
 
     def kinematics(self, angles: Angles) -> Kinematics:
         """The drive's kinematics at any of its own angles."""
@@ -465,7 +465,7 @@ class ShaftDrive:
     def displacement(self, theta: np.ndarray) -> np.ndarray:
         """Of the motion, at angles of the shaft (n,) [rad]."""
         program = self.study.program
-        own = theta if self.turn is None else self.place.own(theta)
+        own = theta if self.turn is None else self.place.drive_angle(theta)
         return np.asarray(program.state(program.angles(own)).displacement[0])
 
     @property
@@ -474,14 +474,16 @@ class ShaftDrive:
         from core.stability import DrivenMechanism
 
         study = self.study
-        return DrivenMechanism(self.kinematics, study.loading, study.program, self.own, self.place.sense, self.path)
+        return DrivenMechanism(
+            self.kinematics, study.loading, study.program, self.own, self.place.rotation_sign, self.path
+        )
 
     def touching(self, sizes: Sizes | None) -> FollowerContact:
         """sizes: those of all together, where it is the only one."""
         from core.stability import FollowerContact, driven_sizes
 
         study, sizes = self.study, sizes or driven_sizes(self.driven)
-        parts = (study.loading, study.program, sizes, self.own, self.place.sense, self.name, self.number)
+        parts = (study.loading, study.program, sizes, self.own, self.place.rotation_sign, self.name, self.number)
         return FollowerContact(self.kinematics_and_shape, *parts)
 
     @property
@@ -490,7 +492,7 @@ class ShaftDrive:
         from core.stability import Follower
 
         starts = self.study.program.starts
-        places = starts if self.turn is None else self.place.machine(starts)
+        places = starts if self.turn is None else self.place.machine_angle(starts)
         return Follower(self.name, self.study.design.drive.motion_unit, self.displacement, places)
 
 
@@ -521,3 +523,19 @@ def flexible_shaft(
         return made if isinstance(made, NoStability) else stability(made, elastic, omega, contact, followers)
     except NoStability as error:
         return error
+
+
+# -- whether the shaft has a torque and a speed ----------------------------------------------------------------
+
+
+def is_complete(camshaft: Camshaft[Any]) -> bool:
+    """Whether every drive of the shaft has a solution, the balance cam included."""
+    try:
+        return camshaft.load is not None
+    except NoSolution:
+        return False
+
+
+def has_speed(camshaft: Camshaft[Any]) -> bool:
+    """Whether the shaft has a true speed: every drive has a solution, and the motor does not stall."""
+    return is_complete(camshaft) and (not camshaft.levelled or camshaft.flywheel.runs)

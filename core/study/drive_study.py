@@ -15,7 +15,7 @@ from core import cam, dynamics, followers, mechanism, stress
 from core.cam import CamShape
 from core.design import NO_LIMITS, Design, Linkage, Motion, si
 from core.dynamics import FlankChange, Forces, Friction, Loading
-from core.errors import KindynaError, NoAnswer, NoPosition, NoSuchStage, angle_list, at_angles
+from core.errors import KindynaError, NoPosition, NoSolution, NoSuchStage, angle_list, at_angles
 from core.instant_centres import CentreTable, all_centres, cam_centres
 from core.mechanism import (
     CrankProgram,
@@ -29,10 +29,10 @@ from core.mechanism import (
 from core.mechanism.kinematics import FRAME, REVOLUTE, SLIDING, Kinematics
 from core.motion import TURN, Angles, MotionState, degrees, program
 from core.motion.extremes import Extreme, find_above
-from core.motion.program import CutProgram, ShaftPosition
+from core.motion.program import ShaftPosition, SubdividedTurn
 from core.numerics.lazy import locked
 from core.shaft import LoadCurve, combined
-from core.stress import ContactStress, contact_stresses
+from core.stress import ContactStress, contact_stress
 from core.study.stages import (
     crank_grid,
     crank_state,
@@ -83,7 +83,7 @@ class DriveStudy:
     Stages are attributes: ``motion`` where one moves the mechanism, ``linkage``, ``cam`` where there is one, ``dynamics``.
     ``stages`` names those of the design, in the order in which they need each other. ``centres`` belongs to the stage
     ``linkage``. Each is computed on first use from only the parts of the design that it needs, and kept for every other
-    study that shares these parts. Any stage may raise NoAnswer; a stage that this design lacks raises NoSuchStage.
+    study that shares these parts. Any stage may raise NoSolution; a stage that this design lacks raises NoSuchStage.
 
     A crank that cannot turn fully is sampled where it can: then there are fewer angles than samples.
     """
@@ -177,14 +177,14 @@ class DriveStudy:
 
     @cached_property
     def program(self) -> Any:
-        """What the driver does over one turn, a Program or a CrankProgram: its pieces and joins. Its pieces end where a process
+        """What the driver does over one turn, a CompiledMotion or a CrankProgram: its pieces and joins. Its pieces end where a process
         force switches and where friction turns round in a pin, too."""
         if not (found := self._cuts):
             return self.uncut
         return memory.get(
             "cut program",
             (self.driver_ranges if self.by_crank else self.uncut, found),
-            lambda: CutProgram(self.uncut, found),
+            lambda: SubdividedTurn(self.uncut, found),
         )
 
     @property
@@ -209,7 +209,7 @@ class DriveStudy:
         """The angles at which the drive is studied."""
         if self._given is not None:
             return self._given
-        if isinstance(self.program, CutProgram):
+        if isinstance(self.program, SubdividedTurn):
             return cut_grid(self.program, self.angle_degrees)
         return (
             crank_grid(self.driver_ranges, self.samples)
@@ -254,7 +254,7 @@ class DriveStudy:
             evaluations[name] += 1
             return function(*parts)
 
-        if not self.angles.kept:
+        if not self.angles.cached:
             return locked(compute())
         return memory.get((name, "searched") if self.angles.search else name, parts, compute)
 
@@ -263,8 +263,8 @@ class DriveStudy:
         """Errors of a sampled stage name the angles to the last digit, whatever the sampling was."""
         try:
             yield
-        except NoAnswer as error:
-            if not error.cam_angles or error.exact or not self.angles.kept:
+        except NoSolution as error:
+            if not error.cam_angles or error.exact or not self.angles.cached:
                 raise
             raise at_angles(error, failing_ranges(self.at, stage, self.program)) from None
 
@@ -309,7 +309,7 @@ class DriveStudy:
     @cached_property
     def drive(self) -> MotionState:
         """What moves the mechanism: the motion, or the crank's own angle, with three derivatives (4, n) [rad or m]."""
-        if isinstance(self.program, CutProgram):
+        if isinstance(self.program, SubdividedTurn):
             return self._stage("motion", self.program.state, self.angles)
         if self.by_crank:
             return crank_state(self.driver_ranges, self.angles)
@@ -356,7 +356,7 @@ class DriveStudy:
                 "cam", cam.envelope, self.linkage, self.design.drive.face, self.design.drive.bare_cam, self.sense
             )
             if self._given is None and self.mechanism.ranged:
-                cam.require_hold(self.linkage, self.design.drive.face.noun, shape)
+                cam.require_drivable(self.linkage, self.design.drive.face.noun, shape)
             return shape
 
     @property
@@ -384,9 +384,9 @@ class DriveStudy:
 
     @cached_property
     def dynamics(self) -> Forces:
-        """All forces at constant speed. Raises NoAnswer where friction asks for reactions that statics does not fix."""
+        """All forces at constant speed. Raises NoSolution where friction asks for reactions that statics does not fix."""
         if self.undetermined and (rubs := [f for f in self.loading.frictions if f.pair in self.undetermined]):
-            raise NoAnswer(
+            raise NoSolution(
                 f"friction of {', '.join(f.pair for f in rubs)} goes by a force that statics does not fix",
                 rubs[0].field,
                 "take the friction away, or the link that is not needed",
@@ -432,17 +432,17 @@ class DriveStudy:
 
     @property
     def contact_force(self) -> ContactForce:
-        """F_c at every speed. Raises NoAnswer where the cam holds the follower from both sides, nothing loads it, or friction jams."""
+        """F_c at every speed. Raises NoSolution where the cam holds the follower from both sides, nothing loads it, or friction jams."""
         self.require_stage("cam")
         if self.holds:
             form = self.design.drive.cam.form.form
-            raise NoAnswer(
+            raise NoSolution(
                 f"a {form} cam holds the follower from both sides, so that it cannot leave it",
                 "cam.form",
                 "take an open cam",
             )
         if self.loading.empty:
-            raise NoAnswer(
+            raise NoSolution(
                 "nothing presses the follower on the cam: there are no masses and no spring", "loads", "give them"
             )
         if self.jam is not None:
@@ -459,14 +459,14 @@ class DriveStudy:
 
     @property
     def lift_off(self) -> LiftOff | None:
-        """The least speed at which the follower leaves the cam; None where none does. Raises NoAnswer as ``contact_force``."""
+        """The least speed at which the follower leaves the cam; None where none does. Raises NoSolution as ``contact_force``."""
         design = self.design
         key = replace(design.drive, cam=design.drive.bare_cam, limits=NO_LIMITS), design.sense  # at any speed the same
         found: LiftOff | None = memory.get("lift-off", key, self.contact_force.lift_off)
         return found
 
     def flights(self, turns: float = 3.0) -> Flights:
-        """The flights of the follower after it has left the cam, at the design's own speed. Raises NoAnswer as ``contact_force``, and
+        """The flights of the follower after it has left the cam, at the design's own speed. Raises NoSolution as ``contact_force``, and
         where it is pressed nowhere or flies out of its reach."""
         contact, loads = self.contact_force, self.design.drive.loads
 
@@ -497,12 +497,12 @@ class DriveStudy:
 
     @property
     def elasticity(self) -> Elasticity:
-        """The follower as one mass. Raises NoAnswer where it is rigid, or no mass vibrates."""
+        """The follower as one mass. Raises NoSolution where it is rigid, or no mass vibrates."""
         from core.elastic import equivalent
 
         self.require_stage("cam")
         if not self.is_elastic:
-            raise NoAnswer("the follower is rigid", "loads.follower_stiffness_n_per_mm", "give its stiffness")
+            raise NoSolution("the follower is rigid", "loads.follower_stiffness_n_per_mm", "give its stiffness")
         drive, driver_ranges, loading = self.design.drive, self.driver_ranges, self.loading
         loads, stroke = si(drive.loads), swept(program(drive.motion))
         parts = (
@@ -514,7 +514,7 @@ class DriveStudy:
 
     @property
     def follower_response(self) -> Response:
-        """What the elastic follower does at the design's speed. Raises NoAnswer as ``elasticity``; see also ``Response``."""
+        """What the elastic follower does at the design's speed. Raises NoSolution as ``elasticity``; see also ``Response``."""
         from core.elastic import Response
 
         one, driven = self.elasticity.middle, program(self.design.drive.motion)
@@ -526,11 +526,11 @@ class DriveStudy:
         """Whether there is an elastic follower with a response that repeats every turn."""
         try:
             return self.is_elastic and not self.follower_response.resonant
-        except NoAnswer:
+        except NoSolution:
             return False
 
     def vibration(self, omega: np.ndarray, largest: bool = True) -> Spectrum:
-        """The response spectrum at speeds (m,) [rad/s]; largest: with the largest values over the turn. Raises NoAnswer as
+        """The response spectrum at speeds (m,) [rad/s]; largest: with the largest values over the turn. Raises NoSolution as
         ``elasticity``."""
         from core.elastic import spectrum
 
@@ -567,10 +567,10 @@ class DriveStudy:
             return None
         return self.loading.frictions[int(forces.most_jamming[0])]
 
-    def _jammed(self, jam: Extreme) -> NoAnswer:
+    def _jammed(self, jam: Extreme) -> NoSolution:
         angle, friction = float(np.rad2deg(jam.theta)), self.jamming_pair
         what, field = ("contact", "loads.contact_friction") if friction is None else (friction.pair, friction.field)
-        return NoAnswer(f"the {what} jams, the torque is infinite", field, "lower it", [(angle, angle)])
+        return NoSolution(f"the {what} jams, the torque is infinite", field, "lower it", [(angle, angle)])
 
     @property
     def flank_changes(self) -> tuple[FlankChange, ...]:
@@ -601,7 +601,7 @@ class DriveStudy:
 
         def compute(shape: CamShape, forces: Forces, *pairs: Any) -> Mapping[str, ContactStress]:
             rows = zip(shape.flanks, forces.contacts, pairs, strict=True)
-            return {flank.name: contact_stresses(flank, contact.force, pair) for flank, contact, pair in rows}
+            return {flank.name: contact_stress(flank, contact.force, pair) for flank, contact, pair in rows}
 
         drive = self.design.drive
         there = stress.pairings(drive.face, drive.cam) if drive.cam is not None else {}
@@ -632,7 +632,7 @@ class DriveStudy:
         return self.sense if self.by_crank else 1.0
 
     def require_load(self) -> None:
-        """Raises NoAnswer where the shaft cannot carry it: there is no mechanism or no cam, friction jams, or a crank cannot turn
+        """Raises NoSolution where the shaft cannot carry it: there is no mechanism or no cam, friction jams, or a crank cannot turn
         fully."""
         self._require_turning()
         _ = self.dynamics
@@ -657,7 +657,7 @@ class DriveStudy:
 
     @property
     def load_curve(self) -> LoadCurve:
-        """What it asks of the shaft over one turn, by the angle that the shaft has turned through. Raises NoAnswer where
+        """What it asks of the shaft over one turn, by the angle that the shaft has turned through. Raises NoSolution where
         friction jams, or a crank cannot turn fully."""
         self._require_turning()
         curve: LoadCurve = memory.get("load curve", self.depends_on("dynamics"), self._turned_load)

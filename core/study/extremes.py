@@ -8,9 +8,9 @@ from functools import partial
 import numpy as np
 
 from core import cam
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.motion import TURN, Angles
-from core.motion.extremes import Extreme, Range, find_extremes
+from core.motion.extremes import Extreme, Extremes, find_extremes
 from core.study.quantities import OF_CONTACT, OF_MOTOR, OF_SPEED, Quantity, quantities_of, quantity
 from core.study.stages import memory
 from core.study.study import Study, pairings, ratings
@@ -26,14 +26,14 @@ _AT_END = 1e-9  # [rad] from a dead centre: what grows towards it and has its ex
 _AT_CHANGE = 1e-3  # the same from a change point, where samples fall beside it
 
 
-def extremes_of(study: Study, stage: str, only: tuple[str, ...] = ()) -> Mapping[str, Range]:
+def extremes_of(study: Study, stage: str, only: tuple[str, ...] = ()) -> Mapping[str, Extremes]:
     """Of a stage's quantities (of those named only, where any are), in SI units; of the steady response of a flexible shaft for
-    the stage ``stability``. Raises NoSuchStage; NoAnswer as the stage does."""
+    the stage ``stability``. Raises NoSuchStage; NoSolution as the stage does."""
     study.require_stage(stage)
     if stage == "stability":
         return _of_the_steady_turn(study)
     kind, key = _kept_as(study, stage, only)
-    found: Mapping[str, Range] = memory.get(kind, key, lambda: _of_the_turn(study, stage, only))
+    found: Mapping[str, Extremes] = memory.get(kind, key, lambda: _of_the_turn(study, stage, only))
     return found
 
 
@@ -47,7 +47,7 @@ def search_together(study: Study, asked: Mapping[str, tuple[str, ...]]) -> None:
     rows = {stage: _rows(study, stage, only) for stage, only in asked.items()}
     try:
         found = _searched(study, {name: row for of_stage in rows.values() for name, row in of_stage.items()})
-    except NoAnswer:
+    except NoSolution:
         return
     for stage, of_stage in rows.items():
         own = {name: found[name] for name in of_stage}
@@ -69,7 +69,7 @@ def _kept_as(study: Study, stage: str, only: tuple[str, ...]) -> tuple[Hashable,
     )
 
 
-def cam_extremes(study: Study) -> Mapping[str, Range]:
+def cam_extremes(study: Study) -> Mapping[str, Extremes]:
     """Those of the quantities that the findings of the cam are taken from."""
     return extremes_of(study, "cam", cam.limits_of(study.design.drive.face, study.design.drive.cam))
 
@@ -91,7 +91,7 @@ def exists(study: Study, row: Quantity) -> bool:
     return row.exists(study) and not (row.fitting and not fits(study))
 
 
-def _of_the_steady_turn(study: Study) -> Mapping[str, Range]:
+def _of_the_steady_turn(study: Study) -> Mapping[str, Extremes]:
     """Its pieces are those of the integration; empty where there is no steady response."""
     turn = None if study.stability is None else study.stability.steady_turn
     if turn is None:
@@ -99,10 +99,10 @@ def _of_the_steady_turn(study: Study) -> Mapping[str, Range]:
     wind_up, stiffness = turn.wind_up_range, turn.stiffness
     sides = (Extreme(stiffness * side.value, side.theta) for side in (wind_up.low, wind_up.high))
     errors = dict(zip(("follower_error",), turn.errors, strict=False))  # of a crank there is none
-    return {"wind_up": wind_up, **errors, "shaft_torque": Range(*sides)}
+    return {"wind_up": wind_up, **errors, "shaft_torque": Extremes(*sides)}
 
 
-def _of_the_turn(study: Study, stage: str, only: tuple[str, ...]) -> Mapping[str, Range]:
+def _of_the_turn(study: Study, stage: str, only: tuple[str, ...]) -> Mapping[str, Extremes]:
     rows = _rows(study, stage, only)
     with study.located(stage):
         found = _searched(study, rows)
@@ -118,7 +118,7 @@ def _rows(study: Study, stage: str, only: tuple[str, ...]) -> dict[str, Quantity
 
 
 @np.errstate(invalid="ignore", over="ignore")  # infinite rates at dead centres
-def _searched(study: Study, rows: Mapping[str, Quantity]) -> dict[str, Range]:
+def _searched(study: Study, rows: Mapping[str, Quantity]) -> dict[str, Extremes]:
     def values(angles: Angles) -> Mapping[str, np.ndarray]:
         there = study.at(angles)
         return {name: row.value(there) for name, row in rows.items()}
@@ -130,16 +130,16 @@ def _searched(study: Study, rows: Mapping[str, Quantity]) -> dict[str, Range]:
 
 
 @np.errstate(invalid="ignore", over="ignore")
-def _finished(study: Study, stage: str, found: dict[str, Range]) -> Mapping[str, Range]:
+def _finished(study: Study, stage: str, found: dict[str, Extremes]) -> Mapping[str, Extremes]:
     """Extremes of a stage with those that are infinite."""
     if stage == "cam":
         found |= _infinite_at_cusps(study, found)
     if not study.by_crank:
         return found
-    return {name: Range(_limit(study, name, r.low), _limit(study, name, r.high)) for name, r in found.items()}
+    return {name: Extremes(_limit(study, name, r.low), _limit(study, name, r.high)) for name, r in found.items()}
 
 
-def _at_the_end(found: Mapping[str, Range], first: Mapping[str, np.ndarray]) -> dict[str, Range]:
+def _at_the_end(found: Mapping[str, Extremes], first: Mapping[str, np.ndarray]) -> dict[str, Extremes]:
     """Of a motion that goes on, what has its extreme where the turn ends, and is another where the next one begins: at 2π."""
 
     def placed(side: Extreme, begins: float, size: float) -> Extreme:
@@ -149,11 +149,11 @@ def _at_the_end(found: Mapping[str, Range], first: Mapping[str, np.ndarray]) -> 
     made = {}
     for name, each in found.items():
         begins, size = float(first[name][0]), max(abs(each.low.value), abs(each.high.value))
-        made[name] = Range(placed(each.low, begins, size), placed(each.high, begins, size))
+        made[name] = Extremes(placed(each.low, begins, size), placed(each.high, begins, size))
     return made
 
 
-def _infinite_at_cusps(study: Study, found: Mapping[str, Range]) -> dict[str, Range]:
+def _infinite_at_cusps(study: Study, found: Mapping[str, Extremes]) -> dict[str, Extremes]:
     """The curvatures among extremes of the cam that grow without limit, as they come out."""
     drive = study.design.drive
     flanks = [(flank, name) for flank, name in PROFILE_CURVATURES.items() if name in found]
@@ -165,10 +165,10 @@ def _infinite_at_cusps(study: Study, found: Mapping[str, Range]) -> dict[str, Ra
     }
 
 
-def _through_cusp(found: Range) -> Range:
+def _through_cusp(found: Extremes) -> Extremes:
     """A curvature that grows without limit at a cusp, and comes back from below where the profile runs backwards."""
     low = Extreme(-np.inf, found.low.theta) if found.low.value < 0.0 else found.low
-    return Range(low, Extreme(np.inf, found.high.theta))
+    return Extremes(low, Extreme(np.inf, found.high.theta))
 
 
 def _limit(study: Study, name: str, extreme: Extreme) -> Extreme:

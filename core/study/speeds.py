@@ -16,7 +16,7 @@ from core.study.study import Study
 
 def at_speeds(design: Design, rpm: np.ndarray) -> AgainstSpeed:
     """Figures of a design's shaft at machine speeds (n,) [rpm], all of its drives together; a balance cam is made for the design's own
-    speed and stays as it is. Raises NoAnswer where a drive has no torque.
+    speed and stays as it is. Raises NoSolution where a drive has no torque.
 
     Where nothing rubs the load is of a static part and of one that grows with the speed squared; else it is solved at each speed.
     """

@@ -12,13 +12,13 @@ import numpy as np
 
 from core import dynamics
 from core.dynamics import Forces, Friction, Loading
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.mechanism import CrankProgram, DriverRanges, Mechanism, solve_mechanism
 from core.mechanism.kinematics import Kinematics
-from core.motion import Angles, MotionState, Program, program
+from core.motion import Angles, CompiledMotion, MotionState, program
 from core.motion import degrees as motion_degrees
 from core.motion.extremes import crossings, piecewise_angles
-from core.motion.program import CutProgram
+from core.motion.program import SubdividedTurn
 from core.numerics.derivatives import spread
 from core.numerics.lazy import locked
 from core.shaft import LoadCurve, load_curve
@@ -37,7 +37,7 @@ def fitted_load(
     slides: Sequence[Friction],
     holds: bool,
 ) -> LoadCurve:
-    """Torque [N m] and reduced inertia [kg m^2] by the angle of cam or crank. Raises NoAnswer as the stage ``dynamics`` does.
+    """Torque [N m] and reduced inertia [kg m^2] by the angle of cam or crank. Raises NoSolution as the stage ``dynamics`` does.
 
     torque: what the shaft is asked for (n,) [N m]; slides: friction in slides; holds: whether the cam holds the follower from both sides
     """
@@ -124,7 +124,7 @@ def grid(motion: Any, samples: int) -> Angles:
     """Equally spaced cam angles over one turn, the same object for the same question."""
 
     def compute() -> Angles:
-        return program(motion).angles(np.deg2rad(motion_degrees(samples)), kept=True)
+        return program(motion).angles(np.deg2rad(motion_degrees(samples)), cached=True)
 
     return memory.get("grid", (motion, samples), compute)
 
@@ -132,12 +132,14 @@ def grid(motion: Any, samples: int) -> Angles:
 def crank_grid(driver_ranges: DriverRanges, samples: int) -> Angles:
     """Equally spaced driver angles over one turn, as far as the linkage can be assembled there."""
     run = CrankProgram(driver_ranges)
-    return memory.get("grid", (driver_ranges, samples), lambda: run.angles(np.deg2rad(run.degrees(samples)), kept=True))
+    return memory.get(
+        "grid", (driver_ranges, samples), lambda: run.angles(np.deg2rad(run.degrees(samples)), cached=True)
+    )
 
 
-def cut_grid(cut: CutProgram, at: np.ndarray) -> Angles:
+def cut_grid(cut: SubdividedTurn, at: np.ndarray) -> Angles:
     """The angles [deg] (n,) of a turn that is cut, the same object for the same question."""
-    return memory.get("grid", (cut, at.size), lambda: cut.angles(np.deg2rad(at), kept=True))
+    return memory.get("grid", (cut, at.size), lambda: cut.angles(np.deg2rad(at), cached=True))
 
 
 def crank_state(driver_ranges: DriverRanges, angles: Angles) -> MotionState:
@@ -146,7 +148,7 @@ def crank_state(driver_ranges: DriverRanges, angles: Angles) -> MotionState:
     def compute() -> MotionState:
         return CrankProgram(driver_ranges).state(angles)
 
-    return memory.get("crank", (driver_ranges, angles), compute) if angles.kept else compute()
+    return memory.get("crank", (driver_ranges, angles), compute) if angles.cached else compute()
 
 
 # -- the angles at which the torque of a study jumps or breaks, but for the joins of its motion -----------------
@@ -162,7 +164,7 @@ def cuts(
         pairs = tuple(friction.pair for friction in loading.frictions)
         key = (driven, mechanism, pairs)
         back = memory.get("turning back", key, lambda: _turning_back(pairs, uncut, mechanism, course_of))
-    except NoAnswer:
+    except NoSolution:
         return ()
     return tuple(sorted({*switches, *back}))
 
@@ -194,8 +196,8 @@ MOST = 1000  # angles that are tried; motions of many more pieces are sampled mo
 _PARTS = np.linspace(0.0, 1.0, 9)[1:-1, None]  # of the interval between an angle that fails and one that does not
 
 
-def failing_ranges(study_at: Callable[[Angles], Any], stage: str, program: Program) -> list[tuple[float, float]]:
-    """Ranges of cam angles [deg] at which the stage raises NoAnswer; study_at gives the study at any cam angles."""
+def failing_ranges(study_at: Callable[[Angles], Any], stage: str, program: CompiledMotion) -> list[tuple[float, float]]:
+    """Ranges of cam angles [deg] at which the stage raises NoSolution; study_at gives the study at any cam angles."""
     angles = piecewise_angles(program)
     step = max(1, angles.theta.size // MOST)
     theta, piece = angles.theta[::step], angles.piece[::step]
@@ -227,13 +229,13 @@ def _edges(
 
 
 def _failing(study_at: Callable[[Angles], Any], stage: str, theta: np.ndarray, piece: np.ndarray) -> np.ndarray:
-    """At which angles (n,) [rad], each in its piece (n,), the stage raises NoAnswer."""
+    """At which angles (n,) [rad], each in its piece (n,), the stage raises NoSolution."""
     bad, rest = np.zeros(theta.size, dtype=bool), np.argsort(theta, kind="stable")
     while rest.size:
         try:
             getattr(study_at(Angles(theta[rest], piece[rest])), stage)
             break
-        except NoAnswer as error:
+        except NoSolution as error:
             at = np.rad2deg(theta[rest])
             named = [(low <= at) & (at <= high) for low, high in error.cam_angles]
             failed = np.any(named, axis=0) if named else np.ones(rest.size, dtype=bool)

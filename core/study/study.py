@@ -23,7 +23,7 @@ from core.numerics.roots import gauss
 from core.shaft import Flywheel, levels
 from core.shaft.speed import MotorLoad, best_ratio, lever, motor_load, motor_torque, moved
 from core.stress import Pairing
-from core.study.camshaft import Camshaft
+from core.study.camshaft import Camshaft, is_complete
 from core.study.drive_study import DriveStudy
 from core.study.stages import memory
 
@@ -56,7 +56,7 @@ class Study(DriveStudy):
     @property
     def answering(self) -> Mapping[str, Study]:
         """Those of ``drives`` that have an answer, by the slug that columns, folders and residuals name them by. The drive of a design that
-        lists none needs no name: it has the slug '', and stands for the whole, whose questions raise its NoAnswer."""
+        lists none needs no name: it has the slug '', and stands for the whole, whose questions raise its NoSolution."""
         if not self.design.listed:
             return {"": self}
         camshaft = self.camshaft
@@ -74,11 +74,11 @@ class Study(DriveStudy):
 
     @cached_property
     def flywheel(self) -> Flywheel:
-        """Sizing, speed and motor torque. Raises NoAnswer where friction jams, or a crank cannot turn fully."""
+        """Sizing, speed and motor torque. Raises NoSolution where friction jams, or a crank cannot turn fully."""
         return self.camshaft.flywheel
 
     def flexible_shaft(self) -> Stability:
-        """The stage ``stability``. Raises NoStability, which says why there is none; NoAnswer where there is no linkage."""
+        """The stage ``stability``. Raises NoStability, which says why there is none; NoSolution where there is no linkage."""
         self.require_stage("stability")
         return self._flexible_shaft
 
@@ -107,6 +107,17 @@ class Study(DriveStudy):
                 "take another speed",
             )
         return found.steady_turn
+
+
+def shaft_in_chart(study: Study) -> Stability | None:
+    """The flexible shaft that has a point in the chart of stability; None where the shaft is rigid, nothing excites it, or one of
+    several drives has no solution."""
+    has_stage = "stability" in study.stages and (not study.design.listed or is_complete(study.camshaft))
+    shaft = study.stability if has_stage else None
+    try:
+        return shaft if shaft is not None and shaft.exact and shaft.machine else None
+    except NoStability:
+        return None
 
 
 # -- the servo of a drive ---------------------------------------------------------------------------------------
@@ -185,7 +196,7 @@ class Turn:
 
 def servo_turn(study: Study) -> Turn:
     """What the motor does in a turn, by Gauss's rule between the ends of the motion's pieces and the zeros of the power. Raises
-    NoAnswer as the linkage does."""
+    NoSolution as the linkage does."""
     turn: Turn = memory.get("servo", study.depends_on("dynamics"), lambda: _turn(study.whole))
     return turn
 
@@ -269,7 +280,7 @@ def pairings(study: Study) -> Mapping[str, Pairing]:
 def ratings(study: Study) -> Mapping[str, float]:
     """Roller -> load rating [N], as far as stated."""
     drive = study.design.drive
-    return stress.ratings(drive.face, drive.cam) if drive.cam is not None else {}
+    return stress.load_ratings(drive.face, drive.cam) if drive.cam is not None else {}
 
 
 def pressing(study: Study, roller: str) -> np.ndarray:

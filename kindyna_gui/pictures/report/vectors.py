@@ -16,8 +16,8 @@ from PySide6.QtWidgets import QGraphicsView, QVBoxLayout, QWidget
 from core.design import UNITS
 from core.frozen import frozen
 from core.output.report.parts import ReportPicture
-from core.output.summary import runs
 from core.study import Study
+from core.study.camshaft import has_speed
 from core.study.quantities import member_of
 from kindyna_gui.pictures.drawing.assembly import Assembly
 from kindyna_gui.pictures.files import CAM, FORCES, MOTION, MechanismSheet, PlotStack, plot_rows, report_scene
@@ -58,7 +58,7 @@ class Vector:
 
 def vector(picture: ReportPicture, scale: float = 1.0, part: float = 1.0) -> Vector:
     """A picture of a report, to be painted on a device of which so many dots are a pixel; part: of its usual height, its letters as
-    large. Raises NoAnswer where its design has none."""
+    large. Raises NoSolution where its design has none."""
     return VECTORS[picture.name](picture.of, replace(LIGHT, ratio=scale), part)
 
 
@@ -156,7 +156,7 @@ def _torque(study: Study, theme: Theme, part: float) -> Vector:
     sums = [("Shaft", shaft.torque, theme.ink)]
     if shaft.design.balancer is not None:
         drives.append(("Balance cam", shaft.balancer_torque, BALANCE))
-    running = shaft.levelled and runs(shaft)
+    running = shaft.levelled and has_speed(shaft)
     if running:
         sums.append(("Motor", shaft.motor_torque, FAMILIES["torque"]))
     plots = [("Drives, N·m", drives), ("Shaft, N·m", sums)]
