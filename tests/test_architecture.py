@@ -238,7 +238,6 @@ UNDOCUMENTED: tuple[str, ...] = (
     "core/output/",
     "core/output/controllers/",
     "core/output/explain/",
-    "core/output/files/",
     "core/output/graph/",
     "core/output/report/",
     "core/papers/",
