@@ -227,7 +227,6 @@ UNDOCUMENTED: tuple[str, ...] = (
     "core/contour/",
     "core/design/",
     "core/dynamics/",
-    "core/find/",
     "core/followers/",
     "core/instant_centres/",
     "core/laws/",
