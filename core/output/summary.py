@@ -21,7 +21,7 @@ from core.output.subject_files import SERVO, Asked, asked, elastic_rows
 from core.shaft import Flywheel, peaks
 from core.study import Camshaft, Study, certificate_of, extremes_of, findings_of, quantities_of, roller_lives
 from core.study.cam_checks import limit_rows
-from core.study.study import has_servo, servo_part, servo_turn
+from core.study.drive_forces import has_servo, servo_part, servo_turn
 
 if TYPE_CHECKING:  # no design without a flexible shaft loads it
     from core.stability import Stability, SteadyTurn, Verdict
@@ -366,7 +366,7 @@ def answers(camshaft: Camshaft[Study]) -> bool:
 
 def runs(camshaft: Camshaft[Study]) -> bool:
     """Whether there is a true speed: all has an answer, and the motor does not stall."""
-    return answers(camshaft) and (not camshaft.levelled or camshaft.flywheel.runs)
+    return answers(camshaft) and (not camshaft.levels_torque or camshaft.flywheel.runs)
 
 
 def _drives(camshaft: Camshaft[Study]) -> list[dict[str, Any]]:
@@ -405,7 +405,7 @@ def _camshaft_extremes(camshaft: Camshaft[Study]) -> dict[str, Any]:
     """Of the columns of ``shaft.csv``; ``cam_angle_deg`` is the machine angle there."""
     found = {
         f"{camshaft.slugs[name]}_torque_nm": peaks(camshaft.drive_load(name))
-        for name in camshaft.carried
+        for name in camshaft.loading_drives
         if name not in camshaft.failures
     }
     rows = {key: range_row(each, 1.0) for key, each in found.items()}
