@@ -19,7 +19,7 @@ from typing import Any, TextIO
 # -- parts of a room that few commands need ---------------------------------------------------------------------
 
 
-def late(room: str, *modules: str) -> Callable[[str], Any]:
+def lazy_attributes(room: str, *modules: str) -> Callable[[str], Any]:
     """``__getattr__`` of a room whose other modules offer names too, imported one after the other until one has the name. The
     room lists these names for readers and the type check where ``TYPE_CHECKING``. None may be that of a module."""
 

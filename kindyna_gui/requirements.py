@@ -11,7 +11,7 @@ import numpy as np
 from core.design import Design, Motion, Shaft, motion_of
 from core.errors import KindynaError
 from core.frozen import frozen
-from core.stress import has_width, missing
+from core.stress import is_line_contact, missing_inputs
 from core.study import Study
 from core.study.extremes import has_undercut
 
@@ -144,9 +144,9 @@ def why_no_pressure(study: Study) -> str:
     drive = study.design.drive
     if drive.cam is None:
         return f"{LED_BY_NO_CAM}there is no contact pressure."
-    if not has_width(drive.face):
+    if not is_line_contact(drive.face):
         return f"A {drive.face.noun} touches in a line without width: it has no contact pressure."
-    if lacking := missing(drive.face, drive.cam):
+    if lacking := missing_inputs(drive.face, drive.cam):
         return f"{LACKS_SIZES}{', and '.join(lacking.values())}, in the form of the cam."
     if study.loading.empty:
         return f"{NOTHING_PRESSES}, so nothing presses."

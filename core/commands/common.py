@@ -13,7 +13,7 @@ from core.bounds import number_from_one
 from core.commands import DONE, DONE_WITH_ERRORS, Drawn, Painter
 from core.design import BALANCER, Design, in_machine, path_in
 from core.design.fields import whole
-from core.errors import KindynaError, NoAnswer
+from core.errors import KindynaError, NoSolution
 from core.findings import ERROR, Finding, Residual
 from core.project import load, number_of, one_of
 from core.requests import typed
@@ -88,7 +88,7 @@ def sorted_by() -> Any:
 
 
 def studied(design: Design, samples: int = SAMPLES) -> Study:
-    """The study of a design. Raises NoAnswer where it lists its drives and none of them has an answer."""
+    """The study of a design. Raises NoSolution where it lists its drives and none of them has an answer."""
     study = Study(design, samples)
     if not study.solved_drives:
         raise next(iter(study.camshaft.failures.values()))
@@ -96,7 +96,7 @@ def studied(design: Design, samples: int = SAMPLES) -> Study:
 
 
 def one_studied(path: Path, drive: str) -> Study:
-    """The study of the one drive, or of the balance cam, which is shown as one more. Raises as ``one_of``; NoAnswer."""
+    """The study of the one drive, or of the balance cam, which is shown as one more. Raises as ``one_of``; NoSolution."""
     design = load(path)
     if drive == BALANCER and design.balancer is not None and (balancer := Study(design).camshaft.balancer) is not None:
         return Study(in_machine(design, balancer.design))
@@ -123,7 +123,7 @@ def field_of_file(whole: Design, number: int, field: str) -> str:
 def named_in_file(error: KindynaError, arguments: argparse.Namespace) -> KindynaError:
     """What has no answer, of one drive of several, named by the field of the whole file; any other error as it is."""
     drive = getattr(arguments, "drive", None)
-    if drive is None or drive == BALANCER or not isinstance(error, NoAnswer):
+    if drive is None or drive == BALANCER or not isinstance(error, NoSolution):
         return error
     if error.field.startswith(("shaft", "drives[", "balancer")):  # of the whole file already
         return error

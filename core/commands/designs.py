@@ -26,7 +26,7 @@ from core.commands.common import (
 )
 from core.design import only, rescaled, scale_text, with_only
 from core.design.fields import choice, flag, number
-from core.errors import KindynaError, NoAnswer
+from core.errors import KindynaError, NoSolution
 from core.find import BOUNDS, LIMITS, ON_SHAFT, SEARCHES, WANTED, Solution, Stated, alone, find
 from core.findings import ERROR
 from core.frozen import frozen
@@ -79,7 +79,7 @@ def _side(path: Path) -> Side:
     design = load(path)
     try:
         return side_of(studied(design))
-    except NoAnswer as error:
+    except NoSolution as error:
         raise KindynaError(f"{path}: {error}") from error
 
 

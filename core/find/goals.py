@@ -12,7 +12,7 @@ import numpy as np
 from core.design import Design, edited, get, with_drive, with_spans
 from core.findings import apart
 from core.frozen import frozen
-from core.motion import going_on
+from core.motion import connected_segments
 from core.study.limits import CONVEX, FORCE, LIMITS, SPEEDS
 from core.units import split_unit
 
@@ -152,7 +152,7 @@ def _spans(design: Design, path: str) -> np.ndarray:
 
 def _stretch(design: Design, index: int) -> tuple[tuple[int, ...], int]:
     """The segments that go on into each other without rest, of which a segment is one, and the one behind them, which gives and takes."""
-    together = going_on(design.drive.motion, index) if design.drive.motion else (index,)
+    together = connected_segments(design.drive.motion, index) if design.drive.motion else (index,)
     return together, (together[-1] + 1) % len(design.drive.motion.segments if design.drive.motion else together)
 
 

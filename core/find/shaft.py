@@ -28,7 +28,7 @@ from core.design import (
 )
 from core.design.camshaft import drive_of
 from core.design.parts import LINEAR, ROTARY
-from core.errors import KindynaError, NoAnswer
+from core.errors import KindynaError, NoSolution
 from core.find.offer import Stated
 from core.find.search import Solution
 from core.find.trial import NEEDED, FindingsCheck, Trials, nearest
@@ -214,7 +214,7 @@ def _answered(
 
 
 def _load(design: Design) -> LoadCurve:
-    """Of the whole shaft, or of the one drive. Raises NoAnswer."""
+    """Of the whole shaft, or of the one drive. Raises NoSolution."""
     return Study(design).camshaft.load
 
 
@@ -428,8 +428,8 @@ class _Balances(Trials):
         assert design.balancer is not None
         self.before, self.balancer, self.force, self.rise = before, design.balancer, force, rise
         self.growth = (1.0 + rise) ** 2 - 1.0
-        self._prepared: Mapping[tuple[float, float], Drive | NoAnswer] = {}
-        self._last: Mapping[tuple[float, float], Drive | NoAnswer] = {}
+        self._prepared: Mapping[tuple[float, float], Drive | NoSolution] = {}
+        self._last: Mapping[tuple[float, float], Drive | NoSolution] = {}
         self._forces: dict[tuple[float, float], float] = {}
 
     @cached_property
@@ -458,7 +458,7 @@ class _Balances(Trials):
         """Make the cams of these rates and preloads side by side."""
         self._prepared = self._made(values)
 
-    def _made(self, values: Sequence[tuple[float, float]]) -> Mapping[tuple[float, float], Drive | NoAnswer]:
+    def _made(self, values: Sequence[tuple[float, float]]) -> Mapping[tuple[float, float], Drive | NoSolution]:
         parts = [self.part(*each) for each in values]
         drives = balance_drives(self.load, parts, self.design.camshaft.speed_rpm * math.pi / 30.0)
         return dict(zip(values, drives, strict=True))
@@ -467,7 +467,7 @@ class _Balances(Trials):
         if values not in self._prepared and values not in self._last:
             self._last = self._made([values])  # its limits and its least force are looked at one after the other
         drive = {**self._prepared, **self._last}[values]
-        if isinstance(drive, NoAnswer):
+        if isinstance(drive, NoSolution):
             raise drive
         shaft = self.design.camshaft
         return Design("balancer", Shaft(shaft.rotation, shaft.speed_rpm), (drive,))

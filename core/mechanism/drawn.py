@@ -21,7 +21,7 @@ from core.mechanism.branches import Branch
 from core.mechanism.kinematics import Pose
 from core.mechanism.linkage import SolutionPlan
 from core.mechanism.mechanism import at_driver, solve
-from core.motion import at_turn, program
+from core.motion import motion_at, program
 
 # -- where the points and the links of a drawn linkage stand on the sheet ---------------------------------------
 
@@ -305,7 +305,7 @@ def _said(linkage: Linkage, each: SecondDriver, driver: float) -> float:
     if motion is None:
         offset = each.offset_mm if input_slides(linkage, each) else each.offset_deg
         return linkage.ratios[each.link] * driver + offset
-    there = at_turn(program(motion), at_driver(np.deg2rad([driver])))[0]
+    there = motion_at(program(motion), at_driver(np.deg2rad([driver])))[0]
     return float(np.rad2deg(there[0])) + each.offset_deg
 
 

@@ -38,7 +38,7 @@ from core.mechanism.kinematics import Kinematics
 from core.mechanism.linkage import plan_of
 from core.mechanism.mechanism import at_driver, body_name
 from core.mechanism.solving import unit_speed_kinematics
-from core.motion import SNAP, Angles, Join, MotionState, Program, degrees, program
+from core.motion import SNAP, Angles, CompiledMotion, Join, MotionState, degrees, program
 from core.numerics.derivatives import Derivatives, heading
 from core.numerics.lazy import checkpoint
 
@@ -84,12 +84,12 @@ class CrankProgram:
             parts += list(pairwise(ends))
         return parts
 
-    def angles(self, theta: np.ndarray, kept: bool = False) -> Angles:
+    def angles(self, theta: np.ndarray, cached: bool = False) -> Angles:
         """Any driver angles (n,) [rad], each with its piece."""
         theta = np.mod(np.asarray(theta, dtype=float), TURN)
         theta = np.where(theta >= TURN - SNAP, 0.0, theta)
         piece = np.clip(np.searchsorted(self.starts, theta, side="right") - 1, 0, None)
-        return Angles(theta, piece, kept)
+        return Angles(theta, piece, cached)
 
     def within(self, theta: np.ndarray) -> np.ndarray:
         """(n,) where the linkage can be assembled and is not locked."""
@@ -128,7 +128,7 @@ class CrankProgram:
 
 
 @lru_cache(maxsize=32)
-def swept(program: Program) -> tuple[float, float]:
+def swept(program: CompiledMotion) -> tuple[float, float]:
     """Lowest and highest driver position [rad or m] of a motion: its pieces turn at their ends only. A motion that stands
     still is given a little room."""
     pieces = np.arange(program.starts.size)

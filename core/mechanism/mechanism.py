@@ -12,14 +12,14 @@ import numpy as np
 
 from core.design import FRAME_LINK, Linkage
 from core.design.topology import GROUP, INPUT, SolutionStep
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.frozen import frozen
 from core.mechanism.branches import Branch
 from core.mechanism.dyads import DYADS, DyadSolution, pin_of, placed, turned_like
 from core.mechanism.groups import GroupSolution, group_solution, newton
 from core.mechanism.kinematics import FRAME, FRAME_POSE, REVOLUTE, SLIDING, Dyad, Pair, Pose
 from core.mechanism.linkage import Joint, JointEnd, SolutionPlan, plan_of, planned
-from core.motion import MotionState, at_turn, program, steepest
+from core.motion import MotionState, largest_rate, motion_at, program
 from core.numerics.derivatives import Derivatives, constant, cross, heading, product, scaled, sum_of, turning, unit
 
 # -- all links of a linkage at any positions of its driver, step by step ----------------------------------------
@@ -88,7 +88,7 @@ def _driven_too(plan: SolutionPlan, link: int, pin: Joint, q: Derivatives, poses
     """A second driving link: its angle against another link, or its place on the line there, is ratio q + offset; its angle that of its
     own motion at q."""
     row, own = next(each for each in plan.linkage.drivers if each.link == link), plan.linkage.own_motions.get(link)
-    given = scaled(q, plan.gains[link]) if own is None else at_turn(program(own), q)
+    given = scaled(q, plan.gains[link]) if own is None else motion_at(program(own), q)
     if not pin.revolute:
         return _slid(pin, given, row.offset_mm * 1e-3, poses[row.on])
     turned = sum_of(poses[row.on].turn, given)
@@ -174,7 +174,7 @@ def _input(plan: SolutionPlan, link: int, pin: Joint, poses: dict[int, Pose], fo
     """Its angle goes by the driver's, its place by its pin; of what slides the place on the line by the driver's."""
     on = next(each.on for each in plan.linkage.drivers if each.link == link)
     own = plan.linkage.own_motions.get(link)
-    slope = abs(plan.gains[link]) if own is None else steepest(own)
+    slope = abs(plan.gains[link]) if own is None else largest_rate(own)
     if not pin.revolute:
         angle = found[on].angle + 1.0
         reach = np.abs(poses[link].origin[0] - poses[on].origin[0])
@@ -268,7 +268,7 @@ class Mechanism:
                  further codes, from the solved poses in the own frame
     ranged       its links are laid out one by one: where the driver can move is searched, and bodies go by number
     refuse       the answer where links do not meet or lie in line, from the motion, the solution and where it is lost (n,)
-    require      start, motion: raises NoAnswer for a motion that the mechanism cannot follow although its links meet
+    require      start, motion: raises NoSolution for a motion that the mechanism cannot follow although its links meet
     """
 
     linkage: Linkage
@@ -287,7 +287,7 @@ class Mechanism:
     singular: Mapping[str, str] = field(default_factory=_none)
     more_singular: Callable[[Solved], Mapping[str, np.ndarray]] | None = None
     ranged: bool = False
-    refuse: Callable[[MotionState, Solved, np.ndarray], NoAnswer] | None = None
+    refuse: Callable[[MotionState, Solved, np.ndarray], NoSolution] | None = None
     require: Callable[[float, MotionState], None] | None = None
 
     @cached_property

@@ -26,7 +26,7 @@ def solve_mechanism(mechanism: Mechanism, motion: MotionState, driver_ranges: Dr
     """Every body at the motion's positions y (4, n), with three derivatives by the motion's angle.
 
     driver_ranges: where the links can go; without one they are followed from the base position through all that the motion
-    takes. The cam's follower is a body of its own where the reference is not its link's origin. Raises NoAnswer, naming
+    takes. The cam's follower is a body of its own where the reference is not its link's origin. Raises NoSolution, naming
     the angles, where links do not meet.
     """
     plan, y, n = mechanism.plan, motion.displacement, motion.theta.shape[-1]
@@ -118,9 +118,9 @@ def _require(mechanism: Mechanism, driver_ranges: DriverRanges, solved: Solved, 
             lost = lost | ~(result.sine > 0.0)
         lost = spread(lost, motion.theta.shape[-1])
         if mechanism.refuse is not None:
-            NoAssembly.where(lost, lambda lost=lost: mechanism.refuse(motion, solved, lost))  # type: ignore[misc]
+            NoAssembly.raise_where(lost, lambda lost=lost: mechanism.refuse(motion, solved, lost))  # type: ignore[misc]
             continue
-        NoPosition.where(lost, lambda step=step, lost=lost: _apart(driver_ranges, step, motion, lost))  # type: ignore[misc]
+        NoPosition.raise_where(lost, lambda step=step, lost=lost: _apart(driver_ranges, step, motion, lost))  # type: ignore[misc]
     return calm
 
 

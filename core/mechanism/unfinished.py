@@ -21,7 +21,7 @@ from core.mechanism.driver_ranges import DriverRanges, driver_ranges_of
 from core.mechanism.drivers import CrankProgram, swept
 from core.mechanism.mechanism import Mechanism, body_name, mechanism_of
 from core.mechanism.solving import solve_mechanism
-from core.motion import Program, program
+from core.motion import CompiledMotion, program
 from core.numerics.derivatives import heading, vector
 
 # -- what a drawing lacks to be a mechanism ---------------------------------------------------------------------
@@ -370,7 +370,7 @@ class LedPart:
     design: Design
     mechanism: Mechanism
     ranges: DriverRanges
-    runs: CrankProgram | Program
+    runs: CrankProgram | CompiledMotion
 
     @property
     def drawn_theta(self) -> float | None:

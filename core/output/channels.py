@@ -104,7 +104,7 @@ def has_cycle(study: Study) -> bool:
 
 
 def cycle_of(study: Study) -> Cycle:
-    """Of a drive that a motion moves without a cam. Raises NoAnswer as the linkage does."""
+    """Of a drive that a motion moves without a cam. Raises NoSolution as the linkage does."""
     motion = study.program.motion
     return Cycle(motion.gain * study.design.speed_rpm / 60.0, stops_of(motion), _work(study))
 

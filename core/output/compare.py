@@ -94,7 +94,7 @@ class Side:
 
 
 def side_of(study: Study) -> Side:
-    """Raises NoAnswer as the stages do."""
+    """Raises NoSolution as the stages do."""
     findings = {(each.code, each.field): each for each in findings_of(study)}
     return Side(study.design.name, dict(_leaves(to_table(study.design))), dict(_results(study)), findings)
 

@@ -163,7 +163,7 @@ def texts(made: Mapping[str, str | Iterator[bytes]]) -> dict[str, str]:
 
 
 def export(study: Study, folder: Path, stages: Sequence[str] = ()) -> list[Path]:
-    """Write them all into the folder; the paths. Raises NoAnswer, NoSuchStage, FileError, and then writes nothing."""
+    """Write them all into the folder; the paths. Raises NoSolution, NoSuchStage, FileError, and then writes nothing."""
     made = streams(study, stages)
     write_into(folder, made)
     return [folder / name for name in made]

@@ -18,7 +18,7 @@ import numpy as np
 from core.cam import keyway_corners, row_of
 from core.design import Design
 from core.design.fields import number
-from core.errors import KindynaError, NoAnswer
+from core.errors import KindynaError, NoSolution
 from core.findings import ERROR
 from core.frozen import frozen
 from core.mechanism.kinematics import FRAME, SLIDING
@@ -28,7 +28,7 @@ from core.output.controllers.rows import controller
 from core.output.controllers.slave import EcamRequest, slave_of
 from core.output.controllers.table import ecam
 from core.output.files.files import files as profile_files
-from core.output.files.files import job_of
+from core.output.files.files import profile_job
 from core.output.files.inspection import files as inspection_files
 from core.output.files.inspection import inspection as inspection_of
 from core.output.files.probe import InspectionRequest
@@ -66,7 +66,7 @@ _MM = 1e3
 
 
 def web_page(study: Study) -> str:
-    """The page as HTML. Raises NoAnswer where the design, or each of its drives, has no mechanism.
+    """The page as HTML. Raises NoSolution where the design, or each of its drives, has no mechanism.
 
     Nothing is asked of any server: styles and program stand inside, and a content security policy allows these alone.
     """
@@ -186,7 +186,7 @@ def _cam(study: Study) -> dict[str, Any] | None:
         return None
     try:
         shape = study.cam
-    except NoAnswer:
+    except NoSolution:
         return None
     cam, face = study.design.drive.cam, study.design.drive.face
     outline = row_of(face).outline(shape, face, study.linkage).points
@@ -216,7 +216,7 @@ def _curves(study: Study) -> Iterator[dict[str, Any]]:
             continue
         try:
             values = row.values(study)
-        except NoAnswer:  # no forces where a guide jams
+        except NoSolution:  # no forces where a guide jams
             continue
         if np.isfinite(values).all():
             values = np.where(np.abs(values) > ROUNDING * np.abs(values).max(), values, 0.0)
@@ -384,7 +384,7 @@ def _packed(files: dict[str, str | bytes]) -> bytes:
 def handover(design: Design, request: HandoverRequest) -> Handover:
     """What needs no fonts: profiles, inspection tables, tables of a controller, web page, the design itself.
 
-    Raises KindynaError for a controller that is not known, NoAnswer where the whole has none.
+    Raises KindynaError for a controller that is not known, NoSolution where the whole has none.
     """
     if request.controller:
         controller(request.controller)
@@ -429,7 +429,7 @@ def _makers(
 def _profile(study: Study, folder: str, of: str, request: HandoverRequest, ending: str) -> list[HandoverFile]:
     path = Path(f"profile{ending}")
     fit = "arcs" if ending == ".nc" else ""
-    job = job_of(study, path, ProfileRequest(tolerance_mm=request.error_mm, fit=fit))
+    job = profile_job(study, path, ProfileRequest(tolerance_mm=request.error_mm, fit=fit))
     deviation = float(profile_facts(job)["deviation_mm"]), "mm"
     return [
         HandoverFile(
@@ -444,7 +444,7 @@ def _profile(study: Study, folder: str, of: str, request: HandoverRequest, endin
 
 def _inspection(study: Study, folder: str, of: str) -> list[HandoverFile]:
     made = inspection_of(study, InspectionRequest())
-    if wrong := [each.message for each in made.probing.findings if each.severity == ERROR]:
+    if wrong := [each.message for each in made.setup.findings if each.severity == ERROR]:
         raise KindynaError(wrong[0])
     texts = inspection_files(made, Path("inspection.csv"))
     words = {"inspection.csv": f"lift that a probe measures on the cam{of}, with its tolerance"}

@@ -80,7 +80,7 @@ def point_names(design: Design) -> tuple[str, ...]:
 
 
 def point_curves(study: Study, names: Sequence[str] = (), time_marks: int = 0) -> PointCurves:
-    """The curves of points, of all that move where none is named. Raises KindynaError for a name that none has, NoAnswer."""
+    """The curves of points, of all that move where none is named. Raises KindynaError for a name that none has, NoSolution."""
     there = point_names(study.design)
     if unknown := [name for name in names if name not in there]:
         raise KindynaError(f"points: no moving point is called {', '.join(unknown)}; allowed: {' | '.join(there)}")

@@ -12,10 +12,10 @@ import numpy as np
 from core.design import UNITS, Design, distances
 from core.design.parts import LINEAR
 from core.design.topology import mobility
-from core.errors import NoAnswer, NoStability
+from core.errors import NoSolution, NoStability
 from core.findings import Finding, Residual
 from core.mechanism.branches import four_bar
-from core.motion.extremes import Range
+from core.motion.extremes import Extremes
 from core.output.channels import channels, cycle_of, has_cycle
 from core.output.subject_files import SERVO, Asked, asked, elastic_rows
 from core.shaft import Flywheel, peaks
@@ -148,7 +148,7 @@ def residual_rows(proof: Mapping[str, Residual]) -> dict[str, Any]:
     return {name: {"value": r.value, "bound": r.bound, "left_out": r.left_out} for name, r in proof.items()}
 
 
-def range_row(found: Range, factor: float) -> dict[str, Any]:
+def range_row(found: Extremes, factor: float) -> dict[str, Any]:
     """Lowest and highest in the channel's unit, each with its angle."""
     sides = (("min", found.low), ("max", found.high))
     return {side: {"value": e.value / factor + 0.0, "cam_angle_deg": math.degrees(e.theta)} for side, e in sides}
@@ -360,7 +360,7 @@ def answers(camshaft: Camshaft[Study]) -> bool:
     """Whether all that the shaft carries has an answer, the balance cam included."""
     try:
         return camshaft.load is not None
-    except NoAnswer:
+    except NoSolution:
         return False
 
 

@@ -26,7 +26,7 @@ from core.contour import Jump, TracedMotion
 from core.design import UNITS, Design, Motion, NamedCurve, Segment, require_motion
 from core.frozen import frozen
 from core.laws import LAWS, PieceTable
-from core.motion.curves import shape_of
+from core.motion.curves import segment_shape
 from core.motion.extremes import true_stroke
 from core.output.lines import columns, digits
 from core.plot import Figure, Plot, PlotCurve
@@ -220,7 +220,7 @@ def blend_figure(blended: Blended, name: str = "blend") -> Figure:
     u = np.linspace(0.0, 1.0, SAMPLES)
     angles, values, marks = [], [], []
     for row, segment in zip(curve_rows(blended), blended.segments, strict=True):
-        shape = shape_of(segment, False, "motion.segments")
+        shape = segment_shape(segment, False, "motion.segments")
         y = shape.gain * PieceTable(shape.pieces).at(u).all[:3] / segment.span_deg ** np.arange(3)[:, None]
         y[0] += row.level
         angles.append(row.angle + segment.span_deg * u)

@@ -4,25 +4,26 @@ from __future__ import annotations
 
 import os
 import tomllib
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from core.bounds import DIGITS
 from core.design import BALANCER, Design, drive_names, in_machine, numbered, only, part_faults
 from core.design.linkage_rules import only_unfinished
 from core.errors import MISSING, DesignError, Fault, KindynaError
-from core.process import late
+from core.process import lazy_attributes
 from core.project.differences import ValueDifference, differences
 from core.project.files import AnyPath, read_text, write
-from core.project.reading import from_table, within
+from core.project.reading import design_from_tables
 from core.project.reading_faults import require_few_marks
 
 if TYPE_CHECKING:
     from core.project.writing import dumps, dumps_table, to_table
 else:
-    __getattr__ = late(__name__, "writing")
+    __getattr__ = lazy_attributes(__name__, "writing")
 
 __all__ = [
-    "ValueDifference", "differences", "dumps", "dumps_table", "from_table", "load", "load_drawing", "load_one", "loads",
+    "ValueDifference", "differences", "dumps", "dumps_table", "from_table", "load", "load_drawing", "load_linked", "load_one", "loads",
     "loads_drawing", "number_of", "one_of", "parsed", "save", "to_table",
 ]  # fmt: skip
 
@@ -61,11 +62,21 @@ def number_of(design: Design, drive: str = "") -> int:
     return 0
 
 
-def loads(text: str, source: str = "design", *, unfinished: bool = False) -> Design:
-    """The design in a text; ``source`` names it where it is no TOML; unfinished: its values need not fit together. Raises DesignError
-    with all faults."""
-    with within(source):
-        return from_table(parsed(text, source), unfinished=unfinished)
+def loads(text: str, source: str = "design", *, unfinished: bool = False, chain: Sequence[str] = ()) -> Design:
+    """The design in a text; ``source`` names it where it is no TOML; unfinished: its values need not fit together; chain: the files
+    being read, each linked from the one before. Raises DesignError with all faults."""
+    chain = (*chain, os.path.abspath(source))
+    return design_from_tables(parsed(text, source), load_linked, chain=chain, unfinished=unfinished)
+
+
+def load_linked(path: str, chain: Sequence[str]) -> Design:
+    """The design of the one drive in a file from which a motion follows; chain: the files being read. Raises as ``load_one``."""
+    return one_of(loads(read_text(path), path, chain=chain))
+
+
+def from_table(table: Mapping[str, Any]) -> Design:
+    """The design in the tables of a file. Raises DesignError with all faults; with one alone where there is too much of something."""
+    return design_from_tables(table, load_linked)
 
 
 def loads_drawing(text: str, source: str = "design") -> Design:

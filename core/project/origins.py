@@ -35,31 +35,32 @@ from core.design.motion_edits import files_of, motion_of, require_motion, withou
 from core.design.parts import InverseOrigin, TableOrigin
 from core.design.topology import driver_turns
 from core.errors import DesignError, Fault, KindynaError
+from core.frozen import frozen
 from core.laws import Piece
-from core.motion import Angles, Program, program
-from core.motion.program import all_ends
+from core.motion import Angles, CompiledMotion, program
+from core.motion.program import piece_ends
 from core.units import split_unit
 
 TURN = 2.0 * np.pi
+Loader = Callable[[str, Sequence[str]], Design]
+"""Path of a design file, and the files being read, each linked from the one before -> the design of its one drive."""
 Rows = Callable[[np.ndarray, float], np.ndarray]
 """Angles (n,) [rad] and one within the piece that they are taken to lie in -> value and three derivatives (4, n) [SI]."""
 
 
-def followed(origin: Origin, asked: Motion | None, unit: str, chain: Sequence[str]) -> Motion:
-    """The motion of an origin; unit: of the design's motion as far as it is known; chain: the files that are being read, the design's own
-    last. Raises DesignError, naming field and file."""
+def followed(origin: Origin, asked: Motion | None, unit: str, chain: Sequence[str], load: Loader) -> Motion:
+    """The motion of an origin; unit: of the design's motion as far as it is known; chain: the files being read, the design's own
+    last; load: reads a further one. Raises DesignError, naming field and file."""
     folder = os.path.dirname(chain[-1]) if chain else os.getcwd()
-    motion, files = _MADE[origin.key](origin, asked, unit, folder)
+    motion, files = _MADE[origin.key](_Request(origin, asked, unit, folder, chain, load))
     made = (motion.start, motion.segments, motion.advance)
     return replace(motion, follows=Follows(origin, folder, asked, tuple(dict.fromkeys(files)), made))
 
 
-def following(design: Design, files: Sequence[str], home: str | None, output: str = "") -> Design:
+def following(design: Design, files: Sequence[str], home: str | None, load: Loader, output: str = "") -> Design:
     """The design with the motion that follows from files: of one table; of a linkage, whose driver makes its output do what the motion in
-    place does; else the sum of the motions there. home: its own file, beside which theirs are named; None where it has none yet. Raises
-    DesignError."""
-    from core.project.reading import CHAIN
-
+    place does; else the sum of the motions there. home: its own file, beside which theirs are named; None where it has none yet; load:
+    reads a design file. Raises DesignError."""
     folder, motion = os.path.dirname(os.path.abspath(home)) if home else "", require_motion(design)
     names = tuple(os.path.relpath(each, folder) if folder else os.path.abspath(each) for each in files)
     tables = [name for name in names if not name.lower().endswith(".toml")]
@@ -70,11 +71,7 @@ def following(design: Design, files: Sequence[str], home: str | None, output: st
     else:
         origin = Origin(inverse=InverseOrigin(names[0], output)) if output else Origin(sum=names)
     chain = (os.path.abspath(home),) if home else ()
-    token = CHAIN.set(chain)
-    try:
-        made = followed(origin, motion if output else None, motion.unit, chain)
-    finally:
-        CHAIN.reset(token)
+    made = followed(origin, motion if output else None, motion.unit, chain, load)
     if made.unit != motion.unit and not design.drive.is_alone:
         problem = f"gives a motion in {made.unit}, and this design's is in {motion.unit}"
         raise _refused(f"motion.{origin.key}", ", ".join(names), problem, f"a motion in {motion.unit}")
@@ -115,20 +112,30 @@ def with_own_motions(design: Design) -> Design:
 # -- other files ------------------------------------------------------------------------------------------
 
 
-def _other(path: str, name: str, folder: str) -> tuple[Design, list[str]]:
-    """The one drive of another design file, and the files that were read for it. Raises DesignError."""
-    from core.project import load_one
-    from core.project.reading import CHAIN
+@frozen
+class _Request:
+    """What a linked motion follows from: the origin, the requested output motion of an inverse, the unit of the design's motion as far
+    as it is known, the folder of its file, the files being read, and how a further one is loaded."""
 
-    whole = os.path.normpath(os.path.join(folder, name))
-    open_ = [os.path.realpath(each) for each in CHAIN.get()]
+    origin: Origin
+    requested: Motion | None
+    unit: str
+    folder: str
+    chain: Sequence[str]
+    load: Loader
+
+
+def _other(path: str, name: str, request: _Request) -> tuple[Design, list[str]]:
+    """The one drive of another design file, and the files that were read for it. Raises DesignError."""
+    whole = os.path.normpath(os.path.join(request.folder, name))
+    open_ = [os.path.realpath(each) for each in request.chain]
     if os.path.realpath(whole) in open_:
         circle = [os.path.basename(each) for each in [*open_[open_.index(os.path.realpath(whole)) :], whole]]
         raise _refused(
             path, name, f"the files go in a circle: {' > '.join(circle)}", "a file that does not follow from this one"
         )
     try:
-        design = load_one(whole)
+        design = request.load(whole, request.chain)
     except DesignError as error:
         raise DesignError(
             Fault(path, name, str(fault)) if "circle" in fault.problem else Fault(path, name, f"there {fault}")
@@ -146,14 +153,15 @@ def _refused(path: str, value: Any, problem: str, allowed: str = "") -> DesignEr
 # -- a table ----------------------------------------------------------------------------------------------
 
 
-def _of_table(origin: Origin, asked: Motion | None, unit: str, folder: str) -> tuple[Motion, list[str]]:
+def _of_table(request: _Request) -> tuple[Motion, list[str]]:
     from core.measured import ColumnChoice, fit, is_workbook, layout, read_sheet, read_table, read_workbook
     from core.measured.sheet import line_ranges
     from core.project.files import read_bytes
 
+    origin, unit = request.origin, request.unit
     assert origin.from_ is not None
     table, column = origin.from_.table, origin.from_.column
-    whole, told = os.path.normpath(os.path.join(folder, table)), split_unit(column)[1].symbol
+    whole, told = os.path.normpath(os.path.join(request.folder, table)), split_unit(column)[1].symbol
     try:
         data = read_bytes(whole)
         sheet = read_workbook(data, table) if is_workbook(data) else read_sheet(data, table)
@@ -175,12 +183,12 @@ def _of_table(origin: Origin, asked: Motion | None, unit: str, folder: str) -> t
 # -- a sum ------------------------------------------------------------------------------------------------
 
 
-def _of_sum(origin: Origin, asked: Motion | None, unit: str, folder: str) -> tuple[Motion, list[str]]:
+def _of_sum(request: _Request) -> tuple[Motion, list[str]]:
     motions: list[Motion] = []
     files: list[str] = []
-    for i, name in enumerate(origin.sum):
+    for i, name in enumerate(request.origin.sum):
         path = f"motion.sum[{i}]"
-        design, read = _other(path, name, folder)
+        design, read = _other(path, name, request)
         motion = motion_of(design)
         if motion is None:
             raise _refused(path, name, "has no motion: its crank turns at constant speed", "a design with [motion]")
@@ -198,7 +206,7 @@ def _of_sum(origin: Origin, asked: Motion | None, unit: str, folder: str) -> tup
     return replace(made, start=sum(motion.start for motion in motions)), files
 
 
-def _on_piece(part: Program, theta: np.ndarray, inside: float) -> np.ndarray:
+def _on_piece(part: CompiledMotion, theta: np.ndarray, inside: float) -> np.ndarray:
     piece = int(part.angles(np.array([inside])).piece[0])
     return part.state(Angles(theta, np.full(theta.size, piece))).y
 
@@ -206,11 +214,12 @@ def _on_piece(part: Program, theta: np.ndarray, inside: float) -> np.ndarray:
 # -- an inverse -------------------------------------------------------------------------------------------
 
 
-def _of_inverse(origin: Origin, asked: Motion | None, unit: str, folder: str) -> tuple[Motion, list[str]]:
+def _of_inverse(request: _Request) -> tuple[Motion, list[str]]:
+    origin, asked = request.origin, request.requested
     assert origin.inverse is not None
     assert asked is not None
     name, path = origin.inverse.linkage, "motion.inverse.linkage"
-    design, files = _other(path, name, folder)
+    design, files = _other(path, name, request)
     if not design.drive.is_linkage:
         raise _refused(path, name, f"is no linkage but a {design.drive.label.lower()}", "a design with [linkage]")
     try:
@@ -425,7 +434,7 @@ def _coordinate(design: Design, output: str, asked: Motion) -> str:
     return f"slide{output}" if unit == "mm" else body_name(int(output))
 
 
-_MADE: Mapping[str, Callable[[Origin, Motion | None, str, str], tuple[Motion, list[str]]]] = MappingProxyType(
+_MADE: Mapping[str, Callable[[_Request], tuple[Motion, list[str]]]] = MappingProxyType(
     {"from": _of_table, "sum": _of_sum, "inverse": _of_inverse}
 )
 
@@ -437,11 +446,11 @@ CLOSE = 2e-13  # of the largest jerk: an interpolant this near is the function
 MOST_HALVINGS = 7
 
 
-def _fitted(rows: Rows, parts: Sequence[Program], unit: str, advance: float | None) -> Motion:
+def _fitted(rows: Rows, parts: Sequence[CompiledMotion], unit: str, advance: float | None) -> Motion:
     """The motion of a function whose pieces are those of several programs, a segment from join to join of any of them."""
     scale = UNITS[unit].factor
-    joins = all_ends([np.array([join.theta for join in part.joins]) for part in parts])
-    ends = all_ends([part.starts for part in parts])
+    joins = piece_ends([np.array([join.theta for join in part.joins]) for part in parts])
+    ends = piece_ends([part.starts for part in parts])
     segments = []
     for low, high in pairwise(joins.tolist()):
         inner = [low, *(e for e in ends.tolist() if low + 1e-11 < e < high - 1e-11), high]
@@ -491,7 +500,7 @@ def _pieces(
 OWN = 1e-9  # of the stroke, how far a table may be from what it stands for
 
 
-def _tabled(compiled: Program, index: int, segment: Segment) -> Segment:
+def _tabled(compiled: CompiledMotion, index: int, segment: Segment) -> Segment:
     """A computed segment as rows of a table, with velocity and acceleration, between which quintics go."""
     own = np.flatnonzero(compiled.segment == index)
     low, high = float(compiled.starts[own[0]]), float(compiled.ends[own[-1]])
@@ -513,12 +522,12 @@ def _tabled(compiled: Program, index: int, segment: Segment) -> Segment:
     return Segment(segment.span_deg, segment.rise, TableCurve(tuple(points)))
 
 
-def _at(compiled: Program, own: np.ndarray, theta: np.ndarray) -> np.ndarray:
+def _at(compiled: CompiledMotion, own: np.ndarray, theta: np.ndarray) -> np.ndarray:
     piece = own[np.clip(np.searchsorted(compiled.starts[own], theta, side="right") - 1, 0, own.size - 1)]
     return compiled.state(Angles(theta, piece)).y
 
 
-def _quintics_off(compiled: Program, own: np.ndarray, at: np.ndarray, y: np.ndarray) -> float:
+def _quintics_off(compiled: CompiledMotion, own: np.ndarray, at: np.ndarray, y: np.ndarray) -> float:
     from core.laws.polynomial import quintics
 
     h = np.diff(at)

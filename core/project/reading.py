@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import math
-import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from contextvars import ContextVar
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from numbers import Real
-from typing import Any, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
 from core.design import (
     CURVES,
@@ -70,6 +67,9 @@ from core.project.reading_faults import (
     unknown_key,
 )
 
+if TYPE_CHECKING:
+    from core.project.origins import Loader
+
 FORMAT = 1
 Tables = Mapping[str, Any]
 
@@ -101,37 +101,26 @@ NO_WORD = _NoWord()
 
 Rules = Callable[[Design], list[Fault]]
 
-CHAIN: ContextVar[tuple[str, ...]] = ContextVar("CHAIN", default=())
-"""The files that are being read, each of which the one before follows from."""
 
-
-@contextmanager
-def within(source: str) -> Iterator[None]:
-    """A file of this name is read."""
-    before = CHAIN.set((*CHAIN.get(), os.path.abspath(source)))
-    try:
-        yield
-    finally:
-        CHAIN.reset(before)
-
-
-def from_table(table: Tables, *, unfinished: bool = False) -> Design:
-    """The design in the tables of a file; unfinished: its values need not fit together. Raises DesignError with all faults; with one
-    alone where there is too much of something."""
+def design_from_tables(table: Tables, load: Loader, *, chain: Sequence[str] = (), unfinished: bool = False) -> Design:
+    """The design in the tables of a file; load: reads a file that its motion follows from; chain: the files being read, its own last;
+    unfinished: its values need not fit together. Raises DesignError with all faults; with one alone where there is too much of
+    something."""
     require_few_entries(table)
     rules: Rules = blunders if unfinished else faults
+    new_reader = partial(Reader, load=load, chain=chain)
     try:
-        return _read(table, rules)
+        return _read(table, rules, new_reader)
     except DesignError as error:
         from core.project.suggestions import confirmed
 
-        raise DesignError(confirmed(error.faults, table, lambda changed: _read(changed, rules))) from None
+        raise DesignError(confirmed(error.faults, table, lambda changed: _read(changed, rules, new_reader))) from None
 
 
-def _read(table: Tables, rules: Rules) -> Design:
+def _read(table: Tables, rules: Rules, new_reader: Callable[[str], Reader]) -> Design:
     found = [*_format_faults(table), *_name_faults(table), *_kind_faults(table)]
     kind = next((kind for kind in _KINDS if kind in table), MOTION if _is_alone(table) else "follower")
-    design, faults_of_it = (_of_several if kind == "drives" else _of_one)(table, kind, rules)
+    design, faults_of_it = (_of_several if kind == "drives" else _of_one)(table, kind, rules, new_reader)
     design, faults_as_made = _as_made(table, design)
     if found := [*found, *faults_of_it, *([] if faults_of_it else faults_as_made)]:
         raise DesignError(found)
@@ -181,9 +170,9 @@ def _marks(table: Tables) -> tuple[str, ...]:
     return tuple(path for path in assumed if isinstance(path, str)) if isinstance(assumed, list | tuple) else ()
 
 
-def _of_one(table: Tables, kind: str, rules: Rules) -> tuple[Design, list[Fault]]:
+def _of_one(table: Tables, kind: str, rules: Rules, new_reader: Callable[[str], Reader]) -> tuple[Design, list[Fault]]:
     """The design of one drive, and its faults in the order of the file."""
-    reader = Reader(_likely_unit(table))
+    reader = new_reader(_likely_unit(table))
     found, classes, parts = _read_drive(reader, table, kind, ("shaft",), [*_HEAD, *_KINDS, *_AS_MADE])
     mechanism = Output(reader.unit) if kind == MOTION else parts[kind]
     drive = Drive(
@@ -284,10 +273,11 @@ def _followed(reader: Reader, table: Tables) -> Motion | None:
     else:
         reader.faults += [Fault(f"motion.{key}", rest[key], f"follows from {path}", "leave it out") for key in rest]
     if len(reader.faults) == told:
-        from core.project.origins import followed
+        from core.project.origins import followed  # late: few designs need it, and it imports core.motion
 
         try:
-            return followed(origin, asked, reader.unit, CHAIN.get())
+            assert reader.load is not None, "a reader of a design file loads others"
+            return followed(origin, asked, reader.unit, reader.chain, reader.load)
         except DesignError as error:
             reader.faults += error.faults
     return Motion(0.0, (Segment(360.0, 0.0),), reader.unit)
@@ -299,7 +289,9 @@ _OF_SHAFT = (*_HEAD, "shaft", "drives", "timing", "balancer", *_AS_MADE)
 _PLACE = tuple(slot.key for slot in slots(Drive))
 
 
-def _of_several(table: Tables, kind: str, rules: Rules) -> tuple[Design, list[Fault]]:
+def _of_several(
+    table: Tables, kind: str, rules: Rules, new_reader: Callable[[str], Reader]
+) -> tuple[Design, list[Fault]]:
     """The design of a list of drives, and its faults in the order of the file."""
     found = [unknown_key(spelled(key), key, table[key], _OF_SHAFT) for key in table if key not in (*_OF_SHAFT, *_KINDS)]
     reader, rows = Reader(""), table[kind]
@@ -312,7 +304,7 @@ def _of_several(table: Tables, kind: str, rules: Rules) -> tuple[Design, list[Fa
         if not isinstance(row, Mapping):
             reader.faults.append(Fault(f"{kind}[{i}]", row, "must be a table", f"[[{kind}]]"))
             continue
-        own = Reader(_likely_unit(row))
+        own = new_reader(_likely_unit(row))
         drive, faults_of_it, unclear = _read_one_of(row, own, shaft)
         drives.append(drive)
         alone = only(Design("", shaft, (drive,)), 0)
@@ -383,8 +375,9 @@ class Reader:
     """Reads tables of a file into parts of a design, by the entries of their classes (``fields.slots``); ``faults``
     gathers what is wrong. What cannot be read is NO_NUMBER or NO_WORD, on which no rule fires."""
 
-    def __init__(self, unit: str) -> None:
+    def __init__(self, unit: str, load: Loader | None = None, chain: Sequence[str] = ()) -> None:
         self.unit = unit  # of the motion
+        self.load, self.chain = load, chain  # for a motion that follows from other files
         self.shaft_rpm: float | None = None  # of a shaft that is read, clockwise negative
         self.slides = False  # the face of the cam that is read
         self.other_faces: Mapping[

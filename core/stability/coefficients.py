@@ -31,7 +31,7 @@ from core.dynamics import Loading
 from core.errors import NoStability
 from core.frozen import frozen
 from core.mechanism.kinematics import Kinematics
-from core.motion import TURN, Angles, Program
+from core.motion import TURN, Angles, CompiledMotion
 from core.motion.extremes import find_extremes, find_highest
 from core.numerics.derivatives import Derivatives
 from core.numerics.lazy import Lazy
@@ -126,13 +126,13 @@ class DrivenMechanism:
 
     kinematics_at: KinematicsAt
     loading: Loading
-    program: Program
+    program: CompiledMotion
     own: Callable[[Angles], Angles] = lambda angles: angles
     sense: float = 1.0
     path: str = ""
 
 
-def sizes(kinematics_at: KinematicsAt, loading: Loading, program: Program) -> Sizes:
+def sizes(kinematics_at: KinematicsAt, loading: Loading, program: CompiledMotion) -> Sizes:
     """The refined extremes. Raises NoStability where nothing moves or nothing that moves has mass."""
 
     found = Sizes(
@@ -146,7 +146,7 @@ def sizes(kinematics_at: KinematicsAt, loading: Loading, program: Program) -> Si
     raise NoStability("nothing that moves has mass, so nothing excites the shaft", "loads", "give the moved masses")
 
 
-def _motion_sizes(program: Program) -> MotionSizes:
+def _motion_sizes(program: CompiledMotion) -> MotionSizes:
     def quantities(angles: Angles) -> dict[str, np.ndarray]:
         y = program.state(angles).displacement
         return {"y": y[0], "slope": np.abs(y[1]), "curvature": np.abs(y[2])}
@@ -159,7 +159,7 @@ def _motion_sizes(program: Program) -> MotionSizes:
 def coefficients(
     kinematics_at: KinematicsAt,
     loading: Loading,
-    program: Program,
+    program: CompiledMotion,
     camshaft_inertia: float,
     stiffness: float,
     spring: str,

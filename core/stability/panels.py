@@ -12,7 +12,7 @@ import numpy as np
 
 from core.errors import NoStability
 from core.frozen import frozen
-from core.motion import TURN, Angles, Program
+from core.motion import TURN, Angles, CompiledMotion
 from core.numerics.roots import gauss, gauss_legendre, integrated, legendre, legendre_powers
 
 NODES = 16  # Gauss-Legendre nodes per panel; the polynomial has this many coefficients
@@ -136,7 +136,7 @@ class Panels:
         return Panels(self.start[owner] + number * width, width, self.piece[owner], values, self.tail)
 
 
-def fit(functions: Functions, program: Program, rows: int) -> Panels:
+def fit(functions: Functions, program: CompiledMotion, rows: int) -> Panels:
     """Panels short enough that polynomials leave nothing but rounding of the functions.
 
     functions  values (k, n) at any cam angles; the first ``rows`` of them are kept, the others only ask for panels

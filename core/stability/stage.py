@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from core.design import ElasticShaft, si
-from core.errors import NoAnswer, NoStability
+from core.errors import NoSolution, NoStability
 from core.findings import ERROR, LEAST_BOUND, NOTE, WARNING, Finding, Residual
 from core.frozen import frozen
 from core.numerics.lazy import postpone
@@ -237,7 +237,7 @@ class Stability:
 
     def steady_turn_at(self, eta: float, q: float) -> SteadyTurn | None:
         """One turn of the true steady response at any point of the chart, None where there is none; the last one is kept. Raises
-        NotYet where it is left to another thread."""
+        ResultPending where it is left to another thread."""
         if self._last_steady is None or self._last_steady[0] != (eta, q):
             postpone("the steady response", ("steady", id(self), eta, q), partial(self.steady_turn_at, eta, q), "shaft")
         last = self._last_steady  # as of the histories
@@ -329,7 +329,7 @@ def contact_forces(
             made.q,
             si(elastic).stiffness,
         )
-    except NoAnswer:
+    except NoSolution:
         return None
 
 

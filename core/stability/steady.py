@@ -18,8 +18,8 @@ import numpy as np
 
 from core.frozen import frozen
 from core.motion import TURN, Angles
-from core.motion.extremes import Range, find_extremes
-from core.motion.program import all_ends
+from core.motion.extremes import Extremes, find_extremes
+from core.motion.program import piece_ends
 from core.numerics.roots import gauss
 from core.stability.coefficients import EQUATIONS, Coefficients, gauss_points
 from core.stability.floquet import determinant, growth
@@ -349,22 +349,22 @@ class SteadyTurn:
     # -- figures --------------------------------------------------------------------------------------------
 
     @cached_property
-    def _ranges(self) -> Mapping[str, Range]:
+    def _ranges(self) -> Mapping[str, Extremes]:
         def values(angles: Angles) -> Mapping[str, np.ndarray]:
             found = {"": self.wind_up(angles.theta)}
             return found | {str(i): self.error(angles.theta, i) for i in range(len(self.followers))}
 
         return find_extremes(
-            values, _Pieces(all_ends([TURN * self.history.steps.y, *(each.joins for each in self.followers)]))
+            values, _Pieces(piece_ends([TURN * self.history.steps.y, *(each.joins for each in self.followers)]))
         )
 
     @property
-    def wind_up_range(self) -> Range:
+    def wind_up_range(self) -> Extremes:
         """Refined lowest and highest θ_i - θ_c [rad], by the angle of the input."""
         return self._ranges[""]
 
     @property
-    def errors(self) -> tuple[Range, ...]:
+    def errors(self) -> tuple[Extremes, ...]:
         """The same of each follower's error [m or rad]."""
         return tuple(self._ranges[str(i)] for i in range(len(self.followers)))
 

@@ -18,7 +18,7 @@ from core.dynamics import Loading, OutputForce, newton_euler
 from core.errors import NoStability
 from core.frozen import frozen
 from core.mechanism.kinematics import Kinematics
-from core.motion import TURN, Angles, Program
+from core.motion import TURN, Angles, CompiledMotion
 from core.stability.by_cam import follow
 from core.stability.coefficients import RETUNED, Coefficients, Sizes
 from core.stability.integrator import OUTSIDE, STAGES, IntegrationStep, OnPieces, WindUpEquation
@@ -44,7 +44,7 @@ class Touching:
 
     at: KinematicsAndShapeAt
     loading: Loading
-    program: Program
+    program: CompiledMotion
     sizes: Sizes
     own: Callable[[Angles], Angles] = lambda angles: angles
     sense: float = 1.0
@@ -82,7 +82,7 @@ def contact(
     followers: Sequence[Touching], turn: Any, sizes: Sizes, spring: str, factor: float, q: float, stiffness: float
 ) -> ShaftContacts:
     """The contact forces of a machine: Q, K_s [N m/rad]; turn: pieces of the shaft's turn, in none of which one of the followers has a
-    join; sizes: of all together. Raises NoAnswer where there is no cam."""
+    join; sizes: of all together. Raises NoSolution where there is no cam."""
     unit = _unit(sizes)
     # F_0 / (M X''m ω²) = η² F_0 I_c / (K_s M X''m)
     scale = unit if spring == RETUNED else unit * q * stiffness / sizes.inertia

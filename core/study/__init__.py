@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from core.design import STAGES
-from core.process import late
+from core.process import lazy_attributes
 from core.study.camshaft import Camshaft
 from core.study.certificate import certificate_of
 from core.study.drive_study import SAMPLES
@@ -19,7 +19,7 @@ from core.study.study import Study
 if TYPE_CHECKING:
     from core.study.speeds import at_speeds
 else:
-    __getattr__ = late(__name__, "speeds")
+    __getattr__ = lazy_attributes(__name__, "speeds")
 
 __all__ = [
     "QUANTITIES", "SAMPLES", "STAGES", "TOTALS", "Camshaft", "Many", "Quantity", "Study", "at_speeds", "cam_extremes",

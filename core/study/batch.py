@@ -14,11 +14,11 @@ from core import dynamics, stress
 from core.design import Design, Motion, Shaft, edited, only, part_faults, path_of, put, row_at, with_only
 from core.design.camshaft import drive_at
 from core.design.topology import GROUP, INPUT
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.mechanism import plan_of
 from core.mechanism.kinematics import SLIDING
 from core.motion import Angles
-from core.motion.curves import only_stretched
+from core.motion.curves import has_common_pieces
 from core.motion.extremes import crossings
 from core.motion.program import ShaftPosition
 from core.numerics.lazy import at_angles_of, column, design_by_design, taken
@@ -105,7 +105,7 @@ def block(
         motion = _own_motion(own, tuple(here), rows[[paths.index(path) for path in here.values()]])
         for segment in () if motion is None else motion.segments:
             inside &= np.asarray(segment.span_deg > 0.0)
-        if motion is not None and not only_stretched(motion):
+        if motion is not None and not has_common_pieces(motion):
             for k in np.flatnonzero(inside).tolist():
                 if part_faults(taken(motion, design_by_design(k)), "motion"):
                     found.reason[k] = FAULTY
@@ -259,7 +259,7 @@ def _loads(design: Design, infos: Mapping[str, Any], rows: np.ndarray) -> tuple[
 def _load_of_one(design: Design) -> tuple[LoadCurve | None, str]:
     try:
         return Study(design).load_curve, ""
-    except NoAnswer as error:
+    except NoSolution as error:
         return None, error.code
 
 
@@ -325,7 +325,7 @@ def asked_of_study(study: Study, asked: Sequence[Asked]) -> tuple[list[float], l
     for i, each in enumerate(asked):
         try:
             values[i], thetas[i] = _asked_of_one(study, each)
-        except NoAnswer as error:
+        except NoSolution as error:
             reasons.append(error.code)
         except _NoValue as error:
             reasons.append(str(error))
@@ -335,7 +335,7 @@ def asked_of_study(study: Study, asked: Sequence[Asked]) -> tuple[list[float], l
         for drive in (drives[number] for number in shaped if "cam" in drives[number].stages):
             try:
                 reasons += [UNDERCUT for flank in drive.cam.flanks if undercut_on(drive, flank.name)]
-            except NoAnswer as error:  # at no single angle, but over the turn
+            except NoSolution as error:  # at no single angle, but over the turn
                 reasons.append(error.code)
     return values, thetas, reasons[0] if reasons else ""
 
@@ -525,14 +525,14 @@ def lives(one: Together) -> np.ndarray:
     for roller in rated:
         names.append(one.reader(f"force {roller}", partial(roller_force, roller=roller)))
         names.append(one.reader(f"speed {roller}", partial(_speed, roller)))
-    angles, weight = stress.turn_nodes(one.program, (), LIFE_PANEL)
+    angles, weight = stress.turn_quadrature(one.program, (), LIFE_PANEL)
     values = np.array(_values(one, names, [(k, angles) for k in range(one.count)]))
     if one.motions is not None:
         weight = weight * one.motions.stretched()[:, angles.piece]
     omega = np.broadcast_to(np.asarray(Study(one.design).omega), one.count)
     least = np.full(one.count, inf)
     for i, rating in enumerate(rated.values()):
-        *_, hours = stress.lives_of(np.asarray(rating), values[:, 2 * i], values[:, 2 * i + 1], weight, omega)
+        *_, hours = stress.rolling_life(np.asarray(rating), values[:, 2 * i], values[:, 2 * i + 1], weight, omega)
         least = np.minimum(least, hours)
     return least
 

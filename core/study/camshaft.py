@@ -12,12 +12,12 @@ import numpy as np
 from core import shaft
 from core.cam import CamShape, envelope
 from core.design import BALANCER, Design, ElasticShaft, Shaft, path_in, si, slugs
-from core.errors import KindynaError, NoAnswer, NoStability
+from core.errors import KindynaError, NoSolution, NoStability
 from core.frozen import frozen
 from core.mechanism import solve_mechanism
 from core.mechanism.kinematics import Kinematics
 from core.motion import TURN, Angles, degrees
-from core.motion.extremes import Extreme, Range, find_extremes
+from core.motion.extremes import Extreme, Extremes, find_extremes
 from core.motion.program import MachineTurn, ShaftPosition
 from core.shaft import Flywheel, LoadCurve, combined, levels, peaks, rms
 from core.study.drive_forces import DriveForces
@@ -149,7 +149,7 @@ class Camshaft(Generic[D]):
                     study.require_load()
                 else:
                     _ = study.linkage
-            except NoAnswer as error:
+            except NoSolution as error:
                 field = path_in(self.design, i, error.field)
                 failures[name] = type(error)(error.problem, field, error.hint, error.cam_angles)
         return failures
@@ -296,7 +296,7 @@ class Camshaft(Generic[D]):
         return rms(self.load)
 
     @property
-    def peaks(self) -> Range:
+    def peaks(self) -> Extremes:
         """Lowest and highest torque [N m], by machine angle."""
         return peaks(self.load)
 
@@ -374,9 +374,9 @@ class Camshaft(Generic[D]):
         """
         if not self.levels_torque:
             low, high = self.peaks.low, self.peaks.high
-            power = Range(Extreme(low.value * self.omega, low.theta), Extreme(high.value * self.omega, high.theta))
+            power = Extremes(Extreme(low.value * self.omega, low.theta), Extreme(high.value * self.omega, high.theta))
             steady = Extreme(self.omega, 0.0)
-            return {"motor_torque": self.peaks, "speed": Range(steady, steady), "motor_power": power}
+            return {"motor_torque": self.peaks, "speed": Extremes(steady, steady), "motor_power": power}
         wheel = self.flywheel
 
         def values(angles: Any) -> Mapping[str, np.ndarray]:
@@ -435,10 +435,10 @@ def _at_machine_angles(study: D, position: ShaftPosition, samples: int, theta: n
     """Study of a drive at machine angles (n,) [rad]; at equally spaced ones (theta None) the angles are cached."""
     turn = MachineTurn([(study.program, position)])
     if theta is not None:
-        return study.at(turn.own(0, turn.angles(theta)))
+        return study.at(turn.drive_angles(0, turn.angles(theta)))
 
     def compute() -> Any:
-        return turn.own(0, turn.angles(np.deg2rad(degrees(samples))), kept=True)
+        return turn.drive_angles(0, turn.angles(np.deg2rad(degrees(samples))), cached=True)
 
     return study.at(memory.get("grid", (study.program, samples, position), compute))
 

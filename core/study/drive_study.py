@@ -197,7 +197,7 @@ class DriveStudy:
         """Angles of the study, (n,)."""
         if self._given is not None:
             return self._given
-        if isinstance(self.program, CutProgram):
+        if isinstance(self.program, SubdividedTurn):
             return cut_grid(self.program, self.angle_degrees)
         return (
             crank_grid(self.driver_ranges, self.samples)
@@ -252,7 +252,7 @@ class DriveStudy:
             evaluations[name] += 1
             return function(*parts)
 
-        if not self.angles.kept:
+        if not self.angles.cached:
             return locked(compute())
         return memory.get((name, "searched") if self.angles.search else name, parts, compute)
 
@@ -261,8 +261,8 @@ class DriveStudy:
         """Errors of a sampled stage name the exact ends of the ranges that fail, which do not depend on the sampling."""
         try:
             yield
-        except NoAnswer as error:
-            if not error.cam_angles or error.exact or not self.angles.kept:
+        except NoSolution as error:
+            if not error.cam_angles or error.exact or not self.angles.cached:
                 raise
             raise at_angles(error, failing_ranges(self.at, stage, self.program)) from None
 
@@ -356,7 +356,7 @@ class DriveStudy:
                 "cam", cam.envelope, self.linkage, self.design.drive.face, self.design.drive.bare_cam, self.sense
             )
             if self._given is None and self.mechanism.ranged:
-                cam.require_hold(self.linkage, self.design.drive.face.noun, shape)
+                cam.require_drivable(self.linkage, self.design.drive.face.noun, shape)
             return shape
 
     @property

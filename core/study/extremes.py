@@ -11,7 +11,7 @@ from functools import partial
 import numpy as np
 
 from core import cam
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.motion import TURN, Angles
 from core.motion.extremes import Extreme, Range, find_extremes
 from core.study.drive_forces import load_ratings, pairings
@@ -144,7 +144,7 @@ def _rows(study: Study, stage: str, only: tuple[str, ...]) -> dict[str, Quantity
 
 
 @np.errstate(invalid="ignore", over="ignore")  # infinite rates at dead centres
-def _searched(study: Study, rows: Mapping[str, Quantity]) -> dict[str, Range]:
+def _searched(study: Study, rows: Mapping[str, Quantity]) -> dict[str, Extremes]:
     def values(angles: Angles) -> Mapping[str, np.ndarray]:
         at_angles = study.at(angles)
         return {name: row.value(at_angles) for name, row in rows.items()}

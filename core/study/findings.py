@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from core import cam, dynamics, mechanism, motion, shaft
 from core.cam import Wall
 from core.design import BALANCER, Design, contradiction, distances, excess, path_of, with_drive
-from core.errors import KindynaError, NoAnswer, NoStability
+from core.errors import KindynaError, NoSolution, NoStability
 from core.findings import ERROR, NOTE, WARNING, Finding
 from core.motion import program
 from core.motion.extremes import Extreme, find_extremes, piecewise_angles
@@ -65,7 +65,7 @@ LIMITS: tuple[tuple[str, str, str, str, Callable[[Study], tuple[float, float | N
 
 
 def servo_findings(study: Study) -> Iterator[Finding]:
-    """The limits of the motor that a design passes. Raises NoAnswer as the stage dynamics does."""
+    """The limits of the motor that a design passes. Raises NoSolution as the stage dynamics does."""
     if not has_servo(study.design) or study.jam is not None:
         return
     servo = servo_part(study)
@@ -86,7 +86,7 @@ _CONTACT, _ELASTIC_CONTACT = ("contact_force",), ("elastic_contact_force",)
 
 
 def findings_of(study: Study, stages: Sequence[str] = ()) -> tuple[Finding, ...]:
-    """What the named stages (all, where none is named) exceed, the gravest first. Raises NoAnswer as the stages do.
+    """What the named stages (all, where none is named) exceed, the gravest first. Raises NoSolution as the stages do.
 
     Of a design that lists its drives: what each exceeds as far as it has answers, its name among the values and its field that of the
     whole file; why one has none; and what all do together.
@@ -150,7 +150,7 @@ def _of_cam(study: Study) -> list[Finding]:
             return find_extremes(lambda angles: {name: quantity(name).value(other.at(angles))}, other.program)[
                 name
             ].low.value
-        except NoAnswer:
+        except NoSolution:
             return math.nan
 
     found = cam.findings(extremes, grounds[cam.INNER], drive.face, drive.cam, least_at)
@@ -207,7 +207,7 @@ def _of_elastic_follower(study: Study) -> list[Finding]:
         return []
     try:
         study.follower_response.require_steady()
-    except NoAnswer as error:
+    except NoSolution as error:
         return [Finding("no-elastic-follower", WARNING, error.field, None, {"why": error.problem, "hint": error.hint})]
     if study.is_form_closed or study.jam is not None or study.loading.empty:
         return []
@@ -272,7 +272,7 @@ def _of_drive(study: Study, stages: Sequence[str]) -> Iterator[Finding]:
             return
 
 
-def _failure(name: str, error: NoAnswer) -> Finding:
+def _failure(name: str, error: NoSolution) -> Finding:
     at = error.cam_angles[0][0] if error.cam_angles else None
     return Finding("no-drive", ERROR, error.field, at, {"drive": name, "why": error.problem, "hint": error.hint})
 
@@ -293,7 +293,7 @@ def _of_torque(camshaft: Camshaft[Study]) -> Iterator[Finding]:
     """Of the balance cam and the flywheel."""
     try:
         study = camshaft.balancer
-    except NoAnswer as error:
+    except NoSolution as error:
         yield _failure("the balance cam", error)
         return
     if study is not None:

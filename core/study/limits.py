@@ -18,7 +18,7 @@ from core.cam.checks import keyway_reach
 from core.cam.forms import ROUNDING, faces_of
 from core.design import Design, Limits, info_of
 from core.design.fields import Bounds, Info
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.findings import WARNING, Finding
 from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE, SLIDING
@@ -60,7 +60,7 @@ def bounded(design: Design, key: str) -> tuple[str, ...]:
 
 def worst_of(study: Study, stage: str) -> Iterator[tuple[str, float, Extreme]]:
     """Key, limit as stated and what comes nearest to it or passes it by most, in its unit, of every limit that the user states for
-    quantities of a stage and that has no check of its own; forces only where there are any. Raises NoAnswer as the stage does."""
+    quantities of a stage and that has no check of its own; forces only where there are any. Raises NoSolution as the stage does."""
     for key, (_, bounds) in OWN_BOUNDS.items():
         limit = getattr(study.design.drive.limits, key)
         if limit is None or not bounds.remedy or stage_of(key) != stage or (stage == "dynamics" and _forceless(study)):
@@ -307,7 +307,7 @@ def _usual_pressure(study: Study) -> UsualValue:
         linkage = study.linkage
         pair = linkage.pairs.get(linkage.ground)
         kind = pair.kind if pair else REVOLUTE
-    except NoAnswer:
+    except NoSolution:
         kind = SLIDING
     how = "slides" if kind == SLIDING else "swings"
     return UsualValue(PRESSURE_LIMITS[kind], f"usual where the follower {how}", PRESSURE_SOURCE)

@@ -21,7 +21,7 @@ from core.design.parts import LINEAR, ROTARY
 from core.design.topology import GROUP, INPUT, driver_pair, input_slides, is_pin, solving_order
 from core.dynamics import CAM_FACE, kinetic_energy, loading_of, power_given, power_of, power_of_gravity
 from core.dynamics.walk import input_of
-from core.errors import DesignError, NoAnswer
+from core.errors import DesignError, NoSolution
 from core.frozen import frozen
 from core.mechanism import SINGULAR, body_name, mechanism_of
 from core.shaft import Flywheel
@@ -69,7 +69,7 @@ TABLES: Mapping[str, str] = MappingProxyType(
 
 
 def _is_rated(roller: str, design: Design) -> bool:
-    return design.drive.cam is not None and roller in ratings(design.drive.face, design.drive.cam)
+    return design.drive.cam is not None and roller in load_ratings(design.drive.face, design.drive.cam)
 
 
 def has_motor(design: Design) -> bool:
@@ -715,5 +715,5 @@ def _undetermined(design: Design) -> frozenset[str]:
     """The pairs of redundant links whose forces statics does not fix."""
     try:
         return Study(design).undetermined
-    except NoAnswer:
+    except NoSolution:
         return frozenset()

@@ -40,14 +40,16 @@ def findings(study: Study) -> list[Finding]:
     drive = study.design.drive
     if study.loading.empty or study.jam is not None:
         return []
-    if lacking := stress.missing_findings(drive.face, drive.cam, drive.limits):
+    if lacking := stress.missing_input_findings(drive.face, drive.cam, drive.limits):
         return lacking
     there = pairings(study)
     if not there:
         return []
     if has_undercut(study):
         return (
-            [stress.unfit_finding(drive.face.noun, drive.limits)] if stress.asked_for(drive.cam, drive.limits) else []
+            [stress.undercut_finding(drive.face.noun, drive.limits)]
+            if stress.is_stress_requested(drive.cam, drive.limits)
+            else []
         )
     return stress.pressure_findings(worst(study), there, drive.limits)
 
@@ -66,7 +68,7 @@ def roller_lives(study: Study) -> tuple[RollerLife, ...]:
         return ()
 
     def compute() -> tuple[RollerLife, ...]:
-        angles, weight = stress.turn_nodes(study.program, tuple(change.theta for change in study.flank_changes))
+        angles, weight = stress.turn_quadrature(study.program, tuple(change.theta for change in study.flank_changes))
         there = study.at(angles)
         found = []
         for roller, rating in stated.items():

@@ -28,7 +28,7 @@ def sensitivity(study: Study, paths: Sequence[str], quantities: Sequence[str]) -
     By the envelope theorem an extreme changes as the quantity does where it stands, at the same part of the same piece of the motion:
     in the middle of a piece the quantity does not change with the angle, and at its end the extreme goes with the end. So one batch
     of designs beside this one is evaluated there. Of means, totals, extremes at kinks and what cannot be computed at once the answers
-    of these designs are compared. NaN where there is no such quantity, or it is infinite. Raises ValueError as ``many``, NoAnswer as
+    of these designs are compared. NaN where there is no such quantity, or it is infinite. Raises ValueError as ``many``, NoSolution as
     the stages do.
     """
     from core.study.batch import block

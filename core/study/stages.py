@@ -12,13 +12,13 @@ import numpy as np
 
 from core import dynamics
 from core.dynamics import Forces, Friction, Loading
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.mechanism import CrankProgram, DriverRanges, Mechanism, solve_mechanism
 from core.mechanism.kinematics import Kinematics
-from core.motion import Angles, MotionState, Program, program
+from core.motion import Angles, CompiledMotion, MotionState, program
 from core.motion import degrees as motion_degrees
 from core.motion.extremes import crossings, piecewise_angles
-from core.motion.program import CutProgram
+from core.motion.program import SubdividedTurn
 from core.numerics.derivatives import spread
 from core.numerics.lazy import locked
 from core.shaft import LoadCurve, load_curve
@@ -154,7 +154,7 @@ def grid(motion: Any, samples: int) -> Angles:
     """Equally spaced cam angles over one turn; equal arguments return the same object."""
 
     def compute() -> Angles:
-        return program(motion).angles(np.deg2rad(motion_degrees(samples)), kept=True)
+        return program(motion).angles(np.deg2rad(motion_degrees(samples)), cached=True)
 
     return memory.get("grid", (motion, samples), compute)
 
@@ -189,7 +189,7 @@ def crank_state(driver_ranges: DriverRanges, angles: Angles) -> MotionState:
     def compute() -> MotionState:
         return CrankProgram(driver_ranges).state(angles)
 
-    return memory.get("crank", (driver_ranges, angles), compute) if angles.kept else compute()
+    return memory.get("crank", (driver_ranges, angles), compute) if angles.cached else compute()
 
 
 # -- angles at which the torque jumps or breaks, except the joins of the motion ----------------------------------
@@ -307,7 +307,7 @@ def _fails(study_at: Callable[[Angles], Any], stage: str, theta: np.ndarray, pie
         try:
             getattr(study_at(Angles(theta[rest], piece[rest])), stage)
             break
-        except NoAnswer as error:
+        except NoSolution as error:
             at = np.rad2deg(theta[rest])
             in_ranges = [(low <= at) & (at <= high) for low, high in error.cam_angles]
             failed = np.any(in_ranges, axis=0) if in_ranges else np.ones(rest.size, dtype=bool)

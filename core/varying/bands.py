@@ -10,7 +10,7 @@ from types import MappingProxyType
 import numpy as np
 
 from core.design import Design, drive_at, get, only, path_in
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.frozen import frozen
 from core.motion import degrees
 from core.motion.program import ShaftPosition
@@ -78,7 +78,7 @@ def shaft_bands(design: Design, samples: int = 360, machines: int = FEW_MACHINES
     ]
     for k, shaft in enumerate(_shafts(design, made, theta)):
         for i, name in enumerate(names):
-            with suppress(NoAnswer):
+            with suppress(NoSolution):
                 found[i, k] = found[i, 0] if same[i] and k else shaft.drive_torque(name)
     every = AllWaves(design)
     for i, number in enumerate(map(own.drive_number, names)):
@@ -86,7 +86,7 @@ def shaft_bands(design: Design, samples: int = 360, machines: int = FEW_MACHINES
             there = every.each[number].at(own.positions[names[i]].own(theta))
             found[i] += there.more(DRIVE_TORQUE, found[i], there.error(*every.drawn(number, machines, SEED)))
     balance: float | np.ndarray = 0.0
-    with suppress(NoAnswer):
+    with suppress(NoSolution):
         balance = own.balancer_torque if design.balancer is not None else 0.0
     torques = {**dict(zip(names, found, strict=True)), "": found.sum(axis=0) + balance}
     return _percentiles(torques)
@@ -105,7 +105,7 @@ def motor_bands(design: Design, samples: int = 360, machines: int = FEW_MACHINES
         balance = [] if own.balancer is None else [(own.balancer.load_curve, own.balancer_position)]
     found = {name: np.full((machines, samples), np.nan) for name in (MOTOR, SPEED)}
     for k, shaft in enumerate(_shafts(design, _drawn(design, machines), theta)):
-        with suppress(NoAnswer):
+        with suppress(NoSolution):
             load = combined([(shaft.cams_load, ShaftPosition()), *balance])
             wheel = Flywheel(lambda _, shaft=shaft: shaft.cams_torque, load, shaft.design.camshaft)  # type: ignore[misc]
             angles = shaft.turn.angles(theta)

@@ -14,7 +14,7 @@ import numpy as np
 from core.design import Design, Tolerance, get, only, put
 from core.design.limits import NORMAL, UNIFORM
 from core.elastic import by_motion
-from core.errors import KindynaError, NoAnswer
+from core.errors import KindynaError, NoSolution
 from core.frozen import frozen
 from core.mechanism.kinematics import Kinematics
 from core.motion import TURN, degrees
@@ -56,7 +56,7 @@ WAVED: Mapping[str, Callable[[Waves, np.ndarray, Callable[[int], np.ndarray]], n
 
 
 class Waves:
-    """The waves of a study's profile at its cam angles (n,). Raises NoAnswer where there is no cam.
+    """The waves of a study's profile at its cam angles (n,). Raises NoSolution where there is no cam.
 
     way  |b| (n,), of the point of the follower's body where it touches the first flank
     """
@@ -213,7 +213,7 @@ class AllWaves:
     def _torque(self) -> tuple[np.ndarray, Mapping[int | None, Waved]]:
         """That of all drives at even machine angles, and of each that has waves."""
         theta = np.arange(ANGLES) * TURN / ANGLES
-        with suppress(NoAnswer):
+        with suppress(NoSolution):
             shaft, found = Study(self.design).camshaft.at_theta(theta), dict[int | None, Waved]()
             for name in shaft.loading_drives:
                 number = shaft.drive_number(name)
@@ -230,7 +230,7 @@ def waves_of(study: Study) -> Waves | None:
         return None
     try:
         return Waves(study.at_theta(np.arange(ANGLES) * TURN / ANGLES))
-    except NoAnswer:
+    except NoSolution:
         return None
 
 
@@ -508,10 +508,10 @@ class Scatter:
         study = Study(design)
         for row in into.values():
             row[:] = np.nan
-        with suppress(NoAnswer):
+        with suppress(NoSolution):
             there = study.at(study.program.angles(theta))
             for slug, each in names.items():
-                with suppress(NoAnswer):  # where the motor stalls, the rest is there
+                with suppress(NoSolution):  # where the motor stalls, the rest is there
                     into[slug][:] = quantity(each.name).value(there) / each.unit
 
     # -- which to tighten ----------------------------------------------------------------------------------

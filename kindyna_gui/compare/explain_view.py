@@ -8,7 +8,7 @@ from typing import Any
 from PySide6.QtCore import QModelIndex, Qt, Signal
 from PySide6.QtWidgets import QCheckBox, QComboBox, QCompleter, QHBoxLayout, QLabel, QSizePolicy
 
-from core.errors import KindynaError, NotYet
+from core.errors import KindynaError, ResultPending
 from core.output.explain import explainable, explained, labels_of
 from core.output.explain.letters import DYNAMICS, LINKAGE
 from core.output.lines import digits
@@ -97,7 +97,7 @@ class ExplainView(View):
         """What is one of the whole shaft, where several drives turn with it; nothing while that is being looked for."""
         try:
             return explainable(self.session.whole_study) if self.session.several else []
-        except NotYet:
+        except ResultPending:
             return []
 
     def refresh(self, study: Study) -> None:

@@ -177,7 +177,7 @@ class Session(QObject):
         return self.chosen == len(self.whole.drives)
 
     def _alone(self, whole: Design, index: int) -> Design:
-        """A drive, or the balance cam, as a design of its own. Raises NoAnswer where nothing can balance the torque."""
+        """A drive, or the balance cam, as a design of its own. Raises NoSolution where nothing can balance the torque."""
         if index < len(whole.drives):
             return only(whole, index)
         cam = Study(whole, SAMPLES).camshaft.balancer

@@ -12,7 +12,7 @@ from PySide6.QtGui import QKeyEvent, QResizeEvent
 from PySide6.QtWidgets import QSplitter, QWidget
 
 from core.design import UNITS
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.shaft import LoadCurve, peaks, rms
 from core.study import Camshaft, Study
 from kindyna_gui.documents.bands import Band, Bands
@@ -164,7 +164,7 @@ class ShaftTorqueView(_TurnView):
             if shaft.design.balancer is not None:
                 curves.append(Line(x, shaft.balancer_torque, BALANCE, BALANCE_CAM, read=chosen == BALANCE_CAM))
             self._draw_sums(shaft)
-        except NoAnswer as error:
+        except NoSolution as error:
             lacking = reason(shaft.design, error)
             self.sums.show_message("")
         self.note.show_message(lacking)
@@ -186,7 +186,7 @@ class ShaftTorqueView(_TurnView):
             band = band_in(self.bands.of_motor(), "motor_torque")
             motor = Line(shaft.angle_degrees, shaft.motor_torque, SCREEN.family("torque"), MOTOR, read=True, band=band)
             self._draw_sums(shaft, motor)
-        except NoAnswer as error:
+        except NoSolution as error:
             self.note.show_message(reason(shaft.design, error))
 
 
@@ -229,7 +229,7 @@ class ShaftFiguresView(_TurnView):
                 band = band_in(self.bands.of_motor(), "camshaft_speed", RPM)
                 speed = Line(shaft.angle_degrees, shaft.speed / RPM, SCREEN.family("speed"), read=True, band=band)
                 show_turn(self.speed, "Speed", "rpm", [speed], fit=True)
-        except NoAnswer as error:
+        except NoSolution as error:
             self.speed.show_message(reason(shaft.design, error))
         self.table.show_rows(figures(shaft))
 
@@ -258,7 +258,7 @@ def figures(shaft: Camshaft[Study]) -> list[TableRow]:
             power = measure(*_readable("W", found["motor_power"].high.value))
             cells = (MOTOR, _torque(shaft.mean_torque), "", _torque(peak.value), _angle(peak.theta), power)
             rows.append(TableRow(cells, swatch(SCREEN.family("torque")), "with the flywheel, at the true speed"))
-    except NoAnswer as error:
+    except NoSolution as error:
         rows.append(TableRow((reason(shaft.design, error), "", "", "", "", ""), across=0))
     return rows
 

@@ -28,7 +28,7 @@ from core.design import with_shaft as give_shaft
 from core.design.design import with_servo, without_servo
 from core.errors import KindynaError
 from core.output.lines import shortest
-from core.project import load, save
+from core.project import load, load_linked, save
 from core.requests import options
 from kindyna_gui import dialogs
 from kindyna_gui.documents.as_command import of_session, spelled
@@ -185,7 +185,7 @@ class DesignActions(QObject):
             home = str(session.path) if session.path is not None else None
             link, files = output, [str(path) for path in paths]
             told = ", ".join(path.name for path in paths)
-            self.change(lambda: following(session.design, files, home, link), f"Follow {told}")
+            self.change(lambda: following(session.design, files, home, load_linked, link), f"Follow {told}")
 
     def segment_from_table(self) -> None:
         """Ask for a table that becomes the chosen segment."""

@@ -13,7 +13,7 @@ from core.design import Design, only
 from core.design.fields import choice, flag, number, whole
 from core.errors import KindynaError
 from core.frozen import frozen
-from core.motion import Angles, Program, program
+from core.motion import Angles, CompiledMotion, program
 from core.motion.extremes import find_highest
 from core.output.channels import channels
 from core.output.controllers.rows import INTERPOLATIONS, KINDS, MOST_ROWS, Table, evaluated
@@ -180,7 +180,7 @@ def slave(study: Study, of: str = MOTION, placing: Placing = PLAIN, segment: int
     """The motion, or a segment of it alone, counted from 1 and stretched to the turn; or a position of the linkage by the name of its
     column.
 
-    Raises KindynaError where the design has none of that name or number, NoAnswer where the linkage has no position.
+    Raises KindynaError where the design has none of that name or number, NoSolution where the linkage has no position.
     """
     design = study.design
     there = positions(design)
@@ -212,7 +212,7 @@ def slave(study: Study, of: str = MOTION, placing: Placing = PLAIN, segment: int
     return Slave(channel, driven.starts, _joins(driven), unit, scale, placing)
 
 
-def _segment(compiled: Program, number: int, motion: Rows, reverse: bool) -> Slave:
+def _segment(compiled: CompiledMotion, number: int, motion: Rows, reverse: bool) -> Slave:
     segments = compiled.motion.segments
     if not 1 <= number <= len(segments):
         raise KindynaError(f"--segment {number}: no such segment; allowed: 1 ... {len(segments)}")

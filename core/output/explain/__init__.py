@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from core.errors import KindynaError, NoAnswer
+from core.errors import KindynaError, NoSolution
 from core.findings import Finding, Residual
 from core.frozen import frozen
 from core.motion.extremes import Extreme
@@ -65,7 +65,7 @@ class Explanation:
 def explained(study: Study, name: str, at_deg: float | None = None) -> Explanation:
     """The quantity of a column, or a figure of the summary; at_deg: without, at the angle of its largest absolute value.
 
-    Raises KindynaError for what this design does not have, and an angle at which it does not stand; NoAnswer as its stage does.
+    Raises KindynaError for what this design does not have, and an angle at which it does not stand; NoSolution as its stage does.
     """
     figure = FIGURES.get(name)
     if figure is not None and figure.exists(study):
@@ -200,7 +200,7 @@ def _proof(study: Study, stage: str) -> tuple[str, Residual] | None:
     """The residual of a stage that comes nearest to its bound."""
     try:
         rows = certificate_of(study, (stage,))
-    except NoAnswer:
+    except NoSolution:
         return None
     return max(rows.items(), key=lambda row: row[1].value / (row[1].bound or 1.0), default=None)
 

@@ -12,10 +12,10 @@ import numpy as np
 
 from core.design import UNITS
 from core.design.parts import LINEAR
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.frozen import frozen
 from core.motion import TURN
-from core.motion.extremes import Extreme, Range
+from core.motion.extremes import Extreme, Extremes
 from core.output.explain.force_workings import motor_torque, shaft_speed
 from core.output.explain.letters import (
     DYNAMICS,
@@ -60,7 +60,7 @@ class Figure:
 def _wheel(study: Study) -> bool:
     try:
         return bool(flywheel(study))
-    except NoAnswer:
+    except NoSolution:
         return False
 
 
@@ -295,7 +295,7 @@ def shaft_columns(study: Study) -> Mapping[str, ShaftColumn]:
     return rows
 
 
-def _greatest(extremes: Range) -> Extreme:
+def _greatest(extremes: Extremes) -> Extreme:
     return max((extremes.low, extremes.high), key=lambda end: abs(end.value))
 
 

@@ -13,7 +13,7 @@ from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QColor, QPainterPath, QTransform
 from PySide6.QtWidgets import QGraphicsEllipseItem, QGraphicsItem, QGraphicsPathItem, QGraphicsScene
 
-from core.errors import KindynaError, NoAnswer
+from core.errors import KindynaError, NoSolution
 from core.motion import TURN
 from core.motion.program import ShaftPosition
 from core.numerics.derivatives import ISOMETRIC, seen_from
@@ -133,7 +133,7 @@ class DriveFigure:
 
     def move(self, machine: float) -> None:
         """To the sample nearest to where it stands at a machine angle [rad]."""
-        self.index = self.geometry.nearest(float(self.place.own(np.array([machine]))[0]))
+        self.index = self.geometry.nearest(float(self.place.drive_angle(np.array([machine]))[0]))
         for part in self.parts:
             if part.move is not None:
                 part.move(self.index)
@@ -444,7 +444,7 @@ def _rows(shaft: Camshaft[Study], theme: Theme) -> Iterator[tuple[int, str, Stud
         there: Study | None = study
         try:
             _ = study.linkage
-        except NoAnswer:
+        except NoSolution:
             there = None
         yield number, name, there, shaft.positions[name], drive.mirrored, theme.drive(number)
     if shaft.design.balancer is None:

@@ -10,7 +10,7 @@ from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QPolygonF
 
 from core.cam import INNER, OUTER, SECOND
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.frozen import frozen
 from core.study.extremes import has_undercut
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry

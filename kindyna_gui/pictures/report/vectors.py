@@ -58,7 +58,7 @@ class Vector:
 
 def vector(picture: ReportPicture, scale: float = 1.0, part: float = 1.0) -> Vector:
     """A picture of a report, to be painted on a device of which so many dots are a pixel; part: of its usual height, its letters as
-    large. Raises NoAnswer where its design has none."""
+    large. Raises NoSolution where its design has none."""
     return VECTORS[picture.name](picture.of, replace(LIGHT, ratio=scale), part)
 
 

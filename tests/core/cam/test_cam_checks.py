@@ -34,7 +34,7 @@ from core.design import (
     get,
     with_drive,
 )
-from core.errors import DesignError, NoAnswer
+from core.errors import DesignError, NoSolution
 from core.findings import WARNING, Finding
 from core.output.export import files
 from core.output.report import report
@@ -341,7 +341,7 @@ def check_crossing(design: Design, points: int = 1200) -> str:
     study = Study(design, points)
     try:
         profile = study.cam.flank.profile
-    except NoAnswer:
+    except NoSolution:
         return "none"
     findings = findings_of(study, ("cam",))
     if any(finding.code == "undercut" for finding in findings):

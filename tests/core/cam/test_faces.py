@@ -36,7 +36,7 @@ from core.design import (
     get,
     with_drive,
 )
-from core.errors import DesignError, NoAnswer, NoAssembly, NoCam
+from core.errors import DesignError, NoAssembly, NoCam, NoSolution
 from core.followers import built
 from core.followers.dragging import joints_of, move_joint
 from core.mechanism import solve_mechanism
@@ -62,7 +62,7 @@ def check(design: Design, positions: int = 24, points: int = 1080) -> str:
     study = Study(design, points)
     try:
         profile = study.cam.flank.profile * 1e3
-    except NoAnswer:
+    except NoSolution:
         return "none"
     step = points // positions
     where = placed(study.at_theta(study.theta[::step]))
@@ -320,7 +320,7 @@ def test_power_and_momentum_balance_with_sliding_friction(follower: str, face: s
         study = Study(design, 120)
         try:
             forces = study.dynamics
-        except NoAnswer:
+        except NoSolution:
             continue
         if study.jam is not None:
             continue
@@ -460,7 +460,7 @@ def test_a_face_that_turns_as_fast_as_the_cam_and_one_that_passes_its_centre_are
     ):
         _ = Study(turned).cam
     low = with_drive(TAPPET, motion=levels(-45.0, (90.0, -30.0, "cycloidal"), (270.0, -45.0, "cycloidal")))
-    with pytest.raises(NoCam, match=r"cam\.base_radius_mm: the flat face passes the cam centre, by 5 mm"):
+    with pytest.raises(NoCam, match=r"cam\.base_radius_mm: the flat face passes the cam centre by 5 mm"):
         _ = Study(low).cam
 
 

@@ -43,7 +43,7 @@ from core.design import (
     with_only,
     with_phase,
 )
-from core.errors import DesignError, NoAnswer
+from core.errors import DesignError, NoSolution
 from core.output.export import camshaft_columns
 from core.project import dumps, load, loads, save, to_table
 from core.shaft import value
@@ -432,7 +432,7 @@ def test_a_drive_that_cannot_be_assembled_takes_no_other_with_it(
     study = Study(broken, 360)
     assert list(study.camshaft.failures) == ["Feed"]
     assert study.camshaft.drive_torque("Lift").size == 360
-    with pytest.raises(NoAnswer, match=r"^drives\[0\]\.follower.*lacks the drive Feed"):
+    with pytest.raises(NoSolution, match=r"^drives\[0\]\.follower.*lacks the drive Feed"):
         assert study.camshaft.torque is None
     out = exported(broken, tmp_path / "broken", expected=1)
     assert set(table(out / "shaft.csv")) == {

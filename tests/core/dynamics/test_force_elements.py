@@ -26,8 +26,7 @@ from core.dynamics import unbalanced
 from core.errors import DesignError, NoStability
 from core.output.channels import channels
 from core.output.report import report
-from core.project import dumps
-from core.project.reading import from_table
+from core.project import dumps, from_table
 from core.study import Study, certificate_of, extremes_of, findings_of
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"

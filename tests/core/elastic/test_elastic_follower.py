@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 
 from core.__main__ import main
 from core.design import Design, Motion, NamedCurve, PolynomialCurve, Segment, edited, only, with_drive
-from core.errors import DesignError, NoAnswer
+from core.errors import DesignError, NoSolution
 from core.output.export import files
 from core.output.report import report
 from core.project import from_table, load, save, to_table
@@ -204,10 +204,12 @@ def test_what_has_no_answer_says_what_to_do() -> None:
     table["loads"]["springs"] = [
         over | {"rate_n_per_mm": 200.0}
     ]  # pressed together across the guide: it wants to get away
-    with pytest.raises(NoAnswer, match=r"push the follower's mass away .* times as strongly as its stiffness holds it"):
+    with pytest.raises(
+        NoSolution, match=r"push the follower's mass away .* times as strongly as its stiffness holds it"
+    ):
         _ = Study(from_table(table)).elasticity
     weightless = Study(edited(tappet("cycloidal"), "loads.follower_mass_kg", 0.0))
-    with pytest.raises(NoAnswer, match="without a mass does not vibrate"):
+    with pytest.raises(NoSolution, match="without a mass does not vibrate"):
         _ = weightless.elasticity
     with pytest.raises(DesignError, match=r"follower_damping_ratio = 1\.2: .*allowed: 0 \.\.\. 0\.99"):
         from_table(

@@ -16,8 +16,7 @@ from core.design import Design, edited, get
 from core.dynamics import contact_map
 from core.errors import KindynaError
 from core.find import find
-from core.project import load
-from core.project.reading import from_table
+from core.project import from_table, load
 from core.study import Study, extremes_of, findings_of
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"

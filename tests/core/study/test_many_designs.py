@@ -16,7 +16,7 @@ from sampled import spread, stressed
 from core.design import ELEMENT_LISTS, FOLLOWER_KINDS, Design, edited, entries, get, put, row_at
 from core.design.edits import with_face, with_form
 from core.design.load_edits import load_lists, with_new_row
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.output.channels import channels
 from core.project import load
 from core.study import Study, extremes_of, findings_of, many
@@ -218,7 +218,7 @@ def test_a_design_without_an_answer_leaves_the_others_theirs() -> None:
     assert found.reason.tolist() == ["", "no-assembly", "jamming", "undercut", "out-of-range", "out-of-range"]
     assert np.isfinite(found.value["pressure_angle_deg:max"]).tolist() == [True, False, True, True, False, False]
     assert np.isfinite(found.value["drive_torque_nm:abs"]).tolist() == [True, False, False, True, False, False]
-    with pytest.raises(NoAnswer):
+    with pytest.raises(NoSolution):
         _ = Study(one_of(design, values, 1)).cam
     assert "jamming" in {each.code for each in findings_of(Study(one_of(design, values, 2)), ("dynamics",))}
     assert "undercut" in {each.code for each in findings_of(Study(one_of(design, values, 3)), ("cam",))}

@@ -11,8 +11,7 @@ from window_user import Open, User, settle, wait_for
 
 from core.design import Design, edited
 from core.output.channels import channel
-from core.project import load
-from core.project.reading import from_table
+from core.project import from_table, load
 from core.study import Study
 from kindyna_gui.linkage.mechanism_view import MechanismView
 from kindyna_gui.linkage.polygon_view import PolygonView
