@@ -38,7 +38,7 @@ class Camshaft(Generic[D]):
     ``drives`` maps names to studies of single drives (``design.only``), so that an edit of one drive computes that drive only.
     The machine angle θ grows as the shaft turns; the angle of a drive is θ less its phase, for a mirrored drive too, whose
     torque acts on the same shaft. A drive without a solution is in ``failures``; only results that need all drives raise its
-    NoAnswer.
+    NoSolution.
 
     Where a design lists no drives, flywheel and flexible shaft go by the angle of its ``single_drive``.
     """
@@ -140,9 +140,9 @@ class Camshaft(Generic[D]):
         return tuple(name for name, study in self.drives.items() if study.loads_shaft)
 
     @cached_property
-    def failures(self) -> Mapping[str, NoAnswer]:
+    def failures(self) -> Mapping[str, NoSolution]:
         """Name -> error of every drive that cannot be assembled or jams; its field is a path in the file of the design."""
-        failures: dict[str, NoAnswer] = {}
+        failures: dict[str, NoSolution] = {}
         for i, (name, study) in enumerate(self.drives.items()):
             try:
                 if study.loads_shaft:
@@ -155,7 +155,7 @@ class Camshaft(Generic[D]):
         return failures
 
     def _require_all(self, what: str) -> None:
-        """Raises NoAnswer for the first drive without a solution; ``what`` is the result that needs all drives."""
+        """Raises NoSolution for the first drive without a solution; ``what`` is the result that needs all drives."""
         for name in self.loading_drives:
             if name in self.failures:
                 error = self.failures[name]
@@ -178,7 +178,7 @@ class Camshaft(Generic[D]):
 
         Raises
         ------
-        NoAnswer
+        NoSolution
             Where the drive has no torque.
         """
         if name in self.failures:
@@ -189,7 +189,7 @@ class Camshaft(Generic[D]):
         return self.drive_study(name).shaft_torque
 
     def drive_load(self, name: str) -> LoadCurve:
-        """Load of one drive on the shaft, as a curve by machine angle. Raises NoAnswer where the drive has no torque."""
+        """Load of one drive on the shaft, as a curve by machine angle. Raises NoSolution where the drive has no torque."""
         if name in self.failures:
             raise self.failures[name]
         parts = self.drives[name].depends_on("dynamics"), self.positions[name]
@@ -200,12 +200,12 @@ class Camshaft(Generic[D]):
         return self.drives[name].load_curve, ShaftPosition(self.positions[name].phase)
 
     def drive_peak(self, name: str) -> Extreme:
-        """Torque of one drive that is greatest in size [N m], by machine angle. Raises NoAnswer as ``drive_load``."""
+        """Torque of one drive that is greatest in size [N m], by machine angle. Raises NoSolution as ``drive_load``."""
         return _greatest(peaks(self.drive_load(name)))
 
     @property
     def cams_torque(self) -> np.ndarray:
-        """Torque of all drives, without the balance cam (n,) [N m]. Raises NoAnswer, which names the drive without a solution."""
+        """Torque of all drives, without the balance cam (n,) [N m]. Raises NoSolution, which names the drive without a solution."""
         self._require_all("the shaft's torque")
         return np.asarray(sum((self.drive_torque(name) for name in self.loading_drives), np.zeros(self.theta.size)))
 
@@ -221,7 +221,7 @@ class Camshaft(Generic[D]):
 
     @property
     def cams_load(self) -> LoadCurve:
-        """Load of all drives as one curve, without the balance cam. Raises NoAnswer as ``cams_torque``."""
+        """Load of all drives as one curve, without the balance cam. Raises NoSolution as ``cams_torque``."""
         if self.single_drive is not None:
             return self.single_drive.load_curve
         self._require_all("the shaft's torque")
@@ -261,13 +261,13 @@ class Camshaft(Generic[D]):
     def balancer(self) -> D | None:
         """Study of the balance cam as a drive, by its own angle; None where the design has no balance cam.
 
-        Raises NoAnswer where no balance cam exists for the torque, or a drive has no torque.
+        Raises NoSolution where no balance cam exists for the torque, or a drive has no torque.
         """
         return None if self._balance is None else self._balance[0]
 
     @property
     def balancer_position(self) -> ShaftPosition:
-        """Position of the balance cam on the shaft. Raises NoAnswer as ``balancer``."""
+        """Position of the balance cam on the shaft. Raises NoSolution as ``balancer``."""
         assert self._balance is not None, "a design without [balancer]"
         return self._balance[1]
 
@@ -319,7 +319,7 @@ class Camshaft(Generic[D]):
     def flywheel(self) -> Flywheel:
         """Size of the flywheel, true speed and motor torque, by machine angle, or by the angle of the only drive.
 
-        Raises NoAnswer as ``torque``.
+        Raises NoSolution as ``torque``.
         """
         camshaft, single = self.design.camshaft, self.single_drive
 
@@ -347,7 +347,7 @@ class Camshaft(Generic[D]):
 
     @property
     def motor_torque(self) -> np.ndarray:
-        """Torque of the motor T̄ + k(ω̄ - ω) (n,) [N m]; without a flywheel that of the shaft. Raises NoAnswer where the motor stalls."""
+        """Torque of the motor T̄ + k(ω̄ - ω) (n,) [N m]; without a flywheel that of the shaft. Raises NoSolution where the motor stalls."""
         return self.flywheel.motor_torque(self._flywheel_angles) if self.levels_torque else self.torque
 
     @property
@@ -361,16 +361,16 @@ class Camshaft(Generic[D]):
 
     @property
     def speed(self) -> np.ndarray:
-        """True speed of the shaft (n,) [rad/s]; constant without a flywheel. Raises NoAnswer where the motor stalls."""
+        """True speed of the shaft (n,) [rad/s]; constant without a flywheel. Raises NoSolution where the motor stalls."""
         return (
             self.flywheel.speed(self._flywheel_angles) if self.levels_torque else np.full(self.theta.size, self.omega)
         )
 
     @property
-    def motor_range(self) -> Mapping[str, Range]:
+    def motor_range(self) -> Mapping[str, Extremes]:
         """Refined extremes of ``motor_torque`` [N m], ``speed`` [rad/s] and ``motor_power`` [W].
 
-        Raises NoAnswer where the motor stalls.
+        Raises NoSolution where the motor stalls.
         """
         if not self.levels_torque:
             low, high = self.peaks.low, self.peaks.high
@@ -384,13 +384,13 @@ class Camshaft(Generic[D]):
             return {"motor_torque": torque, "speed": speed, "motor_power": torque * speed}
 
         key = self._key, self.design.balancer, self.design.camshaft
-        extremes: Mapping[str, Range] = memory.get("motor range", key, lambda: find_extremes(values, self.turn))
+        extremes: Mapping[str, Extremes] = memory.get("motor range", key, lambda: find_extremes(values, self.turn))
         return extremes
 
     # -- the flexible shaft ---------------------------------------------------------------------------------
 
     def flexible_shaft(self) -> Stability:
-        """Stability of all drives together. Raises NoStability with the reason, NoAnswer where a drive has no solution."""
+        """Stability of all drives together. Raises NoStability with the reason, NoSolution where a drive has no solution."""
         elastic = None if self.design.shaft is None else self.design.shaft.elastic
         if elastic is None:
             raise NoStability("the camshaft is rigid", "shaft", "enter camshaft_inertia_kg_m2 and stiffness_nm_per_rad")
@@ -422,7 +422,7 @@ class Camshaft(Generic[D]):
         return stability
 
 
-def _greatest(extremes: Range) -> Extreme:
+def _greatest(extremes: Extremes) -> Extreme:
     """The extreme that is greatest in size."""
     return max((extremes.low, extremes.high), key=lambda extreme: abs(extreme.value))
 
@@ -448,7 +448,7 @@ def _grid_order(position: ShaftPosition, samples: int) -> np.ndarray | None:
     steps = position.phase * samples / TURN
     if abs(steps - round(steps)) > 1e-9:
         return None
-    return np.asarray((int(position.sense) * (np.arange(samples) - round(steps))) % samples)
+    return np.asarray((int(position.rotation_sign) * (np.arange(samples) - round(steps))) % samples)
 
 
 # -- stability of a flexible shaft with its drives --------------------------------------------------------------
@@ -499,7 +499,7 @@ class ShaftDrive:
 
     def drive_angles(self, angles: Angles) -> Angles:
         """Angles of the drive at angles of the shaft."""
-        return angles if self.turn is None else self.turn.own(self.index, angles)
+        return angles if self.turn is None else self.turn.drive_angles(self.index, angles)
 
     def kinematics(self, angles: Angles) -> Kinematics:
         """Kinematics of the drive at given angles of the drive."""
@@ -523,7 +523,7 @@ class ShaftDrive:
         ndarray (n,) [m or rad]
         """
         program = self.study.program
-        drive_theta = theta if self.turn is None else self.position.own(theta)
+        drive_theta = theta if self.turn is None else self.position.drive_angle(theta)
         return np.asarray(program.state(program.angles(drive_theta)).displacement[0])
 
     @property
@@ -533,7 +533,7 @@ class ShaftDrive:
 
         study = self.study
         return DrivenMechanism(
-            self.kinematics, study.loading, study.program, self.drive_angles, self.position.sense, self.path
+            self.kinematics, study.loading, study.program, self.drive_angles, self.position.rotation_sign, self.path
         )
 
     def touching(self, sizes: Sizes | None) -> Touching:
@@ -541,7 +541,15 @@ class ShaftDrive:
         from core.stability import Touching, own_sizes
 
         study, sizes = self.study, sizes or own_sizes(self.driven)
-        parts = (study.loading, study.program, sizes, self.drive_angles, self.position.sense, self.name, self.number)
+        parts = (
+            study.loading,
+            study.program,
+            sizes,
+            self.drive_angles,
+            self.position.rotation_sign,
+            self.name,
+            self.number,
+        )
         return Touching(self.kinematics_and_shape, *parts)
 
     @property
@@ -550,7 +558,7 @@ class ShaftDrive:
         from core.stability import Follower
 
         starts = self.study.program.starts
-        joins = starts if self.turn is None else self.position.machine(starts)
+        joins = starts if self.turn is None else self.position.machine_angle(starts)
         return Follower(self.name, self.study.design.drive.motion_unit, self.displacement, joins)
 
 
@@ -562,7 +570,7 @@ def flexible_shaft(
     Parameters
     ----------
     drives : sequence of ShaftDrive
-    turn : MachineTurn or Program
+    turn : MachineTurn or CompiledMotion
         Pieces of the shaft's turn; no drive has a join within a piece.
     elastic : ElasticShaft
     omega : float [rad/s]

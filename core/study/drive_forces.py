@@ -16,7 +16,7 @@ from core.cam import INNER, OUTER, SECOND, CamShape
 from core.design import NO_LIMITS, Design, si
 from core.design.parts import Servo
 from core.dynamics import FlankChange, Forces, Friction, kinetic_energy
-from core.errors import NoAnswer, NoPosition
+from core.errors import NoPosition, NoSolution
 from core.frozen import frozen
 from core.mechanism import swept
 from core.mechanism.kinematics import SLIDING, Kinematics
@@ -27,7 +27,7 @@ from core.numerics.derivatives import spread
 from core.numerics.roots import gauss
 from core.shaft import LoadCurve, combined
 from core.shaft.speed import MotorLoad, best_ratio, lever, motor_load, motor_torque, moved
-from core.stress import ContactStress, Pairing, contact_stresses
+from core.stress import ContactStress, Pairing, contact_stress
 from core.study.drive_study import DriveStudy
 from core.study.stages import fit_load_curve, memory
 
@@ -51,9 +51,9 @@ class DriveForces(DriveStudy):
 
     @cached_property
     def dynamics(self) -> Forces:
-        """All forces at constant speed. Raises NoAnswer where friction depends on reactions that statics does not determine."""
+        """All forces at constant speed. Raises NoSolution where friction depends on reactions that statics does not determine."""
         if self.undetermined and (rubbing := [f for f in self.loading.frictions if f.pair in self.undetermined]):
-            raise NoAnswer(
+            raise NoSolution(
                 f"friction of {', '.join(f.pair for f in rubbing)} depends on a force that statics does not determine",
                 rubbing[0].field,
                 "remove the friction, or the redundant link",
@@ -105,18 +105,18 @@ class DriveForces(DriveStudy):
     def contact_force(self) -> ContactForce:
         """Contact force F_c at every speed.
 
-        Raises NoAnswer where the cam holds the follower from both sides, nothing loads the follower, or friction jams.
+        Raises NoSolution where the cam holds the follower from both sides, nothing loads the follower, or friction jams.
         """
         self.require_stage("cam")
         if self.is_form_closed:
             form = self.design.drive.cam.form.form
-            raise NoAnswer(
+            raise NoSolution(
                 f"a {form} cam holds the follower from both sides, so that the follower cannot leave it",
                 "cam.form",
                 "choose an open cam",
             )
         if self.loading.empty:
-            raise NoAnswer(
+            raise NoSolution(
                 "nothing presses the follower on the cam: there are no masses and no spring",
                 "loads",
                 "enter masses or a spring",
@@ -135,7 +135,7 @@ class DriveForces(DriveStudy):
 
     @property
     def lift_off(self) -> LiftOff | None:
-        """Lowest speed at which the follower leaves the cam; None where there is none. Raises NoAnswer as ``contact_force``."""
+        """Lowest speed at which the follower leaves the cam; None where there is none. Raises NoSolution as ``contact_force``."""
         design = self.design
         key = replace(design.drive, cam=design.drive.bare_cam, limits=NO_LIMITS), design.sense  # at any speed the same
         result: LiftOff | None = memory.get("lift-off", key, self.contact_force.lift_off)
@@ -144,7 +144,7 @@ class DriveForces(DriveStudy):
     def flights(self, turns: float = 3.0) -> Flights:
         """Flights of the follower after it has left the cam, at the speed of the design.
 
-        Raises NoAnswer as ``contact_force``, and where nothing presses the follower on the cam or it flies out of its reach.
+        Raises NoSolution as ``contact_force``, and where nothing presses the follower on the cam or it flies out of its reach.
         """
         contact, loads = self.contact_force, self.design.drive.loads
 
@@ -175,12 +175,12 @@ class DriveForces(DriveStudy):
 
     @property
     def elasticity(self) -> Elasticity:
-        """One-mass model of the elastic follower. Raises NoAnswer where the follower is rigid, or no mass vibrates."""
+        """One-mass model of the elastic follower. Raises NoSolution where the follower is rigid, or no mass vibrates."""
         from core.elastic import equivalent
 
         self.require_stage("cam")
         if not self.is_elastic:
-            raise NoAnswer("the follower is rigid", "loads.follower_stiffness_n_per_mm", "enter its stiffness")
+            raise NoSolution("the follower is rigid", "loads.follower_stiffness_n_per_mm", "enter its stiffness")
         drive, driver_ranges, loading = self.design.drive, self.driver_ranges, self.loading
         loads, stroke = si(drive.loads), swept(program(drive.motion))
         parts = (
@@ -192,7 +192,7 @@ class DriveForces(DriveStudy):
 
     @property
     def follower_response(self) -> Response:
-        """Response of the elastic follower at the speed of the design. Raises NoAnswer as ``elasticity``."""
+        """Response of the elastic follower at the speed of the design. Raises NoSolution as ``elasticity``."""
         from core.elastic import Response
 
         parts = self.elasticity.middle, program(self.design.drive.motion), self.omega
@@ -204,7 +204,7 @@ class DriveForces(DriveStudy):
         """Whether the follower is elastic and its response is periodic."""
         try:
             return self.is_elastic and not self.follower_response.resonant
-        except NoAnswer:
+        except NoSolution:
             return False
 
     def vibration(self, omega: np.ndarray, with_peaks: bool = True) -> Spectrum:
@@ -223,7 +223,7 @@ class DriveForces(DriveStudy):
 
         Raises
         ------
-        NoAnswer
+        NoSolution
             As ``elasticity``.
         """
         from core.elastic import spectrum
@@ -273,10 +273,10 @@ class DriveForces(DriveStudy):
             return None
         return self.loading.frictions[int(forces.most_jamming[0])]
 
-    def _jammed(self, jam: Extreme) -> NoAnswer:
+    def _jammed(self, jam: Extreme) -> NoSolution:
         angle, friction = float(np.rad2deg(jam.theta)), self.jamming_pair
         what, field = ("contact", "loads.contact_friction") if friction is None else (friction.pair, friction.field)
-        return NoAnswer(f"the {what} jams, the torque is infinite", field, "lower the friction", [(angle, angle)])
+        return NoSolution(f"the {what} jams, the torque is infinite", field, "lower the friction", [(angle, angle)])
 
     @property
     def flank_changes(self) -> tuple[FlankChange, ...]:
@@ -307,7 +307,7 @@ class DriveForces(DriveStudy):
 
         def compute(shape: CamShape, forces: Forces, *pairs: Any) -> Mapping[str, ContactStress]:
             rows = zip(shape.flanks, forces.contacts, pairs, strict=True)
-            return {flank.name: contact_stresses(flank, contact.force, pair) for flank, contact, pair in rows}
+            return {flank.name: contact_stress(flank, contact.force, pair) for flank, contact, pair in rows}
 
         contacts = pairings(self)
         if not contacts:
@@ -335,7 +335,7 @@ class DriveForces(DriveStudy):
         return self.sense if self.by_crank else 1.0
 
     def require_load(self) -> None:
-        """Raises NoAnswer where the drive has no load on its shaft: mechanism or cam fail, or as ``load_curve``."""
+        """Raises NoSolution where the drive has no load on its shaft: mechanism or cam fail, or as ``load_curve``."""
         self._require_rotation()
         _ = self.dynamics
 
@@ -361,7 +361,7 @@ class DriveForces(DriveStudy):
     def load_curve(self) -> LoadCurve:
         """Load on the shaft over one turn, by the angle the shaft has turned.
 
-        Raises NoAnswer where friction jams, or a crank cannot turn fully.
+        Raises NoSolution where friction jams, or a crank cannot turn fully.
         """
         self._require_rotation()
         curve: LoadCurve = memory.get("load curve", self.depends_on("dynamics"), self._load_curve)
@@ -481,7 +481,7 @@ class ServoTurn:
 
 
 def servo_turn(study: DriveForces) -> ServoTurn:
-    """Torque and energy of the motor over a turn, by Gauss's rule. Raises NoAnswer as the stage ``linkage``."""
+    """Torque and energy of the motor over a turn, by Gauss's rule. Raises NoSolution as the stage ``linkage``."""
     turn: ServoTurn = memory.get("servo", study.depends_on("dynamics"), lambda: _servo_turn(study.full_turn))
     return turn
 
@@ -580,7 +580,7 @@ def pairings(study: DriveForces) -> Mapping[str, Pairing]:
 def load_ratings(study: DriveForces) -> Mapping[str, float]:
     """Roller -> dynamic load rating of its bearing [N], where given."""
     drive = study.design.drive
-    return stress.ratings(drive.face, drive.cam) if drive.cam is not None else {}
+    return stress.load_ratings(drive.face, drive.cam) if drive.cam is not None else {}
 
 
 def roller_force(study: DriveForces, roller: str) -> np.ndarray:

@@ -14,7 +14,7 @@ from core import cam, dynamics, followers, mechanism
 from core.cam import CamShape
 from core.design import NO_LIMITS, Design, Linkage, Motion
 from core.dynamics import Loading
-from core.errors import KindynaError, NoAnswer, NoPosition, NoSuchStage, angle_list, at_angles
+from core.errors import KindynaError, NoPosition, NoSolution, NoSuchStage, angle_list, at_angles
 from core.instant_centres import CentreTable, all_centres, cam_centres
 from core.mechanism import (
     CrankProgram,
@@ -27,7 +27,7 @@ from core.mechanism import (
 )
 from core.mechanism.kinematics import FRAME, REVOLUTE, Kinematics
 from core.motion import TURN, Angles, MotionState, degrees, program
-from core.motion.program import CutProgram
+from core.motion.program import SubdividedTurn
 from core.numerics.lazy import locked
 from core.study.stages import (
     crank_grid,
@@ -70,7 +70,7 @@ class DriveStudy:
     Stages are attributes: ``motion`` where one drives the mechanism, ``linkage``, ``cam`` where there is one. ``stages`` names
     the stages of the design, in the order in which they need each other; ``centres`` belongs to the stage ``linkage``. A stage
     is computed on first use from the parts of the design it needs, and cached for every other study that shares these parts. A
-    stage without a solution raises NoAnswer, a stage that this design lacks raises NoSuchStage.
+    stage without a solution raises NoSolution, a stage that this design lacks raises NoSuchStage.
 
     A crank that cannot turn fully is sampled within its ranges: then there are fewer angles than samples.
     """
@@ -166,14 +166,14 @@ class DriveStudy:
 
     @cached_property
     def program(self) -> Any:
-        """Pieces and joins of the driver over one turn, a Program or a CrankProgram.
+        """Pieces and joins of the driver over one turn, a CompiledMotion or a CrankProgram.
 
         Pieces also end where a process force switches and where the friction in a pin reverses.
         """
         if not (breaks := self._torque_breaks):
             return self.uncut
         key = (self.driver_ranges if self.by_crank else self.uncut, breaks)
-        return memory.get("cut program", key, lambda: CutProgram(self.uncut, breaks))
+        return memory.get("cut program", key, lambda: SubdividedTurn(self.uncut, breaks))
 
     @property
     def _torque_breaks(self) -> tuple[float, ...]:
@@ -307,7 +307,7 @@ class DriveStudy:
     @cached_property
     def drive(self) -> MotionState:
         """State of the driver: the motion, or the angle of the crank, with three derivatives (4, n) [rad or m]."""
-        if isinstance(self.program, CutProgram):
+        if isinstance(self.program, SubdividedTurn):
             return self._stage("motion", self.program.state, self.angles)
         if self.by_crank:
             return crank_state(self.driver_ranges, self.angles)

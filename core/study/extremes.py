@@ -13,7 +13,7 @@ import numpy as np
 from core import cam
 from core.errors import NoSolution
 from core.motion import TURN, Angles
-from core.motion.extremes import Extreme, Range, find_extremes
+from core.motion.extremes import Extreme, Extremes, find_extremes
 from core.study.drive_forces import load_ratings, pairings
 from core.study.quantities import OF_CONTACT, OF_MOTOR, OF_SPEED, Quantity, quantities_of, quantity
 from core.study.stages import memory
@@ -30,7 +30,7 @@ _NEAR_END = 1e-9  # [rad] from a dead centre: an extreme so near to it is the li
 _NEAR_CHANGE = 1e-3  # [rad] from a change point, which no sample meets exactly
 
 
-def extremes_of(study: Study, stage: str, only: tuple[str, ...] = ()) -> Mapping[str, Range]:
+def extremes_of(study: Study, stage: str, only: tuple[str, ...] = ()) -> Mapping[str, Extremes]:
     """Extremes over the turn of a stage's quantities, in SI units.
 
     Parameters
@@ -43,20 +43,20 @@ def extremes_of(study: Study, stage: str, only: tuple[str, ...] = ()) -> Mapping
 
     Returns
     -------
-    mapping of str -> Range
+    mapping of str -> Extremes
 
     Raises
     ------
     NoSuchStage
         Where the design lacks the stage.
-    NoAnswer
+    NoSolution
         Where the stage has no solution.
     """
     study.require_stage(stage)
     if stage == "stability":
         return _steady_turn_extremes(study)
     kind, key = _cache_key(study, stage, only)
-    extremes: Mapping[str, Range] = memory.get(kind, key, lambda: _turn_extremes(study, stage, only))
+    extremes: Mapping[str, Extremes] = memory.get(kind, key, lambda: _turn_extremes(study, stage, only))
     return extremes
 
 
@@ -72,7 +72,7 @@ def search_together(study: Study, requested: Mapping[str, tuple[str, ...]]) -> N
     rows = {stage: _rows(study, stage, only) for stage, only in missing.items()}
     try:
         extremes = _searched(study, {name: row for stage_rows in rows.values() for name, row in stage_rows.items()})
-    except NoAnswer:
+    except NoSolution:
         return
     for stage, stage_rows in rows.items():
         memory.get(*keys[stage], partial(_with_infinite, study, stage, {name: extremes[name] for name in stage_rows}))
@@ -93,7 +93,7 @@ def _cache_key(study: Study, stage: str, only: tuple[str, ...]) -> tuple[Hashabl
     )
 
 
-def cam_extremes(study: Study) -> Mapping[str, Range]:
+def cam_extremes(study: Study) -> Mapping[str, Extremes]:
     """Extremes of the quantities from which the findings of the cam follow."""
     return extremes_of(study, "cam", cam.limits_of(study.design.drive.face, study.design.drive.cam))
 
@@ -117,7 +117,7 @@ def has_quantity(study: Study, row: Quantity) -> bool:
     return row.exists(study) and not (row.fitting and has_undercut(study))
 
 
-def _steady_turn_extremes(study: Study) -> Mapping[str, Range]:
+def _steady_turn_extremes(study: Study) -> Mapping[str, Extremes]:
     """Extremes of the steady response, in the pieces of its integration; empty where there is none."""
     turn = None if study.stability is None else study.stability.steady_turn
     if turn is None:
@@ -125,10 +125,10 @@ def _steady_turn_extremes(study: Study) -> Mapping[str, Range]:
     wind_up, stiffness = turn.wind_up_range, turn.stiffness
     sides = (Extreme(stiffness * side.value, side.theta) for side in (wind_up.low, wind_up.high))
     errors = dict(zip(("follower_error",), turn.errors, strict=False))  # a crank has no follower
-    return {"wind_up": wind_up, **errors, "shaft_torque": Range(*sides)}
+    return {"wind_up": wind_up, **errors, "shaft_torque": Extremes(*sides)}
 
 
-def _turn_extremes(study: Study, stage: str, only: tuple[str, ...]) -> Mapping[str, Range]:
+def _turn_extremes(study: Study, stage: str, only: tuple[str, ...]) -> Mapping[str, Extremes]:
     rows = _rows(study, stage, only)
     with study.with_exact_angles(stage):
         extremes = _searched(study, rows)
@@ -156,16 +156,16 @@ def _searched(study: Study, rows: Mapping[str, Quantity]) -> dict[str, Extremes]
 
 
 @np.errstate(invalid="ignore", over="ignore")
-def _with_infinite(study: Study, stage: str, extremes: dict[str, Range]) -> Mapping[str, Range]:
+def _with_infinite(study: Study, stage: str, extremes: dict[str, Extremes]) -> Mapping[str, Extremes]:
     """Extremes of a stage, infinite where the quantity grows without limit."""
     if stage == "cam":
         extremes |= _cusp_curvatures(study, extremes)
     if not study.by_crank:
         return extremes
-    return {name: Range(_limit(study, name, r.low), _limit(study, name, r.high)) for name, r in extremes.items()}
+    return {name: Extremes(_limit(study, name, r.low), _limit(study, name, r.high)) for name, r in extremes.items()}
 
 
-def _at_turn_end(extremes: Mapping[str, Range], first: Mapping[str, np.ndarray]) -> dict[str, Range]:
+def _at_turn_end(extremes: Mapping[str, Extremes], first: Mapping[str, np.ndarray]) -> dict[str, Extremes]:
     """Of a motion with an advance: an extreme at 0 that differs from the value at the start (first) is at 2π."""
 
     def moved(side: Extreme, start: float, size: float) -> Extreme:
@@ -175,11 +175,11 @@ def _at_turn_end(extremes: Mapping[str, Range], first: Mapping[str, np.ndarray])
     result = {}
     for name, range_ in extremes.items():
         start, size = float(first[name][0]), max(abs(range_.low.value), abs(range_.high.value))
-        result[name] = Range(moved(range_.low, start, size), moved(range_.high, start, size))
+        result[name] = Extremes(moved(range_.low, start, size), moved(range_.high, start, size))
     return result
 
 
-def _cusp_curvatures(study: Study, extremes: Mapping[str, Range]) -> dict[str, Range]:
+def _cusp_curvatures(study: Study, extremes: Mapping[str, Extremes]) -> dict[str, Extremes]:
     """Extremes of the curvatures of undercut flanks.
 
     A curvature grows without limit at a cusp, and returns from below where the profile runs backwards.
@@ -194,7 +194,7 @@ def _cusp_curvatures(study: Study, extremes: Mapping[str, Range]) -> dict[str, R
         if cam.undercut(limits, flank, drive.face, drive.cam):
             low, high = extremes[name].low, extremes[name].high
             low = Extreme(-np.inf, low.theta) if low.value < 0.0 else low
-            result[name] = Range(low, Extreme(np.inf, high.theta))
+            result[name] = Extremes(low, Extreme(np.inf, high.theta))
     return result
 
 

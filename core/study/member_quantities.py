@@ -117,7 +117,7 @@ def guide_of(study: Study) -> GuideReaction:
 
 
 def by_motor(torque: Callable[[Flywheel, Angles], np.ndarray]) -> Callable[[Study], np.ndarray]:
-    """That of the cam where no flywheel levels it. Raises NoAnswer where the guide jams or the motor stalls."""
+    """That of the cam where no flywheel levels it. Raises NoSolution where the guide jams or the motor stalls."""
     return lambda s: torque(s.flywheel, s.angles) if s.levels_torque or s.jam is not None else s.shaft_torque
 
 

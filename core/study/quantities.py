@@ -25,7 +25,7 @@ from core.errors import DesignError, NoSolution
 from core.frozen import frozen
 from core.mechanism import SINGULAR, body_name, mechanism_of
 from core.shaft import Flywheel
-from core.stress import pairings, ratings
+from core.stress import load_ratings, pairings
 from core.study.drive_forces import ROLLERS, has_servo, roller_speed, servo_power, servo_speed, servo_torque
 from core.study.member_quantities import (
     always,

@@ -73,7 +73,8 @@ def roller_lives(study: Study) -> tuple[RollerLife, ...]:
         found = []
         for roller, rating in stated.items():
             speed = roller_speed(there, roller) / study.omega
-            found.append(stress.life_of(roller, rating, roller_force(there, roller), speed, weight, study.omega))
+            figures = stress.rolling_life(rating, roller_force(there, roller), speed, weight, study.omega)
+            found.append(RollerLife(roller, *(float(figure) for figure in figures)))
         return tuple(found)
 
     key = study.depends_on("dynamics"), tuple(stated.items())

@@ -32,7 +32,7 @@ def at_speeds(design: Design, rpm: np.ndarray) -> AgainstSpeed:
 
     Raises
     ------
-    NoAnswer
+    NoSolution
         Where a drive has no torque.
     """
     evaluations["against speed"] += 1

@@ -46,7 +46,7 @@ def fit_load_curve(
     torque : callable
         Torque on the shaft, ndarray (n,) [N m], of these forces.
     loading : Loading
-    program : Program or CrankProgram
+    program : CompiledMotion or CrankProgram
         Pieces of the turn.
     slides : sequence of Friction
         Friction of the sliding pairs.
@@ -59,7 +59,7 @@ def fit_load_curve(
 
     Raises
     ------
-    NoAnswer
+    NoSolution
         Where the stage ``dynamics`` has no solution.
     """
     solved = lru_cache(maxsize=1)(solve)  # load and switches are needed at the same angles
@@ -163,16 +163,16 @@ def crank_grid(driver_ranges: DriverRanges, samples: int) -> Angles:
     """Equally spaced driver angles over one turn, as far as the linkage can be assembled; cached as by `grid`."""
     crank = CrankProgram(driver_ranges)
     return memory.get(
-        "grid", (driver_ranges, samples), lambda: crank.angles(np.deg2rad(crank.degrees(samples)), kept=True)
+        "grid", (driver_ranges, samples), lambda: crank.angles(np.deg2rad(crank.degrees(samples)), cached=True)
     )
 
 
-def cut_grid(cut: CutProgram, at_degrees: np.ndarray) -> Angles:
+def cut_grid(cut: SubdividedTurn, at_degrees: np.ndarray) -> Angles:
     """Angles of a turn that is cut into further pieces; equal arguments return the same object.
 
     Parameters
     ----------
-    cut : CutProgram
+    cut : SubdividedTurn
     at_degrees : ndarray (n,) [deg]
         Equally spaced; their number is the key of the cache.
 
@@ -180,7 +180,7 @@ def cut_grid(cut: CutProgram, at_degrees: np.ndarray) -> Angles:
     -------
     Angles (n,)
     """
-    return memory.get("grid", (cut, at_degrees.size), lambda: cut.angles(np.deg2rad(at_degrees), kept=True))
+    return memory.get("grid", (cut, at_degrees.size), lambda: cut.angles(np.deg2rad(at_degrees), cached=True))
 
 
 def crank_state(driver_ranges: DriverRanges, angles: Angles) -> MotionState:
@@ -205,7 +205,7 @@ def torque_breaks(
     loading : Loading
     driver : Motion or DriverRanges
         The motion, or the ranges of a crank: key of the cache.
-    uncut : Program or CrankProgram
+    uncut : CompiledMotion or CrankProgram
         The program of the driver without these angles.
     mechanism : Mechanism
     driver_ranges : callable
@@ -221,7 +221,7 @@ def torque_breaks(
         pairs = tuple(friction.pair for friction in loading.frictions)
         key = (driver, mechanism, pairs)
         reversals = memory.get("turning back", key, lambda: _reversals(pairs, uncut, mechanism, driver_ranges))
-    except NoAnswer:
+    except NoSolution:
         return ()
     return tuple(sorted({*switches, *reversals}))
 
@@ -253,15 +253,15 @@ MAX_ANGLES = 1000  # programs of more angles are sampled more coarsely
 _PARTS = np.linspace(0.0, 1.0, 9)[1:-1, None]  # of the interval between an angle that fails and one that does not
 
 
-def failing_ranges(study_at: Callable[[Angles], Any], stage: str, program: Program) -> list[tuple[float, float]]:
-    """Ranges of cam angles [deg] at which a stage raises NoAnswer.
+def failing_ranges(study_at: Callable[[Angles], Any], stage: str, program: CompiledMotion) -> list[tuple[float, float]]:
+    """Ranges of cam angles [deg] at which a stage raises NoSolution.
 
     Parameters
     ----------
     study_at : callable
         The study at given angles.
     stage : str
-    program : Program
+    program : CompiledMotion
         Pieces of the turn.
 
     Returns
@@ -301,7 +301,7 @@ def _edges(
 
 
 def _fails(study_at: Callable[[Angles], Any], stage: str, theta: np.ndarray, piece: np.ndarray) -> np.ndarray:
-    """Mask (n,) of the angles (n,) [rad], each in its piece (n,), at which the stage raises NoAnswer."""
+    """Mask (n,) of the angles (n,) [rad], each in its piece (n,), at which the stage raises NoSolution."""
     fails, rest = np.zeros(theta.size, dtype=bool), np.argsort(theta, kind="stable")
     while rest.size:
         try:

@@ -39,7 +39,7 @@ class Study(DriveForces):
     def solved_drives(self) -> Mapping[str, Study]:
         """Slug -> study of every drive that has a solution.
 
-        The drive of a design that lists none has the slug '' and is always present: its stages raise its NoAnswer.
+        The drive of a design that lists none has the slug '' and is always present: its stages raise its NoSolution.
         """
         if not self.design.listed:
             return {"": self}
@@ -58,11 +58,11 @@ class Study(DriveForces):
 
     @cached_property
     def flywheel(self) -> Flywheel:
-        """Size of the flywheel, speed and motor torque. Raises NoAnswer where friction jams, or a crank cannot turn fully."""
+        """Size of the flywheel, speed and motor torque. Raises NoSolution where friction jams, or a crank cannot turn fully."""
         return self.camshaft.flywheel
 
     def flexible_shaft(self) -> Stability:
-        """The stage ``stability``. Raises NoStability with the reason, NoAnswer where the linkage has no solution."""
+        """The stage ``stability``. Raises NoStability with the reason, NoSolution where the linkage has no solution."""
         self.require_stage("stability")
         return self._flexible_shaft
 

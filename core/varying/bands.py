@@ -83,7 +83,7 @@ def shaft_bands(design: Design, samples: int = 360, machines: int = FEW_MACHINES
     every = AllWaves(design)
     for i, number in enumerate(map(own.drive_number, names)):
         if number in every.each and every.each[number].changes(DRIVE_TORQUE):
-            there = every.each[number].at(own.positions[names[i]].own(theta))
+            there = every.each[number].at(own.positions[names[i]].drive_angle(theta))
             found[i] += there.more(DRIVE_TORQUE, found[i], there.error(*every.drawn(number, machines, SEED)))
     balance: float | np.ndarray = 0.0
     with suppress(NoSolution):
@@ -101,7 +101,7 @@ def motor_bands(design: Design, samples: int = 360, machines: int = FEW_MACHINES
         return {}
     theta = np.deg2rad(degrees(samples))
     balance = []
-    with suppress(NoAnswer):
+    with suppress(NoSolution):
         balance = [] if own.balancer is None else [(own.balancer.load_curve, own.balancer_position)]
     found = {name: np.full((machines, samples), np.nan) for name in (MOTOR, SPEED)}
     for k, shaft in enumerate(_shafts(design, _drawn(design, machines), theta)):

@@ -218,7 +218,7 @@ class AllWaves:
             for name in shaft.loading_drives:
                 number = shaft.drive_number(name)
                 if number in self.each and self.each[number].changes(DRIVE_TORQUE):
-                    there = self.each[number].at(shaft.positions[name].own(theta))
+                    there = self.each[number].at(shaft.positions[name].drive_angle(theta))
                     found[number] = there, DRIVE_TORQUE, shaft.drive_torque(name)
             return shaft.torque, found
         return np.zeros(0), {}

@@ -301,7 +301,7 @@ def _greatest(extremes: Extremes) -> Extreme:
 
 def _balancer_peak(camshaft: Camshaft[Study]) -> Extreme:
     peak = camshaft.balancer_peak
-    return Extreme(peak.value, float(camshaft.balancer_position.machine(np.array(peak.theta))))
+    return Extreme(peak.value, float(camshaft.balancer_position.machine_angle(np.array(peak.theta))))
 
 
 def _drive(name: str) -> ShaftColumn:

@@ -384,7 +384,7 @@ class DesignSource:
         own = {
             study.angle_column: lambda: study.angle_degrees,
             TIME: lambda: np.deg2rad(study.angle_degrees) / abs(study.omega),
-            MACHINE: lambda: np.mod(np.degrees(self.shaft.positions[drive].machine(study.theta)), 360.0),
+            MACHINE: lambda: np.mod(np.degrees(self.shaft.positions[drive].machine_angle(study.theta)), 360.0),
         }
         return tuple(own[name]() if name in own else rows[name].values(study) for name in names)
 

@@ -452,7 +452,7 @@ def _rows(shaft: Camshaft[Study], theme: Theme) -> Iterator[tuple[int, str, Stud
     try:
         cam = shaft.balancer
         yield len(shaft.drives), BALANCER, cam, shaft.balancer_position, False, theme.seen(BALANCE)
-    except NoAnswer:
+    except NoSolution:
         yield len(shaft.drives), BALANCER, None, ShaftPosition(), False, theme.seen(BALANCE)
 
 

@@ -100,7 +100,7 @@ def _loads_at(geometry: Geometry, flank: str, i: int) -> tuple[float | None, flo
     try:
         force = next(c.force[i] for f, c in zip(shape.flanks, study.dynamics.contacts, strict=True) if f.name == flank)
         stress = study.stress.get(flank) if study.jam is None and not has_undercut(study) else None
-    except NoAnswer:
+    except NoSolution:
         return None, None
     pressure = None if stress is None else float(stress.pressure[i]) / MPA
     return float(force) if np.isfinite(force) else None, pressure

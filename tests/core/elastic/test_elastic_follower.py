@@ -191,7 +191,7 @@ def test_a_dwell_that_passes_360_is_one_and_further_springs_and_dampers_count() 
 def test_what_has_no_answer_says_what_to_do() -> None:
     rigid = Study(edited(tappet("cycloidal"), STIFFNESS, 0.0))
     assert "elastic_error" not in quantities_of(rigid)
-    with pytest.raises(NoAnswer, match="the follower is rigid; enter its stiffness"):
+    with pytest.raises(NoSolution, match="the follower is rigid; enter its stiffness"):
         _ = rigid.elasticity
     ringing = Study(tappet("cycloidal", rpm=NATURAL / 7.0 * 30.0 / math.pi))
     assert not ringing.vibrates
