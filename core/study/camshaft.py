@@ -24,7 +24,7 @@ from core.study.drive_forces import DriveForces
 from core.study.stages import evaluations, memory
 
 if TYPE_CHECKING:
-    from core.stability import Coefficients, DrivenMechanism, Follower, Stability, Touching
+    from core.stability import Coefficients, DrivenMechanism, Follower, FollowerContact, Stability
     from core.stability.coefficients import Sizes
     from core.stability.windup import ShaftContacts
 
@@ -536,11 +536,11 @@ class ShaftDrive:
             self.kinematics, study.loading, study.program, self.drive_angles, self.position.rotation_sign, self.path
         )
 
-    def touching(self, sizes: Sizes | None) -> Touching:
+    def touching(self, sizes: Sizes | None) -> FollowerContact:
         """Contact of cam and follower; ``sizes`` are those of the shaft, where this is its only drive."""
-        from core.stability import Touching, own_sizes
+        from core.stability import FollowerContact, driven_sizes
 
-        study, sizes = self.study, sizes or own_sizes(self.driven)
+        study, sizes = self.study, sizes or driven_sizes(self.driven)
         parts = (
             study.loading,
             study.program,
@@ -550,7 +550,7 @@ class ShaftDrive:
             self.name,
             self.number,
         )
-        return Touching(self.kinematics_and_shape, *parts)
+        return FollowerContact(self.kinematics_and_shape, *parts)
 
     @property
     def follower(self) -> Follower:
@@ -580,14 +580,14 @@ def flexible_shaft(
     -------
     Stability or NoStability
     """
-    from core.stability import coefficients_of_all, contact_forces, stability
+    from core.stability import contact_forces, shaft_coefficients, stability
 
     s = si(elastic)
     parts = (s.camshaft_inertia, s.stiffness, elastic.spring, elastic.spring_factor)
 
     def compute() -> Coefficients | NoStability:
         try:
-            return coefficients_of_all([drive.driven for drive in drives], turn, *parts)
+            return shaft_coefficients([drive.driven for drive in drives], turn, *parts)
         except NoStability as error:
             return error
 
@@ -606,3 +606,19 @@ def flexible_shaft(
         return stability(coefficients, elastic, omega, contact, followers)
     except NoStability as error:
         return error
+
+
+# -- whether the shaft has a torque and a speed ----------------------------------------------------------------
+
+
+def is_complete(camshaft: Camshaft[Any]) -> bool:
+    """Whether every drive of the shaft has a solution, the balance cam included."""
+    try:
+        return camshaft.load is not None
+    except NoSolution:
+        return False
+
+
+def has_speed(camshaft: Camshaft[Any]) -> bool:
+    """Whether the shaft has a true speed: every drive has a solution, and the motor does not stall."""
+    return is_complete(camshaft) and (not camshaft.levels_torque or camshaft.flywheel.runs)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from core.design import drive_names, only
 from core.errors import NoStability
 from core.shaft import Flywheel, levels
-from core.study.camshaft import Camshaft
+from core.study.camshaft import Camshaft, is_complete
 from core.study.drive_forces import DriveForces
 
 if TYPE_CHECKING:
@@ -88,3 +88,16 @@ class Study(DriveForces):
             problem = f"there is no steady response at η = {eta:.6g}, Q = {q:.6g}"
             raise NoStability(problem, "shaft.speed_rpm", "choose another speed")
         return stability.steady_turn
+
+
+def shaft_in_chart(study: Study) -> Stability | None:
+    """The flexible shaft that has a point in the chart of stability.
+
+    None where the shaft is rigid, nothing excites it, or one of several drives has no solution.
+    """
+    has_stage = "stability" in study.stages and (not study.design.listed or is_complete(study.camshaft))
+    shaft = study.stability if has_stage else None
+    try:
+        return shaft if shaft is not None and shaft.exact and shaft.machine else None
+    except NoStability:
+        return None
