@@ -29,7 +29,7 @@ from core.output.files.profile_files import SENSES
 from core.output.files.profile_request import ProfileRequest as Profile
 from core.output.summary import to_json
 from core.project.files import require_own_json, write_into
-from core.requests import require
+from core.requests import require_in_range
 from core.study import Study
 
 # -- the lift that a probe measures on the exact profile over the cam angle, with the band that a ---------------
@@ -235,7 +235,7 @@ def probing(study: Study, request: InspectionRequest) -> Probing:
     if name not in PROBES:
         raise KindynaError(f"probe {name!r}: none of that name; allowed: {', '.join(PROBES)}")
     kind = PROBES[name]
-    require(request)
+    require_in_range(request)
     radius = _radius(request, kind, own)
     on = side(study, study_flank(study, request.flank))
     direction = np.deg2rad(own_direction(study.design) if request.direction_deg is None else request.direction_deg)

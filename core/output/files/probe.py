@@ -17,7 +17,7 @@ from core.numerics.derivatives import cross, dot
 from core.numerics.lazy import checkpoint
 from core.output.files.profile_curve import CurveSamples, Exact
 from core.output.files.profile_request import flank_choice
-from core.requests import asked
+from core.requests import option
 
 # -- what a probe measures on the exact profile -----------------------------------------------------------------
 
@@ -293,22 +293,22 @@ class InspectionRequest:
                    has one, else 90
     """
 
-    probe: str | None = asked(
+    probe: str | None = option(
         choice("Probe", tuple(PROBES), default=None, help="what touches the cam"),
-        usual="as its own follower does",
+        default_text="as its own follower does",
         words={name: row.label.capitalize() for name, row in PROBES.items()},
     )
-    radius_mm: float | None = asked(
-        length("Radius", default=None, help="of a roller or ball"), usual="that of the cam's own follower"
+    radius_mm: float | None = option(
+        length("Radius", default=None, help="of a roller or ball"), default_text="that of the cam's own follower"
     )
     tolerance_mm: float = number("Tolerance", 0.0, 1e9, default=0.02, help="half the band, normal to the profile")
     samples: int = whole("Cam angles", 4, 1_000_000, default=360, help="equally spaced cam angles")
     flank: str = flank_choice()
-    direction_deg: float | None = asked(
+    direction_deg: float | None = option(
         number(
             "Direction",
             default=None,
             help="where the probe stands, seen from the cam centre, counter-clockwise from the x axis",
         ),
-        usual="as the follower, else 90",
+        default_text="as the follower, else 90",
     )

@@ -27,7 +27,7 @@ from core.output.files.made import FittedCurve, beside, cutting_side, exact_curv
 from core.output.files.profile_curve import MM, profile
 from core.output.files.profile_fit import FITS, Arcs, Cubics
 from core.output.files.profile_request import SAMPLINGS, ProfileRequest, rounded_up
-from core.requests import require as in_range
+from core.requests import require_in_range as in_range
 from core.study import Study
 
 # -- what a drawing of the profile holds, layer by layer --------------------------------------------------------

@@ -28,7 +28,7 @@ from core.output.files.profile_files import ProfileDrawing
 from core.output.files.profile_fit import Cubics
 from core.output.files.profile_request import ProfileRequest, flank_choice
 from core.project.files import read_bytes
-from core.requests import typed
+from core.requests import text_option
 from core.study import Study
 
 # -- what a drawing of a cam states in figures ------------------------------------------------------------------
@@ -267,9 +267,9 @@ class Logo:
 class Letterhead:
     """As text; logo: a file."""
 
-    author: str = typed("by whom", default="", metavar="TEXT")
-    company: str = typed("of which company", default="", metavar="TEXT")
-    logo: str = typed("its logo: PNG, JPEG or SVG", default="", metavar="FILE")
+    author: str = text_option("by whom", default="", metavar="TEXT")
+    company: str = text_option("of which company", default="", metavar="TEXT")
+    logo: str = text_option("its logo: PNG, JPEG or SVG", default="", metavar="FILE")
 
 
 def logo_of(head: Letterhead) -> tuple[Logo | None, str]:
@@ -332,7 +332,7 @@ class DrawingRequest(Letterhead):
 
     paper: str = choice("Paper", tuple(PAPERS), default="A4", help="size of the sheet, lying")
     flank: str = flank_choice()
-    date: str = typed("for the field of the title block, empty without it", default="", metavar="TEXT")
+    date: str = text_option("for the field of the title block, empty without it", default="", metavar="TEXT")
 
 
 # -- what stands on a sheet of paper ----------------------------------------------------------------------------
