@@ -205,8 +205,8 @@ def drawing(arguments: Any, painter: Painter | None) -> int:
         data = sheet_file(page, arguments.out.suffix.lower())
     write(arguments.out, data)
     print(arguments.out)
-    if page.lacking:
-        print(page.lacking, file=sys.stderr)
+    if page.missing:
+        print(page.missing, file=sys.stderr)
     return verdict(study, ("cam",))
 
 

@@ -223,7 +223,6 @@ def test_files_that_are_named_to_a_reader_are_there(page: str) -> None:
 
 UNDOCUMENTED: tuple[str, ...] = (
     "core/blend/",
-    "core/cam/",
     "core/commands/",
     "core/contour/",
     "core/design/",
@@ -235,12 +234,10 @@ UNDOCUMENTED: tuple[str, ...] = (
     "core/linkage_programs/",
     "core/measured/",
     "core/mechanism/",
-    "core/motion/",
     "core/numerics/",
     "core/output/",
     "core/output/controllers/",
     "core/output/explain/",
-    "core/output/files/",
     "core/output/graph/",
     "core/output/report/",
     "core/papers/",

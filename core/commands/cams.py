@@ -14,14 +14,14 @@ from core.design.fields import flag, number, whole
 from core.findings import ERROR
 from core.frozen import frozen
 from core.motion import degrees
-from core.output.files.files import FORMATS, facts_text, job_of, write_profile
+from core.output.files.files import FORMATS, facts_text, profile_job, write_profile
 from core.output.files.inspection import (
     Inspection,
     ProfileComparison,
     compare,
     facts,
     inspection,
-    measured_lift,
+    read_lift,
     require_name,
     write_inspection,
 )
@@ -110,7 +110,7 @@ def run_inspection(arguments: InspectionArguments, painter: Painter | None) -> i
     made, comparison = inspection(Study(load_one(arguments.design, arguments.drive)), arguments.request), None
     if arguments.measured is not None:
         comparison = compare(
-            made.probing, measured_lift(read_bytes(arguments.measured), arguments.measured.name), arguments.fit
+            made.setup, read_lift(read_bytes(arguments.measured), arguments.measured.name), arguments.fit
         )
     elif arguments.fit:
         print("--fit is left aside: there is no measured table", file=sys.stderr)
@@ -119,7 +119,7 @@ def run_inspection(arguments: InspectionArguments, painter: Painter | None) -> i
         print(to_json(facts(made, comparison)), end="")
     else:
         print("\n".join([*map(str, paths), *_lines(made, comparison)]))
-    findings = made.probing.findings if comparison is None else comparison.findings
+    findings = made.setup.findings if comparison is None else comparison.findings
     for finding in findings:
         print(finding_line(finding), file=sys.stderr)
     return DONE_WITH_ERRORS if any(finding.severity == ERROR for finding in findings) else DONE
@@ -127,26 +127,26 @@ def run_inspection(arguments: InspectionArguments, painter: Painter | None) -> i
 
 def _lines(made: Inspection, comparison: ProfileComparison | None) -> list[str]:
     """What the files hold."""
-    at = made.probing
+    at = made.setup
     size = f", radius {at.radius:.9g} mm" if at.kind.radius else ""
     lines = [
         f"{at.kind.label}{size}; lift 0 at {at.base:.9g} mm from the cam centre, largest {made.table.lift.max():.9g} mm",
     ]
     if comparison is None:
         return lines
-    row = comparison.worst
-    if comparison.fitted:
+    row = comparison.worst_row
+    if comparison.is_fitted:
         lines.append(
             f"fitted: cam angle = angle {comparison.angle_offset:+.6g} deg, lift = measured {-comparison.lift_offset:+.6g} mm"
         )
     band = at.request.tolerance_mm
     lines += [
         *(printable(note) for note in comparison.notes),
-        f"{comparison.lines.size} rows; largest deviation {comparison.normal[row]:+.4g} mm normal to the profile "
+        f"{comparison.lines.size} rows; largest deviation {comparison.normal_deviation[row]:+.4g} mm normal to the profile "
         f"({comparison.deviation[row]:+.4g} mm of lift) at {comparison.table.degrees[row]:.6g} deg, line {comparison.lines[row]}",
         f"in tolerance, ± {band:g} mm"
-        if comparison.in_tolerance
-        else f"OUT OF TOLERANCE, ± {band:g} mm, in {comparison.out.sum()} rows",
+        if comparison.is_in_tolerance
+        else f"OUT OF TOLERANCE, ± {band:g} mm, in {comparison.is_outside.sum()} rows",
     ]
     return lines
 
@@ -172,7 +172,7 @@ class ProfileArguments:
 def run_profile(arguments: ProfileArguments, painter: Painter | None) -> int:
     """The file, and the deviation that it reaches on the terminal."""
     study = one_studied(arguments.design, arguments.drive)
-    job = job_of(study, arguments.out, arguments.request)
+    job = profile_job(study, arguments.out, arguments.request)
     made, main = write_profile(job, arguments.out), job.main
     if arguments.json:
         print(facts_text(job, arguments.out), end="")

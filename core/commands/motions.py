@@ -16,8 +16,8 @@ from core.blend import (
     GOALS,
     MOTION_TYPES,
     SETTINGS,
-    Blended,
     BlendError,
+    BlendResult,
     Request,
     SequenceRequest,
     best,
@@ -25,9 +25,9 @@ from core.blend import (
     blend,
     blend_sequence,
 )
-from core.blend.best import into_design
+from core.blend.best import with_blend
 from core.blend.request import KINDS, LEAST_STROKE
-from core.blend.sequences import broken_at, type_of
+from core.blend.sequences import motion_type_of, sequence_error
 from core.commands import DONE, Painter
 from core.commands.common import as_json, design_file, drive_name, ending_with, pictures, sorted_by, verdict
 from core.contour import GAP_MM, MOST_GAP_MM, UNITS, read_contour, trace
@@ -118,9 +118,9 @@ def _curve(text: str) -> str:
 
 def _typed(sequence: str) -> tuple[str, str]:
     """The type of motion that a sequence is, and its constant velocity; empty where it is of none. Raises BlendError."""
-    if broken := broken_at(sequence):
+    if broken := sequence_error(sequence):
         raise BlendError(f"--sequence {sequence}: {broken}")
-    return type_of(sequence)
+    return motion_type_of(sequence)
 
 
 def _types_help() -> str:
@@ -216,7 +216,7 @@ def run_blend(arguments: BlendArguments, painter: Painter | None) -> int:
         whole = load(arguments.into)
         number = number_of(whole, arguments.drive)
         before = only(whole, number)
-        made = into_design(before, blended)
+        made = with_blend(before, blended)
         save(with_only(whole, number, made), arguments.into, in_place=True)
         beside = beside_text(before, made, blended)
     if arguments.out is not None:
@@ -235,7 +235,7 @@ def _require(missing: Sequence[str]) -> None:
         )
 
 
-def _of_a_type(arguments: BlendArguments, motion_type: str | None, constant: str) -> Blended:
+def _of_a_type(arguments: BlendArguments, motion_type: str | None, constant: str) -> BlendResult:
     """A motion of one of Yang's types. Raises BlendError."""
     wanted: dict[str, Any] = {name: getattr(arguments, name) for name in _WANTED} | {"type": motion_type}
     _require([f"--{name}" for name, value in wanted.items() if value is None])
@@ -253,7 +253,7 @@ def _of_a_type(arguments: BlendArguments, motion_type: str | None, constant: str
     return best(request, arguments.best) if arguments.best else blend(request)
 
 
-def _of_a_sequence(arguments: BlendArguments) -> Blended:
+def _of_a_sequence(arguments: BlendArguments) -> BlendResult:
     """Any curves of the table in a row; a stroke is that of the first rise, or return where there is none. Raises BlendError."""
     _require([f"--{name}" for name in ("start", "end") if getattr(arguments, name) is None])
     if arguments.point:
@@ -272,7 +272,7 @@ def _of_a_sequence(arguments: BlendArguments) -> Blended:
     return best_of_sequence(request, arguments.best) if arguments.best else blend_sequence(request)
 
 
-def _rank_blend(path: Path, arguments: BlendArguments, blended: Blended) -> int:
+def _rank_blend(path: Path, arguments: BlendArguments, blended: BlendResult) -> int:
     """Print the blend, and what it and all in its place cost in the design. Raises KindynaError."""
     from core.find import blend_candidates
 
@@ -280,7 +280,7 @@ def _rank_blend(path: Path, arguments: BlendArguments, blended: Blended) -> int:
         raise BlendError("--rank: a blend is ranked in a design, nothing is written; leave --into and --out out")
     whole = load(path)
     design = only(whole, number_of(whole, arguments.drive))
-    candidates = blend_candidates(blended, partial(into_design, design), arguments.best or "")
+    candidates = blend_candidates(blended, partial(with_blend, design), arguments.best or "")
     figures, rows = rows_of(design, candidates, arguments.by)
     if arguments.json:
         ranking = [{"blend": row.name, **data_of(figures, row)} for row in rows]

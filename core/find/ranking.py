@@ -12,7 +12,7 @@ from functools import partial
 from itertools import groupby
 from math import isnan
 
-from core.blend import Blended, Request, best, blend, sequences
+from core.blend import BlendResult, Request, best, blend, sequences
 from core.cam import form_row
 from core.design import Design, NamedCurve, Segment, edited, faults, split_unit
 from core.errors import DesignError, KindynaError, NoSolution
@@ -227,7 +227,9 @@ def _with_law(design: Design, numbers: Sequence[int], slug: str) -> Design:
 # -- blends ------------------------------------------------------------------------------------------------
 
 
-def blend_candidates(blended: Blended, place: Callable[[Blended], Design], goal: str = "") -> dict[str, Candidate]:
+def blend_candidates(
+    blended: BlendResult, place: Callable[[BlendResult], Design], goal: str = ""
+) -> dict[str, Candidate]:
     """The blend itself, every other sequence that answers the same request, and every law for rises and returns in place of each stroke.
 
     place  puts a blend into the design; goal: what the blend makes least, empty where its settings leave nothing free

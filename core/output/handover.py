@@ -28,7 +28,7 @@ from core.output.controllers.rows import controller
 from core.output.controllers.slave import EcamRequest, slave_of
 from core.output.controllers.table import ecam
 from core.output.files.files import files as profile_files
-from core.output.files.files import job_of
+from core.output.files.files import profile_job
 from core.output.files.inspection import files as inspection_files
 from core.output.files.inspection import inspection as inspection_of
 from core.output.files.probe import InspectionRequest
@@ -429,7 +429,7 @@ def _makers(
 def _profile(study: Study, folder: str, of: str, request: HandoverRequest, ending: str) -> list[HandoverFile]:
     path = Path(f"profile{ending}")
     fit = "arcs" if ending == ".nc" else ""
-    job = job_of(study, path, ProfileRequest(tolerance_mm=request.error_mm, fit=fit))
+    job = profile_job(study, path, ProfileRequest(tolerance_mm=request.error_mm, fit=fit))
     deviation = float(profile_facts(job)["deviation_mm"]), "mm"
     return [
         HandoverFile(
@@ -444,7 +444,7 @@ def _profile(study: Study, folder: str, of: str, request: HandoverRequest, endin
 
 def _inspection(study: Study, folder: str, of: str) -> list[HandoverFile]:
     made = inspection_of(study, InspectionRequest())
-    if wrong := [each.message for each in made.probing.findings if each.severity == ERROR]:
+    if wrong := [each.message for each in made.setup.findings if each.severity == ERROR]:
         raise KindynaError(wrong[0])
     texts = inspection_files(made, Path("inspection.csv"))
     words = {"inspection.csv": f"lift that a probe measures on the cam{of}, with its tolerance"}

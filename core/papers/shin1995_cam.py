@@ -60,7 +60,7 @@ def centre(examples: Examples) -> dict[str, np.ndarray]:
     zxy = abs(pivot)
     along = pivot / zxy
     turn = study.linkage.coordinates["phi"][1]
-    against = -shape.sense * turn
+    against = -shape.rotation_sign * turn
     q = (shape.centre.finite * along.conjugate()).real
     with np.errstate(divide="ignore", invalid="ignore"):
         printed, corrected = zxy * turn / (1.0 + turn), zxy * against / (1.0 + against)
@@ -310,7 +310,7 @@ def drive_torque(examples: Examples) -> Numbers:
     """(27): R x F_c against the power that the follower takes, T_L φ̇/ω."""
     study = examples.study(LIFT)
     force = study.dynamics.contact * study.cam.flank.normal
-    crossed = -study.cam.sense * cross(study.cam.reference, force)
+    crossed = -study.cam.rotation_sign * cross(study.cam.reference, force)
     power = study.dynamics.follower_torque * study.linkage.coordinates["phi"][1]
     return {
         "off": max(_torque_error(crossed, study.dynamics.torque), _torque_error(power, study.dynamics.torque)),

@@ -70,17 +70,17 @@ def crossings(study: Study, flank: str) -> tuple[cam.Crossing, ...]:
 
     corners = [join.theta for join in study.program.joins if join.jumps[1]]
 
-    def reversed_between(first: float, second: float) -> bool:
+    def is_reversed_between(first: float, second: float) -> bool:
         """On the shorter way; a corner of the pitch curve counts as an undercut."""
         ends = (first, second) if second - first <= 0.5 * TURN else (second, first + TURN)
         if any(ends[0] <= corner + turns <= ends[1] for corner in corners for turns in (0.0, TURN)):
             return True
-        return bool(checks.reversed_at(flank_at(np.linspace(*ends, _SAMPLES) % TURN)).any())
+        return bool(checks.is_reversed(flank_at(np.linspace(*ends, _SAMPLES) % TURN)).any())
 
     def compute() -> tuple[cam.Crossing, ...]:
         angles = piecewise_angles(study.program)
         profile = study.at(angles).cam.only(flank).flank.profile
-        return checks.without_undercut(cam.crossings(flank_at, angles.theta, profile), reversed_between)
+        return checks.without_undercut(cam.crossings(flank_at, angles.theta, profile), is_reversed_between)
 
     found: tuple[cam.Crossing, ...] = memory.get(("crossings", flank), study.depends_on("cam"), compute)
     return found
@@ -143,13 +143,13 @@ def _distances(study: Study) -> Mapping[str, np.ndarray]:
 def _core_findings(study: Study) -> list[Finding]:
     """Of hub, bore and keyway."""
     blank = study.design.drive.cam
-    if checks.cores(blank):
+    if checks.inner_circles(blank):
         first = cam_extremes(study)["radius"].low
-        found = checks.core_findings(first, blank)
+        found = checks.hub_findings(first, blank)
         if not found and first.value <= checks.keyway_reach(blank):
 
             def wall(angles: Angles) -> Mapping[str, np.ndarray]:
-                return {"wall": checks.over_keyway(study.at(angles).cam.flank.profile, blank)}
+                return {"wall": checks.keyway_clearance(study.at(angles).cam.flank.profile, blank)}
 
             found = checks.keyway_findings(find_extremes(wall, study.program)["wall"].low, blank)
         if found:
@@ -238,9 +238,9 @@ def _shape_rows(study: Study, stages: Sequence[str]) -> Iterator[LimitRow]:
                 row = row._replace(limit=cam.PRESSURE_LIMITS[study.held_by(body)])
             yield row
     for radius in radii(study):
-        sort = "concave" if radius.hollow else "convex"
+        sort = "concave" if radius.is_concave else "convex"
         label = f"Smallest {sort} radius {_CURVES[radius.curve]}"
-        key = f"{sort}_radius_mm" if radius.of_profile else ""
+        key = f"{sort}_radius_mm" if radius.is_on_profile else ""
         yield _row(study, key, label, 1e3 * radius.smallest.value, radius.smallest, f"{radius.name}_mm")
     if "dynamics" in stages or not by_torque(study):
         least = nearest(study)

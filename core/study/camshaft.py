@@ -523,3 +523,19 @@ def flexible_shaft(
         return made if isinstance(made, NoStability) else stability(made, elastic, omega, contact, followers)
     except NoStability as error:
         return error
+
+
+# -- whether the shaft has a torque and a speed ----------------------------------------------------------------
+
+
+def is_complete(camshaft: Camshaft[Any]) -> bool:
+    """Whether every drive of the shaft has a solution, the balance cam included."""
+    try:
+        return camshaft.load is not None
+    except NoSolution:
+        return False
+
+
+def has_speed(camshaft: Camshaft[Any]) -> bool:
+    """Whether the shaft has a true speed: every drive has a solution, and the motor does not stall."""
+    return is_complete(camshaft) and (not camshaft.levelled or camshaft.flywheel.runs)

@@ -356,7 +356,7 @@ class DriveStudy:
                 "cam", cam.envelope, self.linkage, self.design.drive.face, self.design.drive.bare_cam, self.sense
             )
             if self._given is None and self.mechanism.ranged:
-                cam.require_hold(self.linkage, self.design.drive.face.noun, shape)
+                cam.require_drivable(self.linkage, self.design.drive.face.noun, shape)
             return shape
 
     @property

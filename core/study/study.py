@@ -23,7 +23,7 @@ from core.numerics.roots import gauss
 from core.shaft import Flywheel, levels
 from core.shaft.speed import MotorLoad, best_ratio, lever, motor_load, motor_torque, moved
 from core.stress import Pairing
-from core.study.camshaft import Camshaft
+from core.study.camshaft import Camshaft, is_complete
 from core.study.drive_study import DriveStudy
 from core.study.stages import memory
 
@@ -107,6 +107,17 @@ class Study(DriveStudy):
                 "take another speed",
             )
         return found.steady_turn
+
+
+def shaft_in_chart(study: Study) -> Stability | None:
+    """The flexible shaft that has a point in the chart of stability; None where the shaft is rigid, nothing excites it, or one of
+    several drives has no solution."""
+    has_stage = "stability" in study.stages and (not study.design.listed or is_complete(study.camshaft))
+    shaft = study.stability if has_stage else None
+    try:
+        return shaft if shaft is not None and shaft.exact and shaft.machine else None
+    except NoStability:
+        return None
 
 
 # -- the servo of a drive ---------------------------------------------------------------------------------------

@@ -82,7 +82,7 @@ class DrawingDialog(ComputedDialog):
 
     def show_made(self, made: DrawingSheet | None) -> str:
         self.picture.show_sheet(made)
-        return "" if made is None else "\n".join(filter(None, (made.about, made.lacking)))
+        return "" if made is None else "\n".join(filter(None, (made.about, made.missing)))
 
 
 def _computed(design: Design, request: DrawingRequest) -> DrawingSheet:

@@ -9,7 +9,7 @@ from pathlib import Path
 from PySide6.QtWidgets import QComboBox, QWidget
 
 from core.design import Design
-from core.output.files.files import FORMATS, job_of
+from core.output.files.files import FORMATS, profile_job
 from core.output.files.profile_files import ProfileDrawing
 from core.output.files.profile_fit import FITS
 from core.output.files.profile_request import Machining, ProfileRequest, rounded_up
@@ -68,7 +68,7 @@ class ProfileDialog(ComputedDialog):
 
 
 def _computed(design: Design, ending: str, request: ProfileRequest) -> Preview:
-    return preview(job_of(Study(design), Path(f"profile{ending}"), request))
+    return preview(profile_job(Study(design), Path(f"profile{ending}"), request))
 
 
 def _summary(job: ProfileDrawing) -> str:

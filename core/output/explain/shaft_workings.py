@@ -29,12 +29,13 @@ from core.output.explain.letters import (
     other,
     speed_field,
 )
-from core.output.summary import answers, flywheel, runs, shaft_in_chart
+from core.output.summary import flywheel
 from core.shaft.flywheel import energy_range, motor_inertia
 from core.shaft.speed import lever, moved
 from core.stress import RollerLife
 from core.study import Camshaft, Study, roller_lives
-from core.study.study import load_of, ratings, servo_part
+from core.study.camshaft import has_speed, is_complete
+from core.study.study import load_of, ratings, servo_part, shaft_in_chart
 from core.units import NO_UNIT, Unit
 
 if TYPE_CHECKING:
@@ -137,7 +138,7 @@ def _life_letters(study: Study) -> tuple[Letter, ...]:
 
 
 def _of_shaft(study: Study) -> bool:
-    return study.design.listed and answers(study.camshaft)
+    return study.design.listed and is_complete(study.camshaft)
 
 
 def _rms_letters(study: Study) -> tuple[Letter, ...]:
@@ -269,7 +270,7 @@ def shaft_columns(study: Study) -> Mapping[str, ShaftColumn]:
     drives = [name for name in camshaft.carried if name not in camshaft.failures]
     balanced = camshaft.design.balancer is not None
     rows: dict[str, ShaftColumn] = {}
-    if answers(camshaft):
+    if is_complete(camshaft):
         rows["torque_nm"] = ShaftColumn(
             "Torque of the shaft",
             torque,
@@ -283,7 +284,7 @@ def shaft_columns(study: Study) -> Mapping[str, ShaftColumn]:
         rows["balancer_torque_nm"] = ShaftColumn(
             "Torque of the balance cam", torque, lambda there: there.balancer_torque, _balancer_peak, _sum([], True)
         )
-    if runs(camshaft):
+    if has_speed(camshaft):
         rows["motor_torque_nm"] = ShaftColumn(
             "Torque of the motor", torque, lambda there: there.motor_torque,
             lambda shaft: _greatest(shaft.motor_range["motor_torque"]), lambda there: _motor(study, there)

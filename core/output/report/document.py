@@ -14,7 +14,7 @@ from core.design.fields import choice
 from core.findings import ERROR, NOTE, WARNING
 from core.frozen import frozen
 from core.output.files.cam_drawing import mechanism_text
-from core.output.files.sheet import Letterhead, Logo, logo_of
+from core.output.files.sheet import Letterhead, Logo, read_logo
 from core.output.lines import printable
 from core.output.report import sections as of_study
 from core.output.report.chapters import CHAPTERS, SHAFT, Subject, sections_of, subject_of
@@ -102,7 +102,7 @@ def document(study: Study, parts: Collection[str] = tuple(PARTS), cover: Cover =
     whole = subject_of(study, parts)
     sections = sections_of(CHAPTERS, whole)
     rows = (*cover.rows, *_title_rows(whole))
-    return Document(printable(study.design.name), rows, tuple(sections), cover.paper, *logo_of(cover))
+    return Document(printable(study.design.name), rows, tuple(sections), cover.paper, *read_logo(cover))
 
 
 # -- title block --------------------------------------------------------------------------------------------

@@ -12,8 +12,9 @@ from core.design import NamedCurve
 from core.frozen import frozen
 from core.laws import FLAT_FORMULA, FLAT_WHERE, named_law
 from core.output.report.formula import mathml
-from core.output.summary import flywheel, shaft_in_chart
+from core.output.summary import flywheel
 from core.study import Study, names_of, roller_lives
+from core.study.study import shaft_in_chart
 
 LOWERED = str.maketrans("0123456789aehijklmnoprstuvx", "₀₁₂₃₄₅₆₇₈₉ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ")
 _INDEX = re.compile(r"(?<=\w)_(\w+)")

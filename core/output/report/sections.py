@@ -20,7 +20,7 @@ from core.output.load_text import ROW, row_title
 from core.output.report.equations import equations_of
 from core.output.report.parts import Block, Cell, Number, ReportTable, Section, Sentences, section, table
 from core.output.subject_files import elastic_lines, lift_off_lines
-from core.output.summary import extremes, joins, mechanism, shaft_in_chart, stability
+from core.output.summary import extremes, joins, mechanism, stability
 from core.output.summary import flywheel as flywheel_of
 from core.output.summary import torque as torque_of
 from core.output.timing import event_rows
@@ -28,6 +28,7 @@ from core.project.reading_faults import reason, reasons_of
 from core.shaft import levels, peaks
 from core.study import Camshaft, Quantity, Study, certificate_of, findings_of, quantity_requests, roller_lives
 from core.study.cam_checks import limit_rows, pressure_angles
+from core.study.study import shaft_in_chart
 
 if TYPE_CHECKING:
     from core.stability import SteadyTurn

@@ -216,7 +216,7 @@ class Geometry:
     def face_held(self) -> complex:
         """From where the follower holds its face, in the frame of the follower's body [mm]: its reference point, of a face
         without a round the middle of its back."""
-        return 0j if self._face is None or self.face_radius else self._face.held * MM
+        return 0j if self._face is None or self.face_radius else self._face.attachment * MM
 
     def handles(self, index: int) -> dict[str, complex]:
         """Where what may be drawn elsewhere stands at a sample [mm]: the points of bodies by their names, the middle of a

@@ -16,8 +16,8 @@ from PySide6.QtWidgets import QGraphicsView, QVBoxLayout, QWidget
 from core.design import UNITS
 from core.frozen import frozen
 from core.output.report.parts import ReportPicture
-from core.output.summary import runs
 from core.study import Study
+from core.study.camshaft import has_speed
 from core.study.quantities import member_of
 from kindyna_gui.pictures.drawing.assembly import Assembly
 from kindyna_gui.pictures.files import CAM, FORCES, MOTION, MechanismSheet, PlotStack, plot_rows, report_scene
@@ -156,7 +156,7 @@ def _torque(study: Study, theme: Theme, part: float) -> Vector:
     sums = [("Shaft", shaft.torque, theme.ink)]
     if shaft.design.balancer is not None:
         drives.append(("Balance cam", shaft.balancer_torque, BALANCE))
-    running = shaft.levelled and runs(shaft)
+    running = shaft.levelled and has_speed(shaft)
     if running:
         sums.append(("Motor", shaft.motor_torque, FAMILIES["torque"]))
     plots = [("Drives, N·m", drives), ("Shaft, N·m", sums)]

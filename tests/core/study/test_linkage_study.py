@@ -319,7 +319,7 @@ def test_a_group_is_found_at_every_position_up_to_its_dead_centres() -> None:
 
 def test_the_lift_seen_as_a_linkage_gets_the_lifts_cam() -> None:
     ours, theirs = study_of(example("cam_slider_linkage"), 720), Study(LIFT, 720)
-    assert ours.cam.sense == theirs.cam.sense
+    assert ours.cam.rotation_sign == theirs.cam.rotation_sign
     for name in (
         "pitch",
         "profile",

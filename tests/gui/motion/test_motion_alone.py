@@ -97,7 +97,7 @@ def test_an_indexer_is_begun(user: User) -> None:
         dialog.form.boxes["dwell_deg"].setValue(100.0)
         assert not dialog.accept_button.isEnabled()
         assert "whole" not in dialog.told.text()
-        assert "index angle and dwell make 370" in dialog.told.text()
+        assert "index angle and dwell add up to 370" in dialog.told.text()
         dialog.form.boxes["index_deg"].setValue(260.0)
         assert "advance 45" in dialog.told.text()
         next(b for b in dialog.findChildren(QPushButton) if b.text() == "Copy as command").click()
