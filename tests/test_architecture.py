@@ -243,7 +243,6 @@ UNDOCUMENTED: tuple[str, ...] = (
     "core/papers/",
     "core/project/",
     "core/shaft/",
-    "core/stability/",
     "core/study/",
     "core/varying/",
     "core/elastic.py",

@@ -29,8 +29,8 @@ from core.papers.kim1990_chart import EXAMPLE, require_kim
 from core.project import load
 from core.project.files import write_into
 from core.requests import number_reader, option, text_option
-from core.stability import ETA_MAX, Stability, flexible
-from core.stability.critical_speeds import USUAL_ETA, USUAL_Q, Machine
+from core.stability import ETA_MAX, Stability, with_flexible_shaft
+from core.stability.critical_speeds import TYPICAL_ETA, TYPICAL_Q, Machine
 from core.study import Study, findings_of
 from core.units import NO_UNIT, UNITS
 
@@ -154,7 +154,7 @@ class StabilityArguments:
         metavar="RPM",
     )
     guess: bool = flag(
-        "Guess", help=f"where the shaft is rigid, take a usual one, Q = {USUAL_Q:g} and η = {USUAL_ETA:g}"
+        "Guess", help=f"where the shaft is rigid, assume a typical one, Q = {TYPICAL_Q:g} and η = {TYPICAL_ETA:g}"
     )
     claims: bool = flag(
         "Claims",
@@ -171,7 +171,7 @@ def run_stability(arguments: StabilityArguments, painter: Painter | None) -> int
     study = Study(design)
     require_shaft(study)
     if arguments.guess and design.camshaft.elastic is None:
-        study = Study(flexible(design, study.linkage, study.loading, study.omega))
+        study = Study(with_flexible_shaft(design, study.linkage, study.loading, study.omega))
     try:
         shaft = study.flexible_shaft()
     except NoStability as error:

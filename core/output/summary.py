@@ -275,7 +275,7 @@ def verdict_rows(verdicts: Sequence[Verdict]) -> list[dict[str, Any]]:
             "trace": verdict.trace,
             "growth_percent_per_turn": round(100.0 * math.expm1(verdict.growth), 6),
             "largest_wind_up_deg": 360.0 * verdict.largest,
-            "leaves_cam_at_turns": verdict.lost,
+            "leaves_cam_at_turns": verdict.contact_lost,
             **({"leaves_cam": verdict.leaving} if verdict.leaving else {}),
         }
         for verdict in verdicts

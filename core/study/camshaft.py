@@ -24,7 +24,7 @@ from core.study.drive_study import DriveStudy
 from core.study.stages import evaluations, memory
 
 if TYPE_CHECKING:
-    from core.stability import Coefficients, DrivenMechanism, Follower, Stability, Touching
+    from core.stability import Coefficients, DrivenMechanism, Follower, FollowerContact, Stability
     from core.stability.coefficients import Sizes
     from core.stability.windup import ShaftContacts
 
@@ -478,13 +478,13 @@ class ShaftDrive:
             self.kinematics, study.loading, study.program, self.own, self.place.rotation_sign, self.path
         )
 
-    def touching(self, sizes: Sizes | None) -> Touching:
+    def touching(self, sizes: Sizes | None) -> FollowerContact:
         """sizes: those of all together, where it is the only one."""
-        from core.stability import Touching, own_sizes
+        from core.stability import FollowerContact, driven_sizes
 
-        study, sizes = self.study, sizes or own_sizes(self.driven)
+        study, sizes = self.study, sizes or driven_sizes(self.driven)
         parts = (study.loading, study.program, sizes, self.own, self.place.rotation_sign, self.name, self.number)
-        return Touching(self.kinematics_and_shape, *parts)
+        return FollowerContact(self.kinematics_and_shape, *parts)
 
     @property
     def follower(self) -> Follower:
@@ -500,14 +500,14 @@ def flexible_shaft(
     carried: Sequence[ShaftDrive], turn: Any, elastic: ElasticShaft, omega: float
 ) -> Stability | NoStability:
     """The stability of the shaft at a speed [rad/s], or why there is none; turn: its pieces, in none of which a drive has a join."""
-    from core.stability import coefficients_of_all, contact_forces, stability
+    from core.stability import contact_forces, shaft_coefficients, stability
 
     s = si(elastic)
     parts = (s.camshaft_inertia, s.stiffness, elastic.spring, elastic.spring_factor)
 
     def compute() -> Coefficients | NoStability:
         try:
-            return coefficients_of_all([each.driven for each in carried], turn, *parts)
+            return shaft_coefficients([each.driven for each in carried], turn, *parts)
         except NoStability as error:
             return error
 

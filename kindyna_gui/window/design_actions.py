@@ -361,13 +361,13 @@ class DesignActions(QObject):
 
     def make_flexible(self) -> None:
         """Give the shaft an elasticity to begin with, all of it assumed; where it has one, bring it before the reader."""
-        from core.stability import flexible
+        from core.stability import with_flexible_shaft
 
         if self._elastic is None:
             try:
                 turned_shaft(self._session.whole_study, NO_SHAFT)
                 design, study = self._session.design, self._session.study
-                changed = flexible(design, study.linkage, study.loading, study.omega)
+                changed = with_flexible_shaft(design, study.linkage, study.loading, study.omega)
             except KindynaError as error:
                 self.status_message.emit(reason(self._session.design, error))
                 return
