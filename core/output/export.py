@@ -18,7 +18,7 @@ from core.numerics.lazy import checkpoint
 from core.output.channels import ANGLES, channels, existing
 from core.output.summary import summary, to_json
 from core.project.files import write_into
-from core.requests import asked
+from core.requests import option
 from core.study import Camshaft, Study
 from core.study.camshaft import has_speed, is_complete
 from core.study.quantities import DYNAMICS, KINEMATICS, LINKAGE, ORBIT, PROFILE, SERVO
@@ -252,11 +252,11 @@ LEAST_DELAY = 20  # a viewer plays what is shorter at a speed of its own
 class Film:
     """What is wanted: ``.gif`` or ``.webp``, frames of the turn, size in pixels, seconds of the turn."""
 
-    ending: str = asked(choice("Format", tuple(FORMATS), default=".gif"), None, words=FORMATS)
-    frames: int = asked(whole("Frames per turn", 2, 360, default=72), help="per turn")
+    ending: str = option(choice("Format", tuple(FORMATS), default=".gif"), None, words=FORMATS)
+    frames: int = option(whole("Frames per turn", 2, 360, default=72), help="per turn")
     width: int = 800
     height: int = 600
-    seconds: float = asked(number("One turn takes, s", 0.2, 600.0, default=4.0), None)
+    seconds: float = option(number("One turn takes, s", 0.2, 600.0, default=4.0), None)
 
     @property
     def delays(self) -> list[int]:

@@ -28,7 +28,7 @@ from core.study.extremes import extremes_of, has_quantity
 from core.study.quantities import names_of, quantities_of, quantity
 from core.study.quantity_requests import borne
 from core.study.study import Study
-from core.units import kind_of, split_unit
+from core.units import quantity_kind, split_unit
 
 # -- the user's own limits that bound quantities ----------------------------------------------------------------
 
@@ -52,10 +52,10 @@ def stage_of(key: str) -> str:
 def bounded(design: Design, key: str) -> tuple[str, ...]:
     """The quantities that a limit bounds in a design: those that it has and that measure the same, for a follower's jerk is one of
     lengths or of angles."""
-    kind = kind_of(split_unit(key)[1].symbol)
+    kind = quantity_kind(split_unit(key)[1].symbol)
     there = (name for name in OWN_BOUNDS[key][1].quantities if name in names_of(design))
     slugs = {name: quantity(name).slug.format(m=design.drive.motion_unit) for name in there}
-    return tuple(name for name, slug in slugs.items() if kind_of(split_unit(slug)[1].symbol) == kind)
+    return tuple(name for name, slug in slugs.items() if quantity_kind(split_unit(slug)[1].symbol) == kind)
 
 
 def worst_of(study: Study, stage: str) -> Iterator[tuple[str, float, Extreme]]:
