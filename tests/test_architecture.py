@@ -242,15 +242,10 @@ UNDOCUMENTED: tuple[str, ...] = (
     "core/papers/",
     "core/project/",
     "core/shaft/",
-    "core/stability/",
     "core/study/",
     "core/varying/",
     "core/elastic.py",
     "core/findings.py",
-    "core/frozen.py",
-    "core/process.py",
-    "core/requests.py",
-    "core/units.py",
 )
 """Rooms and modules whose docstrings are still to be written in sections; each that is done leaves this list."""
 

@@ -345,7 +345,7 @@ def fitted(examples: Examples) -> Study:
 
     def make() -> Study:
         study = examples.study(LIFT)
-        if study.levelled:
+        if study.levels_torque:
             return study
         needed = study.flywheel.needed_inertia
         shaft = replace(shaft_of(study), flywheel_inertia_kg_m2=needed)

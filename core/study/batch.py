@@ -25,14 +25,15 @@ from core.numerics.lazy import at_angles_of, column, design_by_design, taken
 from core.shaft import Flywheel, LoadCurve, combined, panel_angles, peaks, rms
 from core.shaft.curve import NODES, fitted, nodes, value
 from core.shaft.flywheel import energy_ranges
-from core.study.extremes import exists, extremes_of, undercut_on
+from core.study.drive_forces import load_ratings, roller_force, roller_speed
+from core.study.extremes import extremes_of, has_quantity, undercut_on
 from core.study.highest import nodes_of
 from core.study.limits import SPEEDS
 from core.study.quantities import OF_MOTOR, quantities_of, quantity
 from core.study.quantity_requests import ENERGY, LIFE, TOTALS, Asked, infos_of, mean_of, of_range
-from core.study.stages import Switch, switches_of
+from core.study.stages import Switch, friction_switches
 from core.study.stages_of_many import NO_VALUE, UNDERCUT, Results, Together
-from core.study.study import Study, pressing, ratings, roller_speed
+from core.study.study import Study
 
 # -- A block of many designs ------------------------------------------------------------------------------------
 
@@ -357,7 +358,7 @@ def _asked_of_one(study: Study, asked: Asked) -> tuple[float, float]:
         return total, np.nan
     if row is None:
         return OF_LOAD[asked.of](study.camshaft.load, study.design.camshaft)
-    if not exists(study, row) or quantities_of(study, row.stage)[row.name].turns:
+    if not has_quantity(study, row) or quantities_of(study, row.stage)[row.name].turns:
         raise _NoValue(UNDERCUT if row.fitting else NO_VALUE)
     if asked.of in ("rms", "mean"):
         angles, weight = nodes_of(study.program)
@@ -386,11 +387,11 @@ Places = tuple[np.ndarray, np.ndarray, Angles]
 
 
 def loads(one: Together) -> list[LoadCurve | None]:
-    """The load of each design by its cam's angle, as ``fitted_load`` has it; None where it is not finite."""
+    """The load of each design by its cam's angle, as ``fit_load_curve`` has it; None where it is not finite."""
     slides = [f for f in one.loading.frictions if one.mechanism.joined[f.pair].kind == SLIDING]
     switches = [
         one.reader(f"switch {i}", partial(_switch, switch))
-        for i, switch in enumerate(switches_of(one.loading, slides, one.holds))
+        for i, switch in enumerate(friction_switches(one.loading, slides, one.is_form_closed))
     ]
     rows = [
         one.reader("torque of the shaft", lambda there: there.shaft_torque),
@@ -470,7 +471,7 @@ def _curve(one: Together, k: int, place: Places, values: np.ndarray) -> LoadCurv
         width = ends - start
     torque, inertia = (row.reshape(-1, NODES) for row in values)
     curve = fitted(start, width, torque, inertia)
-    turning = Study(one.plain).turning
+    turning = Study(one.plain).turn_sign
     return curve if turning > 0.0 else combined([(curve, ShaftPosition(0.0, turning))])
 
 
@@ -516,13 +517,13 @@ OF_LOAD: dict[str, Callable[[LoadCurve, Shaft], tuple[float, float]]] = {
 
 def lives(one: Together) -> np.ndarray:
     """L10 [h] of the shortest-lived roller of each design (m,), as ``roller_lives`` has them, of an open cam; NaN where none is rated."""
-    rated = {} if one.loading.empty else ratings(Study(one.design))
+    rated = {} if one.loading.empty else load_ratings(Study(one.design))
     if not rated:
         return np.full(one.count, np.nan)
 
     names = []
     for roller in rated:
-        names.append(one.reader(f"force {roller}", partial(pressing, roller=roller)))
+        names.append(one.reader(f"force {roller}", partial(roller_force, roller=roller)))
         names.append(one.reader(f"speed {roller}", partial(_speed, roller)))
     angles, weight = stress.turn_quadrature(one.program, (), LIFE_PANEL)
     values = np.array(_values(one, names, [(k, angles) for k in range(one.count)]))

@@ -235,7 +235,7 @@ def _shape_rows(study: Study, stages: Sequence[str]) -> Iterator[LimitRow]:
                 f"{name}_{stretch}_deg",
             )
             if body is not None and row.source != OWN:
-                row = row._replace(limit=cam.PRESSURE_LIMITS[study.held_by(body)])
+                row = row._replace(limit=cam.PRESSURE_LIMITS[study.frame_pair_kind(body)])
             yield row
     for radius in radii(study):
         sort = "concave" if radius.is_concave else "convex"

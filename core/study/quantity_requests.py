@@ -15,10 +15,11 @@ from core.findings import Finding
 from core.motion.extremes import Extreme
 from core.stress import RollerLife
 from core.study.camshaft import Camshaft
-from core.study.extremes import extremes_of, fits
+from core.study.drive_forces import PRESSURES, load_ratings, pairings, roller_force, roller_speed
+from core.study.extremes import extremes_of, has_undercut
 from core.study.quantities import names_of, quantity
 from core.study.stages import memory
-from core.study.study import PRESSURES, Study, pairings, pressing, ratings, roller_speed
+from core.study.study import Study
 from core.units import split_unit
 
 # -- stress where the follower touches the cam, over the turn of a study ----------------------------------------
@@ -27,7 +28,7 @@ from core.units import split_unit
 def worst(study: Study) -> Mapping[str, Extreme]:
     """First flank of each roller -> the greatest contact pressure [Pa], refined; empty where there is none."""
     there = pairings(study)
-    if not there or study.loading.empty or study.jam is not None or not fits(study):
+    if not there or study.loading.empty or study.jam is not None or has_undercut(study):
         return {}
     names = {flank: name for flank, name in PRESSURES.items() if flank in there}
     found = extremes_of(study, "dynamics", tuple(names.values()))
@@ -44,7 +45,7 @@ def findings(study: Study) -> list[Finding]:
     there = pairings(study)
     if not there:
         return []
-    if not fits(study):
+    if has_undercut(study):
         return (
             [stress.undercut_finding(drive.face.noun, drive.limits)]
             if stress.is_stress_requested(drive.cam, drive.limits)
@@ -62,7 +63,7 @@ def borne(study: Study) -> tuple[float | None, str]:
 
 def roller_lives(study: Study) -> tuple[RollerLife, ...]:
     """The life of every roller whose load rating is stated; none where nothing loads the cam, or friction jams."""
-    stated = ratings(study)
+    stated = load_ratings(study)
     if not stated or study.loading.empty or study.jam is not None:
         return ()
 
@@ -72,7 +73,7 @@ def roller_lives(study: Study) -> tuple[RollerLife, ...]:
         found = []
         for roller, rating in stated.items():
             speed = roller_speed(there, roller) / study.omega
-            figures = stress.rolling_life(rating, pressing(there, roller), speed, weight, study.omega)
+            figures = stress.rolling_life(rating, roller_force(there, roller), speed, weight, study.omega)
             found.append(RollerLife(roller, *(float(figure) for figure in figures)))
         return tuple(found)
 
@@ -221,7 +222,7 @@ def travel(camshaft: Camshaft[Study], name: str) -> tuple[np.ndarray, np.ndarray
 
     s = y of what slides; s = l φ of what swings, l the length of the roller's arm.
     """
-    there, length = camshaft.there(name), lever(camshaft.drives[name])
+    there, length = camshaft.drive_study(name), lever(camshaft.drives[name])
     assert length is not None, name
     first, second, third = (quantity(key).value(there) * length for key in OUTPUTS)
     return first, second, third

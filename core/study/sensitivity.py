@@ -10,7 +10,7 @@ import numpy as np
 from core.design import get
 from core.motion import Angles
 from core.motion.extremes import Extreme
-from core.study.extremes import exists, extremes_of
+from core.study.extremes import extremes_of, has_quantity
 from core.study.quantities import quantity
 from core.study.quantity_requests import Asked, asked_of, infos_of
 from core.study.study import Study
@@ -110,7 +110,7 @@ def _at_extremes(
     ends: dict[int, list[tuple[str, float]]] = {}
     for i in chosen:
         row = quantity(asked[i].name)
-        there = exists(study, row) and not (row.stage == "dynamics" and study.jam is not None)
+        there = has_quantity(study, row) and not (row.stage == "dynamics" and study.jam is not None)
         sides = _ENDS[asked[i].of](extremes_of(study, row.stage, (row.name,))[row.name]) if there else []
         if any(not np.isfinite(side.value) for side in sides):
             sides = []

@@ -225,7 +225,7 @@ class Together:
         self.reason[which & (self.reason == "")] = code
 
     @property
-    def holds(self) -> bool:
+    def is_form_closed(self) -> bool:
         """Whether the cam holds the follower from both sides."""
         return self.plain.drive.cam is not None and bool(self.plain.drive.cam.form.holds)
 

@@ -130,7 +130,7 @@ class Waves:
         if self.loaded:
             more = self.pressing * self.amplitude / self.way * most**2
             found["contact_force_n"] = float(more.max())
-            if not self.study.holds:
+            if not self.study.is_form_closed:
                 found["least_contact_force_n"] = float((self.study.dynamics.contact - more).min())
         if not self.study.is_elastic or not self.loaded:
             return found
@@ -215,10 +215,10 @@ class AllWaves:
         theta = np.arange(ANGLES) * TURN / ANGLES
         with suppress(NoSolution):
             shaft, found = Study(self.design).camshaft.at_theta(theta), dict[int | None, Waved]()
-            for name in shaft.carried:
-                number = shaft.number(name)
+            for name in shaft.loading_drives:
+                number = shaft.drive_number(name)
                 if number in self.each and self.each[number].changes(DRIVE_TORQUE):
-                    there = self.each[number].at(shaft.places[name].drive_angle(theta))
+                    there = self.each[number].at(shaft.positions[name].drive_angle(theta))
                     found[number] = there, DRIVE_TORQUE, shaft.drive_torque(name)
             return shaft.torque, found
         return np.zeros(0), {}

@@ -19,7 +19,7 @@ from core.output.controllers.deviation import ErrorCurves, error_curve, errors_o
 from core.output.controllers.rows import INTERPOLATIONS, Controller, controllers
 from core.output.controllers.slave import EQUAL, PLACED, EcamRequest, drive_slave, slave_choices
 from core.output.controllers.table import NOT_PUBLISHED, Ecam, ecam
-from core.requests import options
+from core.requests import command_words
 from kindyna_gui.forms.amount import fill_choices
 from kindyna_gui.forms.computed_dialog import ComputedDialog, accepted
 from kindyna_gui.forms.request_form import RequestForm
@@ -48,7 +48,7 @@ class ControllerDialog(ComputedDialog):
     command, ending, help_page = "ecam", ".csv", "controllers#Rows"
 
     def asked(self) -> tuple[str, list[str]]:
-        words = options(EcamRequest, {**self.form.values, "of": self.of.currentData()})
+        words = command_words(EcamRequest, {**self.form.values, "of": self.of.currentData()})
         return self.ending, ["--controller", self.controller.currentData(), *words]
 
     def __init__(self, parent: QWidget, design: Design, drive: str) -> None:

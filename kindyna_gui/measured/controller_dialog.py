@@ -14,7 +14,7 @@ from core.errors import KindynaError
 from core.motion import program
 from core.output.controllers.motion import ControllerMotion, motion_text, read_motion, with_controller_motion
 from core.output.controllers.rows import INTERPOLATIONS, controllers
-from core.requests import options
+from core.requests import command_words
 from kindyna_gui import dialogs
 from kindyna_gui.documents.as_command import add_copy_of, of_session, spelled
 from kindyna_gui.documents.session import Session
@@ -99,7 +99,7 @@ class ControllerTableDialog(PutDialog):
         from core.commands.tables import MeasuredArguments
 
         asked = {"table": self._path, "controller": self.controller.currentData(), **of_session(self._session)}
-        return spelled("measured", options(MeasuredArguments, asked))
+        return spelled("measured", command_words(MeasuredArguments, asked))
 
     def accept(self) -> None:
         """Put the motion into the design as one step."""

@@ -17,7 +17,7 @@ from core.motion import Angles, CompiledMotion, program
 from core.output.channels import channels
 from core.output.controllers.rows import INTERPOLATIONS, MOST_ROWS
 from core.project import number_of
-from core.requests import asked, typed
+from core.requests import option, text_option
 from core.study import Study
 
 # -- slave axis -------------------------------------------------------------------------------------------------
@@ -316,64 +316,64 @@ DEFAULT_ERROR = 1e-3
 class EcamRequest:
     """A table for a controller, which is requested separately."""
 
-    interpolation: str | None = asked(
+    interpolation: str | None = option(
         choice(
             "Between the rows", INTERPOLATIONS, default=None, help="interpolation of the controller between two rows"
         ),
-        usual="the controller's default",
+        default_text="the controller's default",
         metavar="NAME",
     )
-    placing: str | None = asked(
+    placing: str | None = option(
         choice("Position of rows", (PLACED, EQUAL), default=None, help="positions of the rows over the turn"),
         "--as",
-        usual="placed, where the controller allows it",
+        default_text="placed, where the controller allows it",
         words={PLACED: "Placed for the least error", EQUAL: "At equal steps"},
     )
-    error: float | None = asked(
+    error: float | None = option(
         number("Largest error", 0.0, open_low=True, default=None, help="of the position, in the motion's unit"),
-        usual="0.001",
+        default_text="0.001",
         metavar="MM",
         one_of=("Number of rows", "The fewest that keep an error"),
     )
-    points: int | None = asked(
+    points: int | None = option(
         whole("Rows", 2, MOST_ROWS, default=None, help="number of rows, with the least error"),
         one_of=("Number of rows", "A given number"),
     )
-    velocity_error: float | None = asked(
+    velocity_error: float | None = option(
         number("Velocity error", 0.0, open_low=True, default=None, help="largest error of the velocity, per degree of the master"),
-        usual="any", metavar="X",
+        default_text="any", metavar="X",
     )  # fmt: skip
-    acceleration_error: float | None = asked(
+    acceleration_error: float | None = option(
         number("Acceleration error", 0.0, open_low=True, default=None, help="largest error of the acceleration, per degree²"),
-        usual="any", metavar="X",
+        default_text="any", metavar="X",
     )  # fmt: skip
     master: str = choice("Master counts in", tuple(PER_TURN), default="deg", help="unit of the master")
-    master_per_turn: float | None = asked(
+    master_per_turn: float | None = option(
         number("Master, per turn", 0.0, open_low=True, default=None, help="units of the master in a turn"),
-        usual="360 deg, 2π rad", metavar="X",
+        default_text="360 deg, 2π rad", metavar="X",
     )  # fmt: skip
-    slave_scale: float = asked(
+    slave_scale: float = option(
         number("Slave's scale", default=1.0, help="the file holds scale times the position, plus the offset"),
         metavar="A",
     )
-    slave_offset: float = asked(number("Slave's offset", default=0.0, help="in the file's unit"), metavar="B")
+    slave_offset: float = option(number("Slave's offset", default=0.0, help="in the file's unit"), metavar="B")
     reverse: bool = flag("Run backwards", help="the motion at minus the master's angle")
-    shift_deg: float = asked(
+    shift_deg: float = option(
         number("Shift", -3600.0, 3600.0, default=0.0, help="the motion begins later by this number of degrees"),
         "--shift",
         metavar="DEG",
     )
-    segment: int | None = asked(
+    segment: int | None = option(
         whole("Segment", 1, 10**6, default=None, help="this segment alone, counted from 1, where a file is one segment"),
-        usual="the full turn", metavar="N",
+        default_text="the full turn", metavar="N",
     )  # fmt: skip
-    of: str = typed(
+    of: str = text_option(
         "motion of the slave: motion, or the column of a position, such as link4_deg", default=MOTION, metavar="CHANNEL"
     )
-    cycle_ms: float | None = asked(
+    cycle_ms: float | None = option(
         number("Cycle", 0.0, 1e4, open_low=True, default=None,
                help="cycle time of the controller, for the steps of the acceleration at the design's speed"),
-        "--cycle", usual="not computed", metavar="MS",
+        "--cycle", default_text="not computed", metavar="MS",
     )  # fmt: skip
 
     @property

@@ -50,7 +50,7 @@ from core.project.files import read_bytes
 from core.study import Camshaft, Study
 from core.study.quantities import label_of
 from core.study.quantity_requests import leads
-from core.units import kind_of
+from core.units import quantity_kind
 
 # -- all columns of a text table as numbers, however long it is -------------------------------------------------
 
@@ -235,7 +235,7 @@ _FAMILIES = ("velocity", "acceleration", "jerk", "force", "torque", "stress", "c
 def _heading(name: str) -> ColumnHeading:
     """Of a column of which no more than the name is known."""
     label, unit = without_unit(name), unit_of_column(name)
-    kind = kind_of(unit).removeprefix("angular ")
+    kind = quantity_kind(unit).removeprefix("angular ")
     return ColumnHeading(
         name,
         label[:1].upper() + label[1:],
@@ -384,7 +384,7 @@ class DesignSource:
         own = {
             study.angle_column: lambda: study.angle_degrees,
             TIME: lambda: np.deg2rad(study.angle_degrees) / abs(study.omega),
-            MACHINE: lambda: np.mod(np.degrees(self.shaft.places[drive].machine_angle(study.theta)), 360.0),
+            MACHINE: lambda: np.mod(np.degrees(self.shaft.positions[drive].machine_angle(study.theta)), 360.0),
         }
         return tuple(own[name]() if name in own else rows[name].values(study) for name in names)
 

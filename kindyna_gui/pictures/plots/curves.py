@@ -63,7 +63,11 @@ _USUAL: Mapping[str, tuple[tuple[str, str, Callable[[Study], float]], ...]] = Ma
         "pressure_angle": (("usual limit {}", "limits.pressure_angle_rise_deg", _pressure_angle),),
         "pitch_curvature": (("undercut from {}", "cam.base_radius_mm", _undercut),),
         "contact_force": (
-            ("lifts off below {}", "loads.least_contact_force_n", lambda study: np.inf if study.holds else 0.0),
+            (
+                "lifts off below {}",
+                "loads.least_contact_force_n",
+                lambda study: np.inf if study.is_form_closed else 0.0,
+            ),
         ),
         **dict.fromkeys(
             ("contact_pressure", "second_contact_pressure"), (("material bears {}", "cam.material", _borne),)
