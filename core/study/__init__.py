@@ -11,10 +11,10 @@ from core.study.extremes import cam_extremes, extremes_of, undercut_on
 from core.study.findings import findings_of
 from core.study.many import Many, many
 from core.study.quantities import QUANTITIES, Quantity, names_of, quantities_of, quantity
-from core.study.quantity_requests import TOTALS, roller_lives
+from core.study.quantity_requests import TOTALS
 from core.study.sensitivity import sensitivity
 from core.study.stages import clear_caches, evaluations
-from core.study.study import Study
+from core.study.study import Study, roller_lives
 
 if TYPE_CHECKING:
     from core.study.speeds import at_speeds

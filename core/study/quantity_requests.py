@@ -13,12 +13,10 @@ from core.design import Design, entry_at, only
 from core.design.camshaft import drive_at, path_of
 from core.findings import Finding
 from core.motion.extremes import Extreme
-from core.stress import RollerLife
 from core.study.camshaft import Camshaft
 from core.study.extremes import extremes_of, fits
 from core.study.quantities import names_of, quantity
-from core.study.stages import memory
-from core.study.study import PRESSURES, Study, pairings, pressing, ratings, roller_speed
+from core.study.study import PRESSURES, Study, pairings, roller_lives
 from core.units import split_unit
 
 # -- stress where the follower touches the cam, over the turn of a study ----------------------------------------
@@ -58,27 +56,6 @@ def borne(study: Study) -> tuple[float | None, str]:
     rows = [each for pair in pairings(study).values() for each in pair.surfaces if each.allowable is not None]
     least = min(rows, key=lambda each: each.allowable or 0.0, default=None)
     return (None, "") if least is None else (least.allowable, least.source)
-
-
-def roller_lives(study: Study) -> tuple[RollerLife, ...]:
-    """The life of every roller whose load rating is stated; none where nothing loads the cam, or friction jams."""
-    stated = ratings(study)
-    if not stated or study.loading.empty or study.jam is not None:
-        return ()
-
-    def compute() -> tuple[RollerLife, ...]:
-        angles, weight = stress.turn_quadrature(study.program, tuple(change.theta for change in study.flank_changes))
-        there = study.at(angles)
-        found = []
-        for roller, rating in stated.items():
-            speed = roller_speed(there, roller) / study.omega
-            figures = stress.rolling_life(rating, pressing(there, roller), speed, weight, study.omega)
-            found.append(RollerLife(roller, *(float(figure) for figure in figures)))
-        return tuple(found)
-
-    key = study.depends_on("dynamics"), tuple(stated.items())
-    found: tuple[RollerLife, ...] = memory.get("rolling life", key, compute)
-    return found
 
 
 # -- what can be asked of a quantity over the turn, or of the whole turn, by its key ----------------------------

@@ -22,7 +22,7 @@ from core.numerics.derivatives import spread
 from core.numerics.roots import gauss
 from core.shaft import Flywheel, levels
 from core.shaft.speed import MotorLoad, best_ratio, lever, motor_load, motor_torque, moved
-from core.stress import Pairing
+from core.stress import Pairing, RollerLife
 from core.study.camshaft import Camshaft, is_complete
 from core.study.drive_study import DriveStudy
 from core.study.stages import memory
@@ -301,3 +301,24 @@ def roller_speed(study: Study, roller: str) -> np.ndarray:
     for flank, contact in flanks[1:]:
         speed = np.where(contact.force > 0.0, stress.roller_speed(study.linkage, flank, study.sense), speed)
     return speed * study.omega
+
+
+def roller_lives(study: Study) -> tuple[RollerLife, ...]:
+    """The life of every roller whose load rating is stated; none where nothing loads the cam, or friction jams."""
+    stated = ratings(study)
+    if not stated or study.loading.empty or study.jam is not None:
+        return ()
+
+    def compute() -> tuple[RollerLife, ...]:
+        angles, weight = stress.turn_quadrature(study.program, tuple(change.theta for change in study.flank_changes))
+        there = study.at(angles)
+        found = []
+        for roller, rating in stated.items():
+            speed = roller_speed(there, roller) / study.omega
+            figures = stress.rolling_life(rating, pressing(there, roller), speed, weight, study.omega)
+            found.append(RollerLife(roller, *(float(figure) for figure in figures)))
+        return tuple(found)
+
+    key = study.depends_on("dynamics"), tuple(stated.items())
+    found: tuple[RollerLife, ...] = memory.get("rolling life", key, compute)
+    return found
