@@ -236,7 +236,6 @@ UNDOCUMENTED: tuple[str, ...] = (
     "core/mechanism/",
     "core/numerics/",
     "core/output/",
-    "core/output/controllers/",
     "core/output/explain/",
     "core/output/graph/",
     "core/output/report/",

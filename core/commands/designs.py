@@ -279,7 +279,7 @@ def _pictures(study: Study, painter: Painter | None) -> Mapping[str, bytes]:
     """Those of each drive that is listed in a folder of its slug."""
     if painter is None:
         return pictures(painter)
-    drawn = ((slug, painter(each)) for slug, each in study.answering.items())
+    drawn = ((slug, painter(each)) for slug, each in study.solved_drives.items())
     return {f"{slug}/{name}".removeprefix("/"): data for slug, found in drawn for name, data in found.items()}
 
 

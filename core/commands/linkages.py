@@ -152,7 +152,7 @@ class CurvesArguments:
 def run_curves(arguments: CurvesArguments, painter: Painter | None) -> int:
     """The curves as a table, or drawn, a layer a point; of a part in space as it looks from above and aside (isometric)."""
     whole = Study(load(arguments.design), arguments.samples)
-    if not arguments.drive and whole.design.listed and whole.camshaft.carries:
+    if not arguments.drive and whole.design.listed and whole.camshaft.has_transfer_path:
         return _of_part(whole, arguments.out)
     study = Study(load_one(arguments.design, arguments.drive), arguments.samples)
     found = point_curves(study, arguments.points, arguments.time_marks)

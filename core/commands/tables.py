@@ -34,9 +34,9 @@ from core.measured import (
 from core.measured.columns import LETTERS
 from core.measured.fitting import segment_from_table
 from core.output.controllers.deviation import curve_csv, error_curve, facts, text
-from core.output.controllers.motion import motion_facts, motion_of, motion_text, put_into
+from core.output.controllers.motion import motion_facts, motion_text, read_motion, with_controller_motion
 from core.output.controllers.rows import controller
-from core.output.controllers.slave import EcamRequest, slave_of
+from core.output.controllers.slave import EcamRequest, drive_slave
 from core.output.controllers.table import ecam
 from core.output.measured_text import fit_data, fit_text
 from core.output.summary import to_json
@@ -70,11 +70,13 @@ def run_ecam(arguments: EcamArguments, painter: Painter | None) -> int:
     """The file, and its certificate on the terminal."""
     row, request = controller(arguments.controller), arguments.request
     require_in_range(request)
-    slave, name, speed = slave_of(load(arguments.design), arguments.drive, request)
+    slave, name, speed = drive_slave(load(arguments.design), arguments.drive, request)
     made = ecam(slave, row, request, name, speed)
     files: dict[Path, str | bytes] = {arguments.out: made.content}
     if arguments.curve is not None:
-        files[arguments.curve] = curve_csv(error_curve(slave, made.interpolation, made.placing, closing=row.closing))
+        files[arguments.curve] = curve_csv(
+            error_curve(slave, made.interpolation, made.placing, closing=row.has_both_ends)
+        )
     for path, content in files.items():
         write_all(path.parent, {path.name: content})
     print(to_json(facts(made)) if arguments.json else text(made), end="")
@@ -216,11 +218,11 @@ def run_measured(arguments: MeasuredArguments, painter: Painter | None) -> int:
     unit = "mm" if design is None else require_motion(design).unit
     speed = arguments.speed_rpm if arguments.speed_rpm is not None or design is None else design.speed_rpm
     if arguments.controller:
-        found = motion_of(controller(arguments.controller), read_bytes(arguments.table), unit=unit)
+        found = read_motion(controller(arguments.controller), read_bytes(arguments.table), unit=unit)
         if new is not None:
             save(of_motion(found.motion, arguments.table.stem, speed), new)
         elif arguments.into is not None and whole is not None and design is not None:
-            save(with_only(whole, which, put_into(design, found)), arguments.into, in_place=True)
+            save(with_only(whole, which, with_controller_motion(design, found)), arguments.into, in_place=True)
         print(to_json(motion_facts(found)) if arguments.json else motion_text(found), end="")
         return DONE
     data, name = read_bytes(arguments.table), arguments.table.name

@@ -184,7 +184,7 @@ def camshaft_columns(camshaft: Camshaft[Study]) -> list[Column]:
     rows: list[Column] = [("torque_nm", lambda there: there.torque)] if is_complete(camshaft) else []
     rows += [
         (f"{camshaft.slugs[name]}_torque_nm", torque_of(name))
-        for name in camshaft.carried
+        for name in camshaft.loading_drives
         if name not in camshaft.failures
     ]
     if is_complete(camshaft) and camshaft.design.balancer is not None:
@@ -224,7 +224,7 @@ def _of_camshaft(study: Study, stages: Sequence[str]) -> dict[str, str | Iterato
         made[SHAFT] = parts
     folders = {slug: study.drives[name] for name, slug in camshaft.slugs.items() if name not in camshaft.failures}
     if study.design.balancer is not None and is_complete(camshaft) and camshaft.balancer is not None:
-        folders[BALANCER] = study.of(camshaft.balancer.design)
+        folders[BALANCER] = study.with_design(camshaft.balancer.design)
     for folder, each in folders.items():
         own = tuple(stage for stage in each.stages if stage in stages)
         if own or not stages:

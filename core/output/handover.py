@@ -25,7 +25,7 @@ from core.mechanism.kinematics import FRAME, SLIDING
 from core.output.channels import channels, existing
 from core.output.controllers.deviation import facts
 from core.output.controllers.rows import controller
-from core.output.controllers.slave import EcamRequest, slave_of
+from core.output.controllers.slave import EcamRequest, drive_slave
 from core.output.controllers.table import ecam
 from core.output.files.files import files as profile_files
 from core.output.files.files import profile_job
@@ -454,7 +454,7 @@ def _inspection(study: Study, folder: str, of: str) -> list[HandoverFile]:
 
 def _controller(design: Design, folder: str, name: str, request: HandoverRequest) -> list[HandoverFile]:
     row, wanted = controller(request.controller), EcamRequest(error=request.error_mm)
-    slave, title, speed = slave_of(design, name, wanted)
+    slave, title, speed = drive_slave(design, name, wanted)
     made = ecam(slave, row, wanted, title, speed)
     deviation = None if made.deviation is None else (float(made.deviation.values[0]), slave.unit)
     of = f" of {name}" if name else ""

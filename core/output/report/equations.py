@@ -418,7 +418,7 @@ FLAT_LAW = Equation(
 def equations_of(study: Study) -> tuple[Equation, ...]:
     """Those that the design's numbers come from: displacement and its derivatives, the motion laws, then the other rows of
     ``EQUATIONS`` whose facts the whole or one of its drives has."""
-    whole, singles = _whole_facts(study), tuple(study.answering.values())
+    whole, singles = _whole_facts(study), tuple(study.solved_drives.values())
     holders = [whole, *(whole | _facts(each) for each in singles)]
     used = [row for row in EQUATIONS if any(row.holds(facts) for facts in holders)]
     curves = [s.curve for each in singles if "motion" in each.stages for s in each.program.motion.segments]

@@ -251,7 +251,7 @@ def test_damping_leaves_closed_tongues_out(tmp_path: Path, capsys: pytest.Captur
 
 
 NO_SHAFT = {
-    "rigid": (PUSHER, "shaft: the camshaft is rigid; give camshaft_inertia_kg_m2 and stiffness_nm_per_rad"),
+    "rigid": (PUSHER, "shaft: the camshaft is rigid; enter camshaft_inertia_kg_m2 and stiffness_nm_per_rad"),
     "soft": (
         with_elastic(KIM, spring="fixed", stiffness_nm_per_rad=1e-3),
         "shaft.stiffness_nm_per_rad: at Q = 0.05 the load",

@@ -598,4 +598,4 @@ def test_a_wind_up_that_lifts_a_follower_off_its_cam_is_found_for_each_drive() -
     turned = Study(UNIT).camshaft.at_theta(np.mod(2.0 * np.pi * (y - rest.at(y)[0]), 2.0 * np.pi))
     newtons = rest.forces(y) * rest.contact.unit * still.machine.omega_at(rest.eta) ** 2
     for name, force in zip(rest.contact.names, newtons, strict=True):
-        assert np.allclose(force, turned.there(name).dynamics.contact, rtol=0.05)
+        assert np.allclose(force, turned.drive_study(name).dynamics.contact, rtol=0.05)

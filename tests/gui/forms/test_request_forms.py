@@ -83,7 +83,7 @@ def test_a_field_of_a_stranger_is_an_option_and_stands_in_the_dialog(
         QTest.keyClick(side, Qt.Key.Key_Down)
         dry.click()
         wait_for(lambda: dialog.made is not None)
-        taken.append(dialog.made.probing.request)
+        taken.append(dialog.made.setup.request)
         dialog.reject()
 
     with answering(InspectionDialog, act):
