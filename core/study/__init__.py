@@ -6,6 +6,7 @@ from core.design import STAGES
 from core.process import lazy_attributes
 from core.study.camshaft import Camshaft
 from core.study.certificate import certificate_of
+from core.study.drive_forces import roller_lives
 from core.study.drive_study import SAMPLES
 from core.study.extremes import cam_extremes, extremes_of, undercut_on
 from core.study.findings import findings_of
@@ -14,7 +15,7 @@ from core.study.quantities import QUANTITIES, Quantity, names_of, quantities_of,
 from core.study.quantity_requests import TOTALS
 from core.study.sensitivity import sensitivity
 from core.study.stages import clear_caches, evaluations
-from core.study.study import Study, roller_lives
+from core.study.study import Study
 
 if TYPE_CHECKING:
     from core.study.speeds import at_speeds

@@ -9,7 +9,8 @@ from math import isfinite
 from core.design.parts import ElasticShaft
 from core.errors import NoSolution
 from core.study.camshaft import is_complete
-from core.study.study import Study, roller_lives, shaft_in_chart
+from core.study.drive_forces import roller_lives
+from core.study.study import Study, shaft_in_chart
 from core.study.symbols import Formula
 
 _VALUES, _BALANCE, _WALK = (
@@ -40,7 +41,7 @@ def has_true_speed(study: Study, names: Collection[str]) -> bool:
 
 def has_life(study: Study, names: Collection[str]) -> bool:
     """Whether a roller has a rolling life."""
-    return any(roller_lives(single) for single in study.answering.values())
+    return any(roller_lives(single) for single in study.solved_drives.values())
 
 
 def has_finite_life(study: Study, names: Collection[str]) -> bool:
@@ -201,7 +202,7 @@ _POWERS: tuple[Formula, ...] = (
                                ("elastic_error", "e = z - s", "z.mass s.cam"),
                                ("elastic_acceleration", "z̈ = ω² s″ + ë", "ω s″.cam ë"))),
     Formula("elastic_contact_force", "Elastic follower", ("F_e = F_c + Δ",), "F_e.elastic F_c.rigid Δ.elastic",
-            "one mass on the follower's stiffness", "core.study.drive_study.DriveStudy.elastic_contact_force"),
+            "one mass on the follower's stiffness", "core.study.drive_forces.DriveForces.elastic_contact_force"),
 )  # fmt: skip
 
 # -- shaft, servo and stability -----------------------------------------------------------------------------------
@@ -222,7 +223,7 @@ _SHAFT: tuple[Formula, ...] = (
     Formula("camshaft_speed", _MOTOR, (_ENERGY_LINE, _MOTOR_LINE), _MOTOR_LETTERS, _SHIN19, f"{_WHEEL}.speed", has_flywheel),
     Formula("linear_motor_torque", "Motor torque, linear equation", ("T_m = Σ T_n e^(i n θ)/(1 + i n I ω̄/k)",),
             "T_m T_n n.order θ I.shaft ω̄ k.motor", "Shin1995 Figs. 19, 20", f"{_WHEEL}.linear_motor_torque",
-            lambda study, names: study.levelled and has_true_speed(study, names) and not study.design.listed,
+            lambda study, names: study.levels_torque and has_true_speed(study, names) and not study.design.listed,
             working="T_m = T̄ + H", values="T̄ H.harmonics"),
     Formula("mean_torque_nm", "Flywheel", ("T̄ = W/(2 π)",), "T̄ W.turn", _SIZING, f"{_WHEEL}.mean_torque", has_flywheel),
     Formula("energy_swing_j", "Flywheel", ("ΔE = W_M - W_m",), "ΔE W_M W_m", _SIZING, f"{_WHEEL}.energy_swing", has_flywheel),
@@ -247,9 +248,9 @@ _SHAFT: tuple[Formula, ...] = (
             _SERVO, f"{_GEAR}.motor_torque"),
     Formula("servo_force", "Servo", ("F_s = (F + m ÿ + F_r) k",), "F_s F.load m.servo ÿ F_r.servo k.losses", _SERVO,
             f"{_GEAR}.motor_torque"),
-    Formula("servo_speed", "Servo", ("n_s = i ẏ",), "n_s.servo i ẏ", "gear of the servo", "core.study.study.servo_speed"),
-    Formula("servo_velocity", "Servo", ("v_s = ẏ",), "v_s ẏ", "a linear motor", "core.study.study.servo_speed"),
-    Formula("servo_power", "Servo", ("P_s = T_s i ẏ",), "P_s T_s.servo i ẏ", _ENERGY, "core.study.study.servo_power"),
+    Formula("servo_speed", "Servo", ("n_s = i ẏ",), "n_s.servo i ẏ", "gear of the servo", "core.study.drive_forces.servo_speed"),
+    Formula("servo_velocity", "Servo", ("v_s = ẏ",), "v_s ẏ", "a linear motor", "core.study.drive_forces.servo_speed"),
+    Formula("servo_power", "Servo", ("P_s = T_s i ẏ",), "P_s T_s.servo i ẏ", _ENERGY, "core.study.drive_forces.servo_power"),
 )  # fmt: skip
 
 _STABILITY: tuple[Formula, ...] = (

@@ -21,6 +21,7 @@ from core.numerics.derivatives import cross
 from core.shaft.flywheel import Flywheel, energy_range, motor_inertia
 from core.shaft.speed import lever, moved
 from core.stress import Pairing, RollerLife, pairings, relative_curvature
+from core.study.drive_forces import load_ratings, roller_lives, roller_speed, servo_load, servo_part, servo_torque
 from core.study.member_quantities import (
     by_motor,
     centre_distance,
@@ -29,7 +30,7 @@ from core.study.member_quantities import (
     line_of_centres,
     reference_velocity,
 )
-from core.study.study import Study, load_of, ratings, roller_lives, roller_speed, servo_part, servo_torque
+from core.study.study import Study
 from core.study.symbols import (
     CAM,
     DYNAMICS,
@@ -437,7 +438,7 @@ _FORCES: Mapping[str, SymbolSource] = {
     "u.roller": SymbolSource("turns of the roller about its own axis for one of the shaft", "",
                              lambda s, roller: first(roller_speed(s, roller)) / s.omega, CAM),
     "L_10": SymbolSource("life in million turns of the roller"),
-    "C.rating": SymbolSource("load rating of the roller", "n", lambda s, _: ratings(s)[_shortest_life(s).roller],
+    "C.rating": SymbolSource("load rating of the roller", "n", lambda s, _: load_ratings(s)[_shortest_life(s).roller],
                              "cam.roller_load_rating_n"),
     "P.equivalent": SymbolSource("equivalent load", "n", lambda s, _: _shortest_life(s).load, DYNAMICS),
     "n_r": SymbolSource("mean speed of the roller about its own axis", "rpm",
@@ -501,12 +502,12 @@ _SERVO: Mapping[str, SymbolSource] = {
                               lambda s, _: first(servo_torque(s)), DYNAMICS,
                               lambda s: "servo_force_n" if _is_linear(s) else "servo_torque_nm"),
     "F_s": SymbolSource("force of the servo"),
-    "F.load": SymbolSource("force or torque of loads and masses on the motion", _by("n", "nm"), lambda s, _: first(load_of(s).load),
+    "F.load": SymbolSource("force or torque of loads and masses on the motion", _by("n", "nm"), lambda s, _: first(servo_load(s).load),
                            DYNAMICS),
     "m.servo": SymbolSource("mass or inertia that the servo moves besides", _by("kg", "kg_m2"), lambda s, _: moved(servo_part(s)), "servo"),
-    "F_r.servo": SymbolSource("friction of the servo", _by("n", "nm"), lambda s, _: first(load_of(s).friction), "servo"),
+    "F_r.servo": SymbolSource("friction of the servo", _by("n", "nm"), lambda s, _: first(servo_load(s).friction), "servo"),
     "k.losses": SymbolSource("losses of the gear: 1/η where it drives the load, η where the load drives it", "",
-                             lambda s, _: first(load_of(s).losses), "servo.efficiency"),
+                             lambda s, _: first(servo_load(s).losses), "servo.efficiency"),
     "J_r": SymbolSource("inertia of the rotor", "kg_m2", lambda s, _: servo_part(s).rotor_inertia_kg_m2 or 0.0,
                         "servo.rotor_inertia_kg_m2"),
     "n_s.servo": SymbolSource("speed of the servo"),

@@ -18,7 +18,7 @@ from core.output.explain.shaft import FIGURES, has_figure, shaft_columns
 from core.output.explain.workings import calculation_of
 from core.output.lines import columns, digits
 from core.study import Quantity, Study, certificate_of, extremes_of
-from core.study.extremes import exists, is_unlimited
+from core.study.extremes import has_quantity, is_unlimited
 from core.study.formulas import FORMULAS
 from core.study.letters import keys_of, letters_of
 from core.study.symbols import Letter, first
@@ -80,7 +80,7 @@ def explained(study: Study, name: str, at_deg: float | None = None) -> Explanati
     if study.design.listed:
         return _shaft_column(study, name, at_deg)
     row = next((row for row in channels(study.design) if row.slug == name), None)
-    if row is None or not exists(study, row):
+    if row is None or not has_quantity(study, row):
         raise KindynaError(
             f"explain {name}: this design has no such quantity; allowed: {', '.join(explainable(study))}"
         )

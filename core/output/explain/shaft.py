@@ -85,7 +85,7 @@ class ShaftColumn:
 def shaft_columns(study: Study) -> Mapping[str, ShaftColumn]:
     """Name -> column, of those that this shaft has."""
     camshaft, torque = study.camshaft, UNITS["nm"]
-    drives = [name for name in camshaft.carried if name not in camshaft.failures]
+    drives = [name for name in camshaft.loading_drives if name not in camshaft.failures]
     balanced = camshaft.design.balancer is not None
     rows: dict[str, ShaftColumn] = {}
     if is_complete(camshaft):
@@ -120,7 +120,7 @@ def _greatest(extremes: Extremes) -> Extreme:
 
 def _balancer_peak(camshaft: Camshaft[Study]) -> Extreme:
     peak = camshaft.balancer_peak
-    return Extreme(peak.value, float(camshaft.balancer_place.machine_angle(np.array(peak.theta))))
+    return Extreme(peak.value, float(camshaft.balancer_position.machine_angle(np.array(peak.theta))))
 
 
 def _drive(name: str) -> ShaftColumn:
@@ -149,7 +149,7 @@ def _sum(drives: list[str], balanced: bool) -> Callable[[Camshaft[Study]], Calcu
 
 
 def _motor(study: Study, there: Camshaft[Study]) -> Calculation:
-    if not there.levelled:
+    if not there.levels_torque:
         return Calculation(
             ("T_m = T",), (letter("T", "torque of the shaft there", first(there.torque), "nm", DYNAMICS),)
         )
@@ -157,5 +157,5 @@ def _motor(study: Study, there: Camshaft[Study]) -> Calculation:
 
 
 def _speed(study: Study, there: Camshaft[Study]) -> Calculation:
-    torques = (there.flywheel.mean_torque, first(there.motor_torque)) if there.levelled else None
+    torques = (there.flywheel.mean_torque, first(there.motor_torque)) if there.levels_torque else None
     return shaft_speed(study, first(there.speed), torques)

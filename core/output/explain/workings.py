@@ -268,7 +268,7 @@ def _contact_force(study: Study, _: str) -> Calculation:
     lever = first(contacts[0].lever)
     symbol = "F_c"
     if (
-        first(study.dynamics.contact) < 0.0 and study.holds and len(contacts) > 1
+        first(study.dynamics.contact) < 0.0 and study.is_form_closed and len(contacts) > 1
     ):  # of a groove the other flank, drawn negative
         lever = -first(contacts[1].lever)
     pair = any(flank.name == SECOND for flank in study.cam.flanks)
@@ -386,7 +386,7 @@ def _jam(study: Study, _: str) -> Calculation:
 
 
 def _motor_torque(study: Study, _: str) -> Calculation:
-    if not study.levelled:
+    if not study.levels_torque:
         row = "drive_torque" if "cam" in study.stages else "driver_torque"
         sign = study.sense if study.by_crank else 1.0
         return Calculation(
@@ -401,7 +401,7 @@ def _motor_torque(study: Study, _: str) -> Calculation:
 
 
 def _speed(study: Study, _: str) -> Calculation:
-    if not study.levelled:
+    if not study.levels_torque:
         return shaft_speed(study, first(quantity("camshaft_speed").value(study)), None)
     wheel = study.flywheel
     return shaft_speed(
