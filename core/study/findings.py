@@ -186,7 +186,9 @@ def _of_dynamics(study: Study) -> list[Finding]:
         ]
         if study.is_form_closed and jam is None and not study.loading.empty:
             found += dynamics.change_findings(study.flank_impacts, drive.cam.form)
-        found += cam_checks.force_findings(study) + quantity_requests.findings(study) + _of_elastic_follower(study)
+        found += (
+            cam_checks.force_findings(study) + quantity_requests.pressure_findings(study) + _of_elastic_follower(study)
+        )
     if study.undetermined and not study.loading.empty:
         pairs = ", ".join(name for name in study.linkage.pairs if name in study.undetermined)
         found.append(Finding("undetermined-reactions", NOTE, "linkage.links", None, {"pairs": pairs}))

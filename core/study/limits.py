@@ -26,7 +26,7 @@ from core.motion.extremes import Extreme
 from core.study.drive_forces import pairings
 from core.study.extremes import extremes_of, has_quantity
 from core.study.quantities import names_of, quantities_of, quantity
-from core.study.quantity_requests import borne
+from core.study.quantity_requests import allowable_pressure
 from core.study.study import Study
 from core.units import quantity_kind, split_unit
 
@@ -411,7 +411,7 @@ def _usual_rate(study: Study, rate: str) -> UsualValue | None:
 
 def _usual_contact_pressure(study: Study) -> UsualValue | None:
     """What the weaker of the materials bears, as far as that is known."""
-    least, source = borne(study)
+    least, source = allowable_pressure(study)
     return None if least is None else UsualValue(least / MPA, source, source)
 
 

@@ -19,7 +19,7 @@ from core.shaft import Flywheel, combined
 from core.study import Camshaft, Study
 from core.study.batch import with_numbers
 from core.study.limits import SPEEDS
-from core.study.quantity_requests import TORQUE, asked_of, columns_of
+from core.study.quantity_requests import TORQUE, quantity_request, request_columns
 from core.varying.request import AskedFor, Bounded, Goal, StudyFile, Vary, study_of
 from core.varying.space import with_words
 from core.varying.surveys import PART, SEED, askable, can_be_varied, usual_limit
@@ -46,12 +46,12 @@ def drive_bands(whole: Design, drive: int, slugs: Sequence[str], quick: bool) ->
     """Of a drive of a design: column -> percentiles (5, 360) over its own cam angle, as far as it has that; quick: of those of which
     many machines are computed at once, else of the others, of which fewer are."""
     design = _alone(whole, drive)
-    there = set(columns_of(design))
+    there = set(request_columns(design))
     rows = []
     for slug in slugs:
         with suppress(ValueError):
             if slug in there:
-                rows.append((slug, asked_of(design, f"{slug}:max")))
+                rows.append((slug, quantity_request(design, f"{slug}:max")))
     if not rows or not (design.tolerances or design.waviness):
         return {}
     asked_for = tuple(AskedFor(slug, "max") for slug, _ in rows)

@@ -49,7 +49,7 @@ from core.project import load
 from core.project.files import read_bytes
 from core.study import Camshaft, Study
 from core.study.quantities import label_of
-from core.study.quantity_requests import leads
+from core.study.quantity_requests import path_drives
 from core.units import quantity_kind
 
 # -- text tables as numbers -------------------------------------------------------------------------------------
@@ -454,7 +454,7 @@ def _graph(title: str, *curves: GraphCurve, across: str = "", left: str = "") ->
 
 def _transfer_graphs(source: DesignSource) -> Iterator[ReadyGraph]:
     """Path and speed of the object that several drives carry: the first drive across, the others upwards."""
-    names = leads(source.shaft) if source.drives else ()
+    names = path_drives(source.shaft) if source.drives else ()
     if not names:
         return
     first, *ordinates = (travel_column(source.shaft, name) for name in names)
@@ -518,7 +518,9 @@ def path_values(source: Source, curve: GraphCurve, angle: float) -> tuple[PointV
         return ()
     part = source.parts(curve.drive)[0]
     point = curve.x.removesuffix("_x_mm")
-    if part == SHAFT and {curve.x, curve.y} <= {travel_column(source.shaft, name) for name in leads(source.shaft)}:
+    if part == SHAFT and {curve.x, curve.y} <= {
+        travel_column(source.shaft, name) for name in path_drives(source.shaft)
+    }:
         columns: tuple[str, ...] = (SPEED, ACCELERATION)
     elif part != SHAFT and (curve.x, curve.y) == (f"{point}_x_mm", f"{point}_y_mm") and point:
         columns = tuple(f"{point}_{quantity}" for quantity in ("speed_mm_s", "ax_mm_s2", "ay_mm_s2"))

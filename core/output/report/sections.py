@@ -461,7 +461,7 @@ def elsewhere(study: Study) -> frozenset[str]:
     """Quantities whose extremes stand in another section: among the limits of the cam, beside flywheel or flexible shaft; and speed and
     motor's torque that no flywheel changes, which are those of shaft and cam."""
     found = set(pressure_angles(study)) if "cam" in study.stages else set()
-    if "dynamics" in study.stages and (pressed := quantity_requests.worst(study)):
+    if "dynamics" in study.stages and (pressed := quantity_requests.peak_pressures(study)):
         found.add(
             "second_contact_pressure"
             if max(pressed, key=lambda name: pressed[name].value) == SECOND
