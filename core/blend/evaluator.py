@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from core.blend.equations import RETURN, RISE, SPEEDS, BlendTask, Family, SolutionSpace, named, solution_spaces
-from core.blend.polynomials import UNIT, whole
+from core.blend.polynomials import UNIT, to_integer
 from core.blend.request import POINT, SIZES, Constraint, height_of, ratio
 from core.blend.sequences import ELEMENTS
 from core.laws import LAWS, Law
@@ -56,7 +56,7 @@ class Evaluator:
         for constraint in constraints:
             if constraint.linear:
                 above, below = (self.equations.exact[name] for name in ratio(constraint.name, self.family))
-                value = whole(constraint.value)
+                value = to_integer(constraint.value)
                 rows.append(tuple([UNIT * a - value * b for a, b in zip(above, below, strict=True)]))
         return solution_spaces(self.equations, rows)
 
@@ -65,11 +65,11 @@ class Evaluator:
     def forms(self, t: np.ndarray, x: np.ndarray, slopes: bool = False) -> np.ndarray:
         """All forms of the family, which the quantities below are made of, at t (n,) and x (numbers, n)."""
         checkpoint()
-        return self.equations.evaluated(t, x, slopes)
+        return self.equations.evaluate(t, x, slopes)
 
     def form(self, name: str, forms: np.ndarray) -> np.ndarray:
         """One quantity's form, out of the forms of all quantities (k, ...)."""
-        return forms[self.equations.place[name]]
+        return forms[self.equations.row_index[name]]
 
     @np.errstate(all="ignore")
     def setting(self, constraint: Constraint, forms: np.ndarray) -> np.ndarray:
@@ -139,8 +139,8 @@ class Evaluator:
     def at(self, names: Sequence[str], place: Place) -> list[float]:
         """Forms at one point."""
         z = column(place)
-        forms = self.equations.evaluated(z[0], z[1:])
-        return [float(forms[self.equations.place[name], 0, 0]) for name in names]
+        forms = self.equations.evaluate(z[0], z[1:])
+        return [float(forms[self.equations.row_index[name], 0, 0]) for name in names]
 
     def is_feasible(self, place: Place, least: float = 0.0) -> bool:
         """Whether every height is above 0, or above a share of the stroke; of constant velocity not below 0, but for

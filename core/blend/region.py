@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.blend.equations import Family, Parametrised, SolutionSpace
+from core.blend.equations import Family, PointFamily, SolutionSpace
 from core.blend.evaluator import EPS, ROUNDING, Evaluator, Place
-from core.blend.polynomials import UNIT, Floats, Polynomial, quotient_at, roots, rounded, vanishes, whole
+from core.blend.polynomials import UNIT, Floats, Polynomial, quotient_at, roots, to_floats, is_negligible, to_integer
 from core.blend.request import SIZES, Constraint, SettingRange, height_of, merged, ratio, tied
 from core.frozen import frozen
 
@@ -48,7 +48,7 @@ class RegionCurve:
     """
 
     family: Family
-    points: Parametrised
+    points: PointFamily
     closed: bool = False
 
     @classmethod
@@ -73,11 +73,11 @@ class RegionCurve:
     def _rounded(self) -> dict[str, Floats]:
         """The heights, and what they are divided by under an empty name."""
         rows = {**self.heights, "": self.under}
-        return dict(zip(rows, rounded(rows.values()), strict=True))
+        return dict(zip(rows, to_floats(rows.values()), strict=True))
 
     @cached_property
     def _places(self) -> list[Floats]:
-        return rounded([*(row[0] for row in self.points.x), self.points.below])
+        return to_floats([*(row[0] for row in self.points.x), self.points.below])
 
     def place(self, p: float) -> Place:
         """t and the x there."""
@@ -111,7 +111,7 @@ class RegionCurve:
         if not all(-ROUNDING <= self.height(n, p) < _ENDLESS for n in self.family.constant):
             return False
         positive = [n for n in self.family.positive if self.heights[n] or not self.closed]
-        return all(0.0 < self.height(n, p) < _ENDLESS and not vanishes(self._rounded[n], p, EPS) for n in positive)
+        return all(0.0 < self.height(n, p) < _ENDLESS and not is_negligible(self._rounded[n], p, EPS) for n in positive)
 
     def height(self, name: str, p: float) -> float:
         """A height, as a share of the stroke of the rise."""
@@ -119,7 +119,7 @@ class RegionCurve:
 
     def _continues(self, p: float) -> bool:
         """Whether a cut between two feasible parts is none: a height of constant velocity touches 0, or 0/0 stands."""
-        return vanishes(self._rounded[""], p, SAME) or self.is_feasible(p)
+        return is_negligible(self._rounded[""], p, SAME) or self.is_feasible(p)
 
     def is_open(self, p: float) -> bool:
         """Whether an end of a stretch can only be approached."""
@@ -139,12 +139,12 @@ class RegionCurve:
         result = []
         for row in rows:
             speed = self.form(row.speed)
-            result.append((whole(row.factor) * (speed * speed), UNIT * (self.form(row.height) * self.under)))
+            result.append((to_integer(row.factor) * (speed * speed), UNIT * (self.form(row.height) * self.under)))
         return result
 
     def where(self, constraint: Constraint) -> list[float]:
         """All p at which a setting may have its value, feasible or not; of an acceleration those of every curve."""
-        value, quotients = whole(constraint.value), self.quotients(constraint.name)
+        value, quotients = to_integer(constraint.value), self.quotients(constraint.name)
         return [p for above, below in quotients for p in roots(UNIT * above - value * below, 0.0, self.points.top)]
 
     def extremes(self, name: str, stretch: Stretch) -> list[SettingExtreme]:
@@ -155,7 +155,7 @@ class RegionCurve:
         places = [stretch[0], *sorted(set(_turns(quotients, stretch))), inside, stretch[1]]
         if any(not below for _, below in quotients):  # the acceleration of a height that is 0 all along
             return [SettingExtreme(inf, p, True) for p in places]
-        pairs = [rounded(q) for q in quotients]
+        pairs = [to_floats(q) for q in quotients]
         return [
             SettingExtreme(max(_value(above, below, p, inside) for above, below in pairs), p, open_.get(p, shut))
             for p in places
@@ -177,8 +177,8 @@ def _turns(quotients: Sequence[Quotient], stretch: Stretch) -> Iterable[float]:
 
 
 def _value(above: Floats, below: Floats, p: float, inside: float) -> float:
-    if 0.0 < p < inf and vanishes(below, p, 1e-13):
-        if not vanishes(above, p, SAME):
+    if 0.0 < p < inf and is_negligible(below, p, 1e-13):
+        if not is_negligible(above, p, SAME):
             return inf
         p += _EDGE * (inside - p)
     return quotient_at(above, below, p)

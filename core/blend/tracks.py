@@ -11,9 +11,9 @@ from math import inf, pi
 import numpy as np
 from numpy.polynomial import Chebyshev
 
-from core.blend.equations import Parametrised, PeakAcceleration, Row, SolutionSpace
+from core.blend.equations import PointFamily, PeakAcceleration, Row, SolutionSpace
 from core.blend.evaluator import Evaluator, Place
-from core.blend.polynomials import Floats, Polynomial, roots, rounded, whole
+from core.blend.polynomials import Floats, Polynomial, roots, to_floats, to_integer
 from core.blend.region import OPEN, RegionCurve, Stretch, polynomials_at
 from core.blend.request import SIZES, Constraint, SettingRange, height_of
 from core.frozen import frozen
@@ -128,7 +128,7 @@ Quadratic = tuple[Polynomial, Polynomial, Polynomial]
 class Arc:
     """One root y of a quadratic between two values of p; z runs from 0 to 1, smooth even where the two roots meet."""
 
-    points: Parametrised
+    points: PointFamily
     x: list[Floats]
     quadratic: list[Floats]
     root: int
@@ -189,7 +189,7 @@ def _arcs(
         if a or b:
             break
     cuts = {*roots(b * b - 4 * (a * c)), *roots(a), *([] if a else roots(b)), *_kinks(evaluator, points, (a, b, c))}
-    x, quadratic = rounded([*(p for r in points.x for p in r), points.below]), rounded([a, b, c])
+    x, quadratic = to_floats([*(p for r in points.x for p in r), points.below]), to_floats([a, b, c])
     for low, high in pairwise([0.0, *sorted(p for p in cuts if 0.0 < p < points.top), points.top]):
         for root in (1, -1) if a else (1,):
             arc = Arc(points, x, quadratic, root, low, high)
@@ -197,10 +197,10 @@ def _arcs(
                 yield arc
 
 
-def _quadratic(points: Parametrised, row: PeakAcceleration, value: float) -> Quadratic:
+def _quadratic(points: PointFamily, row: PeakAcceleration, value: float) -> Quadratic:
     """factor S² - value h = 0 by y², y and 1."""
     (s0, s1), (h0, h1), (under, _) = (points.form(name) for name in (row.speed, row.height, ""))
-    factor, share = whole(row.factor), whole(value)
+    factor, share = to_integer(row.factor), to_integer(value)
     return (
         factor * (s1 * s1),
         2 * factor * (s0 * s1) - share * (h1 * under),
@@ -208,7 +208,7 @@ def _quadratic(points: Parametrised, row: PeakAcceleration, value: float) -> Qua
     )
 
 
-def _kinks(evaluator: Evaluator, points: Parametrised, quadratic: Quadratic) -> Iterator[float]:
+def _kinks(evaluator: Evaluator, points: PointFamily, quadratic: Quadratic) -> Iterator[float]:
     """Values of p where two curves have the same acceleration, or where there is no room left for a constant velocity or
     acceleration: k0 + k1 y = 0 there."""
     a, b, c = quadratic
@@ -219,14 +219,14 @@ def _kinks(evaluator: Evaluator, points: Parametrised, quadratic: Quadratic) -> 
         yield from roots(a * k0 * k0 - b * k0 * k1 + c * k1 * k1 if k1 else k0)
 
 
-def _equal(points: Parametrised, one: PeakAcceleration, two: PeakAcceleration) -> Row:
+def _equal(points: PointFamily, one: PeakAcceleration, two: PeakAcceleration) -> Row:
     """Where two curves have the same acceleration, factor S²/h with R = t W: linear in the heights."""
     a, b = points.form(one.height), points.form(two.height)
     shift, square = (2, 1.0) if points.t is None else (0, points.t**2)
     if one.speed == two.speed:
         shift, square = 0, 1.0
-    a = tuple([whole(two.factor * square) * p.shifted(shift) for p in a])
-    return tuple([p - whole(one.factor) * q for p, q in zip(a, b, strict=True)])
+    a = tuple([to_integer(two.factor * square) * p.times_power(shift) for p in a])
+    return tuple([p - to_integer(one.factor) * q for p, q in zip(a, b, strict=True)])
 
 
 def _is_met(evaluator: Evaluator, arc: Arc, row: PeakAcceleration, value: float, alone: bool) -> bool:
