@@ -18,12 +18,12 @@ from core.blend.polynomials import (
     ZERO,
     Polynomial,
     evaluate,
-    roots,
-    to_floats,
-    without_common_factor,
-    size_at,
     is_negligible,
+    roots,
+    size_at,
+    to_floats,
     to_integer,
+    without_common_factor,
 )
 from core.blend.sequences import CONSTANT, ELEMENTS, KAPPA, CurveSequence
 from core.frozen import frozen
