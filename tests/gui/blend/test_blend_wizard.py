@@ -240,7 +240,7 @@ MORE = "tick one more, or optimise the rest"
 @pytest.mark.parametrize(
     ("asked", "told"),
     [
-        (WizardRequest(), "P1-P2 takes no setting; tick any for other curves"),
+        (WizardRequest(), "P1-P2 requires no setting; tick any for other curves"),
         (WizardRequest(constant="rise"), "C1-CV1-H2-P2 requires 2 settings, 0 given: tick two, or optimise the rest"),
         (WizardRequest(constant="rise", given=(("h1", 1.0),)), "C1-CV1-H2-P2 requires 2 settings, 1 given: " + MORE),
         (WizardRequest(constant="rise", given=(("h1", 1.0), ("h3", 1.0))), "C1-CV1-H2-P2 requires 2 settings: given"),
