@@ -235,22 +235,14 @@ UNDOCUMENTED: tuple[str, ...] = (
     "core/mechanism/",
     "core/numerics/",
     "core/output/",
-    "core/output/controllers/",
     "core/output/explain/",
     "core/output/graph/",
     "core/output/report/",
     "core/papers/",
     "core/project/",
     "core/shaft/",
-    "core/stability/",
     "core/study/",
     "core/varying/",
-    "core/elastic.py",
-    "core/findings.py",
-    "core/frozen.py",
-    "core/process.py",
-    "core/requests.py",
-    "core/units.py",
 )
 """Rooms and modules whose docstrings are still to be written in sections; each that is done leaves this list."""
 
