@@ -44,7 +44,7 @@ from core.output.subject_files import (
 from core.output.summary import to_json
 from core.project import load_one
 from core.project.files import read_bytes, write_all
-from core.requests import asked, typed
+from core.requests import option, text_option
 from core.study import Study
 
 # -- the command ``contact`` ------------------------------------------------------------------------------------
@@ -57,13 +57,15 @@ class ContactArguments:
     design: Path = design_file()
     drive: str = drive_name()
     flights: bool = flag("Flights", help="follow the follower after it has left the cam")
-    turns: float = asked(number("Turns", 0.0, 200.0, open_low=True, default=3.0, help="through so many"), metavar="N")
-    out: Path | None = typed("the contact force over cam angle and speed", default=None, type=Path, metavar="FILE.csv")
+    turns: float = option(number("Turns", 0.0, 200.0, open_low=True, default=3.0, help="through so many"), metavar="N")
+    out: Path | None = text_option(
+        "the contact force over cam angle and speed", default=None, type=Path, metavar="FILE.csv"
+    )
     samples: int = samples_per_turn(help="cam angles of the table", default=360)
     speeds: int = whole("Speeds of the map", 1, 2000, default=CONTACT_SPEEDS, help="speeds of the table")
-    rpm: float | None = asked(
+    rpm: float | None = option(
         number("Speed", 0.0, 1e5, open_low=True, default=None, help="highest speed of the table"),
-        usual="above the design's and that of lift-off",
+        default_text="above the design's and that of lift-off",
         metavar="RPM",
     )
 
@@ -93,9 +95,9 @@ class InspectionArguments:
 
     design: Path = design_file()
     drive: str = drive_name()
-    out: Path = typed("table to write (.csv), with a summary beside it", type=Path, metavar="FILE")
+    out: Path = text_option("table to write (.csv), with a summary beside it", type=Path, metavar="FILE")
     request: InspectionRequest = InspectionRequest()
-    measured: Path | None = typed(
+    measured: Path | None = text_option(
         "measured table: cam angle and lift in each row", default=None, type=Path, metavar="TABLE"
     )
     fit: bool = flag("Fit", help="fit the zero marks of its angles and of its lift by least squares")
@@ -157,7 +159,7 @@ class ProfileArguments:
     """Of which cam, and what the file shall hold."""
 
     design: Path = design_file()
-    out: Path = typed(
+    out: Path = text_option(
         f"file to write, its ending says how: {'|'.join(FORMATS)}; FILE.json beside it holds the facts, as --json prints them",
         type=Path,
         metavar="FILE",
@@ -206,11 +208,11 @@ class VibrationArguments:
 
     design: Path = design_file()
     drive: str = drive_name()
-    speeds: tuple[float, float] | None = typed(
-        "of the spectrum, in rpm", default=None, usual="up to twice the design's", type=_speeds, metavar="A:B"
+    speeds: tuple[float, float] | None = text_option(
+        "of the spectrum, in rpm", default=None, default_text="up to twice the design's", type=_speeds, metavar="A:B"
     )
     count: int = whole("Speeds of the spectrum", 2, 5000, default=SPECTRUM_SPEEDS, help="speeds of the spectrum")
-    out: Path | None = typed("the spectrum as a table", default=None, type=Path, metavar="FILE.csv")
+    out: Path | None = text_option("the spectrum as a table", default=None, type=Path, metavar="FILE.csv")
     json: bool = as_json("figures and spectrum as JSON")
 
 

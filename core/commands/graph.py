@@ -27,24 +27,24 @@ from core.output.graph import (
     Graph,
     GraphAxis,
     GraphCurve,
-    Plotted,
+    GraphData,
     Source,
     add_curve,
-    gap,
+    graph_data,
     is_colour,
     numbers_csv,
-    plotted,
     point_at,
+    point_distance,
     read_source,
-    ready,
+    ready_graphs,
 )
-from core.output.graph.curves import ENDINGS, LEAST_SIDE, MOST_SIDE, USUAL_SIZE, GraphPicture
+from core.output.graph.curves import DEFAULT_SIZE, ENDINGS, LEAST_SIDE, MOST_SIDE, GraphImage
 from core.output.graph.model import load_setup
 from core.output.lines import printable
 from core.output.summary import to_json
 from core.project.files import write
-from core.requests import asked, number_reader, typed
-from core.units import NO_UNIT, unit_called
+from core.requests import number_reader, option, text_option
+from core.units import NO_UNIT, unit_symbol
 
 FILES = (*ENDINGS, ".csv")
 MOST_CURVES = 200  # that nobody named: no picture tells more of them apart
@@ -70,7 +70,7 @@ def _one_of(allowed: Sequence[str]) -> Callable[[str], str]:
 
 
 def _unit(text: str) -> str:
-    return unit_called(text) or text
+    return unit_symbol(text) or text
 
 
 def _colour(text: str) -> str:
@@ -122,11 +122,11 @@ def span(text: str) -> Ends:
 
 
 def _axis_title(axis: str) -> Any:
-    return typed(f"of the {axis}", default=None, metavar="TEXT")
+    return text_option(f"of the {axis}", default=None, metavar="TEXT")
 
 
 def _axis_range(axis: str) -> Any:
-    return typed(f"of the {axis}", default=None, type=span, metavar="LOW:HIGH")
+    return text_option(f"of the {axis}", default=None, type=span, metavar="LOW:HIGH")
 
 
 def _axis_log(axis: str) -> Any:
@@ -137,22 +137,26 @@ def _axis_log(axis: str) -> Any:
 class GraphArguments:
     """Which curves of which files, on which axes, and what is read off them."""
 
-    files: tuple[Path, ...] = typed("tables (.csv, text) and designs (.toml)", "FILE", default=(), type=Path, nargs="*")
-    setup: Path | None = typed("a graph that the window saved, with its files", default=None, type=Path, metavar="JSON")
-    curve: tuple[GraphCurve, ...] = typed(_CURVE, default=(), action="append", type=curve, metavar="SPEC")
-    ready: str | None = typed(
+    files: tuple[Path, ...] = text_option(
+        "tables (.csv, text) and designs (.toml)", "FILE", default=(), type=Path, nargs="*"
+    )
+    setup: Path | None = text_option(
+        "a graph that the window saved, with its files", default=None, type=Path, metavar="JSON"
+    )
+    curve: tuple[GraphCurve, ...] = text_option(_CURVE, default=(), action="append", type=curve, metavar="SPEC")
+    ready: str | None = text_option(
         "a graph that is ready: path, speed (of what several drives carry); path:POINT, height:POINT (of a point of a linkage)",
         default=None,
         metavar="NAME",
     )
-    out: tuple[Path, ...] = typed(
+    out: tuple[Path, ...] = text_option(
         f"file to write: {', '.join(FILES)}; repeat it",
         default=(),
         action="append",
         type=ending_with("a graph", *FILES),
         metavar="NAME",
     )
-    title: str | None = typed("of the graph", default=None, metavar="TEXT")
+    title: str | None = text_option("of the graph", default=None, metavar="TEXT")
     x_title: str | None = _axis_title("axis along the bottom")
     x_range: Ends | None = _axis_range("axis along the bottom")
     x_log: bool = _axis_log("axis along the bottom")
@@ -162,15 +166,15 @@ class GraphArguments:
     right_title: str | None = _axis_title("right axis")
     right_range: Ends | None = _axis_range("right axis")
     right_log: bool = _axis_log("right axis")
-    size: tuple[int, int] = typed(
+    size: tuple[int, int] = text_option(
         "of the picture",
-        default=USUAL_SIZE,
-        usual=f"{USUAL_SIZE[0]}x{USUAL_SIZE[1]}",
+        default=DEFAULT_SIZE,
+        default_text=f"{DEFAULT_SIZE[0]}x{DEFAULT_SIZE[1]}",
         type=picture_size(LEAST_SIDE, MOST_SIDE),
         metavar="WxH",
     )
-    at: float | None = asked(number("X of a point", default=None, help="print every curve's value there"), metavar="X")
-    to: float | None = asked(
+    at: float | None = option(number("X of a point", default=None, help="print every curve's value there"), metavar="X")
+    to: float | None = option(
         number("X of a second point", default=None, help="and there, with Δx, Δy and slope"), metavar="X"
     )
     json: bool = as_json()
@@ -190,7 +194,7 @@ def run_graph(arguments: GraphArguments, painter: Painter | None) -> int:
         return sources[name]
 
     graph = _graph(arguments, source_of)
-    found = plotted(graph, source_of)
+    found = graph_data(graph, source_of)
     for line in _lines_wrong(graph, found):
         print(printable(line), file=sys.stderr)
     if not found.series:
@@ -245,7 +249,7 @@ def _ready(arguments: GraphArguments, source_of: Callable[[str], Source]) -> Gra
     if arguments.setup is not None:
         raise KindynaError("--ready: not together with --setup")
     source = source_of("")
-    there = ready(source) if isinstance(source, DesignSource) else ()
+    there = ready_graphs(source) if isinstance(source, DesignSource) else ()
     for each in there:
         if each.name == arguments.ready:
             return each.graph
@@ -280,22 +284,22 @@ def _scale(scale: GraphAxis, arguments: GraphArguments, side: str) -> GraphAxis:
     return replace(scale, title=scale.title if title is None else title, low=low, high=high, log=scale.log or log)
 
 
-def _lines_wrong(graph: Graph, found: Plotted) -> list[str]:
+def _lines_wrong(graph: Graph, found: GraphData) -> list[str]:
     faults = [f"curve {graph.number(key) + 1}: {text}" for key, text in found.faults.items()]
     return [*dict.fromkeys(note for notes in found.notes.values() for note in notes), *faults]
 
 
-def _content(path: Path, graph: Graph, found: Plotted, size: tuple[int, int], painter: Painter | None) -> bytes | str:
+def _content(path: Path, graph: Graph, found: GraphData, size: tuple[int, int], painter: Painter | None) -> bytes | str:
     ending = path.suffix.lower()
     if ending == ".csv":
         return numbers_csv(found)
     if painter is None:
         raise KindynaError(f"{path.name}: pictures need kindyna --headless; a table (.csv) does not")
-    (data,) = painter(GraphPicture(graph, found, ending, *size, name=graph.title or path.stem)).values()
+    (data,) = painter(GraphImage(graph, found, ending, *size, name=graph.title or path.stem)).values()
     return data
 
 
-def _data(found: Plotted, at: float | None, to: float | None) -> dict[str, Any]:
+def _data(found: GraphData, at: float | None, to: float | None) -> dict[str, Any]:
     rows = []
     for i, each in enumerate(found.series):
         row: dict[str, Any] = {"name": each.name, "unit": each.y_unit, "points": each.x.size}
@@ -304,7 +308,7 @@ def _data(found: Plotted, at: float | None, to: float | None) -> dict[str, Any]:
             row |= {"x": first.x, "y": first.y}
             if to is not None:
                 second = point_at(found, i, to)
-                apart = gap(found, first, second)
+                apart = point_distance(found, first, second)
                 row |= {
                     "to_x": second.x,
                     "to_y": second.y,

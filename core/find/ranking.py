@@ -23,8 +23,8 @@ from core.laws import LAWS
 from core.motion.extremes import Extremes
 from core.numerics.lazy import checkpoint
 from core.study import Study, extremes_of, findings_of, quantities_of, undercut_on
+from core.study.drive_forces import PRESSURES, has_servo, pairings, servo_part, servo_turn
 from core.study.stages import evaluations
-from core.study.study import PRESSURES, has_servo, pairings, servo_part, servo_turn
 
 ExtremesByName = Mapping[str, Extremes]
 Candidate = Callable[[], Design]
@@ -81,7 +81,7 @@ def _wind_up(study: Study, extremes: ExtremesByName) -> float | None:
 
 def _residual(study: Study, extremes: ExtremesByName) -> float | None:
     """Amplitude of the residual vibration of the roller's centre (of the contact where the motion rotates)."""
-    lever_arm = 1.0 if study.program.motion.unit == "mm" else study.elasticity.way
+    lever_arm = 1.0 if study.program.motion.unit == "mm" else study.elasticity.lever_arm
     return max((lever_arm * residual.from_rest for residual in study.follower_response.residuals), default=None)
 
 
@@ -97,7 +97,7 @@ def _least_contact(study: Study, extremes: ExtremesByName) -> float | None:
 
 
 def _is_open(study: Study) -> bool:
-    return "cam" in study.stages and not study.holds and not study.loading.empty
+    return "cam" in study.stages and not study.is_form_closed and not study.loading.empty
 
 
 def _is_stressed(study: Study) -> bool:

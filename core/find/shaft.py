@@ -49,9 +49,9 @@ from core.shaft import (
 )
 from core.shaft.flywheel import ROUNDING, energy_range
 from core.study import Study, extremes_of
+from core.study.drive_forces import best_servo_ratio, servo_part, servo_turn
 from core.study.limits import ANY_PRESSURE, CONVEX, LIMITS
 from core.study.quantities import has_motor
-from core.study.study import best_servo_ratio, servo_part, servo_turn
 
 FLYWHEEL, FLUCTUATION, SLOPE = (
     "shaft.flywheel_inertia_kg_m2",
@@ -376,7 +376,7 @@ def _phases(design: Design, request: ShaftRequest) -> Solution:
     if len(design.drives) < 2:
         raise KindynaError("find phases: this design has one drive alone; allowed: two or more under [[drives]]")
     study = Study(replace(design, balancer=None)).camshaft
-    numbers = [study.number(name) for name in study.carried]
+    numbers = [study.drive_number(name) for name in study.loading_drives]
     index = {number: i for i, number in enumerate(numbers)}  # drives that do not load the shaft move with the first
     spacings = [
         Spacing(
@@ -392,7 +392,7 @@ def _phases(design: Design, request: ShaftRequest) -> Solution:
             if math.isfinite(bound):
                 spare = math.radians((side * (present - bound) + 180.0) % 360.0 - 180.0)
                 spacings.append(Spacing(0, i, spare) if side > 0.0 else Spacing(i, 0, spare))
-    loads = [study.drive_load(name) for name in study.carried]
+    loads = [study.drive_load(name) for name in study.loading_drives]
     shifts = best_phases(loads, spacings, request.aim).turned
     checked = FindingsCheck(replace(design, balancer=None))
 

@@ -18,7 +18,7 @@ from core.numerics.lazy import checkpoint
 from core.output.channels import ANGLES, channels, existing
 from core.output.summary import summary, to_json
 from core.project.files import write_into
-from core.requests import asked
+from core.requests import option
 from core.study import Camshaft, Study
 from core.study.camshaft import has_speed, is_complete
 from core.study.quantities import DYNAMICS, KINEMATICS, LINKAGE, ORBIT, PROFILE, SERVO
@@ -184,7 +184,7 @@ def camshaft_columns(camshaft: Camshaft[Study]) -> list[Column]:
     rows: list[Column] = [("torque_nm", lambda there: there.torque)] if is_complete(camshaft) else []
     rows += [
         (f"{camshaft.slugs[name]}_torque_nm", torque_of(name))
-        for name in camshaft.carried
+        for name in camshaft.loading_drives
         if name not in camshaft.failures
     ]
     if is_complete(camshaft) and camshaft.design.balancer is not None:
@@ -224,7 +224,7 @@ def _of_camshaft(study: Study, stages: Sequence[str]) -> dict[str, str | Iterato
         made[SHAFT] = parts
     folders = {slug: study.drives[name] for name, slug in camshaft.slugs.items() if name not in camshaft.failures}
     if study.design.balancer is not None and is_complete(camshaft) and camshaft.balancer is not None:
-        folders[BALANCER] = study.of(camshaft.balancer.design)
+        folders[BALANCER] = study.with_design(camshaft.balancer.design)
     for folder, each in folders.items():
         own = tuple(stage for stage in each.stages if stage in stages)
         if own or not stages:
@@ -252,11 +252,11 @@ LEAST_DELAY = 20  # a viewer plays what is shorter at a speed of its own
 class Film:
     """What is wanted: ``.gif`` or ``.webp``, frames of the turn, size in pixels, seconds of the turn."""
 
-    ending: str = asked(choice("Format", tuple(FORMATS), default=".gif"), None, words=FORMATS)
-    frames: int = asked(whole("Frames per turn", 2, 360, default=72), help="per turn")
+    ending: str = option(choice("Format", tuple(FORMATS), default=".gif"), None, words=FORMATS)
+    frames: int = option(whole("Frames per turn", 2, 360, default=72), help="per turn")
     width: int = 800
     height: int = 600
-    seconds: float = asked(number("One turn takes, s", 0.2, 600.0, default=4.0), None)
+    seconds: float = option(number("One turn takes, s", 0.2, 600.0, default=4.0), None)
 
     @property
     def delays(self) -> list[int]:

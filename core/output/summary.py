@@ -22,7 +22,8 @@ from core.shaft import Flywheel, peaks
 from core.study import Camshaft, Study, certificate_of, extremes_of, findings_of, quantities_of, roller_lives
 from core.study.cam_checks import limit_rows
 from core.study.camshaft import has_speed, is_complete
-from core.study.study import has_servo, servo_part, servo_turn, shaft_in_chart
+from core.study.drive_forces import has_servo, servo_part, servo_turn
+from core.study.study import shaft_in_chart
 
 if TYPE_CHECKING:  # no design without a flexible shaft loads it
     from core.stability import Stability, SteadyTurn, Verdict
@@ -382,7 +383,7 @@ def _camshaft_extremes(camshaft: Camshaft[Study]) -> dict[str, Any]:
     """Of the columns of ``shaft.csv``; ``cam_angle_deg`` is the machine angle there."""
     found = {
         f"{camshaft.slugs[name]}_torque_nm": peaks(camshaft.drive_load(name))
-        for name in camshaft.carried
+        for name in camshaft.loading_drives
         if name not in camshaft.failures
     }
     rows = {key: range_row(each, 1.0) for key, each in found.items()}

@@ -27,7 +27,7 @@ from core.design import UNITS, Design, Unit, faults, require_motion
 from core.design.fields import Info
 from core.errors import DesignError, KindynaError
 from core.find import blend_candidates
-from core.requests import options
+from core.requests import command_words
 from kindyna_gui.background import Background, Job
 from kindyna_gui.blend.answer import AnswerPanel
 from kindyna_gui.blend.fields import LiveBox, SettingRow, quiet
@@ -263,7 +263,7 @@ class SequenceDialog(PutDialog):
         self.ranges.start(self._unknown)
 
     def _count(self, request: SequenceRequest, text: str, wrong: bool = False) -> None:
-        self.count.setText(f"{request.sequence} takes {request.freedom} settings" + (f": {text}" if text else ""))
+        self.count.setText(f"{request.sequence} requires {request.freedom} settings" + (f": {text}" if text else ""))
         self.show_message("")
         if text:
             self.panel.veil.draw(text)
@@ -315,7 +315,7 @@ class SequenceDialog(PutDialog):
             "best": self.goal.currentData() or None,
             "unit": self._unit,
         }
-        return spelled("blend", options(BlendArguments, {**asked, **of_session(self._session)}))
+        return spelled("blend", command_words(BlendArguments, {**asked, **of_session(self._session)}))
 
     def accept(self) -> None:
         """Put the motion into the design, where there is one."""

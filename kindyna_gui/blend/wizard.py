@@ -23,7 +23,7 @@ from core.errors import DesignError, KindynaError
 from core.find import blend_candidates
 from core.laws import LAWS
 from core.output.lines import shortest
-from core.requests import options
+from core.requests import command_words
 from kindyna_gui.background import Background, Job
 from kindyna_gui.blend.answer import AnswerPanel
 from kindyna_gui.blend.fields import PrecisionPointRow, RangedRow
@@ -265,7 +265,7 @@ class BlendDialog(PutDialog):
         from core.commands.motions import BlendArguments
 
         return spelled(
-            "blend", options(BlendArguments, {**words_of(self.questions.request()), **of_session(self._session)})
+            "blend", command_words(BlendArguments, {**words_of(self.questions.request()), **of_session(self._session)})
         )
 
     def accept(self) -> None:

@@ -24,7 +24,7 @@ from core.findings import ERROR
 from core.output.files.inspection import ProfileComparison, compare, read_lift, set_up_probe
 from core.output.files.probe import InspectionRequest
 from core.project.files import read_bytes
-from core.requests import options
+from core.requests import command_words
 from core.study import Study
 from kindyna_gui import dialogs
 from kindyna_gui.background import Background
@@ -130,7 +130,7 @@ class MeasuredCamDialog(QDialog):
         from core.commands.cams import InspectionArguments
 
         own = {"measured": self._path, "fit": self.fit.isChecked(), "samples": None}  # the table has its own angles
-        return ".csv", options(InspectionArguments, {**self.form.values, **own})
+        return ".csv", command_words(InspectionArguments, {**self.form.values, **own})
 
     # -- what comes of it ----------------------------------------------------------------------------------------
 

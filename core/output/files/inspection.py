@@ -37,7 +37,7 @@ from core.output.files.profile_files import SENSES
 from core.output.files.profile_request import ProfileRequest as Profile
 from core.output.summary import to_json
 from core.project.files import require_own_json, write_into
-from core.requests import require
+from core.requests import require_in_range
 from core.study import Study
 
 # -- lift of the exact profile, with its tolerance band ---------------------------------------------------------
@@ -286,7 +286,7 @@ def set_up_probe(study: Study, request: InspectionRequest) -> ProbeSetup:
     if name not in PROBES:
         raise KindynaError(f"probe {name!r}: none of that name; allowed: {', '.join(PROBES)}")
     kind = PROBES[name]
-    require(request)
+    require_in_range(request)
     radius = _radius(request, kind, follower_radius)
     probe_side = follower_side(study, flank_index(study, request.flank))
     direction = np.deg2rad(follower_direction(study.design) if request.direction_deg is None else request.direction_deg)

@@ -19,7 +19,7 @@ from core.numerics.derivatives import cross, dot
 from core.numerics.lazy import checkpoint
 from core.output.files.profile_curve import CurveSamples, ExactCurve
 from core.output.files.profile_request import flank_choice
-from core.requests import asked
+from core.requests import option
 
 # -- kinds of probes --------------------------------------------------------------------------------------------
 
@@ -330,22 +330,22 @@ class InspectionRequest:
     direction_deg : direction of the probe from the cam centre in the global frame; None for the follower's, else 90
     """
 
-    probe: str | None = asked(
+    probe: str | None = option(
         choice("Probe", tuple(PROBES), default=None, help="shape of the probe in contact with the cam"),
-        usual="the same as the follower",
+        default_text="the same as the follower",
         words={name: row.label.capitalize() for name, row in PROBES.items()},
     )
-    radius_mm: float | None = asked(
-        length("Radius", default=None, help="of a roller or ball"), usual="that of the follower"
+    radius_mm: float | None = option(
+        length("Radius", default=None, help="of a roller or ball"), default_text="that of the follower"
     )
     tolerance_mm: float = number("Tolerance", 0.0, 1e9, default=0.02, help="half the band, normal to the profile")
     samples: int = whole("Cam angles", 4, 1_000_000, default=360, help="equally spaced cam angles")
     flank: str = flank_choice()
-    direction_deg: float | None = asked(
+    direction_deg: float | None = option(
         number(
             "Direction",
             default=None,
             help="from the cam centre to the probe, counter-clockwise from the x axis",
         ),
-        usual="that of the follower, else 90",
+        default_text="that of the follower, else 90",
     )

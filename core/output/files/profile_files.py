@@ -35,7 +35,7 @@ from core.output.files.fitted_curve import (
 from core.output.files.profile_curve import MM, exact_profile
 from core.output.files.profile_fit import FITS, Arcs, Cubics
 from core.output.files.profile_request import SAMPLINGS, ProfileRequest, rounded_up
-from core.requests import require as in_range
+from core.requests import require_in_range as in_range
 from core.study import Study
 
 # -- layers of a drawing ----------------------------------------------------------------------------------------

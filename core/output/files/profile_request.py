@@ -18,7 +18,7 @@ from core.numerics.lazy import checkpoint
 from core.output.files.fewest import TooManyPoints, fewest_points
 from core.output.files.profile_curve import ProfileCurve, SpanEnds
 from core.output.files.profile_fit import FITS, FitMethod
-from core.requests import asked
+from core.requests import option
 
 # -- numbers rounded to the safe side ---------------------------------------------------------------------------
 
@@ -142,7 +142,7 @@ def flank_choice() -> Any:
 def _machining_field(label: str, low: float, high: float, default: float, help: str, usual: str = "") -> Any:
     """A field for a number of G-code with its option."""
     field = number(label, low, high, default=default, help=help)
-    return asked(field, help=f"G-code: {label.lower()}, {help}", usual=usual)
+    return option(field, help=f"G-code: {label.lower()}, {help}", default_text=usual)
 
 
 @frozen
@@ -156,7 +156,7 @@ class Machining:
         "Depth", 0.0, 1e4, 0.0, "below the face of the blank", "the cam's thickness, or 10 mm"
     )
     step_mm: float = _machining_field("Depth of a pass", 0.0, 1e4, 0.0, "at most", "all in one pass")
-    conventional: bool = asked(
+    conventional: bool = option(
         flag("Conventional instead of climb milling"), help="G-code: conventional instead of climb milling"
     )
 
@@ -175,27 +175,27 @@ class ProfileRequest:
     """
 
     flank: str = flank_choice()
-    samples: int | None = asked(
+    samples: int | None = option(
         whole("Points", LEAST_POINTS, MOST_POINTS, default=None, help="points at equal cam angles"),
         one_of=("Points", "At equal cam angles"),
     )
-    spacing_mm: float | None = asked(
+    spacing_mm: float | None = option(
         length("Spacing", default=None, help="points at equal arc lengths, at most this distance"),
         one_of=("Points", "At equal arc lengths"),
     )
-    tolerance_mm: float | None = asked(
+    tolerance_mm: float | None = option(
         length("Tolerance", default=None, help="the fewest points that keep a tolerance"),
         one_of=("Points", "The fewest that keep a tolerance"),
     )
-    fit: str = asked(
+    fit: str = option(
         choice("Between them", tuple(FITS), default="", help="curve from point to point"),
         "--as",
-        usual="spline; CSV: polyline",
+        default_text="spline; CSV: polyline",
         words={name: row.label.capitalize() for name, row in FITS.items()},
     )
-    cutter_mm: float = asked(
+    cutter_mm: float = option(
         length("Cutter radius", default=0.0, help="path of the centre of a cutter or grinding wheel of this radius"),
-        usual="none: the profile itself",
+        default_text="none: the profile itself",
         metavar="RADIUS_MM",
     )
     machining: Machining = Machining()

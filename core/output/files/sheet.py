@@ -28,7 +28,7 @@ from core.output.files.profile_files import ProfileDrawing
 from core.output.files.profile_fit import Cubics
 from core.output.files.profile_request import ProfileRequest, flank_choice
 from core.project.files import read_bytes
-from core.requests import typed
+from core.requests import text_option
 from core.study import Study
 
 # -- dimensions of a cam ----------------------------------------------------------------------------------------
@@ -282,9 +282,9 @@ class Logo:
 class Letterhead:
     """Author and company as text; the logo as the path of a file."""
 
-    author: str = typed("author", default="", metavar="TEXT")
-    company: str = typed("company", default="", metavar="TEXT")
-    logo: str = typed("logo of the company: PNG, JPEG or SVG", default="", metavar="FILE")
+    author: str = text_option("author", default="", metavar="TEXT")
+    company: str = text_option("company", default="", metavar="TEXT")
+    logo: str = text_option("logo of the company: PNG, JPEG or SVG", default="", metavar="FILE")
 
 
 def read_logo(letterhead: Letterhead) -> tuple[Logo | None, str]:
@@ -354,7 +354,7 @@ class DrawingRequest(Letterhead):
 
     paper: str = choice("Paper", tuple(PAPERS), default="A4", help="size of the sheet, landscape")
     flank: str = flank_choice()
-    date: str = typed("date in the title block; empty: none", default="", metavar="TEXT")
+    date: str = text_option("date in the title block; empty: none", default="", metavar="TEXT")
 
 
 # -- items of a sheet -------------------------------------------------------------------------------------------

@@ -73,7 +73,7 @@ class Subject:
     def drives(self, without: frozenset[str] = OF_SHAFT) -> Iterator[Subject]:
         """Each drive of a shaft that has an answer."""
         if self.of == SHAFT:
-            yield from (self.drive(each, (), without) for each in self.study.answering.values())
+            yield from (self.drive(each, (), without) for each in self.study.solved_drives.values())
 
     def drive(self, study: Study, less: Sequence[str], without: frozenset[str] = OF_SHAFT) -> Subject:
         """One drive of the shaft; less: tables that are left out besides the shaft's."""

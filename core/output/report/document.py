@@ -20,7 +20,7 @@ from core.output.report import sections as of_study
 from core.output.report.chapters import CHAPTERS, SHAFT, Subject, sections_of, subject_of
 from core.output.report.parts import Block, Number, ReportEquations, ReportPicture, ReportTable, Section, Sentences
 from core.process import resources
-from core.requests import typed
+from core.requests import text_option
 from core.study import Study, certificate_of, findings_of
 
 if TYPE_CHECKING:
@@ -55,9 +55,9 @@ PAPERS: Mapping[str, tuple[float, float]] = MappingProxyType({"A4": (210.0, 297.
 class Cover(Letterhead):
     """What stands on the first page besides what is computed: for whom, by whom, which revision and which day, as text; the paper."""
 
-    customer: str = typed("for whom, on the first page", default="", metavar="TEXT")
-    revision: str = typed("of the design, on the first page", default="", metavar="TEXT")
-    date: str = typed("as it shall stand on the first page; without, none does", default="", metavar="TEXT")
+    customer: str = text_option("for whom, on the first page", default="", metavar="TEXT")
+    revision: str = text_option("of the design, on the first page", default="", metavar="TEXT")
+    date: str = text_option("as it shall stand on the first page; without, none does", default="", metavar="TEXT")
     paper: str = choice("Paper", tuple(PAPERS), default="A4", help="of a PDF")
 
     @property

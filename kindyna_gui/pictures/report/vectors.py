@@ -151,12 +151,12 @@ def _timing(study: Study, theme: Theme, part: float) -> Vector:
 def _torque(study: Study, theme: Theme, part: float) -> Vector:
     """Torque of the drives, of the whole, and the speed where a flywheel levels it."""
     shaft = study.camshaft
-    angle, there = shaft.angle_degrees, [name for name in shaft.carried if name not in shaft.failures]
-    drives = [(name, shaft.drive_torque(name), LIGHT.drive(shaft.number(name))) for name in there]
+    angle, there = shaft.angle_degrees, [name for name in shaft.loading_drives if name not in shaft.failures]
+    drives = [(name, shaft.drive_torque(name), LIGHT.drive(shaft.drive_number(name))) for name in there]
     sums = [("Shaft", shaft.torque, theme.ink)]
     if shaft.design.balancer is not None:
         drives.append(("Balance cam", shaft.balancer_torque, BALANCE))
-    running = shaft.levelled and has_speed(shaft)
+    running = shaft.levels_torque and has_speed(shaft)
     if running:
         sums.append(("Motor", shaft.motor_torque, FAMILIES["torque"]))
     plots = [("Drives, N·m", drives), ("Shaft, N·m", sums)]
