@@ -138,7 +138,9 @@ def places_of(design: Design, what: str) -> Mapping[str, str]:
 def keys_of(design: Design, what: str, paths: tuple[str, ...]) -> tuple[str, ...]:
     """Everything that may be limited when these fields are varied."""
     return (
-        tuple(SHAFT_SEARCHES[what].default_limits(design)) if what in SHAFT_SEARCHES else CAM_SEARCHES[what].keys(design, paths)
+        tuple(SHAFT_SEARCHES[what].default_limits(design))
+        if what in SHAFT_SEARCHES
+        else CAM_SEARCHES[what].keys(design, paths)
     )
 
 
