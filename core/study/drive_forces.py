@@ -27,7 +27,7 @@ from core.numerics.derivatives import spread
 from core.numerics.roots import gauss
 from core.shaft import LoadCurve, combined
 from core.shaft.speed import MotorLoad, best_ratio, lever, motor_load, motor_torque, moved
-from core.stress import ContactStress, Pairing, contact_stress
+from core.stress import ContactStress, Pairing, RollerLife, contact_stress
 from core.study.drive_study import DriveStudy
 from core.study.stages import fit_load_curve, memory
 
@@ -176,7 +176,7 @@ class DriveForces(DriveStudy):
     @property
     def elasticity(self) -> Elasticity:
         """One-mass model of the elastic follower. Raises NoSolution where the follower is rigid, or no mass vibrates."""
-        from core.elastic import equivalent
+        from core.elastic import elasticity
 
         self.require_stage("cam")
         if not self.is_elastic:
@@ -187,7 +187,7 @@ class DriveForces(DriveStudy):
             self.mechanism, driver_ranges, loading, drive.face, drive.bare_cam, self.sense, stroke, loads.follower_stiffness,
             loads.follower_damping_ratio or 0.0,
         )  # fmt: skip
-        model: Elasticity = memory.get("elasticity", parts, lambda: equivalent(*parts))
+        model: Elasticity = memory.get("elasticity", parts, lambda: elasticity(*parts))
         return model
 
     @property
@@ -203,7 +203,7 @@ class DriveForces(DriveStudy):
     def vibrates(self) -> bool:
         """Whether the follower is elastic and its response is periodic."""
         try:
-            return self.is_elastic and not self.follower_response.resonant
+            return self.is_elastic and not self.follower_response.is_resonant
         except NoSolution:
             return False
 
@@ -621,3 +621,24 @@ def roller_speed(study: DriveForces, roller: str) -> np.ndarray:
     for flank, contact in flanks[1:]:
         speed = np.where(contact.force > 0.0, stress.roller_speed(study.linkage, flank, study.sense), speed)
     return speed * study.omega
+
+
+def roller_lives(study: DriveForces) -> tuple[RollerLife, ...]:
+    """Life of every roller with a load rating; empty where nothing loads the cam, or friction jams."""
+    ratings = load_ratings(study)
+    if not ratings or study.loading.empty or study.jam is not None:
+        return ()
+
+    def compute() -> tuple[RollerLife, ...]:
+        angles, weight = stress.turn_quadrature(study.program, tuple(change.theta for change in study.flank_changes))
+        nodes = study.at(angles)
+        lives = []
+        for roller, rating in ratings.items():
+            speed = roller_speed(nodes, roller) / study.omega
+            figures = stress.rolling_life(rating, roller_force(nodes, roller), speed, weight, study.omega)
+            lives.append(RollerLife(roller, *(float(figure) for figure in figures)))
+        return tuple(lives)
+
+    key = study.depends_on("dynamics"), tuple(ratings.items())
+    lives: tuple[RollerLife, ...] = memory.get("rolling life", key, compute)
+    return lives

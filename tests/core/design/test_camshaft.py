@@ -447,11 +447,13 @@ def test_a_drive_that_cannot_be_assembled_takes_no_other_with_it(
     assert found["field"].startswith("drives[0].follower.")
     capsys.readouterr()
     assert main(["check", str(tmp_path / "broken" / "design.toml")]) == 1
-    assert capsys.readouterr().out.startswith("error: Feed: no answer, and the other drives go on without it:")
+    assert capsys.readouterr().out.startswith(
+        "error: Feed: no solution, the other drives are computed without this one:"
+    )
     assert main(["find", str(tmp_path / "broken" / "design.toml"), "flywheel"]) == 2
     assert capsys.readouterr().err.startswith("drives[0].follower.arm_mm: the shaft's torque lacks the drive Feed:")
     assert main(["report", str(tmp_path / "broken" / "design.toml"), "--samples", "360"]) == 1
-    assert "Feed: no answer, and the other drives go on without it:" in capsys.readouterr().out
+    assert "Feed: no solution, the other drives are computed without this one:" in capsys.readouterr().out
 
 
 def test_findings_name_the_drive_and_its_field() -> None:

@@ -290,7 +290,7 @@ def test_the_report_and_the_summary_tell_of_the_shaft_where_it_bends() -> None:
     assert re.search(r"tongue 1 +14\d\d\.\d+ +15\d\d\.\d+", section)
     assert "unstable" in section
     assert "a stiffness from" in section
-    assert "error: 1500 rpm lies in a forbidden band" in text
+    assert "error: 1500 rpm is in a forbidden band" in text
     told = summary(Study(KIM, 36), ("stability",))["stability"]
     assert told["q"] == pytest.approx(0.05)
     assert [b["n"] for b in told["bands"]] == list(range(1, 12))

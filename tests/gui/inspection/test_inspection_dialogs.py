@@ -183,7 +183,7 @@ def test_what_cannot_be_read_is_one_line_and_nothing_is_lost(opened: MeasuredCam
     path.write_bytes(b"\n".join(whole.split(b"\n")[:100]))
     QTest.mouseClick(opened.again, Qt.MouseButton.LeftButton)
     assert computed(opened).startswith("Out of tolerance")
-    assert opened.notes.text() == "No measured rows from 196 to 360°: nothing is said of the cam there."
+    assert opened.notes.text() == "No measured rows from 196 to 360°: the cam is not assessed there."
 
 
 def test_a_file_that_is_not_there_and_a_design_without_a_cam(
