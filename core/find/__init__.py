@@ -27,12 +27,41 @@ from core.find.search import Solution
 from core.find.shaft import EXTRA, SHAFT_SEARCHES, available_shaft_searches
 from core.find.spring import SEARCHES, find, remedy_of
 from core.find.trial import same_design
-from core.study.limits import ANY_PRESSURE, BOUNDS, FORCE, LIMITS, OWN, UsualValue
+from core.study.limits import ANY_PRESSURE, BOUNDS, FORCE, LIMITS, USER, LimitValue
 
 __all__ = [
-    "ANY_PRESSURE", "BOUNDS", "CAM_SEARCHES", "EXTRA", "FIGURES", "FORCE", "LIMITS", "OF_PRESSURE", "OWN", "SEARCHES",
-    "SHAFT_SEARCHES", "LimitReading", "RankingColumn", "RankingRow", "Solution", "StatedLimits", "Trade", "UsualValue",
-    "available_searches", "available_shaft_searches", "blend_candidates", "default_limits", "find", "law_candidates",
-    "moving_segments", "ranking", "ranking_columns", "ranking_row", "remedy_of", "same_design", "sorted_rows", "trade",
-    "traded_field", "varied_fields",
+    "ANY_PRESSURE",
+    "BOUNDS",
+    "CAM_SEARCHES",
+    "EXTRA",
+    "FIGURES",
+    "FORCE",
+    "LIMITS",
+    "OF_PRESSURE",
+    "SEARCHES",
+    "SHAFT_SEARCHES",
+    "USER",
+    "LimitReading",
+    "LimitValue",
+    "RankingColumn",
+    "RankingRow",
+    "Solution",
+    "StatedLimits",
+    "Trade",
+    "available_searches",
+    "available_shaft_searches",
+    "blend_candidates",
+    "default_limits",
+    "find",
+    "law_candidates",
+    "moving_segments",
+    "ranking",
+    "ranking_columns",
+    "ranking_row",
+    "remedy_of",
+    "same_design",
+    "sorted_rows",
+    "trade",
+    "traded_field",
+    "varied_fields",
 ]  # fmt: skip

@@ -15,7 +15,7 @@ from core.find.trial import RPM, ContactLimit
 from core.frozen import frozen
 from core.motion.extremes import piecewise_angles
 from core.study import Study
-from core.study.limits import ANY_PRESSURE, BOUNDS, FORCE, LIMITS, OWN, UsualValue, limit_of
+from core.study.limits import ANY_PRESSURE, BOUNDS, FORCE, LIMITS, USER, LimitValue, limit_of
 from core.study.many import many
 from core.study.quantities import quantity
 
@@ -41,22 +41,22 @@ def varied_fields(design: Design, what: str, choice: str = "") -> tuple[str, ...
     return CAM_SEARCHES[what].fields(design, {choice: (None, None)} if choice else {})
 
 
-def default_limits(design: Design, what: str) -> Mapping[str, UsualValue]:
+def default_limits(design: Design, what: str) -> Mapping[str, LimitValue]:
     """Limits of a search where none is stated: the design's own, else the typical ones for the present design."""
     row, study = CAM_SEARCHES[what], Study(design)
-    limits: dict[str, UsualValue | None] = {key: _limit(study, key) for key in applicable_limits(design, what)}
+    limits: dict[str, LimitValue | None] = {key: _limit(study, key) for key in applicable_limits(design, what)}
     paths = row.fields(design, {})
     if row.bounded:
         limits |= {key: _bound(study, key) for key in BOUNDS if key[:-4] in paths}
     if row.target == LIFT_OFF:
         force = _bound(study, f"{FORCE}_min")
-        limits[f"{FORCE}_min"] = force if force is not None and force.source == OWN else LIFT_OFF_LIMIT
+        limits[f"{FORCE}_min"] = force if force is not None and force.source == USER else LIFT_OFF_LIMIT
     elif _limits_contact(study, row):
         limits |= {key: _bound(study, key) for key in row.contact_limits(design)}
     return {key: limit for key, limit in limits.items() if limit is not None}
 
 
-LIFT_OFF_LIMIT = UsualValue(0.0, "there the follower leaves the cam", OWN)
+LIFT_OFF_LIMIT = LimitValue(0.0, "there the follower leaves the cam", USER)
 
 
 def applicable_limits(design: Design, what: str) -> tuple[str, ...]:
@@ -67,21 +67,21 @@ def applicable_limits(design: Design, what: str) -> tuple[str, ...]:
     return tuple(
         key
         for key in row.limits
-        if (user_limits.get(key) is not None and not LIMITS[key].lacking(study))
+        if (user_limits.get(key) is not None and not LIMITS[key].missing(study))
         or (user_limits.get(key) is None and LIMITS[key].help and not (free and key.startswith("pressure_angle")))
     )
 
 
-def _limit(study: Study, key: str) -> UsualValue | None:
+def _limit(study: Study, key: str) -> LimitValue | None:
     try:
         return limit_of(study, key)
     except NoSolution:
         return None
 
 
-def _bound(study: Study, key: str) -> UsualValue | None:
+def _bound(study: Study, key: str) -> LimitValue | None:
     try:
-        return BOUNDS[key].usual(study)
+        return BOUNDS[key].typical(study)
     except NoSolution:
         return None
 
@@ -94,7 +94,7 @@ def _limits_contact(study: Study, row: SearchRow) -> bool:
         contact = study.contact_force
         if row.seeks_contact:
             return True
-        least, speed = (BOUNDS[key].usual(study) for key in row.contact_limits(study.design))
+        least, speed = (BOUNDS[key].typical(study) for key in row.contact_limits(study.design))
     except NoSolution:
         return False
     if least is None or speed is None:
@@ -125,7 +125,7 @@ class SearchRequest:
 
     limits: dict[str, float | None]
     bounds: Bounds
-    default_bounds: Mapping[str, UsualValue]
+    default_bounds: Mapping[str, LimitValue]
     contact: ContactLimit | None
     waived: frozenset[str]
 
@@ -175,20 +175,20 @@ def _add_bound(bounds: Bounds, key: str, value: float | None) -> None:
     bounds[key[:-4]] = (value, high) if key.endswith(ENDS[0]) else (low, value)
 
 
-def _is_compatible(bounds: Bounds, key: str, usual: UsualValue) -> bool:
+def _is_compatible(bounds: Bounds, key: str, usual: LimitValue) -> bool:
     """Whether a typical bound is on the correct side of the stated opposite bound."""
     low, high = bounds.get(key[:-4], (None, None))
     return high is None or usual.value < high if key.endswith(ENDS[0]) else low is None or usual.value > low
 
 
 def _contact_limit(
-    design: Design, keys: tuple[str, ...], stated: StatedLimits, usual: Mapping[str, UsualValue]
+    design: Design, keys: tuple[str, ...], stated: StatedLimits, usual: Mapping[str, LimitValue]
 ) -> ContactLimit | None:
     """Least contact force and highest speed, where contact limits the search or one of them is stated."""
     if not any(stated.get(key) is not None or key in usual for key in keys) or stated.get(keys[0], 0.0) is None:
         return None
     force, default = stated.get(keys[0]), usual.get(keys[0])
-    if force is None and default is not None and default.source == OWN:
+    if force is None and default is not None and default.source == USER:
         force = default.value
     speeds = {key: limit.value for key, limit in usual.items()} | dict(stated)
     speed = speeds.get(keys[-1]) if len(keys) > 1 else None
@@ -201,7 +201,7 @@ def _require_range(key: str, value: float | None) -> None:
     if value is None:
         return
     is_valid, allowed = value >= 0.0, f">= 0 {row.unit}"
-    if row.most:
+    if row.is_upper:
         is_angle = row.unit == "deg"
         is_valid = 0.0 < value < (90.0 if is_angle else math.inf)
         allowed = "above 0, below 90 deg" if is_angle else f"above 0 {row.unit}"

@@ -210,7 +210,7 @@ def find(
         return _narrowest_face(design, paths, request.bounds)
     study = Study(design)
     for key in stated:
-        if key in request.limits and (lacking := LIMITS[key].lacking(study)):
+        if key in request.limits and (lacking := LIMITS[key].missing(study)):
             raise KindynaError(f"limit {key}: this design has no such figure yet; give it {lacking}")
     request.limits.setdefault(CONVEX, 0.0)
     solver = _SOLVERS[len(paths), row.target]
@@ -660,7 +660,7 @@ def _near(value: float, present: float, values: np.ndarray) -> tuple[float, floa
 
 def _reached_before(trials: TrialDesigns) -> Mapping[str, float]:
     """Values that the present design reaches of every limit of the cam's shape, and of the stated limits of forces."""
-    open_limits = {key: OPEN_PRESSURE if row.most else 0.0 for key, row in LIMITS.items() if not row.of_forces}
+    open_limits = {key: OPEN_PRESSURE if row.is_upper else 0.0 for key, row in LIMITS.items() if not row.needs_forces}
     present = TrialDesigns(trials.design, (), open_limits | trials.limits, contact=trials.contact)
     readings = present.at().readings
     return {reading.key: reading.reached for reading in (*readings, *(present.forces() if readings else ()))}
