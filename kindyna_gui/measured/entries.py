@@ -33,7 +33,7 @@ def fit_entries(fit: MotionFit) -> list[TableNote]:
     wrong = [TableNote(int(fit.table.lines[i]), _off(fit, i), WARNING, float(fit.table.angles[i])) for i in rows]
     open_ones = [
         TableNote(0, spelled(line), WARNING, found.start_deg)
-        for found, line in zip(fit.found, segment_lines(fit, fit.found), strict=True)
+        for found, line in zip(fit.segments, segment_lines(fit, fit.segments), strict=True)
         if found.ambiguous
     ]
     found = [

@@ -27,7 +27,7 @@ from core.measured import (
     fit,
     is_workbook,
     layout,
-    mirrored,
+    mirror_rows,
     read_sheet,
     read_table,
     read_workbook,
@@ -125,7 +125,7 @@ class TableReader:
             how = layout(sheet, columns, self.motion_unit, self.speed_rpm)
             answer = replace(answer, layout=how)
             table = read_table(sheet, how, self.speed_rpm, leave_out)
-            return replace(answer, table=mirrored(table) if mirror else table)
+            return replace(answer, table=mirror_rows(table) if mirror else table)
         except TableError as error:
             return replace(answer, faults=error.faults)
 
