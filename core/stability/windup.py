@@ -89,7 +89,7 @@ def contact(
 
     def held(each: Touching) -> Loading:
         if spring != RETUNED:
-            return each.loading.smooth
+            return each.loading.frictionless
         rate = factor * _unit(each.sizes) / each.sizes.stroke if each.sizes.inertia else 0.0
         return Loading((), (OutputForce(rate * each.sizes.lowest, rate),))
 

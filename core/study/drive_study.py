@@ -421,7 +421,7 @@ class DriveStudy:
     def jam(self) -> Extreme | None:
         """Where friction jams hardest, by the refined extreme of the jamming factor, so whatever the sampling: then there
         are no forces to be tabled. None where nothing jams."""
-        if not self.loading.rubs:
+        if not self.loading.has_friction:
             return None
 
         def compute() -> Extreme | None:
@@ -441,7 +441,7 @@ class DriveStudy:
                 "cam.form",
                 "take an open cam",
             )
-        if self.loading.empty:
+        if self.loading.is_empty:
             raise NoSolution(
                 "nothing presses the follower on the cam: there are no masses and no spring", "loads", "give them"
             )

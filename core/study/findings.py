@@ -172,7 +172,7 @@ def _wall(study: Study) -> Wall | None:
 
 def _of_dynamics(study: Study) -> list[Finding]:
     drive, jam = study.design.drive, study.jam
-    jams = [] if jam is None or study.loading.empty else [dynamics.jam_finding(jam, study.jamming_pair)]
+    jams = [] if jam is None or study.loading.is_empty else [dynamics.jam_finding(jam, study.jamming_pair)]
     if "cam" not in study.stages:
         found = [*dynamics.findings(None, study.loading, "", lambda: 0.0), *jams]
     else:
@@ -183,10 +183,10 @@ def _of_dynamics(study: Study) -> list[Finding]:
             *dynamics.findings(contact, study.loading, noun, lambda: _lift_off_rpm(study), wanted),
             *jams,
         ]
-        if study.holds and jam is None and not study.loading.empty:
+        if study.holds and jam is None and not study.loading.is_empty:
             found += dynamics.change_findings(study.flank_impacts, drive.cam.form)
         found += cam_checks.force_findings(study) + quantity_requests.findings(study) + _of_elastic_follower(study)
-    if study.undetermined and not study.loading.empty:
+    if study.undetermined and not study.loading.is_empty:
         pairs = ", ".join(name for name in study.linkage.pairs if name in study.undetermined)
         found.append(Finding("undetermined-reactions", NOTE, "linkage.links", None, {"pairs": pairs}))
     found += dynamics.element_findings(lambda angles: study.at(angles).linkage, study.program, study.loading)
@@ -208,7 +208,7 @@ def _of_elastic_follower(study: Study) -> list[Finding]:
         study.follower_response.require_steady()
     except NoSolution as error:
         return [Finding("no-elastic-follower", WARNING, error.field, None, {"why": error.problem, "hint": error.hint})]
-    if study.holds or study.jam is not None or study.loading.empty:
+    if study.holds or study.jam is not None or study.loading.is_empty:
         return []
     if extremes_of(study, "dynamics", _CONTACT)["contact_force"].low.value <= 0.0:  # the finding of separation says so
         return []

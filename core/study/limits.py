@@ -78,7 +78,7 @@ def worst_of(study: Study, stage: str) -> Iterator[tuple[str, float, Extreme]]:
 
 
 def _forceless(study: Study) -> bool:
-    return study.loading.empty or study.jam is not None
+    return study.loading.is_empty or study.jam is not None
 
 
 def own_findings(study: Study, stage: str) -> list[Finding]:
@@ -288,7 +288,7 @@ def _of_quantities(study: Study, key: str) -> Iterator[Curve]:
 
 
 def _lacks_loads(study: Study) -> str:
-    return "masses or a spring in [loads]" if study.loading.empty else ""
+    return "masses or a spring in [loads]" if study.loading.is_empty else ""
 
 
 def _lacks_contact(study: Study) -> str:
@@ -352,7 +352,7 @@ def _usual_polar(study: Study) -> UsualValue | None:
 
 def _greatest_torque(study: Study) -> float:
     """Of the size of the drive's torque [N m]: refined, or of a study's own cam angles; 0 where nothing loads it or friction jams."""
-    if study.loading.empty or study.jam is not None:
+    if study.loading.is_empty or study.jam is not None:
         return 0.0
     if study.whole is not study:
         return float(np.abs(study.shaft_torque).max())

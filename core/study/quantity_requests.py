@@ -27,7 +27,7 @@ from core.units import split_unit
 def worst(study: Study) -> Mapping[str, Extreme]:
     """First flank of each roller -> the greatest contact pressure [Pa], refined; empty where there is none."""
     there = pairings(study)
-    if not there or study.loading.empty or study.jam is not None or not fits(study):
+    if not there or study.loading.is_empty or study.jam is not None or not fits(study):
         return {}
     names = {flank: name for flank, name in PRESSURES.items() if flank in there}
     found = extremes_of(study, "dynamics", tuple(names.values()))
@@ -37,7 +37,7 @@ def worst(study: Study) -> Mapping[str, Extreme]:
 def findings(study: Study) -> list[Finding]:
     """Pressures beyond their limits, or why there are none where they are asked for."""
     drive = study.design.drive
-    if study.loading.empty or study.jam is not None:
+    if study.loading.is_empty or study.jam is not None:
         return []
     if lacking := stress.missing_input_findings(drive.face, drive.cam, drive.limits):
         return lacking
@@ -63,7 +63,7 @@ def borne(study: Study) -> tuple[float | None, str]:
 def roller_lives(study: Study) -> tuple[RollerLife, ...]:
     """The life of every roller whose load rating is stated; none where nothing loads the cam, or friction jams."""
     stated = ratings(study)
-    if not stated or study.loading.empty or study.jam is not None:
+    if not stated or study.loading.is_empty or study.jam is not None:
         return ()
 
     def compute() -> tuple[RollerLife, ...]:

@@ -35,7 +35,7 @@ def at_speeds(design: Design, rpm: np.ndarray) -> AgainstSpeed:
         there = replace(design, shaft=replace(shaft, speed_rpm=omega * 30.0 / pi))
         return Study(there).camshaft.cams_load
 
-    load_at = cams if any(each.loading.rubs for each in study.drives.values()) else separated(cams, own)
+    load_at = cams if any(each.loading.has_friction for each in study.drives.values()) else separated(cams, own)
     if balance is None:
         return against_speed(load_at, shaft, rpm)
     held = balance.load_curve

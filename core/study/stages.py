@@ -59,13 +59,13 @@ def switches_of(loading: Loading, slides: Sequence[Friction], holds: bool) -> li
 
     def rubbing(friction: Friction, edge: int) -> Switch:
         def force(kinematics: Kinematics, forces: Forces) -> np.ndarray:
-            share = dynamics.carried(kinematics, forces, friction)[edge]
+            share = dynamics.edge_forces(kinematics, forces, friction)[edge]
             return np.asarray(share * np.abs(kinematics.motion.velocity_sign))
 
         return force
 
     found = [rubbing(f, edge) for f in slides for edge in range(2 if f.length else 1)]
-    return [*found, lambda kinematics, forces: forces.carrying] if holds and loading.frictions else found
+    return [*found, lambda kinematics, forces: forces.signed_contact] if holds and loading.frictions else found
 
 
 # -- results of the stages, remembered by the parts of the design that they depend on ---------------------------

@@ -12,7 +12,7 @@ from PySide6.QtGui import QColor, QFont, QPainter, QPen
 from PySide6.QtWidgets import QGraphicsPathItem
 
 from core.design import FRAME_LINK, LINK, PAIR, POINT, AttachedEnd, Attachment, Held, PairPlace, link_points, places_for
-from core.dynamics import pairs_named, place_at
+from core.dynamics import pairs_named, attachment_point
 from core.frozen import frozen
 from core.output.load_text import held_text
 from kindyna_gui.linkage.canvas import Canvas
@@ -180,7 +180,7 @@ class Picker(QObject):
         held, geometry = candidate.held, self._geometry
         assert isinstance(held, Attachment)
         assert geometry is not None
-        place = place_at(held, geometry.study.mechanism)
+        place = attachment_point(held, geometry.study.mechanism)
         return PickCandidate(self._at(held.link, place.at * MM), candidate.at)
 
     def _at(self, link: int, local: complex) -> Attachment:
@@ -311,7 +311,7 @@ def places_now(geometry: Geometry, held: Held, index: int) -> Iterator[complex]:
         if nodes:
             yield sum(nodes) / len(nodes)
         return
-    place = place_at(held, built)
+    place = attachment_point(held, built)
     body = geometry.bodies.get(place.body)
     yield place.at * MM if body is None else complex(body.track(place.at * MM)[index])
 

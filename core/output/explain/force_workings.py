@@ -69,7 +69,7 @@ def _virtual(study: Study) -> list[tuple[str, str, float]]:
             if (
                 row.kind in (REACTION, CONTACT)
                 or (row.kind == DRIVE and row.name not in motors)
-                or "cam" in (row.body, row.by)
+                or "cam" in (row.body, row.partner)
             ):
                 continue
             key = row.kind, named_force(row)
@@ -200,7 +200,7 @@ def _moments(study: Study, pair: str, rows: list[ForceOnBody]) -> tuple[str, tup
 def _bearing(study: Study, _: str, axis: str) -> Working:
     parts = []
     for i, (flank, each) in enumerate(zip(study.cam.flanks, study.dynamics.contacts, strict=True), 1):
-        push = complex(np.atleast_1d(each.pressing)[0])
+        push = complex(np.atleast_1d(each.direction)[0])
         value = push.real if axis == "x" else push.imag
         parts += [letter(f"F_{i}", f"contact force, flank {flank.name}", first(each.force), "n", DYNAMICS),
                   letter(f"p_{i}{axis}", f"its direction on the cam, {axis}", value, "", CAM)]  # fmt: skip

@@ -168,7 +168,7 @@ def carrying(study: Study) -> int:
 
 def pressing(study: Study) -> complex:
     """n + μ v̂ on the flank that carries."""
-    return complex(np.atleast_1d(study.dynamics.contacts[carrying(study)].pressing)[0])
+    return complex(np.atleast_1d(study.dynamics.contacts[carrying(study)].direction)[0])
 
 
 def pressed(study: Study) -> complex:

@@ -10,7 +10,7 @@ import numpy as np
 
 from core.cam import SECOND
 from core.dynamics import CAM_FACE
-from core.dynamics.free_body import FRICTION, WEIGHT, ForceOnBody, acting_of
+from core.dynamics.free_body import FRICTION, WEIGHT, ForceOnBody, element_forces
 from core.mechanism import link_number
 from core.mechanism.kinematics import REVOLUTE, SLIDING
 from core.numerics.derivatives import cross
@@ -305,7 +305,7 @@ def _masses(study: Study, bodies: Iterable[str]) -> list[tuple[str, float, float
     """Body, mass, speed of its centre, inertia, angular velocity of all that moves on these bodies."""
     rows = []
     for mass in study.loading.masses:
-        if mass.acts and mass.body in bodies:
+        if mass.is_active and mass.body in bodies:
             pose, part = study.linkage.bodies[mass.body], mass.inertia
             speed = abs(complex(np.atleast_1d(pose.carried(part.centre)[1])[0])) * study.omega
             rows.append(
@@ -367,13 +367,13 @@ def _work_rate(study: Study, rows: list[ForceOnBody]) -> Working:
 
 def _of_friction(study: Study, pair: str) -> Working:
     if pair == CAM_FACE:
-        return _work_rate(study, _acting(study, lambda row: row.kind == FRICTION and "cam" in (row.body, row.by)))
+        return _work_rate(study, _acting(study, lambda row: row.kind == FRICTION and "cam" in (row.body, row.partner)))
     return _work_rate(study, _acting(study, lambda row: row.kind == FRICTION and row.name == pair))
 
 
 def _of_element(study: Study, name: str) -> Working:
     element = study.loading.named[name]
-    return _work_rate(study, list(acting_of(element, study.linkage, study.omega)))
+    return _work_rate(study, list(element_forces(element, study.linkage, study.omega)))
 
 
 def _of_drive(study: Study, _: str) -> Working:

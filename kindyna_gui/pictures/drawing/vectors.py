@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from core.dynamics import BEARING, CONTACT, OF_MASSES, REACTION, SPRING, ForceOnBody
+from core.dynamics import BEARING, CONTACT, MASS_KINDS, REACTION, SPRING, ForceOnBody
 from core.errors import NoSolution
 from core.frozen import frozen
 from core.mechanism.kinematics import CAM
@@ -72,12 +72,12 @@ def velocities(geometry: Geometry) -> Field:
 
 def forces(geometry: Geometry) -> Field:
     """What pairs and cam answer with, friction, springs and other loads; to the scale of all that acts."""
-    return _acting(geometry, lambda row: row.kind not in OF_MASSES)
+    return _acting(geometry, lambda row: row.kind not in MASS_KINDS)
 
 
 def inertia(geometry: Geometry) -> Field:
     """Weight and inertia force of every body, at its centre of mass; to the same scale."""
-    return _acting(geometry, lambda row: row.kind in OF_MASSES)
+    return _acting(geometry, lambda row: row.kind in MASS_KINDS)
 
 
 def _acting(geometry: Geometry, wanted: Callable[[ForceOnBody], bool]) -> Field:
