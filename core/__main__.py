@@ -18,7 +18,7 @@ with importing():
     from core import __version__
     from core.commands import COMMANDS, NOTHING_DONE, Command, Painter
     from core.errors import KindynaError
-    from core.process import end_at_once, keep_freed_memory
+    from core.process import keep_freed_memory, skip_last_collection
     from core.project.files import inputs_kept
 
 MOST_LINES = 100
@@ -83,7 +83,7 @@ def main(
 
 def _run(argv: Sequence[str] | None, painter: Painter | None, program: str, rows: Mapping[str, Command]) -> int:
     keep_freed_memory()
-    end_at_once()
+    skip_last_collection()
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
@@ -91,11 +91,11 @@ def _run(argv: Sequence[str] | None, painter: Painter | None, program: str, rows
     needed = {words[0]: rows[words[0]]} if words and words[0] in rows else rows  # all are built only to be listed
     arguments = parser(program, needed).parse_args(words)
     row = rows[arguments.command]
-    from core.requests import filled
+    from core.requests import build_request
 
     try:
         with inputs_kept():
-            return row.run(filled(row.asks(), vars(arguments)), painter)
+            return row.run(build_request(row.asks(), vars(arguments)), painter)
     except KindynaError as error:
         from core.commands.common import named_in_file
 

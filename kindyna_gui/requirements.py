@@ -13,7 +13,7 @@ from core.errors import KindynaError
 from core.frozen import frozen
 from core.stress import is_line_contact, missing_inputs
 from core.study import Study
-from core.study.extremes import fits
+from core.study.extremes import has_undercut
 
 NO_MOTION = "The crank turns at constant speed: there is no motion to lay out. Let a link follow one."
 NO_CAM = "This design has no cam"
@@ -112,7 +112,7 @@ def require_centres(study: Study, instead: str) -> None:
 def turned_shaft(study: Study, instead: str) -> Shaft:
     """The shaft of a design, which turns cams or cranks, carries a flywheel and may twist; raises NotHere, with the sentence, where
     there is none."""
-    if study.design.shaft is not None and study.camshaft.carried:
+    if study.design.shaft is not None and study.camshaft.loading_drives:
         return study.design.shaft
     raise NotHere(instead)
 
@@ -153,5 +153,7 @@ def why_no_pressure(study: Study) -> str:
     if study.jam is not None:
         return "No contact pressure: friction jams, the forces are infinite."
     return (
-        "" if fits(study) else f"No contact pressure: the profile is undercut, the {drive.face.noun} does not fit it."
+        f"No contact pressure: the profile is undercut, the {drive.face.noun} does not fit it."
+        if has_undercut(study)
+        else ""
     )

@@ -218,7 +218,7 @@ def pressure_findings(
         limit, angle = getattr(limits, f"pressure_angle_{stretch}_deg"), degrees(extreme.value)
         if limit is not None and angle > limit * (1.0 + ROUNDING):
             row, (what, field) = ENTRIES[type(cam)], row_of(face).steep
-            remedy = f"lessen the {what} of the face" if what else row.gentler.format(stretch=stretch)
+            remedy = f"reduce the {what} of the face" if what else row.gentler.format(stretch=stretch)
             values: dict[str, float | str] = {"value": angle, "limit": limit, "remedy": remedy}
             if second is not None:
                 field = second.field

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from core.design import Design, edited, get, with_drive, with_spans
-from core.findings import apart
+from core.findings import distinct_texts
 from core.frozen import frozen
 from core.motion import connected_segments
 from core.study.limits import CONVEX, FORCE, LIMITS, SPEEDS
@@ -44,7 +44,7 @@ class LimitReading:
         name = split_unit(self.key.rpartition(".")[2])[0].replace("_", " ")
         if not self.limit and self.key == CONVEX:
             return f"undercut at {math.degrees(self.theta):.5g} deg"
-        reached, limit = apart([self.reached, self.limit], 6)
+        reached, limit = distinct_texts([self.reached, self.limit], 6)
         why = f" ({self.reason})" if self.reason else ""
         return f"{name}{self.whose} {reached} {unit} at {math.degrees(self.theta):.5g} deg, limit {limit} {unit}{why}"
 

@@ -12,7 +12,7 @@ from functools import partial
 from itertools import groupby
 from math import isnan
 
-from core.blend import Blended, Request, best, blend, sequences
+from core.blend import BlendResult, Request, best, blend, sequences
 from core.cam import form_row
 from core.design import Design, NamedCurve, Segment, edited, faults, split_unit
 from core.errors import DesignError, KindynaError, NoSolution
@@ -22,8 +22,8 @@ from core.laws import LAWS
 from core.motion.extremes import Extremes
 from core.numerics.lazy import checkpoint
 from core.study import Study, extremes_of, findings_of, quantities_of, undercut_on
+from core.study.drive_forces import PRESSURES, has_servo, pairings, servo_part, servo_turn
 from core.study.stages import evaluations
-from core.study.study import PRESSURES, has_servo, pairings, servo_part, servo_turn
 
 ExtremesByName = Mapping[str, Extremes]
 Candidate = Callable[[], Design]
@@ -88,7 +88,7 @@ def _least_contact(study: Study, found: ExtremesByName) -> float | None:
 
 
 def _is_open(study: Study) -> bool:
-    return "cam" in study.stages and not study.holds and not study.loading.is_empty
+    return "cam" in study.stages and not study.is_form_closed and not study.loading.is_empty
 
 
 def _is_stressed(study: Study) -> bool:
@@ -227,7 +227,9 @@ def _with_law(design: Design, numbers: Sequence[int], slug: str) -> Design:
 # -- blends ------------------------------------------------------------------------------------------------
 
 
-def blend_candidates(blended: Blended, place: Callable[[Blended], Design], goal: str = "") -> dict[str, Candidate]:
+def blend_candidates(
+    blended: BlendResult, place: Callable[[BlendResult], Design], goal: str = ""
+) -> dict[str, Candidate]:
     """The blend itself, every other sequence that answers the same request, and every law for rises and returns in place of each stroke.
 
     place  puts a blend into the design; goal: what the blend makes least, empty where its settings leave nothing free

@@ -49,9 +49,9 @@ from core.shaft import (
 )
 from core.shaft.flywheel import ROUNDING, energy_range
 from core.study import Study, extremes_of
+from core.study.drive_forces import best_servo_ratio, servo_part, servo_turn
 from core.study.limits import ANY_PRESSURE, CONVEX, LIMITS
 from core.study.quantities import has_motor
-from core.study.study import best_servo_ratio, servo_part, servo_turn
 
 FLYWHEEL, FLUCTUATION, SLOPE = (
     "shaft.flywheel_inertia_kg_m2",
@@ -357,7 +357,7 @@ def _phases(design: Design, wish: ShaftRequest) -> Solution:
     if len(design.drives) < 2:
         raise KindynaError("find phases: this design has one drive alone; allowed: two or more under [[drives]]")
     study = Study(replace(design, balancer=None)).camshaft
-    numbers = [study.number(name) for name in study.carried]
+    numbers = [study.drive_number(name) for name in study.loading_drives]
     place = {number: i for i, number in enumerate(numbers)}  # what the shaft does not carry stays with the first
     spacings = [
         Spacing(
@@ -373,7 +373,7 @@ def _phases(design: Design, wish: ShaftRequest) -> Solution:
             if math.isfinite(bound):
                 spare = math.radians((side * (now - bound) + 180.0) % 360.0 - 180.0)
                 spacings.append(Spacing(0, i, spare) if side > 0.0 else Spacing(i, 0, spare))
-    loads = [study.drive_load(name) for name in study.carried]
+    loads = [study.drive_load(name) for name in study.loading_drives]
     turned, checked = best_phases(loads, spacings, wish.aim).turned, FindingsCheck(replace(design, balancer=None))
 
     def placed(turned: np.ndarray) -> tuple[Design, dict[str, float]]:

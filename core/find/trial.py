@@ -178,11 +178,11 @@ def sampled_together(
     """The designs with other numbers (p, m) at these paths, by samples of every piece of the motion: those of them that can be
     computed together."""
     from core.study.batch import together
-    from core.study.quantity_requests import Asked
+    from core.study.quantity_requests import QuantityRequest
     from core.study.stages_of_many import POINTS, Together
 
     read = [name for key in keys if key in OWN_BOUNDS for name in bounded(design, key)]
-    if not rows.size or not all(together(design, paths, Asked("", name, "max", 1.0)) for name in read):
+    if not rows.size or not all(together(design, paths, QuantityRequest("", name, "max", 1.0)) for name in read):
         return
     stage = "dynamics" if any(LIMITS[key].of_forces for key in keys) else "cam"
     size = max(1, POINTS // piecewise_angles(Study(design).uncut).theta.size)

@@ -148,7 +148,7 @@ def _results(study: Study) -> Iterator[tuple[tuple[str, str], float | None]]:
             yield (key if name == "flywheel" else f"torque_{key}", ""), value
     for life in made.get("rolling_life", ()):
         yield (f"{life['roller'].replace(' ', '_')}_life_hours", ""), life["hours"]
-    for slug, each in study.answering.items():
+    for slug, each in study.solved_drives.items():
         if slug:
             yield from _of_extremes(extremes(each, each.stages), f"{slug}.")
 

@@ -21,7 +21,7 @@ from core.motion.extremes import find_highest
 from core.output.lines import columns, digits
 from core.plot import Figure, Plot, PlotCurve
 from core.study import Study
-from core.study.study import over_turn, servo_part, servo_speed, servo_torque, servo_turn
+from core.study.drive_forces import servo_part, servo_speed, servo_torque, servo_turn, turn_nodes
 
 # -- the same motion made by a cam on its shaft, with and without flywheel, and by a servo ----------------------
 
@@ -71,7 +71,7 @@ def _ways(study: Study) -> Iterator[_Way]:
     """Those that the design has. Raises NoSolution as the stage dynamics does."""
     if study.loads_shaft:
         yield _Way(CAM, lambda s: s.shaft_torque, lambda s: np.full(s.theta.size, s.omega))
-        if study.levelled and study.flywheel.runs:
+        if study.levels_torque and study.flywheel.runs:
             wheel = study.flywheel
             yield _Way(LEVELLED, lambda s: wheel.motor_torque(s.angles), lambda s: wheel.speed(s.angles))
     yield _Way(SERVO, servo_torque, servo_speed)
@@ -87,7 +87,7 @@ def _asked(study: Study, way: _Way) -> Asked:
         turn = servo_turn(study)
         rms, given, braked = turn.rms, turn.given, turn.braked
     else:
-        there, weight = over_turn(study, way.power)
+        there, weight = turn_nodes(study, way.power)
         torque, seconds = way.torque(there), weight * TURN / way.speed(there)
         rms = float(np.sqrt((torque**2 * seconds).sum() / seconds.sum()))
         given, braked = (float(np.maximum(sign * torque, 0.0) @ weight * TURN) for sign in (1.0, -1.0))

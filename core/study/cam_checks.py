@@ -215,7 +215,7 @@ def limit_rows(study: Study, stages: Sequence[str]) -> Iterator[LimitRow]:
         for key, own, worst in worst_of(study, stage):
             unit = key.removeprefix(f"{split_unit(key)[0]}_")
             yield LimitRow(key, OWN_BOUNDS[key][0].label, unit, worst.value, degrees(worst.theta), own, OWN)
-    if "dynamics" in stages and (pressed := quantity_requests.worst(study)):
+    if "dynamics" in stages and (pressed := quantity_requests.peak_pressures(study)):
         most = max(pressed.values(), key=lambda extreme: extreme.value)
         yield _row(study, "contact_pressure_mpa", "Contact pressure", 1e-6 * most.value, most)
 
@@ -235,7 +235,7 @@ def _shape_rows(study: Study, stages: Sequence[str]) -> Iterator[LimitRow]:
                 f"{name}_{stretch}_deg",
             )
             if body is not None and row.source != OWN:
-                row = row._replace(limit=cam.PRESSURE_LIMITS[study.held_by(body)])
+                row = row._replace(limit=cam.PRESSURE_LIMITS[study.frame_pair_kind(body)])
             yield row
     for radius in radii(study):
         sort = "concave" if radius.is_concave else "convex"

@@ -26,6 +26,7 @@ from core.frozen import frozen
 from core.mechanism import SINGULAR, body_name, mechanism_of
 from core.shaft import Flywheel
 from core.stress import load_ratings, pairings
+from core.study.drive_forces import ROLLERS, has_servo, roller_speed, servo_power, servo_speed, servo_torque
 from core.study.member_quantities import (
     always,
     by_motor,
@@ -50,7 +51,7 @@ from core.study.member_quantities import (
     turns_steadily,
     vibrates,  # fmt: skip
 )
-from core.study.study import ROLLERS, Study, has_servo, roller_speed, servo_power, servo_speed, servo_torque
+from core.study.study import Study
 
 FOLLOWERS = frozenset(FOLLOWER_KINDS)
 ALONE = frozenset({MOTION})

@@ -31,7 +31,7 @@ from core.numerics.lazy import Take, at_angles_of, column, design_by_design, rep
 from core.study.extremes import PROFILE_CURVATURES
 from core.study.highest import Search, nodes_of, refined
 from core.study.quantities import quantity
-from core.study.quantity_requests import Asked, mean_of, of_range
+from core.study.quantity_requests import QuantityRequest, extreme_statistic, mean_statistic
 from core.study.study import Study
 
 POINTS = 180_000
@@ -225,7 +225,7 @@ class Together:
         self.reason[which & (self.reason == "")] = code
 
     @property
-    def holds(self) -> bool:
+    def is_form_closed(self) -> bool:
         """Whether the cam holds the follower from both sides."""
         return self.plain.drive.cam is not None and bool(self.plain.drive.cam.form.holds)
 
@@ -388,13 +388,13 @@ class Together:
 
     # -- what is asked --------------------------------------------------------------------------------------
 
-    def results(self, asked: Sequence[Asked], polish: bool, loads: bool = False) -> Results:
+    def results(self, asked: Sequence[QuantityRequest], polish: bool, loads: bool = False) -> Results:
         """Of each design, by quantities; loads: it shall be known of each whether it jams, in any case."""
         angles, weight = nodes_of(self.program)
         if self.motions is not None:
             weight = weight * self.motions.stretched()[:, angles.piece]
         stages = {quantity(each.name).stage for each in asked}
-        searches = dict.fromkeys((each.name, side) for each in asked for side in _SIDES[each.of])
+        searches = dict.fromkeys((each.name, side) for each in asked for side in _SIDES[each.statistic])
         further = self._further(stages, loads)
         judged = [Search(*each) for each in further if each not in searches]
         names = list(dict.fromkeys([*(each.name for each in asked), *(name for name, _ in further)]))
@@ -418,11 +418,16 @@ class Together:
         value, theta = [], []
         for each in asked:
             row = quantity(each.name)
-            if each.of in ("rms", "mean"):
-                one: tuple[Any, Any] = mean_of(sampled[each.name], weight, each.of), np.full(self.count, np.nan)
+            if each.statistic in ("rms", "mean"):
+                one: tuple[Any, Any] = (
+                    mean_statistic(sampled[each.name], weight, each.statistic),
+                    np.full(self.count, np.nan),
+                )
             else:
                 ends = extremes[each.name]
-                one = of_range(each.of, (ends.low.value, ends.low.theta), (ends.high.value, ends.high.theta))
+                one = extreme_statistic(
+                    each.statistic, (ends.low.value, ends.low.theta), (ends.high.value, ends.high.theta)
+                )
             nothing = self.lost_at(row.stage) | (anywhere if row.fitting else False)
             if round_ := self._goes_round(each.name):
                 nothing = nothing | round_[0]

@@ -159,7 +159,7 @@ class Session(QObject):
         """Where the chosen drive stands on its shaft; one alone is shown by its own angle."""
         if not self.several:
             return ShaftPosition()
-        return self.shaft.balancer_place if self.on_balancer else self.shaft.places[self.names[self.chosen]]
+        return self.shaft.balancer_position if self.on_balancer else self.shaft.positions[self.names[self.chosen]]
 
     @property
     def shaft(self) -> Camshaft[Study]:

@@ -214,7 +214,7 @@ class DrivesView(View):
         try:
             if number < len(self.session.whole.drives):
                 name = self.session.names[number]
-                if name not in shaft.carried:
+                if name not in shaft.loading_drives:
                     return "not by the shaft", ""
                 peak = shaft.drive_peak(name).value
             else:

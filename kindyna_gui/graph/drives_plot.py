@@ -36,7 +36,7 @@ def curves_of_all(shaft: Camshaft[Study], usual: Sequence[str], bands: Bands) ->
             missing.append(f"{name}: {what}")
             continue
         band = bands.read(rows[:1], number).get(rows[0].slug)
-        place = shaft.places[name]
+        place = shaft.positions[name]
         shade = None if band is None else (place.machine_angle(np.deg2rad(degrees(band.shape[1]))), band)
         found.append((place.machine_angle(study.theta), values, SCREEN.drive(number), name, shade))
     if first is None:

@@ -357,7 +357,7 @@ class MechanismView(View):
     def _in_turn(self, study: Study) -> Study:
         """The study of a design so many turns later; where its links do not meet any more that of the first turn, and a note."""
         self.scene.turn = self._turn
-        later = study.of(turns_on(study.design, self._turn)) if self._turn else study
+        later = study.with_design(turns_on(study.design, self._turn)) if self._turn else study
         try:
             _ = later.linkage
         except KindynaError as error:

@@ -12,7 +12,7 @@ from PySide6.QtGui import QColor, QFont, QPainter, QPen
 from PySide6.QtWidgets import QGraphicsPathItem
 
 from core.design import FRAME_LINK, LINK, PAIR, POINT, AttachedEnd, Attachment, Held, PairPlace, link_points, places_for
-from core.dynamics import pairs_named, attachment_point
+from core.dynamics import attachment_point, pairs_named
 from core.frozen import frozen
 from core.output.load_text import held_text
 from kindyna_gui.linkage.canvas import Canvas

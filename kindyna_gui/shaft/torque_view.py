@@ -151,12 +151,12 @@ class ShaftTorqueView(_TurnView):
             Line(
                 x,
                 shaft.drive_torque(name),
-                SCREEN.drive(shaft.number(name)),
+                SCREEN.drive(shaft.drive_number(name)),
                 name,
                 read=name == chosen,
                 band=band_in(self.bands.of_shaft(), name),
             )
-            for name in shaft.carried
+            for name in shaft.loading_drives
             if name not in shaft.failures
         ]
         lacking = ""
@@ -180,7 +180,7 @@ class ShaftTorqueView(_TurnView):
         show_turn(self.sums, "Shaft", "N·m", [*cams, whole, *motor])
 
     def draw_later(self, shaft: Camshaft[Study]) -> None:
-        if not shaft.levelled:
+        if not shaft.levels_torque:
             return
         try:
             band = band_in(self.bands.of_motor(), "motor_torque")
@@ -222,10 +222,10 @@ class ShaftFiguresView(_TurnView):
             self.draw_later(shaft)
 
     def draw_later(self, shaft: Camshaft[Study]) -> None:
-        self._levelled = shaft.levelled
+        self._levelled = shaft.levels_torque
         self._share()
         try:
-            if shaft.levelled:
+            if shaft.levels_torque:
                 band = band_in(self.bands.of_motor(), "camshaft_speed", RPM)
                 speed = Line(shaft.angle_degrees, shaft.speed / RPM, SCREEN.family("speed"), read=True, band=band)
                 show_turn(self.speed, "Speed", "rpm", [speed], fit=True)
@@ -241,17 +241,17 @@ def figures(shaft: Camshaft[Study]) -> list[TableRow]:
             name,
             shaft.drive_load(name),
             shaft.omega,
-            SCREEN.drive(shaft.number(name)),
+            SCREEN.drive(shaft.drive_number(name)),
             f"{shaft.slugs[name]}_torque_nm",
         )
-        for name in shaft.carried
+        for name in shaft.loading_drives
         if name not in shaft.failures
     ]
     try:
         if shaft.design.balancer is not None:
             rows.append(_row(CAMS, shaft.cams_load, shaft.omega, SCREEN.quiet))
         rows.append(_row(SHAFT, shaft.load, shaft.omega, SCREEN.ink, "torque_nm"))
-        if shaft.levelled:
+        if shaft.levels_torque:
             found = shaft.motor_range
             ends = found["motor_torque"]
             peak = max((ends.low, ends.high), key=lambda end: abs(end.value))

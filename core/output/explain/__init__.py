@@ -19,7 +19,7 @@ from core.output.explain.shaft_workings import FIGURES, Figure, shaft_columns
 from core.output.explain.workings import working_of
 from core.output.lines import columns, digits
 from core.study import Quantity, Study, certificate_of, extremes_of
-from core.study.extremes import exists, is_unlimited
+from core.study.extremes import has_quantity, is_unlimited
 from core.study.quantities import member_of, shape_of
 
 # -- where a number comes from ----------------------------------------------------------------------------------
@@ -73,7 +73,7 @@ def explained(study: Study, name: str, at_deg: float | None = None) -> Explanati
     if study.design.listed:
         return _of_shaft(study, name, at_deg)
     row = next((row for row in channels(study.design) if row.slug == name), None)
-    if row is None or not exists(study, row):
+    if row is None or not has_quantity(study, row):
         raise KindynaError(
             f"explain {name}: this design has no such quantity; allowed: {', '.join(explainable(study))}"
         )

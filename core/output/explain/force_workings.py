@@ -34,7 +34,7 @@ from core.output.explain.letters import (
 )
 from core.stress import pairings, relative_curvature
 from core.study import Study, quantity
-from core.study.study import roller_speed
+from core.study.drive_forces import roller_speed
 
 
 def named_force(row: ForceOnBody) -> str:
@@ -96,7 +96,7 @@ def _contact_force(study: Study, _: str) -> Working:
     lever = first(contacts[0].lever)
     symbol = "F_c"
     if (
-        first(study.dynamics.contact) < 0.0 and study.holds and len(contacts) > 1
+        first(study.dynamics.contact) < 0.0 and study.is_form_closed and len(contacts) > 1
     ):  # of a groove the other flank, drawn negative
         lever = -first(contacts[1].lever)
     pair = any(flank.name == SECOND for flank in study.cam.flanks)
@@ -298,7 +298,7 @@ def _roller(study: Study, _: str, roller: str) -> Working:
 
 
 def _motor_torque(study: Study, _: str) -> Working:
-    if not study.levelled:
+    if not study.levels_torque:
         row = "drive_torque" if "cam" in study.stages else "driver_torque"
         sign = study.sense if study.by_crank else 1.0
         return Working(
@@ -310,7 +310,7 @@ def _motor_torque(study: Study, _: str) -> Working:
 
 
 def _speed(study: Study, _: str) -> Working:
-    if not study.levelled:
+    if not study.levels_torque:
         return shaft_speed(study, first(quantity("camshaft_speed").value(study)), None)
     wheel = study.flywheel
     return shaft_speed(

@@ -29,12 +29,14 @@ from core.output.explain.letters import (
     other,
     speed_field,
 )
-from core.output.summary import answers, flywheel, runs, shaft_in_chart
+from core.output.summary import flywheel
 from core.shaft.flywheel import energy_range, motor_inertia
 from core.shaft.speed import lever, moved
 from core.stress import RollerLife
 from core.study import Camshaft, Study, roller_lives
-from core.study.study import load_of, ratings, servo_part
+from core.study.camshaft import has_speed, is_complete
+from core.study.drive_forces import load_ratings, servo_load, servo_part
+from core.study.study import shaft_in_chart
 from core.units import NO_UNIT, Unit
 
 if TYPE_CHECKING:
@@ -127,7 +129,7 @@ def _life(study: Study) -> RollerLife:
 
 def _life_letters(study: Study) -> tuple[Letter, ...]:
     each = _life(study)
-    rating = ratings(study)[each.roller]
+    rating = load_ratings(study)[each.roller]
     turning = letter("n_r", "mean speed of the roller about its own axis", each.rpm * UNITS["rpm"].factor, "rpm")
     return (
         letter("C", "load rating of the roller", rating, "n", "cam.roller_load_rating_n"),
@@ -137,7 +139,7 @@ def _life_letters(study: Study) -> tuple[Letter, ...]:
 
 
 def _of_shaft(study: Study) -> bool:
-    return study.design.listed and answers(study.camshaft)
+    return study.design.listed and is_complete(study.camshaft)
 
 
 def _rms_letters(study: Study) -> tuple[Letter, ...]:
@@ -215,7 +217,7 @@ def _servo_speed(study: Study) -> Letter:
 
 
 def _torque(study: Study, _: str, symbol: str) -> Working:
-    servo, load = servo_part(study), load_of(study)
+    servo, load = servo_part(study), servo_load(study)
     force, mass, rate = ("n", "kg", "mm_s2") if motion_unit(study) == "mm" else ("nm", "kg_m2", "rad_s2")
     losses = "losses of the gear: 1/η where it drives the load, η where the load drives it"
     letters = (
@@ -266,10 +268,10 @@ class ShaftColumn:
 def shaft_columns(study: Study) -> Mapping[str, ShaftColumn]:
     """Name -> column, of those that this shaft has."""
     camshaft, torque = study.camshaft, UNITS["nm"]
-    drives = [name for name in camshaft.carried if name not in camshaft.failures]
+    drives = [name for name in camshaft.loading_drives if name not in camshaft.failures]
     balanced = camshaft.design.balancer is not None
     rows: dict[str, ShaftColumn] = {}
-    if answers(camshaft):
+    if is_complete(camshaft):
         rows["torque_nm"] = ShaftColumn(
             "Torque of the shaft",
             torque,
@@ -283,7 +285,7 @@ def shaft_columns(study: Study) -> Mapping[str, ShaftColumn]:
         rows["balancer_torque_nm"] = ShaftColumn(
             "Torque of the balance cam", torque, lambda there: there.balancer_torque, _balancer_peak, _sum([], True)
         )
-    if runs(camshaft):
+    if has_speed(camshaft):
         rows["motor_torque_nm"] = ShaftColumn(
             "Torque of the motor", torque, lambda there: there.motor_torque,
             lambda shaft: _greatest(shaft.motor_range["motor_torque"]), lambda there: _motor(study, there)
@@ -301,7 +303,7 @@ def _greatest(extremes: Extremes) -> Extreme:
 
 def _balancer_peak(camshaft: Camshaft[Study]) -> Extreme:
     peak = camshaft.balancer_peak
-    return Extreme(peak.value, float(camshaft.balancer_place.machine_angle(np.array(peak.theta))))
+    return Extreme(peak.value, float(camshaft.balancer_position.machine_angle(np.array(peak.theta))))
 
 
 def _drive(name: str) -> ShaftColumn:
@@ -330,11 +332,11 @@ def _sum(drives: list[str], balanced: bool) -> Callable[[Camshaft[Study]], Worki
 
 
 def _motor(study: Study, there: Camshaft[Study]) -> Working:
-    if not there.levelled:
+    if not there.levels_torque:
         return Working(("T_m = T",), (letter("T", "torque of the shaft there", first(there.torque), "nm", DYNAMICS),))
     return motor_torque(study, there.flywheel.mean_torque, first(there.speed))
 
 
 def _speed(study: Study, there: Camshaft[Study]) -> Working:
-    torques = (there.flywheel.mean_torque, first(there.motor_torque)) if there.levelled else None
+    torques = (there.flywheel.mean_torque, first(there.motor_torque)) if there.levels_torque else None
     return shaft_speed(study, first(there.speed), torques)

@@ -12,8 +12,9 @@ from core.design import NamedCurve
 from core.frozen import frozen
 from core.laws import FLAT_FORMULA, FLAT_WHERE, named_law
 from core.output.report.formula import mathml
-from core.output.summary import flywheel, shaft_in_chart
+from core.output.summary import flywheel
 from core.study import Study, names_of, roller_lives
+from core.study.study import shaft_in_chart
 
 LOWERED = str.maketrans("0123456789aehijklmnoprstuvx", "₀₁₂₃₄₅₆₇₈₉ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ")
 _INDEX = re.compile(r"(?<=\w)_(\w+)")
@@ -417,7 +418,7 @@ FLAT_LAW = Equation(
 def equations_of(study: Study) -> tuple[Equation, ...]:
     """Those that the design's numbers come from: displacement and its derivatives, the motion laws, then the other rows of
     ``EQUATIONS`` whose facts the whole or one of its drives has."""
-    whole, singles = _whole_facts(study), tuple(study.answering.values())
+    whole, singles = _whole_facts(study), tuple(study.solved_drives.values())
     holders = [whole, *(whole | _facts(each) for each in singles)]
     used = [row for row in EQUATIONS if any(row.holds(facts) for facts in holders)]
     curves = [s.curve for each in singles if "motion" in each.stages for s in each.program.motion.segments]

@@ -263,7 +263,7 @@ class Assembly(QGraphicsScene):
     def _show_carried(self, shaft: Camshaft[Study]) -> None:
         """What the drives carry together stands beside them; about their common shaft there is no room for it."""
         try:
-            path = shaft.carried_path * 1e3 if shaft.carries and not self.about_shaft else None
+            path = shaft.transfer_path * 1e3 if shaft.has_transfer_path and not self.about_shaft else None
         except KindynaError:
             path = None
         if path is not None and self.carried is not None and np.array_equal(path, self.carried.path):
@@ -446,12 +446,12 @@ def _rows(shaft: Camshaft[Study], theme: Theme) -> Iterator[tuple[int, str, Stud
             _ = study.linkage
         except NoSolution:
             there = None
-        yield number, name, there, shaft.places[name], drive.mirrored, theme.drive(number)
+        yield number, name, there, shaft.positions[name], drive.mirrored, theme.drive(number)
     if shaft.design.balancer is None:
         return
     try:
         cam = shaft.balancer
-        yield len(shaft.drives), BALANCER, cam, shaft.balancer_place, False, theme.seen(BALANCE)
+        yield len(shaft.drives), BALANCER, cam, shaft.balancer_position, False, theme.seen(BALANCE)
     except NoSolution:
         yield len(shaft.drives), BALANCER, None, ShaftPosition(), False, theme.seen(BALANCE)
 

@@ -20,8 +20,8 @@ from core.dynamics import (
     ScheduledForce,
     Spring,
     Torsion,
-    element_forces,
     body_inertias,
+    element_forces,
 )
 from core.errors import NoSolution
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry

@@ -17,7 +17,7 @@ from core.motion.extremes import Extremes
 from core.study import Quantity, Study, extremes_of
 from core.study.limits import OWN_BOUNDS, bounded
 from core.study.member_quantities import gain_of
-from core.study.quantity_requests import borne
+from core.study.quantity_requests import allowable_pressure
 from core.units import split_unit
 from kindyna_gui.pictures.sizes import floor_of, without_noise
 from kindyna_gui.pictures.style import Theme, shade
@@ -54,7 +54,7 @@ def _own(study: Study, quantity: str) -> Iterator[Limit]:
 
 def _borne(study: Study) -> float:
     """The least pressure that a material of the contact bears [Pa]; infinite where none is known."""
-    least = borne(study)[0]
+    least = allowable_pressure(study)[0]
     return np.inf if least is None else least
 
 
@@ -63,7 +63,11 @@ _USUAL: Mapping[str, tuple[tuple[str, str, Callable[[Study], float]], ...]] = Ma
         "pressure_angle": (("usual limit {}", "limits.pressure_angle_rise_deg", _pressure_angle),),
         "pitch_curvature": (("undercut from {}", "cam.base_radius_mm", _undercut),),
         "contact_force": (
-            ("lifts off below {}", "loads.least_contact_force_n", lambda study: np.inf if study.holds else 0.0),
+            (
+                "lifts off below {}",
+                "loads.least_contact_force_n",
+                lambda study: np.inf if study.is_form_closed else 0.0,
+            ),
         ),
         **dict.fromkeys(
             ("contact_pressure", "second_contact_pressure"), (("material bears {}", "cam.material", _borne),)

@@ -349,7 +349,7 @@ def test_a_steep_shoe_jams_on_its_friction() -> None:
             assert finding.field == "loads.contact_friction"
             assert finding.values["factor"] == pytest.approx(factor, rel=1e-9)
             endless = replace(finding, values={"factor": math.inf}).message
-            assert "the cam's force has no lever at" in endless
+            assert "the cam's force has no lever arm at" in endless
             assert "inf" not in endless
 
 
@@ -411,7 +411,7 @@ def test_the_pressure_angle_of_a_flat_face_is_its_own_doing() -> None:
     tilted = edited(TAPPET, "follower.face_tilt_deg", -32.0)
     (finding,) = [f for f in findings_of(Study(tilted), ("cam",)) if f.code == "pressure-angle"]
     assert (finding.field, finding.values["value"]) == ("follower.face_tilt_deg", pytest.approx(32.0, rel=1e-12))
-    assert finding.message.endswith("limit 30 deg: lessen the tilt of the face")
+    assert finding.message.endswith("limit 30 deg: reduce the tilt of the face")
     offset = edited(edited(ROCKER, "follower.face_offset_mm", -110.0), "follower.pivot_x_mm", 190.0)
     (finding,) = [f for f in findings_of(Study(offset), ("cam",)) if f.code == "pressure-angle"]
     assert finding.field == "follower.face_offset_mm"

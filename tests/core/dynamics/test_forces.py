@@ -46,11 +46,11 @@ from core.dynamics import (
     Inertia,
     combined_inertia,
     guide_reaction,
-    with_infinities,
     loading_of,
     momentum_residual,
     newton_euler,
     power_residual,
+    with_infinities,
 )
 from core.dynamics.forces import Contact
 from core.errors import NoSolution

@@ -191,7 +191,7 @@ def test_a_dwell_that_passes_360_is_one_and_further_springs_and_dampers_count() 
 def test_what_has_no_answer_says_what_to_do() -> None:
     rigid = Study(edited(tappet("cycloidal"), STIFFNESS, 0.0))
     assert "elastic_error" not in quantities_of(rigid)
-    with pytest.raises(NoSolution, match="the follower is rigid; give its stiffness"):
+    with pytest.raises(NoSolution, match="the follower is rigid; enter its stiffness"):
         _ = rigid.elasticity
     ringing = Study(tappet("cycloidal", rpm=NATURAL / 7.0 * 30.0 / math.pi))
     assert not ringing.vibrates
@@ -262,7 +262,7 @@ def test_the_command_writes_the_spectrum_that_the_study_has(tmp_path: Path, caps
 def test_the_command_refuses_a_rigid_follower_and_wrong_speeds(capsys: pytest.CaptureFixture[str]) -> None:
     rigid = str(EXAMPLES / "rocker_cam.toml")
     assert main(["vibration", rigid]) == 2
-    assert capsys.readouterr().err == "loads.follower_stiffness_n_per_mm: the follower is rigid; give its stiffness\n"
+    assert capsys.readouterr().err == "loads.follower_stiffness_n_per_mm: the follower is rigid; enter its stiffness\n"
     assert main(["vibration", rigid, "--speeds", "300:100"]) == 2
     assert "'300:100': range of speeds; allowed: A:B in rpm" in capsys.readouterr().err
 

@@ -17,7 +17,7 @@ from core.design import Motion, NamedCurve, SccaCurve, Segment
 from core.design.edits import with_rise, with_span
 from core.errors import DesignError
 from core.findings import ERROR, WARNING
-from core.motion import TURN, Angles, CompiledMotion, degrees, findings, going_on, program
+from core.motion import TURN, Angles, CompiledMotion, connected_segments, degrees, findings, program
 from core.numerics.lazy import column
 
 # See test_laws; besides, the place inside the segment comes of: start of the segment, difference, span, quotient, start
@@ -234,7 +234,7 @@ def test_segments_that_go_on_into_each_other_without_rest() -> None:
     smooth = ("cycloidal", 90.0, 9.0), ("cycloidal", 90.0, -9.0), ("dwell", 180.0, 0.0)
     for rows, groups in ((harmonic, [(0, 1), (0, 1), (2,)]), (smooth, [(0,), (1,), (2,)])):
         motion = Motion(0.0, tuple(Segment(span, rise, NamedCurve(law)) for law, span, rise in rows))
-        assert [going_on(motion, i) for i in range(len(rows))] == groups
+        assert [connected_segments(motion, i) for i in range(len(rows))] == groups
 
 
 def test_two_halves_of_one_velocity_do_not_jump() -> None:
