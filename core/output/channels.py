@@ -37,14 +37,12 @@ ANGLES: Mapping[str, str] = MappingProxyType(
 @lru_cache(maxsize=64)  # an edit of a length changes no name
 def _rows_named(unit: str, names: tuple[str, ...]) -> tuple[Quantity, ...]:
     """First the rows that any design may have, then those of its links, with the unit of the motion and the face's formula."""
+    straight = "contact_on_face" in names
     shared = tuple(
-        replace(row, slug=row.slug.format(m=unit)) for row in QUANTITIES.values() if row.slug and row.name in names
+        replace(row, slug=row.slug.format(m=unit), straight=straight)
+        for row in QUANTITIES.values()
+        if row.slug and row.name in names
     )
-    if "contact_on_face" in names:
-        shared = tuple(
-            replace(row, equation=row.flat, source="support function of the face") if row.flat else row
-            for row in shared
-        )
     return (*shared, *(quantity(name) for name in names if name not in QUANTITIES))
 
 

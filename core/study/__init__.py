@@ -6,12 +6,13 @@ from core.design import STAGES
 from core.process import lazy_attributes
 from core.study.camshaft import Camshaft
 from core.study.certificate import certificate_of
+from core.study.drive_forces import roller_lives
 from core.study.drive_study import SAMPLES
 from core.study.extremes import cam_extremes, extremes_of, undercut_on
 from core.study.findings import findings_of
 from core.study.many import Many, many
 from core.study.quantities import QUANTITIES, Quantity, names_of, quantities_of, quantity
-from core.study.quantity_requests import TOTALS, roller_lives
+from core.study.quantity_requests import TOTALS
 from core.study.sensitivity import sensitivity
 from core.study.stages import clear_caches, evaluations
 from core.study.study import Study

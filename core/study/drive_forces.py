@@ -27,7 +27,7 @@ from core.numerics.derivatives import spread
 from core.numerics.roots import gauss
 from core.shaft import LoadCurve, combined
 from core.shaft.speed import MotorLoad, best_ratio, lever, motor_load, motor_torque, moved
-from core.stress import ContactStress, Pairing, contact_stress
+from core.stress import ContactStress, Pairing, RollerLife, contact_stress
 from core.study.drive_study import DriveStudy
 from core.study.stages import fit_load_curve, memory
 
@@ -621,3 +621,24 @@ def roller_speed(study: DriveForces, roller: str) -> np.ndarray:
     for flank, contact in flanks[1:]:
         speed = np.where(contact.force > 0.0, stress.roller_speed(study.linkage, flank, study.sense), speed)
     return speed * study.omega
+
+
+def roller_lives(study: DriveForces) -> tuple[RollerLife, ...]:
+    """Life of every roller with a load rating; empty where nothing loads the cam, or friction jams."""
+    ratings = load_ratings(study)
+    if not ratings or study.loading.is_empty or study.jam is not None:
+        return ()
+
+    def compute() -> tuple[RollerLife, ...]:
+        angles, weight = stress.turn_quadrature(study.program, tuple(change.theta for change in study.flank_changes))
+        nodes = study.at(angles)
+        lives = []
+        for roller, rating in ratings.items():
+            speed = roller_speed(nodes, roller) / study.omega
+            figures = stress.rolling_life(rating, roller_force(nodes, roller), speed, weight, study.omega)
+            lives.append(RollerLife(roller, *(float(figure) for figure in figures)))
+        return tuple(lives)
+
+    key = study.depends_on("dynamics"), tuple(ratings.items())
+    lives: tuple[RollerLife, ...] = memory.get("rolling life", key, compute)
+    return lives

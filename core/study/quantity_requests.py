@@ -13,12 +13,10 @@ from core.design import Design, entry_at, only
 from core.design.camshaft import drive_at, path_of
 from core.findings import Finding
 from core.motion.extremes import Extreme
-from core.stress import RollerLife
 from core.study.camshaft import Camshaft
-from core.study.drive_forces import PRESSURES, load_ratings, pairings, roller_force, roller_speed
+from core.study.drive_forces import PRESSURES, pairings, roller_lives
 from core.study.extremes import extremes_of, has_undercut
 from core.study.quantities import names_of, quantity
-from core.study.stages import memory
 from core.study.study import Study
 from core.units import split_unit
 
@@ -56,27 +54,6 @@ def allowable_pressure(study: Study) -> tuple[float | None, str]:
     surfaces = [s for pair in pairings(study).values() for s in pair.surfaces if s.allowable is not None]
     weakest = min(surfaces, key=lambda surface: surface.allowable or 0.0, default=None)
     return (None, "") if weakest is None else (weakest.allowable, weakest.source)
-
-
-def roller_lives(study: Study) -> tuple[RollerLife, ...]:
-    """Life of every roller with a load rating; empty where nothing loads the cam, or friction jams."""
-    ratings = load_ratings(study)
-    if not ratings or study.loading.is_empty or study.jam is not None:
-        return ()
-
-    def compute() -> tuple[RollerLife, ...]:
-        angles, weight = stress.turn_quadrature(study.program, tuple(change.theta for change in study.flank_changes))
-        nodes = study.at(angles)
-        lives = []
-        for roller, rating in ratings.items():
-            speed = roller_speed(nodes, roller) / study.omega
-            figures = stress.rolling_life(rating, roller_force(nodes, roller), speed, weight, study.omega)
-            lives.append(RollerLife(roller, *(float(figure) for figure in figures)))
-        return tuple(lives)
-
-    key = study.depends_on("dynamics"), tuple(ratings.items())
-    lives: tuple[RollerLife, ...] = memory.get("rolling life", key, compute)
-    return lives
 
 
 # -- statistics and totals --------------------------------------------------------------------------------------
