@@ -20,7 +20,7 @@ from core.cam import OUTER, SECOND, form_row, row_of
 from core.design import FOLLOWER_KINDS, FRAME_LINK, MOTION, Design, Unit, split_unit
 from core.design.parts import LINEAR, ROTARY
 from core.design.topology import GROUP, INPUT, driver_pair, input_slides, is_pin, solving_order
-from core.dynamics import CAM_FACE, input_power, kinetic_energy, loading_of
+from core.dynamics import CAM_FACE, element_power, gravity_power, input_power, kinetic_energy, loading_of
 from core.dynamics.walk import input_of
 from core.errors import DesignError, NoSolution
 from core.frozen import frozen
