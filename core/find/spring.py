@@ -137,7 +137,7 @@ def _lift_off(design: Design, path: str, request: ContactRequest, checked: Findi
     angles = piecewise_angles(contact.program)
     least_force = _sampled_force(contact, angles)
     curve = tuple((x, force if x == rpm else least_force(x * RPM)) for x in speeds)
-    reached, before = contact.at_own(least.omega).value, contact.at_own(present * RPM).value
+    reached, before = contact.least_at_speed(least.omega).value, contact.least_at_speed(present * RPM).value
     if abs(reached - force) <= TOLERANCE * (force + abs(before)):
         reached = force  # apart from rounding
 
@@ -172,9 +172,9 @@ def _lift_off(design: Design, path: str, request: ContactRequest, checked: Findi
 
 def _sampled_force(contact: ContactForce, angles: Angles) -> Callable[[float], float]:
     """Speed [rad/s] -> least of the contact forces [N] sampled over the turn."""
-    if contact.rubs:
+    if contact.has_friction:
         return lambda omega: float(contact.at_speed(angles, omega).min())
-    parts = contact.parts(angles)
+    parts = contact.terms(angles)
     return lambda omega: float(parts.force(omega).min())
 
 
@@ -282,7 +282,7 @@ class _Springs:
     def trade(self, around: float) -> list[tuple[float, float]]:
         """Rates with the least sufficient preload of each; around: a rate within the curve."""
         most = RATE_RANGE * max(around, get(self.design, self.rate)) or self._typical_rate()
-        rates = np.linspace(0.0, most, FEWER if self.contact({}).rubs else RATES).tolist()
+        rates = np.linspace(0.0, most, FEWER if self.contact({}).has_friction else RATES).tolist()
         return [(rate, self.rough(self.preload, {self.rate: rate})) for rate in rates]
 
     def _typical_rate(self) -> float:
