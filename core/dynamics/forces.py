@@ -29,7 +29,7 @@ from core.dynamics.friction import (
 from core.dynamics.walk import Walk, input_loads, input_of
 from core.frozen import frozen
 from core.mechanism.kinematics import FRAME, REVOLUTE, Kinematics
-from core.numerics.derivatives import cross, dot, finite, opposite, spread
+from core.numerics.derivatives import cross, dot, negated, replace_nan, spread
 from core.numerics.lazy import Lazy, once
 
 # -- inverse dynamics -------------------------------------------------------------------------------------------
@@ -166,15 +166,15 @@ def newton_euler(
     pressing = tuple(_pressing(flank, shape.rotation_sign, friction_of_cam) for flank in flanks if shape is not None)
     places: dict[str, np.ndarray] = {}
     presses = [
-        Walk(kinematics, [Load(flank.body, flank.contact, opposite(push))], places)
+        Walk(kinematics, [Load(flank.body, flank.contact, negated(push))], places)
         for flank, push in zip(flanks, pressing, strict=True)
     ]
     contact_jam = np.zeros(n)
     if friction_of_cam and shape is not None:
         smooth = Walk(
-            kinematics, [Load(kinematics.carrier, shape.flank.contact, opposite(shape.flank.normal))], places
+            kinematics, [Load(kinematics.carrier, shape.flank.contact, negated(shape.flank.normal))], places
         ).needed
-        contact_jam = spread(finite(1.0 - presses[0].needed / smooth, nan=0.0), n)
+        contact_jam = spread(replace_nan(1.0 - presses[0].needed / smooth, nan=0.0), n)
         if (jams := contact_jam >= JAMS).any():
             presses[0].needed = np.where(jams, smooth / JAMMED, presses[0].needed)
     own = Walk(kinematics, [load for element in loading.elements for load in element.loads(kinematics, rate)], places)

@@ -15,7 +15,7 @@ import numpy as np
 
 from core.dynamics.elements import Load
 from core.mechanism.kinematics import FRAME, REVOLUTE, Dyad, Kinematics
-from core.numerics.derivatives import cross, dot, opposite
+from core.numerics.derivatives import cross, dot, negated
 
 Number = float | np.ndarray
 _NOTHING = np.zeros(1, dtype=complex)
@@ -93,7 +93,7 @@ class Walk:
             return np.zeros(1)
         at, loads = self.at(name), self._loads[driver]  # what is made later must not hold the walk, which holds it
         if self.kinematics.pairs[name].kind == REVOLUTE:
-            self._record(name, driver, lambda: opposite(_total(loads)))
+            self._record(name, driver, lambda: negated(_total(loads)))
             return -_moment(loads, at)
         line, force = self.along(name), _total(loads)
         self._record(name, driver, lambda: -dot(1j * line, force), lambda: -_moment(loads, at))
@@ -142,10 +142,10 @@ class Walk:
         other = pair.on if body == pair.body else pair.body
         if pair.kind == REVOLUTE:
             if other == FRAME:
-                self._record(name, body, lambda: opposite(_total(loads)))
+                self._record(name, body, lambda: negated(_total(loads)))
             else:
                 total = _total(loads)
-                self._record(name, body, lambda: opposite(total))
+                self._record(name, body, lambda: negated(total))
                 self.load(Load(other, self.at(name), total))
             return
         at, across = self.at(name), 1j * self.along(name)  # nothing is left along its line but rounding
@@ -161,7 +161,7 @@ class Walk:
         other = pair.on if body == pair.body else pair.body
         if other != FRAME:
             force = carried if pair.kind == REVOLUTE else 1j * self.along(name) * carried
-            self.load(Load(other, at, opposite(force), -couple))
+            self.load(Load(other, at, negated(force), -couple))
 
     def drive_inside(self, needed: np.ndarray) -> None:
         """What the driver must be given where it is between two bodies that move."""
@@ -177,7 +177,7 @@ class Walk:
         """Into the tables, as by ``on`` on ``body`` of the pair."""
         pair = self.kinematics.pairs[name]
         turned = body != pair.body
-        self._pairs[name] = (lambda: opposite(carried())) if turned else carried
+        self._pairs[name] = (lambda: negated(carried())) if turned else carried
         if pair.kind != REVOLUTE and couple is not None:
             self._couples[name] = (lambda: -couple()) if turned else couple
 
