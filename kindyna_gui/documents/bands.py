@@ -20,9 +20,9 @@ Band = Mapping[str, np.ndarray]
 """Column -> percentiles (5, 360) over the cam angle; or, of a shaft, name of a drive, empty of all, or of a quantity of the motor, -> those
 over the machine angle."""
 Key = tuple[int, str] | str
-"""Number of a drive and a column of it; or one of ``OF_SHAFT``."""
+"""Number of a drive and a column of it; or one of ``SHAFT_QUANTITIES``."""
 SHAFT, MOTOR = "shaft", "motor"
-OF_SHAFT = {SHAFT: "shaft_bands", MOTOR: "motor_bands"}  # functions of ``core.varying``, imported late
+SHAFT_QUANTITIES = {SHAFT: "shaft_bands", MOTOR: "motor_bands"}  # functions of ``core.varying``, imported late
 
 
 def scatters(design: Design) -> bool:
@@ -125,7 +125,7 @@ class Bands(QObject):
         for number in sorted({key[0] for key in of_drives}):
             keys = tuple(key for key in of_drives if key[0] == number)
             jobs += [(keys, partial(_of_drive, whole, keys, quick)) for quick in (True, False)]
-        jobs += [((key,), partial(_of_shaft, whole, key)) for key in OF_SHAFT if key in wanted]
+        jobs += [((key,), partial(_of_shaft, whole, key)) for key in SHAFT_QUANTITIES if key in wanted]
         self._work.start(jobs)
 
     def _found(self, keys: tuple[Key, ...], found: Mapping[Key, Any] | KindynaError) -> None:
@@ -147,7 +147,7 @@ def _of_drive(whole: Design, keys: Sequence[tuple[int, str]], quick: bool) -> Ma
 def _of_shaft(whole: Design, key: str) -> Mapping[Key, Any]:
     from core import varying
 
-    return {key: getattr(varying, OF_SHAFT[key])(whole)}
+    return {key: getattr(varying, SHAFT_QUANTITIES[key])(whole)}
 
 
 __all__ = ["Band", "Bands", "scatters"]

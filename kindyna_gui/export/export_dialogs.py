@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QComboBox, QFileDialog, QHBoxLayout, QLineEdit, QP
 
 from core.commands.export import ExportArguments
 from core.frozen import frozen
-from core.output.export import FORMATS, Film, names
+from core.output.export import FORMATS, Film, file_names
 from core.requests import command_words
 from core.study import Study
 from kindyna_gui.dialogs import file_to_save
@@ -29,7 +29,7 @@ class TablesWanted:
     samples: int
 
 
-OF_SHAFT = "shaft.csv and summary.json of the whole shaft, and the tables of each drive in a folder of its name"
+SHAFT_QUANTITIES = "shaft.csv and summary.json of the whole shaft, and the tables of each drive in a folder of its name"
 
 
 class TablesDialog(RequestDialog):
@@ -39,9 +39,9 @@ class TablesDialog(RequestDialog):
 
     def __init__(self, parent: QWidget, folder: Path, study: Study) -> None:
         if study.design.listed:
-            files, angle = OF_SHAFT, "machine angle"
+            files, angle = SHAFT_QUANTITIES, "machine angle"
         else:
-            *first, last = names(study.design)
+            *first, last = file_names(study.design)
             files, angle = f"{', '.join(first)} and {last}", study.angle_name
 
         def told(values: Mapping[str, Any]) -> str:

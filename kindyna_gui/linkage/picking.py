@@ -14,7 +14,7 @@ from PySide6.QtWidgets import QGraphicsPathItem
 from core.design import FRAME_LINK, LINK, PAIR, POINT, AttachedEnd, Attachment, Held, PairPlace, link_points, places_for
 from core.dynamics import pairs_named, place_at
 from core.frozen import frozen
-from core.output.load_text import held_text
+from core.output.load_text import attachment_text
 from kindyna_gui.linkage.canvas import Canvas
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
@@ -251,7 +251,7 @@ class Picker(QObject):
             painter.setPen(QPen(colour, 2.4))
             here = self._pixel(self._under.at)
             painter.drawEllipse(here, RING + 3.0, RING + 3.0)
-            self._name(painter, here, held_text(self._geometry.study.design, self._under.held))
+            self._name(painter, here, attachment_text(self._geometry.study.design, self._under.held))
 
     def _name(self, painter: QPainter, here: QPointF, text: str) -> None:
         font = QFont(self._canvas.font())

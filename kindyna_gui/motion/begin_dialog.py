@@ -12,7 +12,7 @@ from core.design import Design
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.motion.curves import FlyingShear, Indexer, flying_shear, indexer
-from core.output.channels import begun_text
+from core.output.channels import new_design_text
 from core.requests import command_words
 from kindyna_gui.forms.request_dialog import RequestDialog
 from kindyna_gui.forms.request_form import RequestForm
@@ -62,7 +62,7 @@ class BeginDialog(RequestDialog):
 
     def _tell(self, values: Mapping[str, Any]) -> str:
         try:
-            return begun_text(self.row.make(self.row.kind(**values)))
+            return new_design_text(self.row.make(self.row.kind(**values)))
         except KindynaError as error:
             return str(error)
 
