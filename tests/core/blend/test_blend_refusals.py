@@ -127,7 +127,10 @@ def test_the_least_acceleration_is_an_end() -> None:
         ({"settings": {"h9": 1.0}}, "h9: unknown setting; allowed: h1 | "),
         ({"settings": {"h1": 0.0}}, "h1 = 0: outside its range; allowed: > 0 mm"),
         ({"settings": {"vcv": math.inf}}, "vcv = inf: outside its range; allowed: > 0 mm/deg"),
-        ({"sequence": "C1-C1"}, "sequence 'C1-C1': no sequence of this motion; allowed: C1-CV1-H2-P2 | C1-CV1-H2-H3-C4"),
+        (
+            {"sequence": "C1-C1"},
+            "sequence 'C1-C1': no sequence of this motion; allowed: C1-CV1-H2-P2 | C1-CV1-H2-H3-C4",
+        ),
         (
             {"type": "DRD-return", "constant": "return", "settings": {"vcv": 0.1, "vcv2": 0.2}},
             "vcv, vcv2: two names of the same setting of a return; give one",
@@ -142,7 +145,8 @@ def test_the_least_acceleration_is_an_end() -> None:
         ),
         (
             {"type": "DRD", "settings": {"h1": 1.0, "peak": 200.0}},
-            "h1, peak; C1-CV1-C2 requires 2 settings; peak: not a setting of these curves; allowed: h1 | h2 | h3 | vcv | length | acceleration",
+            "h1, peak; C1-CV1-C2 requires 2 settings; peak: not a setting of these curves;"
+            " allowed: h1 | h2 | h3 | vcv | length | acceleration",
         ),
         ({"settings": {"h2": -1.0}}, "h2 = -1: outside its range; allowed: >= 0 mm"),
         ({"points": ((10.0, 5.0),)}, "point at 10 deg = 5: outside its range; allowed: 30 < angle < 330 deg"),
