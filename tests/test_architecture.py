@@ -231,7 +231,6 @@ UNDOCUMENTED: tuple[str, ...] = (
     "core/linkage_programs/",
     "core/measured/",
     "core/mechanism/",
-    "core/numerics/",
     "core/output/",
     "core/output/explain/",
     "core/output/report/",

@@ -29,7 +29,7 @@ from core.frozen import frozen
 from core.laws import LAWS, Law
 from core.motion.curves import FlyingShear, Indexer, flying_shear, indexer
 from core.numerics.lazy import Cancelled
-from core.output.channels import begun_text
+from core.output.channels import new_design_text
 from core.requests import command_words
 from kindyna_gui.background import Background
 from kindyna_gui.forms.request_form import RequestDialog, RequestForm
@@ -93,7 +93,7 @@ class BeginDialog(RequestDialog):
 
     def _tell(self, values: Mapping[str, Any]) -> str:
         try:
-            return begun_text(self.row.make(self.row.kind(**values)))
+            return new_design_text(self.row.make(self.row.kind(**values)))
         except KindynaError as error:
             return str(error)
 
