@@ -234,7 +234,6 @@ UNDOCUMENTED: tuple[str, ...] = (
     "core/output/",
     "core/output/explain/",
     "core/output/report/",
-    "core/papers/",
     "core/project/",
     "core/shaft/",
     "core/study/",
