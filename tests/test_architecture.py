@@ -234,7 +234,6 @@ UNDOCUMENTED: tuple[str, ...] = (
     "core/laws/",
     "core/linkage_programs/",
     "core/measured/",
-    "core/mechanism/",
     "core/motion/",
     "core/numerics/",
     "core/output/",

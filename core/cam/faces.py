@@ -102,7 +102,7 @@ def _travel(kinematics: Kinematics, contact: np.ndarray) -> np.ndarray:
     """The direction (n,) in which the follower's point at the contact goes: about its pivot, or along its guide."""
     pair = kinematics.pairs[kinematics.ground]
     if pair.kind == REVOLUTE:
-        return 1j * (contact - kinematics.bodies[pair.body].place(pair.point))
+        return 1j * (contact - kinematics.bodies[pair.body].position(pair.point))
     return kinematics.line(pair)
 
 

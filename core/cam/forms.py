@@ -77,10 +77,10 @@ def second_kinematics(kinematics: Kinematics, body: str, point: str) -> Kinemati
     carrier = body or kinematics.carrier
     carrying = kinematics.bodies[carrier]
     at = carrying.points[point]
-    pose = Pose(carrying.carried(at), carrying.turn, MappingProxyType({point: 0j}), lambda: carrying.unit)
+    pose = Pose(carrying.fixed_point(at), carrying.turn, MappingProxyType({point: 0j}), lambda: carrying.unit)
 
     def travel() -> np.ndarray:
-        path = kinematics.by_driver[carrier].carried(at)[1]
+        path = kinematics.by_driver[carrier].fixed_point(at)[1]
         return np.asarray(path / np.abs(path))
 
     bodies = {

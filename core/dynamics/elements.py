@@ -182,7 +182,7 @@ class Mass(Lossless):
 
     def loads(self, kinematics: Kinematics, rate: Rate) -> Iterator[Load]:
         pose, part = kinematics.bodies[self.body], self.inertia
-        z, a = pose.carried(part.centre), pose.turn
+        z, a = pose.fixed_point(part.centre), pose.turn
         zero = not rate.speed and not rate.acceleration
         pull = (
             spread(np.atleast_1d(part.mass * self.gravity), kinematics.theta.shape[-1])
@@ -194,7 +194,7 @@ class Mass(Lossless):
 
     def potential(self, kinematics: Kinematics) -> np.ndarray:
         """V = -m g·z: V' and V'' by cam angle (2, n) [N m]."""
-        z = kinematics.bodies[self.body].carried(self.inertia.centre)
+        z = kinematics.bodies[self.body].fixed_point(self.inertia.centre)
         along = -self.inertia.mass * np.conjugate(self.gravity)
         return np.array(np.broadcast_arrays(*((along * z[order]).real for order in (1, 2))))
 
@@ -202,7 +202,7 @@ class Mass(Lossless):
         """J = m|z'|² + I α'², its share of the inertia at the camshaft, and J', J'' by cam angle (3, n) [kg m²], or so many of
         them."""
         pose, part = kinematics.bodies[self.body], self.inertia
-        z, a = pose.carried(part.centre), pose.turn
+        z, a = pose.fixed_point(part.centre), pose.turn
         m, i = part.mass, part.about_centre
         rows = [m * dot(z[1], z[1]) + i * a[1] * a[1]]
         if orders > 1:
@@ -215,7 +215,7 @@ class Mass(Lossless):
 def on_output(kinematics: Kinematics, size: np.ndarray) -> Load:
     """A force, or a torque where it turns, on the output along its driver's coordinate (n,)."""
     pair = kinematics.driver_pair
-    at = kinematics.bodies[kinematics.output].place(pair.point)
+    at = kinematics.bodies[kinematics.output].position(pair.point)
     if pair.kind == REVOLUTE:
         return Load(kinematics.output, at, np.zeros(1, dtype=complex), size)
     return Load(kinematics.output, at, size * pair.axis)
@@ -287,14 +287,14 @@ class PointForce(Lossless):
         return bool(self.force or self.torque)
 
     def loads(self, kinematics: Kinematics, rate: Rate) -> Iterator[Load]:
-        at = kinematics.bodies[self.body].place(self.point)
+        at = kinematics.bodies[self.body].position(self.point)
         yield Load(self.body, at, np.atleast_1d(self.force), self.torque)
 
     def potential(self, kinematics: Kinematics) -> np.ndarray:
         """V' = -F·z' - T α' and V'' by cam angle (2, n) [N m]."""
         pose = kinematics.bodies[self.body]
         rows = [
-            -dot(pose.place(self.point, order), np.asarray(self.force)) - self.torque * pose.turn[order]
+            -dot(pose.position(self.point, order), np.asarray(self.force)) - self.torque * pose.turn[order]
             for order in (1, 2)
         ]
         return np.array(np.broadcast_arrays(*rows))
@@ -340,7 +340,7 @@ class Spring:
         return spread(one[order], n), spread(other[order], n)
 
     def _carried(self, kinematics: Kinematics) -> tuple[Derivatives, Derivatives]:
-        one, other = (pose_of(kinematics, place.body).carried(place.at) for place in (self.one, self.other))
+        one, other = (pose_of(kinematics, place.body).fixed_point(place.at) for place in (self.one, self.other))
         return one, other
 
     def stretch(self, kinematics: Kinematics) -> np.ndarray:
@@ -443,7 +443,7 @@ class ScheduledForce(Lossless):
         if self.place is None:
             yield on_output(kinematics, self.sense * self.along * on)
         else:
-            at = kinematics.bodies[self.place.body].carried(self.place.at)[0]
+            at = kinematics.bodies[self.place.body].fixed_point(self.place.at)[0]
             yield Load(self.place.body, at, self.force * on, self.torque * on)
 
     def potential(self, kinematics: Kinematics) -> np.ndarray:
@@ -456,7 +456,7 @@ class ScheduledForce(Lossless):
         if self.place is None:
             return self.along * kinematics.motion.displacement[order]
         pose = kinematics.bodies[self.place.body]
-        return dot(pose.carried(self.place.at)[order], np.asarray(self.force)) + self.torque * pose.turn[order]
+        return dot(pose.fixed_point(self.place.at)[order], np.asarray(self.force)) + self.torque * pose.turn[order]
 
 
 @frozen

@@ -118,7 +118,7 @@ class _Rubbing:
         self._number = np.repeat(np.arange(len(frictions)), [len(carried(kinematics, units[0], f)) for f in frictions])
         slips = [1.0 if f.pair == kinematics.driver_name else kinematics.slip(f.pair) for f in frictions]
         table = [part for rows in parts for part in rows]
-        table += [unit.driver * one for unit in units] + [kinematics.sense * slip * one for slip in slips]
+        table += [unit.driver * one for unit in units] + [kinematics.driver_sign * slip * one for slip in slips]
         self._coefficients = np.array([f.coefficient * f.radius for f in frictions])[self._number]
         self._shape, self._rows = (len(parts), self._number.size), _fitted(np.array(table), x)
 
@@ -416,7 +416,7 @@ def with_impacts(
         free = FreeFollower(
             mechanism, loading, y.min() - beyond, y.max() + beyond, FADES * omega * float(np.abs(slope).max()) or 1.0
         )
-        crossing = _Crossing(_Flanks(at, program, mechanism.sense), free, play, omega)
+        crossing = _Crossing(_Flanks(at, program, mechanism.driver_sign), free, play, omega)
         return tuple(replace(change, impact=crossing.impact(change.theta, change.to)) for change in changes)
     except NoAnswer:  # it flies where the mechanism cannot stand, or jams
         return tuple(changes)

@@ -286,7 +286,7 @@ def _pressing(flank: Flank, sense: float, friction: float) -> np.ndarray:
 def unit_friction(kinematics: Kinematics, friction: Friction) -> list[Load]:
     """One newton of friction (one newton metre in a pin) on ``body`` against positive slip, and the like on ``on``."""
     pair = kinematics.pairs[friction.pair]
-    at = kinematics.bodies[pair.body].place(pair.point)
+    at = kinematics.bodies[pair.body].position(pair.point)
     force = np.zeros(1, dtype=complex) if pair.kind == REVOLUTE else -kinematics.line(pair)
     couple = -1.0 if pair.kind == REVOLUTE else 0.0
     return [Load(pair.body, at, force, couple), Load(pair.on, at, -force, -couple)]
@@ -294,7 +294,7 @@ def unit_friction(kinematics: Kinematics, friction: Friction) -> list[Load]:
 
 def _direction(kinematics: Kinematics, name: str) -> np.ndarray:
     """Which way a pair slips (n,): -1, 0, 1, as the motion's segment says; rounding beside a dwell must not toggle it."""
-    forward = kinematics.sense * kinematics.motion.velocity_sign
+    forward = kinematics.driver_sign * kinematics.motion.velocity_sign
     return forward if name == kinematics.driver_name else np.asarray(forward * np.sign(kinematics.slip(name)))
 
 
@@ -315,7 +315,7 @@ def _with_friction(
         contact, driver = contact + size * rubbing[name].contact, driver + size * rubbing[name].driver
 
     def lost() -> dict[str, np.ndarray]:
-        speed = kinematics.sense * kinematics.motion.displacement[1]
+        speed = kinematics.driver_sign * kinematics.motion.displacement[1]
         slips = {name: 1.0 if name == kinematics.driver_name else kinematics.slip(name) for name in signed}
         return {name: size * slips[name] * speed for name, size in signed.items()}
 
@@ -433,7 +433,7 @@ def _follower_torque(kinematics: Kinematics, contacts: tuple[Contact, ...]) -> n
     if pair.kind != REVOLUTE:
         rows = [-each.force * dot(each.pressing, kinematics.line(pair)) for each in contacts]
     else:
-        pivot = kinematics.bodies[pair.body].place(pair.point)
+        pivot = kinematics.bodies[pair.body].position(pair.point)
         rows = [-each.force * cross(each.at - pivot, each.pressing) for each in contacts]
     return np.asarray(sum(rows[1:], rows[0]))
 
@@ -449,7 +449,7 @@ def undetermined_pairs(kinematics: Kinematics) -> frozenset[str]:
     """The pairs whose forces could be others in the same equilibrium: those with a share in the null space of the equations of
     balance of all bodies, A R + loads = 0, at the angle where that is smallest (at a dead centre it is larger). The columns of A are
     the two components of each pair, what drives, and what each second driver gives."""
-    if not any(dyad.redundant for dyad in kinematics.dyads):
+    if not any(dyad.is_redundant for dyad in kinematics.dyads):
         return frozenset()
     matrices = _balance(kinematics)
     _, s, vh = np.linalg.svd(matrices[np.isfinite(matrices).all(axis=(1, 2))])
@@ -467,7 +467,7 @@ def _balance(kinematics: Kinematics) -> np.ndarray:
     bodies = [name for name in kinematics.bodies if name != FRAME]
     inputs = [dyad for dyad in kinematics.dyads if dyad.on]
     matrix = np.zeros((n, 3 * len(bodies), 2 * len(kinematics.pairs) + 1 + len(inputs)))
-    places = {name: kinematics.bodies[pair.body].place(pair.point) for name, pair in kinematics.pairs.items()}
+    places = {name: kinematics.bodies[pair.body].position(pair.point) for name, pair in kinematics.pairs.items()}
     size = max((float(np.abs(at - next(iter(places.values()))).max()) for at in places.values()), default=1.0) or 1.0
 
     def put(column: int, name: str, force: np.ndarray, couple: float) -> None:

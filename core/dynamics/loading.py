@@ -164,7 +164,7 @@ def loading_of(mechanism: Any, loads: Any, built: Mechanism | None = None) -> Lo
 def place_at(at: Attachment, built: Mechanism) -> BodyPoint:
     """The place in the frame of a body that an attachment names; of a link alone its origin. Raises KeyError."""
     if at.point is not None:
-        return BodyPoint(*built.place_of(at.link, at.point))
+        return BodyPoint(*built.body_point(at.link, at.point))
     s = si(at)
     return BodyPoint(built.bodies.get(at.link, FRAME), vector(s.x or 0.0, s.y or 0.0))
 
@@ -226,12 +226,12 @@ def _process(loads: ForceElements, built: Mechanism, own: Loading) -> Iterator[S
         table = bool(row.points)
         if row.link is None:
             size = 1.0 if table else row.force_n + row.torque_nm
-            yield ScheduledForce(schedule, along=size, sense=built.sense, name=name, field=field)
+            yield ScheduledForce(schedule, along=size, sense=built.driver_sign, name=name, field=field)
             continue
         at = (
             BodyPoint(built.bodies[row.link], 0j)
             if row.point is None
-            else BodyPoint(*built.place_of(row.link, row.point))
+            else BodyPoint(*built.body_point(row.link, row.point))
         )
         directed = row.direction_deg is not None
         force = (1.0 if table else row.force_n) * heading(s.direction) if directed else 0j

@@ -36,7 +36,7 @@ def input_loads(kinematics: Kinematics, dyad: Dyad, effort: np.ndarray) -> Itera
         (kinematics.output, body, kinematics.driver_name, -dyad.ratio),
     ):
         pair = kinematics.pairs[joint]
-        at = kinematics.bodies[pair.body if pair.body in kinematics.bodies else pair.on].place(pair.point)
+        at = kinematics.bodies[pair.body if pair.body in kinematics.bodies else pair.on].position(pair.point)
         if pair.kind == REVOLUTE:
             yield by, Load(of, at, np.zeros(1, dtype=complex), share * effort)
         else:
@@ -65,7 +65,7 @@ class Walk:
             if any(body in self._loads for body in dyad.bodies):
                 STATICS[dyad.kind](self, dyad)
         self.needed = self._driver()
-        if own and any(dyad.redundant for dyad in kinematics.dyads):  # whatever its reactions are
+        if own and any(dyad.is_redundant for dyad in kinematics.dyads):  # whatever its reactions are
             self.needed = _by_virtual_power(kinematics, own)
             for dyad in (each for each in kinematics.dyads if each.by_motion):
                 body, on = (kinematics.by_driver[name].turn[1] for name in (dyad.bodies[0], dyad.on))
@@ -119,7 +119,7 @@ class Walk:
         pair = self.kinematics.pairs[name]
         found: np.ndarray | None = self.places.get(pair.point)
         if found is None:
-            found = self.places[pair.point] = self.kinematics.bodies[pair.body].place(pair.point)
+            found = self.places[pair.point] = self.kinematics.bodies[pair.body].position(pair.point)
         return found
 
     def along(self, name: str) -> np.ndarray:

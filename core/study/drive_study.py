@@ -18,12 +18,12 @@ from core.dynamics import FlankChange, Forces, Friction, Loading
 from core.errors import KindynaError, NoAnswer, NoPosition, NoSuchStage, angle_list, at_angles
 from core.instant_centres import CentreTable, all_centres, cam_centres
 from core.mechanism import (
-    CrankProgram,
+    CrankMotion,
     DriverRanges,
     Mechanism,
     body_name,
+    motion_extent,
     solve_mechanism,
-    swept,
     unit_speed_kinematics,
 )
 from core.mechanism.kinematics import FRAME, REVOLUTE, SLIDING, Kinematics
@@ -56,7 +56,9 @@ _FEW = 24  # angles, of which one at least is no dead centre
 @lru_cache(maxsize=64)
 def _driver_ranges(solved: Mechanism, motion: Motion | None) -> DriverRanges:
     """Where the links of a mechanism go with a motion, or through the whole turn of its crank; kept."""
-    return mechanism.driver_ranges_for(solved, lambda: (0.0, TURN) if motion is None else swept(program(motion)))
+    return mechanism.driver_ranges_for(
+        solved, lambda: (0.0, TURN) if motion is None else motion_extent(program(motion))
+    )
 
 
 def _require_agreement(found: DriverRanges) -> None:
@@ -66,9 +68,9 @@ def _require_agreement(found: DriverRanges) -> None:
     locked_by = {joint for r in found.ranges for joint in (r.low_joint, r.high_joint)}
     if found.ranges and not groups & locked_by:
         return
-    from core.mechanism.unfinished import unfinished
+    from core.mechanism.unfinished import mobility
 
-    sentences = unfinished(plan.linkage).sentences
+    sentences = mobility(plan.linkage).sentences
     held = ", ".join(map(str, plan.redundant))
     said = (
         "; ".join(sentences)
@@ -146,7 +148,7 @@ class DriveStudy:
     @property
     def swings(self) -> bool:
         """Whether a crank that cannot turn fully goes to and fro in the range in which it is drawn."""
-        return self._crank is not None and self._crank.swings
+        return self._crank is not None and self._crank.is_swinging
 
     @property
     def turns(self) -> int:
@@ -202,7 +204,7 @@ class DriveStudy:
     @property
     def uncut(self) -> Any:
         """The same in its own pieces only."""
-        return CrankProgram(self.driver_ranges) if self.by_crank else program(self.design.drive.motion)
+        return CrankMotion(self.driver_ranges) if self.by_crank else program(self.design.drive.motion)
 
     @cached_property
     def angles(self) -> Angles:
@@ -226,7 +228,7 @@ class DriveStudy:
     @property
     def angle_degrees(self) -> np.ndarray:
         """The equally spaced angles of the tables [deg] (n,), each rounded once."""
-        return CrankProgram(self.driver_ranges).degrees(self.samples) if self.by_crank else degrees(self.samples)
+        return CrankMotion(self.driver_ranges).degrees(self.samples) if self.by_crank else degrees(self.samples)
 
     def at(self, angles: Angles) -> Self:
         """The same design at other angles, not remembered."""
@@ -287,7 +289,7 @@ class DriveStudy:
                 "linkage.links",
                 "change their lengths, or linkage.branch",
             )
-        if self.by_crank and not CrankProgram(found).degrees(self.samples).size:
+        if self.by_crank and not CrankMotion(found).degrees(self.samples).size:
             places = angle_list([(float(np.rad2deg(r.low)), float(np.rad2deg(r.high))) for r in found.ranges])
             raise NoPosition(
                 f"its links can be put together with the crank within {places} only, where none of the {self.samples} "
@@ -304,7 +306,7 @@ class DriveStudy:
         Raises NoPosition where the linkage stands nowhere.
         """
         ranges = self.driver_ranges.ranges if self.by_crank and not self.swings else ()
-        return () if len(ranges) == 1 and ranges[0].free else tuple((r.low, r.high) for r in ranges)
+        return () if len(ranges) == 1 and ranges[0].is_free else tuple((r.low, r.high) for r in ranges)
 
     @cached_property
     def drive(self) -> MotionState:
@@ -472,7 +474,7 @@ class DriveStudy:
 
         def compute() -> Flights:
             lever = self.at_theta(np.zeros(1)).dynamics.contacts[0].lever[0]
-            away = -float(np.sign(lever * self.mechanism.sense))
+            away = -float(np.sign(lever * self.mechanism.driver_sign))
             restitution = getattr(loads, "restitution", None) or 0.0
             return dynamics.flights(
                 lambda angles: contact.at_speed(angles, self.omega),
@@ -504,7 +506,7 @@ class DriveStudy:
         if not self.is_elastic:
             raise NoAnswer("the follower is rigid", "loads.follower_stiffness_n_per_mm", "give its stiffness")
         drive, driver_ranges, loading = self.design.drive, self.driver_ranges, self.loading
-        loads, stroke = si(drive.loads), swept(program(drive.motion))
+        loads, stroke = si(drive.loads), motion_extent(program(drive.motion))
         parts = (
             self.mechanism, driver_ranges, loading, drive.face, drive.bare_cam, self.sense, stroke, loads.follower_stiffness,
             loads.follower_damping_ratio or 0.0,
@@ -556,7 +558,7 @@ class DriveStudy:
             + rubs * self.omega * self.motion.displacement[1]
             + one.closing * e
         )
-        return np.asarray(forces.contact - self.mechanism.sense * more / forces.lever)
+        return np.asarray(forces.contact - self.mechanism.driver_sign * more / forces.lever)
 
     @property
     def jamming_pair(self) -> Friction | None:
@@ -650,7 +652,7 @@ class DriveStudy:
                 "linkage.drivers" if self.design.drive.linkage.drivers else "linkage.links",
                 "choose ratios and lengths with which it returns after one turn",
             )
-        if self.by_crank and not (len(self.driver_ranges.ranges) == 1 and self.driver_ranges.ranges[0].free):
+        if self.by_crank and not (len(self.driver_ranges.ranges) == 1 and self.driver_ranges.ranges[0].is_free):
             raise NoPosition(
                 "the crank cannot turn fully, so no flywheel carries it", "linkage.links", "change their lengths"
             )
@@ -722,4 +724,4 @@ class DriveStudy:
         kinematics, links = self.linkage, self.design.drive.linkage.by_number
         names = dict.fromkeys(name for n in sorted(links) for name in links[n].places)
         poses = {name: kinematics.bodies[kinematics.body_of(name)] for name in names}
-        return {name: (pose.place(name), pose.place(name, 1) * self.omega) for name, pose in poses.items()}
+        return {name: (pose.position(name), pose.position(name, 1) * self.omega) for name, pose in poses.items()}

@@ -596,9 +596,9 @@ def quantities_of(study: Study, stage: str | None = None) -> Mapping[str, Quanti
     """The scalars that can be read, of one stage or of all."""
     found = dict(_rows_of(names_of(study.design), stage))
     if stage in (None, "linkage") and study.mechanism.ranged:
-        for link, turning in study.driver_ranges.turning.items():
+        for link, turning in study.driver_ranges.angles.items():
             name = f"link.{link}"
-            if turning.turns and name in found:
+            if turning.rotates and name in found:
                 found[name] = replace(found[name], turns=True)
     return found
 

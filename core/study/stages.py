@@ -13,7 +13,7 @@ import numpy as np
 from core import dynamics
 from core.dynamics import Forces, Friction, Loading
 from core.errors import NoAnswer
-from core.mechanism import CrankProgram, DriverRanges, Mechanism, solve_mechanism
+from core.mechanism import CrankMotion, DriverRanges, Mechanism, solve_mechanism
 from core.mechanism.kinematics import Kinematics
 from core.motion import Angles, MotionState, Program, program
 from core.motion import degrees as motion_degrees
@@ -131,7 +131,7 @@ def grid(motion: Any, samples: int) -> Angles:
 
 def crank_grid(driver_ranges: DriverRanges, samples: int) -> Angles:
     """Equally spaced driver angles over one turn, as far as the linkage can be assembled there."""
-    run = CrankProgram(driver_ranges)
+    run = CrankMotion(driver_ranges)
     return memory.get("grid", (driver_ranges, samples), lambda: run.angles(np.deg2rad(run.degrees(samples)), kept=True))
 
 
@@ -144,7 +144,7 @@ def crank_state(driver_ranges: DriverRanges, angles: Angles) -> MotionState:
     """The crank's own angle in place of a motion."""
 
     def compute() -> MotionState:
-        return CrankProgram(driver_ranges).state(angles)
+        return CrankMotion(driver_ranges).state(angles)
 
     return memory.get("crank", (driver_ranges, angles), compute) if angles.kept else compute()
 

@@ -134,7 +134,7 @@ def load_of(study: Study) -> MotorLoad:
     """What the motion asks of the motor at the study's angles."""
     n = study.theta.size
     forces = dynamics.newton_euler(study.linkage, None, study.loading, study.omega)
-    force = study.mechanism.sense * spread(forces.driver, n)
+    force = study.mechanism.driver_sign * spread(forces.driver, n)
     y = study.motion.displacement
     v, a = (spread(y[k], n) * study.omega**k for k in (1, 2))
     return motor_load(servo_part(study), v, a, force, np.sign(study.omega) * study.motion.velocity_sign)

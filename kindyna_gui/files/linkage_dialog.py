@@ -24,7 +24,7 @@ from core.design import faults
 from core.errors import KindynaError
 from core.linkage_programs import Made, read_linkage
 from core.linkage_programs.design import UNITS, decoded
-from core.mechanism.unfinished import unfinished
+from core.mechanism.unfinished import mobility
 from core.requests import options
 from kindyna_gui import dialogs
 from kindyna_gui.documents.as_command import add_copy_of, spelled
@@ -153,7 +153,7 @@ class LinkageDialog(QDialog):
             lines.append(f"and {more} more that are left out")
         picture = QPixmap()
         if faults(made.design):
-            lines += [sentence(text) for text in unfinished(made.design.drive.linkage).sentences]
+            lines += [sentence(text) for text in mobility(made.design.drive.linkage).sentences]
         else:
             ratio = self.devicePixelRatioF()
             picture = QPixmap.fromImage(thumbnail(made.design, PICTURE.width(), PICTURE.height(), ratio))

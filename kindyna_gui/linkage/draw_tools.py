@@ -20,7 +20,7 @@ from core.mechanism.drawing_edits import (
     with_slider,
     with_traced_point,
 )
-from core.mechanism.drawn import Places, Spot, frame_of, places_of, pose_of
+from core.mechanism.drawn import DrawingTarget, PointPositions, frame_link, link_pose, point_positions
 from kindyna_gui.linkage.snapping import Snap, faces_at
 
 CHOOSE = "choose"
@@ -35,7 +35,7 @@ class Drawing:
     pixels per mm."""
 
     design: Design
-    places: Places
+    places: PointPositions
     snaps: Sequence[Snap]
     length_mm: float | None = None
     scale: float = 1.0
@@ -46,7 +46,7 @@ class Drawing:
         return linkage
 
     @property
-    def spots(self) -> list[Spot]:
+    def spots(self) -> list[DrawingTarget]:
         return [snap.spot for snap in self.snaps]
 
 
@@ -79,18 +79,18 @@ def _refused(problem: str, allowed: str) -> DesignError:
 
 
 def _new_points(before: Design, after: Design) -> tuple[str, ...]:
-    old = places_of(before.drive.linkage)
-    return tuple(name for name in places_of(after.drive.linkage) if name not in old)
+    old = point_positions(before.drive.linkage)
+    return tuple(name for name in point_positions(after.drive.linkage) if name not in old)
 
 
 def _link(drawing: Drawing, what: str) -> Made:
     made = with_link(drawing.design, drawing.spots, drawing.length_mm)
     if drawing.length_mm is not None and drawing.snaps[-1].point:
-        from core.mechanism.drawn import settled
+        from core.mechanism.drawn import assembled
 
-        made = settled(made)
+        made = assembled(made)
     link = made.drive.linkage.links[-1]
-    if made.drive.linkage.driver == NO_DRIVER and set(link.places) & set(frame_of(drawing.linkage).places):
+    if made.drive.linkage.driver == NO_DRIVER and set(link.places) & set(frame_link(drawing.linkage).places):
         made = with_driving_link(made, link.number)  # the first link on a pivot, until another is chosen
     return Made(made, f"Draw {what} {'-'.join(link.places)}", links=(link.number,))
 
@@ -127,7 +127,7 @@ def _point(drawing: Drawing) -> Made:
 def _slider(drawing: Drawing) -> Made:
     """A block at the first place, which slides along the line to the second; through that, where it is a point of the frame."""
     first, second = drawing.snaps
-    fixed = frame_of(drawing.linkage).places
+    fixed = frame_link(drawing.linkage).places
     block, other = (second, first) if first.point in fixed and second.point not in fixed else (first, second)
     way = other.at - block.at if block is first else block.at - other.at
     if not way:
@@ -145,7 +145,7 @@ def _slider_on(drawing: Drawing) -> Made:
     on = second.link if second.link is not None else _owner(drawing, second.point)
     if on is None or on == FRAME_LINK:
         raise _refused("nothing carries the line", "a link, along which the block slides")
-    _, axis = pose_of(drawing.linkage, on, drawing.places)
+    _, axis = link_pose(drawing.linkage, on, drawing.places)
     spot = first.spot if first.point else replace(first.spot, link=None)
     through = first.at
     made = with_slider(drawing.design, spot, through, math.degrees(cmath.phase(axis)), on)
@@ -207,7 +207,7 @@ def _held(drawing: Drawing, snap: Snap, fixed: bool) -> Attachment:
     if snap.link is None and not fixed:
         raise _refused("no link there", "a link that moves")
     number = FRAME_LINK if snap.link is None else snap.link
-    origin, axis = pose_of(drawing.linkage, number, drawing.places)
+    origin, axis = link_pose(drawing.linkage, number, drawing.places)
     local = (snap.at - origin) * axis.conjugate()
     return Attachment(link=number, x_mm=round(local.real, 3) + 0.0, y_mm=round(local.imag, 3) + 0.0)
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from core.design.linkage import FRAME_LINK, Link, Linkage
 from core.frozen import frozen
-from core.mechanism.drawn import Places, Spot, line_of_slider
+from core.mechanism.drawn import DrawingTarget, PointPositions, slider_line
 from kindyna_gui.linkage.picking import foot
 
 POINT, LINE, PERPENDICULAR, ANGLE, GRID, FREE = "point", "line", "perpendicular", "angle", "grid", ""
@@ -31,8 +31,8 @@ class Snap:
     link: int | None = None
 
     @property
-    def spot(self) -> Spot:
-        return Spot(self.at, self.point, self.link)
+    def spot(self) -> DrawingTarget:
+        return DrawingTarget(self.at, self.point, self.link)
 
 
 def grid_step(scale: float) -> float:
@@ -49,7 +49,7 @@ def on_grid(at: complex, scale: float) -> complex:
     return complex(round(round(at.real / step) * step, digits) + 0.0, round(round(at.imag / step) * step, digits) + 0.0)
 
 
-def outline(link: Link, places: Places) -> list[complex]:
+def outline(link: Link, places: PointPositions) -> list[complex]:
     """The corners of a link's face on the sheet: of a plate in order around it."""
     corners = [places[name] for name in link.places if name in places]
     if len(corners) < 3:
@@ -75,7 +75,7 @@ def inside(at: complex, corners: Sequence[complex]) -> bool:
     return odd
 
 
-def faces_at(linkage: Linkage, places: Places, at: complex, scale: float) -> list[int]:
+def faces_at(linkage: Linkage, places: PointPositions, at: complex, scale: float) -> list[int]:
     """The links whose face is at a place, uppermost first."""
     found = []
     for link in reversed(linkage.links):
@@ -86,7 +86,7 @@ def faces_at(linkage: Linkage, places: Places, at: complex, scale: float) -> lis
     return found
 
 
-def point_at(places: Places, at: complex, scale: float, without: Collection[str] = ()) -> str:
+def point_at(places: PointPositions, at: complex, scale: float, without: Collection[str] = ()) -> str:
     """The point that is meant by a place; empty where none is near."""
     near = {name: abs(place - at) * scale for name, place in places.items() if name not in without}
     best = min(near, key=lambda name: near[name], default="")
@@ -104,7 +104,7 @@ def nearest_mark(marks: Sequence[complex], at: complex, scale: float) -> complex
 
 def snapped(
     linkage: Linkage,
-    places: Places,
+    places: PointPositions,
     at: complex,
     scale: float,
     start: complex | None = None,
@@ -138,7 +138,7 @@ def snapped(
     face = _first([n for n in faces_at(linkage, places, at, scale) if n not in moved])
     for slider in linkage.sliders:
         if slider.on in linkage.by_number:
-            through, along = line_of_slider(linkage, slider, places)
+            through, along = slider_line(linkage, slider, places)
             on = through + along * ((at - through) * along.conjugate()).real
             if abs(at - on) * scale <= ALONG:
                 return Snap(on, LINE, "on the line", link=face)

@@ -162,7 +162,7 @@ def _follower_torque(study: Study, _: str) -> Working:
             for p, v in (("x", line.real), ("y", line.imag))
         )
         return Working(("T_L = -F (p_x e_x + p_y e_y)",), (*force, *e))
-    pivot = complex(np.atleast_1d(kinematics.bodies[pair.body].place(pair.point))[0])
+    pivot = complex(np.atleast_1d(kinematics.bodies[pair.body].position(pair.point))[0])
     parts = tuple(letter(f"P_{p}", f"pivot, {p}", v, "mm", LINKAGE) for p, v in (("x", pivot.real), ("y", pivot.imag)))
     return Working(("T_L = -F ((C_x - P_x) p_y - (C_y - P_y) p_x)",), (*force, *known(study, "C_x C_y"), *parts))
 
@@ -192,7 +192,7 @@ def _moments(study: Study, pair: str, rows: list[ForceOnBody]) -> tuple[str, tup
     """The sum of moments about a pair's point."""
     joined = study.linkage.pairs[pair]
     bodies = study.linkage.bodies
-    at = bodies[joined.body if joined.body in bodies else joined.on].place(joined.point)
+    at = bodies[joined.body if joined.body in bodies else joined.on].position(joined.point)
     meaning = "moment of {} about the pair's point"
     return _terms(rows, "M_{}", meaning, lambda row: cross(row.at - at, row.force) + row.couple, "nm")
 

@@ -193,7 +193,7 @@ def guide_line(study: Study) -> complex:
 
 def pin(body: str, point: str) -> Callable[[Study], complex]:
     """Where a point of a body stands."""
-    return lambda study: complex(np.atleast_1d(study.linkage.bodies[body].place(point))[0])
+    return lambda study: complex(np.atleast_1d(study.linkage.bodies[body].position(point))[0])
 
 
 LETTERS: Mapping[str, Known] = MappingProxyType(

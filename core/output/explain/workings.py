@@ -91,7 +91,7 @@ def _way(study: Study, second: bool) -> complex:
     if pair.kind == SLIDING:
         return complex(np.atleast_1d(kinematics.line(pair))[0])
     at = flank.contact if flank.straight else flank.reference
-    arm = complex(np.atleast_1d(at - kinematics.bodies[pair.body].place(pair.point))[0])
+    arm = complex(np.atleast_1d(at - kinematics.bodies[pair.body].position(pair.point))[0])
     return 1j * arm / abs(arm)
 
 
@@ -213,7 +213,7 @@ def _link_angle(study: Study, number: str) -> Working:
     if len(places) < 2:
         return Working(("θ = θ_s",), (letter("θ_s", "angle of what it slides on, with its own", turn, "deg", LINKAGE),))
     a, b = [name for name, at in pose.points.items() if at in places[:2]][:2]
-    one, other = (complex(np.atleast_1d(pose.place(name))[0]) for name in (a, b))
+    one, other = (complex(np.atleast_1d(pose.position(name))[0]) for name in (a, b))
     own = turn - np.angle(other - one)
     rows = [letter(f"{axis}_{mark}", f"{name}, {axis}", getattr(at, part), "mm", LINKAGE)
             for mark, name, at in (("A", a, one), ("B", b, other)) for axis, part in (("x", "real"), ("y", "imag"))]  # fmt: skip
@@ -270,7 +270,7 @@ def _point(study: Study, point: str, axis: str) -> Working:
 
 def _point_rate(study: Study, point: str, axis: str, order: int) -> Working:
     pose = study.linkage.bodies[study.linkage.body_of(point)]
-    at = complex(np.atleast_1d(pose.place(point, order))[0])
+    at = complex(np.atleast_1d(pose.position(point, order))[0])
     mark = {1: "′", 2: "″"}[order]
     value = letter(
         f"{axis}{mark}", "derivative by the angle of cam or crank", at.real if axis == "x" else at.imag, "mm", LINKAGE
@@ -281,7 +281,7 @@ def _point_rate(study: Study, point: str, axis: str, order: int) -> Working:
 
 def _point_speed(study: Study, point: str) -> Working:
     pose = study.linkage.bodies[study.linkage.body_of(point)]
-    speed = complex(np.atleast_1d(pose.place(point, 1))[0]) * study.omega
+    speed = complex(np.atleast_1d(pose.position(point, 1))[0]) * study.omega
     return Working(
         ("V = √(ẋ² + ẏ²)",),
         (
@@ -307,7 +307,7 @@ def _masses(study: Study, bodies: Iterable[str]) -> list[tuple[str, float, float
     for mass in study.loading.masses:
         if mass.acts and mass.body in bodies:
             pose, part = study.linkage.bodies[mass.body], mass.inertia
-            speed = abs(complex(np.atleast_1d(pose.carried(part.centre)[1])[0])) * study.omega
+            speed = abs(complex(np.atleast_1d(pose.fixed_point(part.centre)[1])[0])) * study.omega
             rows.append(
                 (mass.body, part.mass, speed, part.about_centre, first(np.broadcast_to(pose.turn[1], 1)) * study.omega)
             )
@@ -380,7 +380,9 @@ def _of_drive(study: Study, _: str) -> Working:
     if "cam" in study.stages:
         return Working(("P = T ω",), (other(study, "drive_torque", "T"), *known(study, "ω")))
     linkage, omega = study.linkage, study.omega
-    driver = first(linkage.slip(linkage.driver_name)) * linkage.sense * first(linkage.motion.displacement[1]) * omega
+    driver = (
+        first(linkage.slip(linkage.driver_name)) * linkage.driver_sign * first(linkage.motion.displacement[1]) * omega
+    )
     if linkage.driver_pair.kind == REVOLUTE:
         parts = ["T ω_d"]
         letters = [other(study, "driver_torque", "T"),
