@@ -2,8 +2,8 @@
 
 import os
 
-# Matrices are small here and come in batches: BLAS would spend its threads waiting for each other. It reads this once,
-# when numpy is first imported; whoever has set it otherwise is left alone.
+# The matrices are small and come in batches, so that threads of BLAS would mostly wait for each other. BLAS reads this once,
+# when numpy is first imported; a value that the user has set stays.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 __version__ = "0.1.0"

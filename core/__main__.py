@@ -1,4 +1,4 @@
-"""The command line: ``python -m core COMMAND ...``, and the same behind ``kindyna --headless`` with pictures.
+"""Command line: ``python -m core COMMAND ...``, and ``kindyna --headless COMMAND ...``, which writes images too.
 
 Exit codes: 0 done; 1 done and all files written, but a finding is an error; 2 nothing done.
 """
@@ -18,14 +18,14 @@ with importing():
     from core import __version__
     from core.commands import COMMANDS, NOTHING_DONE, Command, Painter
     from core.errors import KindynaError
-    from core.process import end_at_once, keep_freed_memory
+    from core.process import keep_freed_memory, skip_last_collection
     from core.project.files import inputs_kept
 
 MOST_LINES = 100
 
 
 class _Formatter(argparse.HelpFormatter):
-    """As wide as the terminal, like argparse's own, which imports all that unpacks archives to learn how wide that is."""
+    """Help as wide as the terminal; argparse imports ``shutil``, and with it the archive modules, only to read that width."""
 
     def __init__(self, prog: str) -> None:
         try:
@@ -36,39 +36,39 @@ class _Formatter(argparse.HelpFormatter):
 
 
 class _Parser(argparse.ArgumentParser):
-    """Says what is wrong with the arguments in one line. Adds its own options when it parses for the first time."""
+    """Reports wrong arguments in one line, and adds the options of its request when it first parses."""
 
-    asks: Callable[[], type] | None = None
+    request: Callable[[], type] | None = None
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        asks, self.asks = self.asks, None
-        if asks is not None:
+        request, self.request = self.request, None
+        if request is not None:
             from core.requests import add_options
 
-            add_options(self, asks())
-        found, rest = super().parse_known_args(args, namespace)
-        if rest:  # here, where the command is known whose help tells what there is
+            add_options(self, request())
+        result, rest = super().parse_known_args(args, namespace)
+        if rest:  # checked in the command's parser, whose help lists the options
             from core.project.reading_faults import did_you_mean
 
-            meant = did_you_mean(rest[0].partition("=")[0], tuple(self._option_string_actions))
-            self.error(f"unrecognized arguments: {' '.join(rest)}{meant}")
-        return found, rest
+            suggestion = did_you_mean(rest[0].partition("=")[0], tuple(self._option_string_actions))
+            self.error(f"unrecognized arguments: {' '.join(rest)}{suggestion}")
+        return result, rest
 
     def error(self, message: str) -> NoReturn:
         self.exit(NOTHING_DONE, f"{self.prog}: {message}; see {self.prog} --help\n")
 
 
-_HOW: Mapping[str, Any] = {"formatter_class": _Formatter, "allow_abbrev": False}
+_PARSER_OPTIONS: Mapping[str, Any] = {"formatter_class": _Formatter, "allow_abbrev": False}
 
 
 def parser(program: str, rows: Mapping[str, Command] = COMMANDS) -> argparse.ArgumentParser:
-    """All commands; each with its options once it is chosen."""
-    made = _Parser(prog=program, description="Cam and mechanism design without a window.", **_HOW)
-    made.add_argument("--version", action="version", version=f"kindyna {__version__}")
-    commands = made.add_subparsers(metavar="COMMAND", required=True, dest="command", prog=program)
+    """Parser of all commands; a command adds its options when it is parsed."""
+    result = _Parser(prog=program, description="Cam and mechanism design without a window.", **_PARSER_OPTIONS)
+    result.add_argument("--version", action="version", version=f"kindyna {__version__}")
+    commands = result.add_subparsers(metavar="COMMAND", required=True, dest="command", prog=program)
     for name, row in rows.items():
-        commands.add_parser(name, help=row.help, description=row.help, **_HOW).asks = row.asks
-    return made
+        commands.add_parser(name, help=row.help, description=row.help, **_PARSER_OPTIONS).request = row.asks
+    return result
 
 
 def main(
@@ -77,25 +77,25 @@ def main(
     program: str = "python -m core",
     extra: Mapping[str, Command] = MappingProxyType({}),
 ) -> int:
-    """Run one command; returns the exit code. painter paints pictures, None leaves them out; extra: more commands."""
+    """Run one command; returns the exit code. Without a painter no images are written; extra: further commands."""
     return exit_code(lambda: _run(argv, painter, program, {**COMMANDS, **extra}))
 
 
 def _run(argv: Sequence[str] | None, painter: Painter | None, program: str, rows: Mapping[str, Command]) -> int:
     keep_freed_memory()
-    end_at_once()
+    skip_last_collection()
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
-    given = list(sys.argv[1:] if argv is None else argv)
-    chosen = {given[0]: rows[given[0]]} if given and given[0] in rows else rows  # the others are made only to be listed
-    arguments = parser(program, chosen).parse_args(given)
+    words = list(sys.argv[1:] if argv is None else argv)
+    needed = {words[0]: rows[words[0]]} if words and words[0] in rows else rows  # all are built only to be listed
+    arguments = parser(program, needed).parse_args(words)
     row = rows[arguments.command]
-    from core.requests import filled
+    from core.requests import build_request
 
     try:
         with inputs_kept():
-            return row.run(filled(row.asks(), vars(arguments)), painter)
+            return row.run(build_request(row.asks(), vars(arguments)), painter)
     except KindynaError as error:
         from core.commands.common import named_in_file
 

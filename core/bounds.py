@@ -1,4 +1,4 @@
-"""Limits of everything that is read, in one table, and numbers read within them."""
+"""Size limits of all files and texts that are read, and numbers read within them."""
 
 from __future__ import annotations
 
@@ -7,26 +7,32 @@ import math
 from typing import Any
 
 BYTES = 64_000_000
-"""Of a text, a table, a drawing or a picture file."""
+"""Size of a text, table, drawing or image file."""
 PROGRAM_BYTES = 1_000_000
-"""Of a linkage of another program."""
+"""Size of a linkage file of another program."""
 ROWS, COLUMNS, CELLS = 2_000_000, 16_384, 20_000_000
-"""Of a table."""
+"""Size of a table."""
 FIELD = 1_000_000
-"""Characters of a cell of a table, or of a text of a design."""
+"""Characters in a cell of a table, or in a text of a design."""
 DIGITS = 400
-"""Characters of a number."""
+"""Characters in a number."""
 NESTING = 64
-"""Tables, lists, elements or blocks in each other."""
+"""Nesting depth of tables, lists, elements or blocks."""
 LINES = 200_000
-"""Straight lines of a drawing that are shown, once its blocks are laid out."""
+"""Straight lines of a drawing that are shown, after its blocks are expanded."""
 PIXELS = 64_000_000
-"""Of a picture."""
-_VALUES, _PARTS = 5_000_000, 1_000_000  # of JSON
+"""Pixels of an image."""
+_VALUES, _PARTS = 5_000_000, 1_000_000  # values, lists and tables of a JSON text
 
 
 def bounded_float(text: str) -> float:
-    """The number in a text. Raises ValueError where it is none, is not finite, or has more than ``DIGITS`` characters."""
+    """Read a finite number from a text.
+
+    Raises
+    ------
+    ValueError
+        Where the text is no number, is not finite, or has more than ``DIGITS`` characters.
+    """
     value = float(text) if len(text) <= DIGITS else math.nan
     if not math.isfinite(value):
         raise ValueError(f"{text[:40]!r} is no finite number of at most {DIGITS} characters")
@@ -34,12 +40,18 @@ def bounded_float(text: str) -> float:
 
 
 def number_from_one(text: str, most: int) -> int:
-    """The whole number 1 ... most that a text is; 0 where it is none of them."""
+    """Read a whole number 1 ... most from a text; 0 where the text is no such number."""
     return int(text) if text.isdecimal() and len(text) <= DIGITS and int(text) <= most else 0
 
 
 def bounded_json(text: str) -> Any:
-    """What a JSON text holds. Raises ValueError where it is none, is nested too deeply, or holds more than memory should."""
+    """Parse a JSON text.
+
+    Raises
+    ------
+    ValueError
+        Where the text is not JSON, is nested too deeply, or has too many values.
+    """
     if text.count(",") > _VALUES or text.count("[") + text.count("{") > _PARTS:
         raise ValueError(f"more than {_VALUES} values, or than {_PARTS} lists and tables")
     try:

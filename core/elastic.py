@@ -11,12 +11,12 @@ import numpy as np
 
 from core.cam import envelope
 from core.dynamics import Loading, ScheduledForce
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.findings import Residual
 from core.frozen import frozen
 from core.mechanism import DriverRanges, Mechanism, solve_mechanism
 from core.mechanism.kinematics import Kinematics
-from core.motion import EPS, SNAP, TURN, Angles, MotionState, Program
+from core.motion import EPS, SNAP, TURN, Angles, CompiledMotion, MotionState
 from core.numerics.derivatives import Derivatives
 from core.numerics.lazy import checkpoint
 from core.numerics.roots import gauss_legendre
@@ -90,7 +90,7 @@ def equivalent(
     stiffness  k_R [N/m]; ratio: ζ of critical damping 2 √(m (k + ks)), of the follower on its stiffness and all springs
     stroke     lowest and highest motion [m or rad]
 
-    Process forces and constant ones only move the place about which it vibrates, and are left out. Raises NoAnswer where there is
+    Process forces and constant ones only move the place about which it vibrates, and are left out. Raises NoSolution where there is
     no mass, the springs push it away from the cam more strongly than k holds it, or it is damped so much that nothing vibrates.
     """
     low, high = stroke
@@ -107,14 +107,14 @@ def equivalent(
     mass, closing = steady.inertia(moving, 1)[0], steady.potential(moving)[1]
     dampers = sum((element.lost(moving, 1.0) for element in steady.elements), np.zeros(y.size))
     if not (mass > 0.0).all():
-        raise NoAnswer(
+        raise NoSolution(
             "an elastic follower without a mass does not vibrate",
             "loads",
             "give its masses, or take its stiffness away",
         )
     if not (k + closing > 0.0).all():
         stronger = float((-closing / k).max())
-        raise NoAnswer(
+        raise NoSolution(
             f"weight and springs push the follower's mass away {stronger:.4g} times as strongly as its stiffness holds it",
             STIFFNESS,
             "allowed: less than once; enlarge it, or weaken them",
@@ -123,7 +123,7 @@ def equivalent(
     damping = 2.0 * ratio * mass * natural + dampers
     found = Equivalent(float(mass[0]), float(k[0]), float(closing[0]), float(damping[0]), float(dampers[0]))
     if found.ratio >= 1.0:
-        raise NoAnswer(
+        raise NoSolution(
             f"with its dampers the follower's damping ratio is {found.ratio:.4g}: nothing vibrates",
             DAMPING,
             "allowed with them: below 1; weaken the dampers, or enlarge the stiffness",
@@ -179,7 +179,7 @@ class MotionPieces:
     sines: np.ndarray
 
     @staticmethod
-    def of(program: Program) -> MotionPieces:
+    def of(program: CompiledMotion) -> MotionPieces:
         """Those of a compiled motion."""
         return MotionPieces(program.starts, program.ends - program.starts, program.powers, program.sines)
 
@@ -323,7 +323,7 @@ class ResidualVibration:
     steady: float
 
 
-def dwells(program: Program) -> tuple[Dwell, ...]:
+def dwells(program: CompiledMotion) -> tuple[Dwell, ...]:
     """The dwells in the order of their starts; one that passes 360° is one, and the last. None where nothing else is."""
     stands = program.velocity_signs == 0.0
     n = stands.size
@@ -352,7 +352,7 @@ class States(NamedTuple):
 class ProgramTurn:
     """The program's turn in n pieces: as they are, or cut into parts no wider than ``step`` [rad]."""
 
-    def __init__(self, program: Program, step: float | None = None) -> None:
+    def __init__(self, program: CompiledMotion, step: float | None = None) -> None:
         whole = MotionPieces.of(program)
         self.pieces, of = (whole, np.arange(whole.widths.size)) if step is None else whole.cut(step)
         first = np.searchsorted(of, np.arange(whole.widths.size))
@@ -419,13 +419,13 @@ def oscillators(one: Equivalent, omega: np.ndarray) -> Oscillator:
 
 
 class Response:
-    """The follower at one speed omega [rad/s]. Raises NoAnswer where nothing damps it and its turn holds whole periods: each turn
+    """The follower at one speed omega [rad/s]. Raises NoSolution where nothing damps it and its turn holds whole periods: each turn
     adds to its vibration.
 
     steady: the response that repeats every turn; else that from rest, begun anew at the end of each dwell.
     """
 
-    def __init__(self, one: Equivalent, program: Program, omega: float) -> None:
+    def __init__(self, one: Equivalent, program: CompiledMotion, omega: float) -> None:
         self.one, self.program, self.omega = one, program, omega
         self._turn, self._oscillator = ProgramTurn(program), oscillators(one, np.array([omega]))
 
@@ -439,10 +439,10 @@ class Response:
         return not bool(np.isfinite(self._states.steady).all())
 
     def require_steady(self) -> None:
-        """Raises NoAnswer where there is no steady response."""
+        """Raises NoSolution where there is no steady response."""
         if self.resonant:
             periods = round(self.one.natural / self.omega)
-            raise NoAnswer(
+            raise NoSolution(
                 f"the follower vibrates {periods} times in a turn and nothing damps it, so that every turn adds to it",
                 DAMPING,
                 "give it a damping ratio, or change the speed",
@@ -520,7 +520,7 @@ class Spectrum:
     acceleration: np.ndarray
 
 
-def spectrum(one: Equivalent, program: Program, omega: np.ndarray, largest: bool = True) -> Spectrum:
+def spectrum(one: Equivalent, program: CompiledMotion, omega: np.ndarray, largest: bool = True) -> Spectrum:
     """At speeds (m,) > 0 [rad/s]; largest: with the largest values over the turn. Raises Cancelled where it is no longer wanted."""
     turn, parts = ProgramTurn(program, STEP if largest else None), []
     for first in range(0, omega.size, AT_ONCE):

@@ -1,5 +1,7 @@
-"""What can go wrong: each error names the field or the cam angle, the value, the allowed range
-and what to do. An exception means that no answer exists; limits that are merely exceeded are findings."""
+"""Errors for the user: each names the field or the cam angle, the value, the allowed range and the remedy.
+
+An exception means that no solution exists; limits that are merely exceeded are findings.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,7 @@ import numpy as np
 from core.frozen import frozen
 
 
-def _shown(value: Any) -> str:
+def _value_text(value: Any) -> str:
     try:
         text = repr(value)
     except (RecursionError, ValueError):  # nested, or an integer, beyond what Python prints
@@ -25,10 +27,12 @@ def _shown(value: Any) -> str:
 class Fault:
     """One wrong entry of a design.
 
-    path     where it stands, spelled as in the file: ``motion.segments[2].span_deg``
-    value    what stands there (``MISSING`` where nothing does)
-    problem  what is wrong with it
-    allowed  what would be right
+    Attributes
+    ----------
+    path : field, spelled as in the file: ``motion.segments[2].span_deg``
+    value : its value, ``MISSING`` where the file gives none
+    problem : why the value is wrong
+    allowed : the allowed values
     """
 
     path: str
@@ -37,8 +41,8 @@ class Fault:
     allowed: str = ""
 
     def __str__(self) -> str:
-        place = self.path if self.value is MISSING else f"{self.path} = {_shown(self.value)}"
-        text = f"{place}: {self.problem}" if place else self.problem
+        entry = self.path if self.value is MISSING else f"{self.path} = {_value_text(self.value)}"
+        text = f"{entry}: {self.problem}" if entry else self.problem
         return f"{text}; allowed: {self.allowed}" if self.allowed else text
 
 
@@ -51,11 +55,11 @@ MISSING = _Missing()
 
 
 class KindynaError(Exception):
-    """Base of all errors that are meant for the user; ``str()`` gives one clear line per fault."""
+    """Base of all errors for the user; ``str()`` gives one line per fault."""
 
 
 class DesignError(KindynaError):
-    """The design holds wrong values; ``faults`` lists all of them."""
+    """The design has wrong values; ``faults`` lists all of them."""
 
     def __init__(self, faults: Iterable[Fault]) -> None:
         self.faults = tuple(faults)
@@ -67,20 +71,22 @@ class FileError(KindynaError):
 
 
 class NoSuchStage(KindynaError):
-    """This kind of design has no such stage."""
+    """The kind of design has no stage of that name."""
 
     def __init__(self, stage: str, stages: Sequence[str]) -> None:
         self.stage = stage
         super().__init__(f"stage {stage!r}: this kind of design has none of that name; allowed: {', '.join(stages)}")
 
 
-class NoAnswer(KindynaError):
+class NoSolution(KindynaError):
     """The mechanism has no position, cam or force at some cam angles.
 
-    field         path of the length most likely to mend it
-    cam_angles    ranges (from, to) in degrees, a single angle being (a, a); empty where it fails everywhere
-    exact         True where they do not depend on a sampling
-    code          what it is called where many designs are computed at once
+    Attributes
+    ----------
+    field : path of the length that most likely remedies it
+    cam_angles : ranges (from, to) [deg], a single angle is (a, a); empty where it fails at all angles
+    exact : whether the ranges are independent of the sampling
+    code : the reason in tables of many designs
     """
 
     angle, code, exact = "cam angle", "no-answer", False
@@ -92,76 +98,96 @@ class NoAnswer(KindynaError):
         super().__init__(f"{field}: {problem}{where}; {hint}")
 
     @classmethod
-    def where(cls, lost: Any, error: Callable[[], NoAnswer]) -> None:
-        """Raise the error, of this class, where anything is lost: a truth, or those of all positions (n,). While many designs are
-        computed at once it is noted which of them are lost, and the others go on."""
-        note = _NOTE.get()
-        if note is not None:
-            note(cls.code, lost)
-        elif lost.any() if isinstance(lost, np.ndarray) else lost:
+    def raise_where(cls, failed: Any, error: Callable[[], NoSolution]) -> None:
+        """Raise the error where the computation failed; inside of `collecting_failures` report it instead.
+
+        Parameters
+        ----------
+        failed : bool or ndarray (n,), dimensionless
+            Whether the computation failed, at each position.
+        error : callable
+            Builds the error, an instance of this class.
+        """
+        report = _REPORT.get()
+        if report is not None:
+            report(cls.code, failed)
+        elif failed.any() if isinstance(failed, np.ndarray) else failed:
             raise error()
 
 
-_NOTE: ContextVar[Callable[[str, Any], None] | None] = ContextVar("note", default=None)
+_REPORT: ContextVar[Callable[[str, Any], None] | None] = ContextVar("report", default=None)
 
 
 @contextmanager
-def noting(note: Callable[[str, Any], None]) -> Iterator[None]:
-    """What has no answer inside is given to ``note`` by its code and where it is lost, and does not raise."""
-    token = _NOTE.set(note)
+def collecting_failures(report: Callable[[str, Any], None]) -> Iterator[None]:
+    """Report failures inside the block by their code and their mask, instead of raising NoSolution."""
+    token = _REPORT.set(report)
     try:
         yield
     finally:
-        _NOTE.reset(token)
+        _REPORT.reset(token)
 
 
-class NoAssembly(NoAnswer):
-    """The linkage cannot be put together at these cam angles."""
+class NoAssembly(NoSolution):
+    """The linkage cannot be assembled at these cam angles."""
 
     code = "no-assembly"
 
 
 class NoPosition(NoAssembly):
-    """The links cannot be put together at these positions of the driver."""
+    """The links cannot be assembled at these driver angles."""
 
     angle = "driver angle"
 
 
-class NoCam(NoAnswer):
+class NoCam(NoSolution):
     """No cam can drive the follower at these cam angles."""
 
     code = "no-cam"
 
 
-class NoStability(NoAnswer):
-    """Nothing can be said of the stability of this shaft."""
+class NoStability(NoSolution):
+    """The stability of this shaft cannot be determined."""
 
 
-class NotYet(NoStability):
-    """It takes long, and is computed elsewhere first."""
+class ResultPending(NoStability):
+    """The result takes long to compute, and another thread computes it."""
 
 
-def at_angles(error: NoAnswer, cam_angles: Sequence[tuple[float, float]]) -> NoAnswer:
-    """The same error with its cam angles to the last digit."""
-    found = type(error)(error.problem, error.field, error.hint, cam_angles)
-    found.exact = True
-    return found
+def at_angles(error: NoSolution, cam_angles: Sequence[tuple[float, float]]) -> NoSolution:
+    """Copy of the error with exact ranges of cam angles [deg]."""
+    result = type(error)(error.problem, error.field, error.hint, cam_angles)
+    result.exact = True
+    return result
 
 
 def angle_list(ranges: Sequence[tuple[float, float]], most: int = 4, unit: str = "deg") -> str:
-    """``35...76.5, 283.5...325 deg``: a short text for ranges of cam angles, or of another quantity in its unit."""
+    """Text for ranges of cam angles, or of another quantity: ``35...76.5, 283.5...325 deg``."""
     texts = [f"{a:.6g}" if a == b else f"{a:.6g}...{b:.6g}" for a, b in ranges[:most]]
     more = len(ranges) - most
     return ", ".join(texts) + (f" and {more} more ranges" if more > 0 else "") + f" {unit}"
 
 
-def angle_ranges(theta: np.ndarray, bad: np.ndarray) -> list[tuple[float, float]]:
-    """Runs of True in ``bad`` (n,) as ranges of the cam angles ``theta`` (n,) [rad], given in degrees."""
-    where = np.flatnonzero(bad)
-    if where.size == 0:
+def angle_ranges(theta: np.ndarray, mask: np.ndarray) -> list[tuple[float, float]]:
+    """Ranges of cam angles over which a condition holds.
+
+    Parameters
+    ----------
+    theta : ndarray (n,) [rad]
+        Cam angles, ascending.
+    mask : ndarray (n,), dimensionless
+        Whether the condition holds.
+
+    Returns
+    -------
+    list of (float, float) [deg]
+        First and last angle of each run of True.
+    """
+    indices = np.flatnonzero(mask)
+    if indices.size == 0:
         return []
-    breaks = np.flatnonzero(np.diff(where) > 1)
-    first = where[np.concatenate(([0], breaks + 1))]
-    last = where[np.concatenate((breaks, [where.size - 1]))]
+    breaks = np.flatnonzero(np.diff(indices) > 1)
+    first = indices[np.concatenate(([0], breaks + 1))]
+    last = indices[np.concatenate((breaks, [indices.size - 1]))]
     degrees = np.rad2deg(theta)
     return [(float(degrees[a]), float(degrees[b])) for a, b in zip(first, last, strict=True)]

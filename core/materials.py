@@ -1,4 +1,4 @@
-"""Materials of cams and rollers: the table ``materials.toml`` of the resources, each figure with its source."""
+"""Materials of cams and rollers, from ``materials.toml`` in the resources, each figure with its source."""
 
 from __future__ import annotations
 
@@ -12,8 +12,17 @@ from core.process import resources
 
 @frozen
 class Material:
-    """name as shown; Young's modulus [GPa] and Poisson's ratio with their source; the Hertz pressure [MPa] that it bears for good
-    with its source, None where the name of the material does not tell it."""
+    """Elastic constants of a material, and its allowable contact pressure.
+
+    Attributes
+    ----------
+    name : as shown to the user
+    youngs_modulus_gpa : Young's modulus [GPa]
+    poisson_ratio : Poisson's ratio
+    source : publication of the elastic constants
+    contact_pressure_mpa : allowable Hertz pressure in endurance [MPa], None where it depends on more than the material's name
+    pressure_source : publication of the allowable pressure
+    """
 
     name: str
     youngs_modulus_gpa: float
@@ -29,4 +38,4 @@ def _read() -> Mapping[str, Material]:
 
 
 MATERIALS = _read()
-"""Slug -> material, in the order in which they are offered."""
+"""Slug -> material, in the order of the menus."""

@@ -1,4 +1,4 @@
-"""Curves with axes as plain data, which a painter needs nothing beside."""
+"""Plots as plain data: all that a painter needs."""
 
 from __future__ import annotations
 
@@ -9,8 +9,16 @@ from core.frozen import frozen
 
 @frozen(eq=False)
 class PlotCurve:
-    """y over x (n,), nan where there is nothing; curves of one ``row`` have one colour and one ``label`` in the legend;
-    family: the quantity whose colour a curve has wherever it is shown."""
+    """One curve of a plot.
+
+    Attributes
+    ----------
+    x, y : (n,) in the units of the plot's axes, NaN where the curve has a gap
+    label : text in the legend
+    row : curves of equal row have one colour, and one label in the legend
+    dashed : whether the line is dashed
+    family : quantity whose colour the curve has in every plot
+    """
 
     x: np.ndarray
     y: np.ndarray
@@ -22,8 +30,18 @@ class PlotCurve:
 
 @frozen(eq=False)
 class Plot:
-    """Curves with axes of their own; marks: places on the x axis with a text; note: what the legend adds; alike: one unit is
-    as long on both axes; fit: the y axis need not begin at zero; quiet: the marks are places, not warnings."""
+    """Curves over common axes.
+
+    Attributes
+    ----------
+    across, upwards : titles of the x and the y axis, with their units
+    curves : the curves
+    marks : (x, text) of vertical marks
+    note : further text in the legend
+    alike : whether both axes have the same scale
+    fit : whether the y axis may begin at another value than zero
+    quiet : whether the marks are plain positions, not warnings
+    """
 
     across: str
     upwards: str
@@ -37,7 +55,7 @@ class Plot:
 
 @frozen(eq=False)
 class Figure:
-    """Plots one below the other; ``name`` of its files, ``title`` above it."""
+    """Plots one below the other, with the name of the figure's files and the title above it."""
 
     name: str
     title: str

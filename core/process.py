@@ -1,5 +1,7 @@
-"""The process and its system: memory that it keeps; how it ends by an interrupt, a reader that goes away, a disk that is full,
-in one line at most, never a traceback."""
+"""The process: lazy imports, resources, safe terminal output, exit codes, garbage collection and freed memory.
+
+An interrupt, a closed pipe or a full disk ends the program with one line at most, without a traceback.
+"""
 
 from __future__ import annotations
 
@@ -16,26 +18,29 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, TextIO
 
-# -- parts of a room that few commands need ---------------------------------------------------------------------
+# -- lazy imports -----------------------------------------------------------------------------------------------
 
 
-def late(room: str, *modules: str) -> Callable[[str], Any]:
-    """``__getattr__`` of a room whose other modules offer names too, imported one after the other until one has the name. The
-    room lists these names for readers and the type check where ``TYPE_CHECKING``. None may be that of a module."""
+def lazy_attributes(package: str, *modules: str) -> Callable[[str], Any]:
+    """``__getattr__`` of a package that imports some of its modules only when one of their names is used.
+
+    The modules are imported one after the other until one has the name. The package lists these names under
+    ``TYPE_CHECKING``; a name must differ from those of its modules.
+    """
 
     def read(name: str) -> Any:
         if not name.startswith("__"):
             for module in modules:
-                there = import_module(f"{room}.{module}")
-                if hasattr(there, name):
-                    setattr(sys.modules[room], name, found := getattr(there, name))
-                    return found
-        raise AttributeError(f"module {room!r} has no attribute {name!r}")
+                imported = import_module(f"{package}.{module}")
+                if hasattr(imported, name):
+                    setattr(sys.modules[package], name, value := getattr(imported, name))
+                    return value
+        raise AttributeError(f"module {package!r} has no attribute {name!r}")
 
     return read
 
 
-# -- where the program's own files are --------------------------------------------------------------------------
+# -- files of the program ---------------------------------------------------------------------------------------
 
 
 _ROOT = Path(__file__).resolve().parents[1]
@@ -47,43 +52,45 @@ def resources() -> Path:
     return installed if installed.is_dir() else _ROOT / "resources"
 
 
-# -- what a terminal would obey, or hide, is written out before it is printed -----------------------------------
+# -- terminal output --------------------------------------------------------------------------------------------
 
 
-_OBEYED = r"[^\n\t\x20-\x7e\xa0-\U0010ffff]|[\xad\u061c\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff\ud800-\udfff]"
-"""Control characters but line end and tabulator, marks that turn or join text, and halves of characters."""
+_CONTROL_CHARACTERS = (
+    r"[^\n\t\x20-\x7e\xa0-\U0010ffff]|[\xad\u061c\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff\ud800-\udfff]"
+)
+"""Control characters except line end and tabulator, marks that reverse or join text, and lone surrogates."""
 
 
 def harmless(text: str) -> str:
-    """The text with such characters as JSON spells them, ``\\u009b``."""
-    if all(line.isprintable() for line in text.split("\n")):  # as nearly all is; the pattern takes 3 ms to compile
+    r"""Escape control characters as in JSON, ``\u009b``."""
+    if all(line.isprintable() for line in text.split("\n")):  # the usual case; the pattern takes 3 ms to compile
         return text
-    return re.sub(_OBEYED, lambda match: f"\\u{ord(match[0]):04x}", text)
+    return re.sub(_CONTROL_CHARACTERS, lambda match: f"\\u{ord(match[0]):04x}", text)
 
 
 class _Stream:
-    """A stream that writes only what is harmless; in all else the stream behind it."""
+    """A text stream that escapes control characters; all else is passed to the wrapped stream."""
 
-    def __init__(self, behind: TextIO) -> None:
-        self._behind = behind
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
 
     def write(self, text: str) -> int:
-        self._behind.write(harmless(text))
+        self._stream.write(harmless(text))
         return len(text)
 
     def __getattr__(self, name: str) -> Any:
-        return getattr(self._behind, name)
+        return getattr(self._stream, name)
 
 
 @contextmanager
 def harmless_output() -> Iterator[None]:
-    """All that is printed on standard output and standard error is harmless to the terminal."""
+    """Escape control characters in all that is printed on standard output and standard error."""
     streams: list[Any] = [None if stream is None else _Stream(stream) for stream in (sys.stdout, sys.stderr)]
     with redirect_stdout(streams[0]), redirect_stderr(streams[1]):
         yield
 
 
-# -- the process and its system ---------------------------------------------------------------------------------
+# -- exit codes, garbage and memory -----------------------------------------------------------------------------
 
 
 DONE, NOTHING_DONE, INTERRUPTED = 0, 2, 130
@@ -91,11 +98,11 @@ DONE, NOTHING_DONE, INTERRUPTED = 0, 2, 130
 
 @contextmanager
 def importing() -> Iterator[None]:
-    """An interrupt (Ctrl+C) while the modules of the program are imported ends it quietly, with exit code 130."""
-    with nothing_collected():
+    """End the program quietly, with exit code 130, at an interrupt (Ctrl+C) while its modules are imported."""
+    with without_garbage_collection():
         try:
             before = signal.signal(signal.SIGINT, lambda *_: os._exit(INTERRUPTED))
-        except ValueError:  # not the main thread, which alone may change that
+        except ValueError:  # only the main thread may set it
             yield
             return
         try:
@@ -105,28 +112,30 @@ def importing() -> Iterator[None]:
 
 
 @contextmanager
-def nothing_collected() -> Iterator[None]:
-    """While modules are imported no garbage is searched for, and what came with them is not searched afterwards either: it stays
-    as long as the process. Of the command ``check`` these searches were a tenth."""
-    before, collects = len(sys.modules), gc.isenabled()
+def without_garbage_collection() -> Iterator[None]:
+    """Suspend garbage collection while modules are imported, and exclude their objects from later collections.
+
+    These objects last as long as the process; searching them took a tenth of the command ``check``.
+    """
+    before, was_enabled = len(sys.modules), gc.isenabled()
     gc.disable()
     try:
         yield
     finally:
         if len(sys.modules) > before:
             gc.freeze()
-        if collects:
+        if was_enabled:
             gc.enable()
 
 
 @lru_cache(maxsize=1)
-def end_at_once() -> None:
-    """At the end of the process no garbage is searched for: its memory goes with it. Every command calls it."""
+def skip_last_collection() -> None:
+    """Skip the garbage collection at the end of the process, which frees all memory anyway."""
     atexit.register(gc.freeze)
 
 
 def exit_code(run: Callable[[], int]) -> int:
-    """Run the program; its exit code, once all that it printed is written, harmless to the terminal."""
+    """Run the program and write its output; returns the exit code."""
     try:
         with harmless_output():
             try:
@@ -135,16 +144,16 @@ def exit_code(run: Callable[[], int]) -> int:
                 code = int(stop.code or 0)
         _flush()
         return code
-    except BrokenPipeError:  # the reader went away; nothing is left to say to it
-        _give_up_printing()
+    except BrokenPipeError:  # the reading process has ended
+        _discard_output()
         return DONE
     except OSError as error:
-        _give_up_printing()
-        place = error.filename or "standard output"
-        _say(f"{place}: {(error.strerror or str(error)).lower()}; choose another place, or make room there")
+        _discard_output()
+        target = error.filename or "standard output"
+        _print_error(f"{target}: {(error.strerror or str(error)).lower()}; choose another folder, or free disk space")
         return NOTHING_DONE
     except KeyboardInterrupt:
-        _say("interrupted")
+        _print_error("interrupted")
         return NOTHING_DONE
 
 
@@ -153,31 +162,30 @@ def _flush() -> None:
         sys.stdout.flush()
 
 
-def _give_up_printing() -> None:
-    """What is still to be printed goes nowhere, or Python would try to write it once more at its end."""
+def _discard_output() -> None:
+    """Discard pending output, which Python would else try to write once more at exit."""
     with suppress(OSError, ValueError):  # a stream that is no file
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def _say(line: str) -> None:
+def _print_error(line: str) -> None:
     with suppress(OSError):
         print(line, file=sys.stderr)
 
 
 _TRIM_THRESHOLD, _MMAP_THRESHOLD, _MOST_ARENAS = -1, -3, -8  # of glibc's mallopt
-_KEPT, _OWN_PAGES = 128 << 20, 32 << 20  # [bytes]
+_RETAINED, _MAPPED_BLOCK = 128 << 20, 32 << 20  # [bytes]
 
 
 @lru_cache(maxsize=1)
 def keep_freed_memory() -> None:
-    """Tell the C library to keep up to 128 MB of freed memory instead of giving it back at once, and to keep it in one place.
+    """Make glibc retain up to 128 MB of freed memory, in one heap for all threads.
 
-    A stage makes some fifty arrays of 30 to 200 kB and drops most of them: by default each of their pages goes back to
-    the system and comes anew, zeroed, with the next stage. The lift's linkage and profile at 3600 angles cost 66 page faults
-    and 0.80 ms so, none and 0.69 ms with this (medians, 2 cores, glibc 2.36); a block of many designs, of about 100 MB, costs 25,000 and
-    twice the time. Nor does each thread that computes beside the window
-    get a heap of its own, as it does by default, and leaves behind full of holes: a window in use grows for ever so. Every
-    command and every window call it. Other C libraries have no such setting, and nothing happens.
+    A stage allocates some fifty arrays of 30 to 200 kB and frees most of them. By default their pages return to the system,
+    and the next stage gets them anew, zeroed: the linkage and profile of a lift at 3600 angles cost 66 page faults and
+    0.80 ms, with this setting none and 0.69 ms (medians, 2 cores, glibc 2.36); a block of many designs, about 100 MB, costs
+    25,000 page faults and twice the time. By default each thread also has a heap, which fragments, so that the window's
+    memory grows without limit. Other C libraries have no such setting; there the function has no effect.
     """
     if not sys.platform.startswith("linux"):
         return
@@ -188,5 +196,5 @@ def keep_freed_memory() -> None:
     except (AttributeError, OSError):
         return
     adjust(_MOST_ARENAS, 1)
-    adjust(_TRIM_THRESHOLD, _KEPT)
-    adjust(_MMAP_THRESHOLD, _OWN_PAGES)
+    adjust(_TRIM_THRESHOLD, _RETAINED)
+    adjust(_MMAP_THRESHOLD, _MAPPED_BLOCK)

@@ -1,5 +1,7 @@
-"""What a command asks for, said once: the fields of a dataclass with label, range, help and default, as those of designs are. The
-options of the command line follow from them here, the form of the dialog in the window."""
+"""Requests of commands: dataclasses whose fields have a label, range, help and default, as those of designs.
+
+The options of the command line are built from these fields here, the form of the dialog in the window.
+"""
 
 from __future__ import annotations
 
@@ -16,157 +18,170 @@ from core.units import Unit, split_unit
 
 Kind = TypeVar("Kind")
 
-_KEY = "kindyna-asked"
+_KEY = "kindyna-option"
 
 
 @frozen
-class Asked:
-    """How a field is asked for, beside what its ``Info`` says.
+class OptionInfo:
+    """The command-line option and the form entry of a field, in addition to its ``Info``.
 
-    option  on the command line: ``--cutter``; a word of capitals is a place in the line instead; empty: after the field's name;
-            None: it is asked for in the window only
-    help    of a field without ``Info``, and where the command line says more than the form
-    usual   what stands where nothing is given, as text; empty: the default as it is
-    words   word of a choice -> what the form calls it; empty: as it is spelled
-    one_of  name of the group of which one field is given at most, and what the form calls the choice of this one
-    how     what else ``add_argument`` of argparse takes
+    Attributes
+    ----------
+    option : on the command line: ``--cutter``; a word in capitals is a positional argument; empty: named after the field;
+        None: the field is on the form only
+    help : of a field without ``Info``, and where the command line says more than the form
+    default_text : the default in words; empty: the default as it is
+    words : word of a choice -> its label on the form; empty: as it is spelled
+    one_of : name of a group of exclusive fields, and the label of this choice on the form
+    how : further keyword arguments of ``add_argument``
     """
 
     option: str | None = ""
     help: str = ""
-    usual: str = ""
+    default_text: str = ""
     words: Mapping[str, str] = field(default_factory=dict)
     one_of: tuple[str, str] = ("", "")
     how: Mapping[str, Any] = field(default_factory=dict)
 
+    @property
+    def is_positional(self) -> bool:
+        """Whether the option is a positional argument."""
+        return bool(self.option) and not str(self.option).startswith("-")
 
-def asked(
+
+def option(
     known: Any,
     option: str | None = "",
     *,
     help: str = "",
-    usual: str = "",
+    default_text: str = "",
     words: Mapping[str, str] | None = None,
     one_of: tuple[str, str] = ("", ""),
     **how: Any,
 ) -> Any:
-    """A field as ``number``, ``choice`` or ``flag`` of ``core.design.fields`` makes it, with how it is asked for."""
-    row = Asked(option, help, usual, words or {}, one_of, how)
+    """Add an option to a field that ``number``, ``choice`` or ``flag`` of ``core.design.fields`` built."""
+    row = OptionInfo(option, help, default_text, words or {}, one_of, how)
     return field(default=known.default, metadata={**known.metadata, _KEY: row})
 
 
-def typed(help: str, option: str | None = "", *, default: Any = NOTHING, usual: str = "", **how: Any) -> Any:
-    """A field that is text on the command line, and what ``type`` makes of it: a file, a pair, a list of them."""
-    return asked(field(default=default), option, help=help, usual=usual, **how)
+def text_option(
+    help: str, option_word: str | None = "", *, default: Any = NOTHING, default_text: str = "", **how: Any
+) -> Any:
+    """Field that is text on the command line, converted by ``type``: a file, a pair, a list of them."""
+    return option(field(default=default), option_word, help=help, default_text=default_text, **how)
 
 
-def asked_of(each: Field[Any]) -> Asked:
-    """How a field is asked for; the default where it states nothing."""
-    return each.metadata.get(_KEY, Asked())
+def option_info(part: Field[Any]) -> OptionInfo:
+    """Option of a field; the default where it states none."""
+    return part.metadata.get(_KEY, OptionInfo())
 
 
-def questions(kind: Any) -> Iterator[Field[Any]]:
-    """The fields that are asked for, those of parts in their place. A field of neither metadata is not asked for."""
-    for each in fields(kind):
-        if is_dataclass(each.default):
-            yield from questions(each.default)
-        elif info_of(each) is not None or _KEY in each.metadata:
-            yield each
+def request_fields(kind: Any) -> Iterator[Field[Any]]:
+    """Fields of a request that have an ``Info`` or an option, with those of nested requests in their place."""
+    for part in fields(kind):
+        if is_dataclass(part.default):
+            yield from request_fields(part.default)
+        elif info_of(part) is not None or _KEY in part.metadata:
+            yield part
 
 
-def known(kind: Any, name: str) -> Info:
-    """What is known of a request's field."""
-    info = next(info_of(each) for each in questions(kind) if each.name == name)
+def field_info(kind: Any, name: str) -> Info:
+    """Label, range and help of a request's field."""
+    info = next(info_of(part) for part in request_fields(kind) if part.name == name)
     assert info is not None, f"{name} is text, or a file"
     return info
 
 
-def filled(kind: type[Kind], values: Mapping[str, Any]) -> Kind:
-    """The request with these values by the names of fields, those of its parts among them; defaults elsewhere."""
-    made: dict[str, Any] = {}
-    own: Any = kind
-    for each in fields(own):
-        if is_dataclass(each.default):
-            made[each.name] = filled(type(each.default), values)
-        elif each.name in values:
-            value = values[each.name]
-            made[each.name] = tuple(value) if isinstance(value, list) else value
-    return kind(**made)
+def build_request(kind: type[Kind], values: Mapping[str, Any]) -> Kind:
+    """Request from values by field name, which may include fields of nested requests; defaults elsewhere."""
+    arguments: dict[str, Any] = {}
+    request: Any = kind
+    for part in fields(request):
+        if is_dataclass(part.default):
+            arguments[part.name] = build_request(type(part.default), values)
+        elif part.name in values:
+            value = values[part.name]
+            arguments[part.name] = tuple(value) if isinstance(value, list) else value
+    return kind(**arguments)
 
 
-def require(request: Any) -> None:
-    """Raises KindynaError for a number or word of a request that is outside its range."""
-    for each in fields(request):
-        value, info = getattr(request, each.name), info_of(each)
+def require_in_range(request: Any) -> None:
+    """Check every number and word of a request.
+
+    Raises
+    ------
+    KindynaError
+        For a value outside of its range.
+    """
+    for part in fields(request):
+        value, info = getattr(request, part.name), info_of(part)
         if info is not None and not info.admits(value):
-            raise KindynaError(f"{info.in_sentence} = {value}: {info.problem}; allowed: {info.allowed(unit_of(each))}")
+            raise KindynaError(f"{info.in_sentence} = {value}: {info.problem}; allowed: {info.allowed(unit_of(part))}")
 
 
-# -- the command line -------------------------------------------------------------------------------------
+# -- the command line -----------------------------------------------------------------------------------------
 
 
 def add_options(parser: argparse.ArgumentParser, kind: Any) -> None:
-    """The options of a request, in the order of its fields."""
+    """Add the options of a request, in the order of its fields."""
     groups: dict[str, Any] = {"": parser}
-    for each in questions(kind):
-        how = asked_of(each)
+    for part in request_fields(kind):
+        how = option_info(part)
         if how.option is not None:
             group, _ = how.one_of
             if group not in groups:
                 groups[group] = parser.add_mutually_exclusive_group()
-            _add(groups[group], each, how)
+            _add_option(groups[group], part, how)
 
 
-def _add(parser: Any, each: Field[Any], how: Asked) -> None:
-    info = info_of(each) or Info("")
-    there = each.default is not NOTHING
-    words: dict[str, Any] = {"default": each.default if there else None}
-    usual = how.usual or (_text(each.default) if there else "")
+def _add_option(parser: Any, part: Field[Any], how: OptionInfo) -> None:
+    info = info_of(part) or Info("")
+    has_default = part.default is not NOTHING
+    words: dict[str, Any] = {"default": part.default if has_default else None}
+    default = how.default_text or (_default_text(part.default) if has_default else "")
     text = how.help or info.help
     if info.flag:
-        words["action"] = "store_false" if each.default else "store_true"
+        words["action"] = "store_false" if part.default else "store_true"
     elif info.choices:
         words["choices"] = info.choices
     elif info.label:
-        unit = unit_of(each)
+        unit = unit_of(part)
         words |= {"type": number_reader(info, unit), "metavar": _metavar(info, unit)}
-    words["help"] = (f"{text} ({usual})" if usual and not info.flag else text).replace("%", "%%")
+    words["help"] = (f"{text} ({default})" if default and not info.flag else text).replace("%", "%%")
     words |= how.how
     if words.get("action") == "append":
         words["default"] = []
-    if how.option and not how.option.startswith("-"):
-        parser.add_argument(each.name, **words | {"metavar": how.option})
+    if how.is_positional:
+        parser.add_argument(part.name, **words | {"metavar": how.option})
     else:
-        parser.add_argument(_spelled(each, how), dest=each.name, required=not there, **words)
+        parser.add_argument(_option_word(part, how), dest=part.name, required=not has_default, **words)
 
 
-def _spelled(each: Field[Any], how: Asked) -> str:
-    """The option of a field."""
-    return how.option or "--" + split_unit(each.name)[0].replace("_", "-")
+def _option_word(part: Field[Any], how: OptionInfo) -> str:
+    return how.option or "--" + split_unit(part.name)[0].replace("_", "-")
 
 
-def options(kind: Any, values: Mapping[str, Any]) -> list[str]:
-    """The words of the command line that ask for these values, by the names of fields; places in the line first, then what is not as
-    usual."""
-    places: list[str] = []
+def command_words(kind: Any, values: Mapping[str, Any]) -> list[str]:
+    """Words of the command line that give these values, by field name: positional arguments, then values that differ from defaults."""
+    positional: list[str] = []
     words: list[str] = []
-    for each in questions(kind):
-        how, info = asked_of(each), info_of(each) or Info("")
-        value = values.get(each.name, each.default)
+    for part in request_fields(kind):
+        how, info = option_info(part), info_of(part) or Info("")
+        value = values.get(part.name, part.default)
         if how.option is None or value is NOTHING or value is None:
             continue
-        texts = [str(one) for one in (value if isinstance(value, tuple | list) else (value,))]
-        if how.option and not how.option.startswith("-"):
-            places += texts
+        texts = [str(item) for item in (value if isinstance(value, tuple | list) else (value,))]
+        if how.is_positional:
+            positional += texts
         elif how.how.get("action") == "append":
-            words += [word for text in texts for word in (_spelled(each, how), text)]
-        elif value != each.default:
-            words += [_spelled(each, how), *(() if info.flag or "action" in how.how else texts)]
-    return places + words
+            words += [word for text in texts for word in (_option_word(part, how), text)]
+        elif value != part.default:
+            words += [_option_word(part, how), *(() if info.flag or "action" in how.how else texts)]
+    return positional + words
 
 
 def number_reader(info: Info, unit: Unit) -> Callable[[str], float]:
-    """Reads a number of a field; where it is none, or outside its range, argparse says so in the words of a design's field."""
+    """Function for ``type`` of ``add_argument`` that reads a number in a field's range; its error states the allowed range."""
 
     def read(text: str) -> float:
         try:
@@ -187,23 +202,23 @@ def _metavar(info: Info, unit: Unit) -> str:
     return "N" if info.whole else "DEG" if unit.symbol == "°" else unit.symbol.upper() or "X"
 
 
-def _text(default: Any) -> str:
-    """A default as the help shows it; '' of what is nothing."""
+def _default_text(default: Any) -> str:
+    """A default in the help; empty for None, a tuple or an empty text."""
     if isinstance(default, tuple) or not default:
         return ""
     return f"{default:g}" if isinstance(default, int | float) else str(default)
 
 
 __all__ = [
-    "Asked",
+    "OptionInfo",
     "add_options",
-    "asked",
-    "asked_of",
-    "filled",
-    "known",
+    "build_request",
+    "command_words",
+    "field_info",
     "number_reader",
-    "options",
-    "questions",
-    "require",
-    "typed",
+    "option",
+    "option_info",
+    "request_fields",
+    "require_in_range",
+    "text_option",
 ]

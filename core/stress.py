@@ -1,4 +1,7 @@
-"""Limits of the contact's stress: the user's own, that of the materials, and what is missing to know it."""
+"""Hertz stress where the follower touches the cam, its limits, and the rolling life of the follower's rollers.
+
+Sources: H. Hertz 1881; K. L. Johnson, *Contact Mechanics*, ch. 4.2 (line contact of two cylinders); ISO 281 (rolling life).
+"""
 
 from __future__ import annotations
 
@@ -21,96 +24,39 @@ from core.motion import TURN, Angles
 from core.motion.extremes import Extreme, Pieces
 from core.numerics.roots import gauss_legendre
 
-# -- life of a roller on its own bearing (ISO 281), by its own speed over the turn ------------------------------
+GPA, MPA, MM, HOUR, MILLION = 1e9, 1e6, 1e-3, 3600.0, 1e6
+_GOLDEN = 0.5 * (1.0 + sqrt(5.0))
+SHEAR_DEPTH = _GOLDEN**-0.5
+"""Depth of the largest shear in half widths, 0.786151: p (z - z²/√(1 + z²)) is largest where z⁴ + z² = 1."""
+SHEAR = _GOLDEN**-2.5
+"""Largest shear as a fraction of the contact pressure, 0.300283."""
+METAL_POISSON_RATIO = 0.3
+"""Used with a typed modulus that comes without a Poisson ratio."""
+LIFE_EXPONENT = 10.0 / 3.0
+"""Of roller bearings, ISO 281."""
+PANEL, PANEL_NODES = radians(2.0), 8  # of the Gauss quadrature over a turn
+_PRESSURE_LIMIT = "limits.contact_pressure_mpa"
 
 
-EXPONENT = 10.0 / 3.0
-"""Of roller bearings, in ISO 281."""
-PANEL, NODES = radians(2.0), 8  # width and points of a Gauss panel
-MILLION, HOUR = 1e6, 3600.0
-
-
-@frozen
-class RollerLife:
-    """roller: ``first`` or ``second``; load: the equivalent P [N]; rpm: its mean speed about its own axis; L10 in million turns of
-    the roller and in hours, infinite where nothing loads it."""
-
-    roller: str
-    load: float
-    rpm: float
-    million_turns: float
-    hours: float
-
-
-def roller_speed(kinematics: Kinematics, flank: Flank, sense: float) -> np.ndarray:
-    """ω_r/ω (n,): the turn of a roller that rolls on a flank, about its own axis, by cam angle.
-
-    d - α' ∓ d|t|/r (inner, outer flank): t the velocity of its centre relative to the cam, α the angle of what carries it. In a
-    groove with play the roller is taken to roll without slip on the flank that carries.
-    """
-    radius = getattr(flank, "radius", 0.0)
-    side = -1.0 if flank.name == OUTER else 1.0
-    carried = kinematics.bodies[flank.body].turn[1]
-    return np.asarray(sense - carried - side * sense * np.abs(flank.relative_velocity) / radius)
-
-
-def turn_nodes(program: Pieces, breaks: tuple[float, ...], longest: float = PANEL) -> tuple[Angles, np.ndarray]:
-    """Angles (n,) and weights (n,) [rad] by which the values there are integrated over the turn: panels of Gauss within the pieces
-    of the motion and between further breaks [rad]; longest: [rad] a panel."""
-    x, w = gauss_legendre(NODES)
-    theta, weight, piece = [], [], []
-    for number, (a, b) in enumerate(zip(program.starts.tolist(), program.ends.tolist(), strict=True)):
-        inner = [a, *sorted(each for each in breaks if a < each < b), b]
-        for start, end in pairwise(inner):
-            edges = np.linspace(start, end, max(1, ceil((end - start) / longest)) + 1)
-            half = 0.5 * np.diff(edges)[:, None]
-            theta.append((edges[:-1, None] + half * (1.0 + x)).ravel())
-            weight.append((half * w).ravel())
-            piece.append(np.full(theta[-1].size, number))
-    return Angles(np.concatenate(theta), np.concatenate(piece)), np.concatenate(weight)
-
-
-def life_of(
-    roller: str, rating: float, force: np.ndarray, speed: np.ndarray, weight: np.ndarray, omega: float
-) -> RollerLife:
-    """That of a roller, as by ``lives_of``."""
-    return RollerLife(roller, *(float(each) for each in lives_of(rating, force, speed, weight, omega)))
-
-
-@np.errstate(divide="ignore", invalid="ignore")
-def lives_of(
-    rating: Any, force: np.ndarray, speed: np.ndarray, weight: np.ndarray, omega: Any
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """L10 = (C/P)^(10/3) million turns, P^(10/3) = ∫F^(10/3)|ω_r|dt/∫|ω_r|dt (ISO 281): P [N], rpm of the roller, L10 in million turns and
-    in hours.
-
-    rating C [N]; force (..., n) [N] on the roller and its speed ω_r/ω (..., n), by cam angle, with the weights [rad] of a turn; omega
-    [rad/s] of the shaft; rating and omega one or (...,)
-    """
-    turning = np.abs(speed) * weight
-    whole = turning.sum(axis=-1)  # [rad] of the roller in a turn of the shaft
-    power = (np.maximum(force, 0.0) ** EXPONENT * turning).sum(axis=-1) / whole
-    load, rpm = np.where(whole > 0.0, power, 0.0) ** (1.0 / EXPONENT), whole / TURN * omega * 30.0 / pi
-    turns = np.where(load > 0.0, (rating / load) ** EXPONENT, inf)
-    return load, rpm, turns, np.where(load > 0.0, turns * MILLION * TURN / (whole / TURN * omega) / HOUR, inf)
-
-
-# -- what touches on each flank of a cam ------------------------------------------------------------------------
-
-
-USUAL_RATIO = 0.3
-"""Poisson's ratio of a typed modulus without one: that of metals."""
-GPA, MPA, MM = 1e9, 1e6, 1e-3
-_CAM, _ROLLER = "", "roller_"
+# -- materials of a contact -----------------------------------------------------------------------------------
 
 
 @frozen
 class Surface:
-    """path: the field that chooses it; what: cam or roller, in messages; modulus [Pa], ratio; allowable pressure [Pa] with its
-    source, None where none is known; name: of the material."""
+    """One of the two bodies of a contact.
+
+    Attributes
+    ----------
+    path : the design field that chooses its material
+    noun : "cam", or the follower's face in words, for messages
+    modulus : Young's modulus [Pa]
+    ratio : Poisson's ratio
+    allowable : allowable contact pressure [Pa], None where none is published
+    name, source : material, and the publication of its allowable pressure
+    """
 
     path: str
-    what: str
+    noun: str
     modulus: float
     ratio: float
     allowable: float | None = None
@@ -120,187 +66,120 @@ class Surface:
 
 @frozen
 class Pairing:
-    """Two surfaces that touch in a line of this width [m]."""
+    """Two surfaces in line contact over `width` [m]."""
 
     width: float
     surfaces: tuple[Surface, Surface]
 
     @property
     def modulus(self) -> float:
-        """E* [Pa]: 1/E* = Σ (1 - ν²)/E."""
-        return 1.0 / sum((1.0 - each.ratio**2) / each.modulus for each in self.surfaces)
+        """Contact modulus E* [Pa]: 1/E* = Σ (1 - ν²)/E."""
+        return 1.0 / sum((1.0 - surface.ratio**2) / surface.modulus for surface in self.surfaces)
 
 
-def _tables(cam: Any) -> Mapping[str, tuple[tuple[str, Any], ...]]:
-    """Flank -> the tables that its entries stand in, with their paths: what the second cam does not state is as of the first."""
+_MATERIAL_FIELDS = ("material", "youngs_modulus_gpa", "poisson_ratio")
+_Tables = tuple[tuple[str, Any], ...]
+
+
+def _tables_by_flank(cam: Any) -> Mapping[str, _Tables]:
+    """Flank -> the (path, table) pairs of its inputs, first match wins: a second cam inherits what it does not state."""
     first = (("cam", cam),)
-    return {
-        name: (("cam.second", cam.form.second), *first) if name == SECOND else first
-        for name in form_row(cam.form).flanks
-    }
+    second = (("cam.second", cam.form.second), *first) if SECOND in form_row(cam.form).flanks else first
+    return {flank: second if flank == SECOND else first for flank in form_row(cam.form).flanks}
 
 
-def _entry(tables: tuple[tuple[str, Any], ...], key: str) -> tuple[str, Any]:
-    """The path and value of an entry in the first table that states it; in the last, where none does."""
-    return next(
-        ((f"{path}.{key}", value) for path, table in tables if (value := getattr(table, key, None)) is not None),
-        (f"{tables[-1][0]}.{key}", None),
-    )
+def _input(tables: _Tables, key: str) -> tuple[str, Any]:
+    """Path and value of an input; of the last table, with None, where no table states it."""
+    for path, table in tables:
+        if (value := getattr(table, key, None)) is not None:
+            return f"{path}.{key}", value
+    return f"{tables[-1][0]}.{key}", None
 
 
-def _surface(tables: tuple[tuple[str, Any], ...], prefix: str, what: str) -> Surface | None:
-    """One of the two surfaces; None where its modulus is not known."""
-    path, slug = _entry(tables, f"{prefix}material")
-    typed_path, typed = _entry(tables, f"{prefix}youngs_modulus_gpa")
-    ratio = _entry(tables, f"{prefix}poisson_ratio")[1]
-    known = MATERIALS.get(slug) if slug is not None else None
-    if known is None:
-        return (
-            None if typed is None else Surface(typed_path, what, GPA * typed, USUAL_RATIO if ratio is None else ratio)
-        )
+def _surface(tables: _Tables, prefix: str, noun: str) -> Surface | None:
+    """The cam's surface (prefix "") or the roller's ("roller_"); None where its modulus is unknown."""
+    path, slug = _input(tables, f"{prefix}material")
+    modulus_path, modulus = _input(tables, f"{prefix}youngs_modulus_gpa")
+    _, ratio = _input(tables, f"{prefix}poisson_ratio")
+    material = MATERIALS.get(slug) if slug is not None else None
+    if material is None:
+        if modulus is None:
+            return None
+        return Surface(modulus_path, noun, GPA * modulus, METAL_POISSON_RATIO if ratio is None else ratio)
+    pressure = material.contact_pressure_mpa
     return Surface(
         path,
-        what,
-        GPA * (known.youngs_modulus_gpa if typed is None else typed),
-        known.poisson_ratio if ratio is None else ratio,
-        None if known.contact_pressure_mpa is None else MPA * known.contact_pressure_mpa,
-        known.name,
-        known.pressure_source,
+        noun,
+        GPA * (material.youngs_modulus_gpa if modulus is None else modulus),
+        material.poisson_ratio if ratio is None else ratio,
+        None if pressure is None else MPA * pressure,
+        material.name,
+        material.pressure_source,
     )
 
 
-def has_width(face: Any) -> bool:
-    """Whether a face touches in a line that Hertz's equations hold for: an edge does not."""
+def is_line_contact(face: Any) -> bool:
+    """Whether the face touches along a line, so that Hertz's equations hold: a knife edge does not."""
     return bool(face.straight or face.radius_mm)
 
 
-def missing(face: Any, cam: Any) -> Mapping[str, str]:
-    """Field -> what must be given there for a stress on every flank; empty where all is known."""
-    found: dict[str, str] = {}
-    for tables in _tables(cam).values():
-        path, width = _entry(tables, "thickness_mm")
+def missing_inputs(face: Any, cam: Any) -> Mapping[str, str]:
+    """Field path -> the input in words, of every input without which a flank has no stress."""
+    missing: dict[str, str] = {}
+    for tables in _tables_by_flank(cam).values():
+        path, width = _input(tables, "thickness_mm")
         if width is None:
-            found[path] = "the thickness of the cam"
-        for prefix, what in ((_CAM, "cam"), (_ROLLER, face.noun)):
-            if _surface(tables, prefix, what) is None:
-                found[f"{tables[-1][0]}.{prefix}material"] = f"the material of the {what}, or its Young's modulus"
-    return found
+            missing[path] = "the thickness of the cam"
+        for prefix, noun in (("", "cam"), ("roller_", face.noun)):
+            if _surface(tables, prefix, noun) is None:
+                missing[f"{tables[-1][0]}.{prefix}material"] = f"the material of the {noun}, or its Young's modulus"
+    return missing
 
 
 def pairings(face: Any, cam: Any) -> Mapping[str, Pairing]:
-    """Flank -> what touches there; empty where anything is missing, or the face is an edge."""
-    if not has_width(face) or missing(face, cam):
+    """Flank -> its contact; empty for a knife edge, or where an input is missing."""
+    if not is_line_contact(face) or missing_inputs(face, cam):
         return MappingProxyType({})
-    found = {}
-    for flank, tables in _tables(cam).items():
-        one, other = _surface(tables, _CAM, "cam"), _surface(tables, _ROLLER, face.noun)
-        assert one is not None, "nothing is missing"
-        assert other is not None, "nothing is missing"
-        found[flank] = Pairing(MM * _entry(tables, "thickness_mm")[1], (one, other))
-    return MappingProxyType(found)
+    result = {}
+    for flank, tables in _tables_by_flank(cam).items():
+        surfaces = _surface(tables, "", "cam"), _surface(tables, "roller_", face.noun)
+        assert surfaces[0] is not None and surfaces[1] is not None, "no input is missing"  # noqa: PT018
+        result[flank] = Pairing(MM * _input(tables, "thickness_mm")[1], (surfaces[0], surfaces[1]))
+    return MappingProxyType(result)
 
 
-def ratings(face: Any, cam: Any) -> Mapping[str, float]:
-    """Roller, ``first`` or ``second``, -> the dynamic load rating C of its bearing [N], where it is stated; none of a face that
-    slides."""
+def load_ratings(face: Any, cam: Any) -> Mapping[str, float]:
+    """Roller ("first", "second") -> dynamic load rating C of its bearing [N], where stated; empty for a sliding face."""
     if not row_of(face).rolls:
         return MappingProxyType({})
-    names = {"second" if flank == SECOND else "first": tables for flank, tables in _tables(cam).items()}
-    stated = {name: _entry(tables, "roller_load_rating_n")[1] for name, tables in names.items()}
-    return MappingProxyType({name: value for name, value in stated.items() if value is not None})
+    ratings = {
+        "second" if flank == SECOND else "first": _input(tables, "roller_load_rating_n")[1]
+        for flank, tables in _tables_by_flank(cam).items()
+    }
+    return MappingProxyType({roller: rating for roller, rating in ratings.items() if rating is not None})
 
 
-_ASKING = (
-    "material",
-    "roller_material",
-    "youngs_modulus_gpa",
-    "roller_youngs_modulus_gpa",
-    "poisson_ratio",
-    "roller_poisson_ratio",
-)
+def is_stress_requested(cam: Any, limits: Limits) -> bool:
+    """Whether the design states a pressure limit, or a material of cam or roller."""
+    tables = [table for rows in _tables_by_flank(cam).values() for _, table in rows]
+    keys = [prefix + key for prefix in ("", "roller_") for key in _MATERIAL_FIELDS]
+    return limits.contact_pressure_mpa is not None or any(getattr(t, key) is not None for t in tables for key in keys)
 
 
-def asked_for(cam: Any, limits: Limits) -> bool:
-    """Whether the user wants to know a stress: a limit of it is stated, or what cam or roller are made of."""
-    tables = [table for rows in _tables(cam).values() for _, table in rows]
-    return limits.contact_pressure_mpa is not None or any(
-        getattr(table, key) is not None for table in tables for key in _ASKING
-    )
-
-
-# -- limits of the contact's stress -----------------------------------------------------------------------------
-
-
-_LIMIT = "limits.contact_pressure_mpa"
-
-
-def pressure_findings(worst: Mapping[str, Extreme], pairing: Mapping[str, Pairing], limits: Limits) -> list[Finding]:
-    """A pressure beyond the user's own limit, or beyond what one of the materials bears; worst: flank -> the greatest [Pa] there."""
-    found = []
-    most, own = max(worst.values(), key=lambda extreme: extreme.value), limits.contact_pressure_mpa
-    if own is not None and most.value > MPA * own * (1.0 + ROUNDING):
-        values: dict[str, float | str] = {"value": most.value / MPA, "limit": own}
-        found.append(Finding("contact-pressure", WARNING, _LIMIT, degrees(most.theta), values))
-    by_surface: dict[str, Extreme] = {}
-    surfaces = {each.path: each for pair in pairing.values() for each in pair.surfaces}
-    for flank, extreme in worst.items():
-        for each in pairing[flank].surfaces:
-            known = by_surface.get(each.path)
-            by_surface[each.path] = extreme if known is None or extreme.value > known.value else known
-    for path, extreme in by_surface.items():
-        surface = surfaces[path]
-        if surface.allowable is not None and extreme.value > surface.allowable * (1.0 + ROUNDING):
-            values = {
-                "value": extreme.value / MPA, "limit": surface.allowable / MPA, "what": surface.what, "material": surface.name,
-                "source": surface.source,
-            }  # fmt: skip
-            found.append(Finding("material-pressure", WARNING, path, degrees(extreme.theta), values))
-    return found
-
-
-def missing_findings(face: Any, cam: Any, limits: Limits) -> list[Finding]:
-    """Why there is no stress where one is asked for: an edge has none, or what must be given."""
-    if not asked_for(cam, limits):
-        return []
-    severity = NOTE if limits.contact_pressure_mpa is None else WARNING
-    if not has_width(face):
-        return [
-            Finding(
-                "no-contact-pressure-edge",
-                severity,
-                _LIMIT if severity == WARNING else "cam.material",
-                None,
-                {"face": face.noun},
-            )
-        ]
-    lacking = missing(face, cam)
-    if not lacking:
-        return []
-    values: dict[str, float | str] = {"missing": ", and ".join(lacking.values()), "fields": ", ".join(lacking)}
-    return [Finding("no-contact-pressure", severity, next(iter(lacking)), None, values)]
-
-
-def unfit_finding(noun: str, limits: Limits) -> Finding:
-    """There is no stress where the profile is undercut."""
-    severity = NOTE if limits.contact_pressure_mpa is None else WARNING
-    return Finding("no-contact-pressure-undercut", severity, "cam", None, {"face": noun})
-
-
-# -- hertz's line contact of two cylinders, one of which may be hollow (Hertz 1881 ------------------------------
-
-
-_GOLDEN = 0.5 * (1.0 + sqrt(5.0))
-DEPTH = _GOLDEN**-0.5
-"""Of the largest shear, in half widths of the contact: 0.786151. With z in half widths the principal shear below the middle is
-p (z - z²/√(1 + z²)), largest where z⁴ + z² = 1."""
-SHEAR = _GOLDEN**-2.5
-"""The largest shear there, in parts of the pressure: 0.300283."""
+# -- Hertz ----------------------------------------------------------------------------------------------------
 
 
 @frozen(eq=False)
 class ContactStress:
-    """On one flank at n cam angles: pressure in the middle of the contact and the largest shear below it [Pa], the depth of that
-    and half the width of the contact [m]; 0 where nothing presses, NaN where what touches does not fit the profile."""
+    """Stresses on one flank; 0 where nothing presses, NaN where the face does not fit the profile.
+
+    Attributes
+    ----------
+    pressure : (n,) contact pressure in the middle of the contact [Pa]
+    shear : (n,) largest shear below the surface [Pa]
+    depth : (n,) depth of that shear [m]
+    half_width : (n,) half the width of the contact [m]
+    """
 
     pressure: np.ndarray
     shear: np.ndarray
@@ -309,41 +188,230 @@ class ContactStress:
 
 
 def relative_curvature(flank: Flank) -> np.ndarray:
-    """κ_rel (n,) [1/m] of a flank and what touches it, convex positive: 1/r + κ of the inner flank, 1/r - κ of the outer one,
-    whose material lies on the other side; 1/ρ under a straight face.
+    """Relative curvature of a flank and the face on it, positive where convex.
 
-    With the offset o of the profile κ = κ_p/(1 - o κ_p), so that nothing cancels: [1 - (o ∓ r) κ_p]/[r (1 - o κ_p)], which is
-    1/[r (1 - r κ_p)] without play. At most 0 where what touches is undercut, infinite for an edge.
+    1/r + κ on the inner flank, 1/r - κ on the outer one, whose material lies on the other side; 1/ρ under a straight face.
+    Written with the profile's offset o from the pitch curve, κ = κ_p/(1 - o κ_p), so that nothing cancels:
+    [1 - (o ∓ r) κ_p]/[r (1 - o κ_p)].
+
+    Parameters
+    ----------
+    flank : Flank
+        With pitch curvature κ_p (n,) [1/m], offset o and face radius r [m].
+
+    Returns
+    -------
+    ndarray (n,) [1/m]
+        Not positive where the profile is undercut; infinite for an edge.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         if flank.straight:
             return np.asarray(1.0 / flank.profile_radius)
         side = -1.0 if flank.name == OUTER else 1.0
-        bend, offset, radius = flank.pitch_curvature, flank.offset, flank.radius
-        return np.asarray((1.0 - (offset - side * radius) * bend) / (radius * (1.0 - offset * bend)))
+        curvature, offset, radius = flank.pitch_curvature, flank.offset, flank.radius
+        return np.asarray((1.0 - (offset - side * radius) * curvature) / (radius * (1.0 - offset * curvature)))
 
 
-def pressure(force: np.ndarray, curvature: np.ndarray, pairing: Pairing) -> np.ndarray:
-    """p = √(F E* κ_rel/(π b)) (n,) [Pa] of the force F (n,) [N] on a line of length b; 0 where F does not press, NaN where the
-    relative curvature (n,) [1/m] is not positive: what touches does not fit there."""
-    fits = np.where(curvature > 0.0, curvature, np.nan)
-    return np.sqrt(np.maximum(force, 0.0) * pairing.modulus * fits / (pi * pairing.width))
+def contact_pressure(force: np.ndarray, curvature: np.ndarray, pairing: Pairing) -> np.ndarray:
+    """Contact pressure in the middle of the line contact, p = √(F E* κ_rel/(π b)).
+
+    Parameters
+    ----------
+    force : ndarray (n,) [N]
+        Contact force F; the pressure is 0 where it does not press.
+    curvature : ndarray (n,) [1/m]
+        Relative curvature κ_rel; the pressure is NaN where it is not positive.
+    pairing : Pairing
+        Contact modulus E* and width b.
+
+    Returns
+    -------
+    ndarray (n,) [Pa]
+
+    References
+    ----------
+    Johnson, *Contact Mechanics*, eq. (4.45).
+    """
+    positive = np.where(curvature > 0.0, curvature, np.nan)
+    return np.sqrt(np.maximum(force, 0.0) * pairing.modulus * positive / (pi * pairing.width))
 
 
-def half_width(pressure: np.ndarray, curvature: np.ndarray, pairing: Pairing) -> np.ndarray:
-    """a = 2p/(E* κ_rel) (n,) [m], which is √(4F/(π b E* κ_rel))."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(2.0 * pressure / (pairing.modulus * curvature))
+def contact_stress(flank: Flank, force: np.ndarray, pairing: Pairing) -> ContactStress:
+    """Pressure, largest shear, its depth and the contact's half width a = 2p/(E* κ_rel) under a force.
 
+    Parameters
+    ----------
+    flank : Flank
+    force : ndarray (n,) [N]
+        Contact force that presses on the flank.
+    pairing : Pairing
 
-def shear_depth(half_width: np.ndarray) -> np.ndarray:
-    """Depth (n,) [m] of the largest shear."""
-    return DEPTH * half_width
+    Returns
+    -------
+    ContactStress
 
-
-def contact_stresses(flank: Flank, force: np.ndarray, pairing: Pairing) -> ContactStress:
-    """The stresses on a flank under the force (n,) [N] that presses on it."""
+    References
+    ----------
+    Johnson, *Contact Mechanics*, eqs. (4.43), (4.45), and the stresses on the axis in ch. 4.2.
+    """
     curvature = relative_curvature(flank)
-    pressed = pressure(force, curvature, pairing)
-    half = half_width(pressed, curvature, pairing)
-    return ContactStress(pressed, SHEAR * pressed, shear_depth(half), half)
+    pressure = contact_pressure(force, curvature, pairing)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        half_width = np.asarray(2.0 * pressure / (pairing.modulus * curvature))
+    return ContactStress(pressure, SHEAR * pressure, SHEAR_DEPTH * half_width, half_width)
+
+
+# -- rolling life ---------------------------------------------------------------------------------------------
+
+
+@frozen
+class RollerLife:
+    """Life of one roller, infinite where nothing loads it.
+
+    Attributes
+    ----------
+    roller : "first" or "second"
+    load : equivalent load P [N]
+    rpm : mean speed of the roller about its own axis
+    million_turns, hours : L10 in million turns of the roller, and in hours
+    """
+
+    roller: str
+    load: float
+    rpm: float
+    million_turns: float
+    hours: float
+
+
+def roller_speed(kinematics: Kinematics, flank: Flank, sense: float) -> np.ndarray:
+    """Speed ratio ω_r/ω of a roller that rolls on a flank without slip, about its own axis.
+
+    d - α' ∓ d|t|/r on the inner and outer flank: t the velocity of the roller's centre against the cam, α the angle of its
+    arm, r its radius, d the sense of rotation. In a groove with play the roller rolls on the flank that carries it.
+
+    Returns
+    -------
+    ndarray (n,), dimensionless
+    """
+    side = -1.0 if flank.name == OUTER else 1.0
+    radius = getattr(flank, "radius", 0.0)
+    arm_speed = kinematics.bodies[flank.body].turn[1]
+    return np.asarray(sense - arm_speed - side * sense * np.abs(flank.relative_velocity) / radius)
+
+
+def turn_quadrature(pieces: Pieces, breaks: tuple[float, ...], panel: float = PANEL) -> tuple[Angles, np.ndarray]:
+    """Gauss nodes and weights that integrate over one turn.
+
+    Parameters
+    ----------
+    pieces : Pieces
+        The motion's pieces; no panel crosses their ends.
+    breaks : tuple of float [rad]
+        Further angles that no panel crosses.
+    panel : float [rad]
+        Greatest width of a panel.
+
+    Returns
+    -------
+    angles : Angles (n,)
+    weights : ndarray (n,) [rad]
+    """
+    x, w = gauss_legendre(PANEL_NODES)
+    theta, weights, piece = [], [], []
+    for number, (low, high) in enumerate(zip(pieces.starts.tolist(), pieces.ends.tolist(), strict=True)):
+        inside = sorted(angle for angle in breaks if low < angle < high)
+        for start, end in pairwise([low, *inside, high]):
+            edges = np.linspace(start, end, max(1, ceil((end - start) / panel)) + 1)
+            half = 0.5 * np.diff(edges)[:, None]
+            theta.append((edges[:-1, None] + half * (1.0 + x)).ravel())
+            weights.append((half * w).ravel())
+            piece.append(np.full(theta[-1].size, number))
+    return Angles(np.concatenate(theta), np.concatenate(piece)), np.concatenate(weights)
+
+
+@np.errstate(divide="ignore", invalid="ignore")
+def rolling_life(
+    rating: Any, force: np.ndarray, speed_ratio: np.ndarray, weights: np.ndarray, omega: Any
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Life L10 = (C/P)^(10/3) of a roller, P^(10/3) = ∫F^(10/3)|ω_r|dt/∫|ω_r|dt.
+
+    Parameters
+    ----------
+    rating : float or ndarray (...,) [N]
+        Dynamic load rating C.
+    force : ndarray (..., n) [N]
+        Force on the roller at the nodes of `turn_quadrature`; leading axes are designs.
+    speed_ratio : ndarray (..., n), dimensionless
+        Its speed ω_r/ω, as by `roller_speed`.
+    weights : ndarray (n,) [rad]
+        Of the quadrature.
+    omega : float or ndarray (...,) [rad/s]
+        Speed of the shaft.
+
+    Returns
+    -------
+    load, rpm, million_turns, hours : ndarray (...,) [N], [1/min], [10⁶ turns], [h]
+        Equivalent load P, mean speed of the roller, L10; infinite where nothing loads the roller.
+
+    References
+    ----------
+    ISO 281, roller bearings; the equivalent load of a load that varies over the turn.
+    """
+    rolled = np.abs(speed_ratio) * weights
+    roller_angle = rolled.sum(axis=-1)  # [rad] that the roller turns in one turn of the shaft
+    mean_power = (np.maximum(force, 0.0) ** LIFE_EXPONENT * rolled).sum(axis=-1) / roller_angle
+    load = np.where(roller_angle > 0.0, mean_power, 0.0) ** (1.0 / LIFE_EXPONENT)
+    roller_omega = roller_angle / TURN * omega
+    million_turns = np.where(load > 0.0, (rating / load) ** LIFE_EXPONENT, inf)
+    hours = np.where(load > 0.0, million_turns * MILLION * TURN / roller_omega / HOUR, inf)
+    return load, roller_omega * 30.0 / pi, million_turns, hours
+
+
+# -- findings -------------------------------------------------------------------------------------------------
+
+
+def pressure_findings(worst: Mapping[str, Extreme], pairings: Mapping[str, Pairing], limits: Limits) -> list[Finding]:
+    """A pressure beyond the user's limit, or beyond what a material allows; worst: flank -> greatest pressure [Pa]."""
+    findings = []
+    greatest, limit = max(worst.values(), key=lambda extreme: extreme.value), limits.contact_pressure_mpa
+    if limit is not None and greatest.value > MPA * limit * (1.0 + ROUNDING):
+        values: dict[str, float | str] = {"value": greatest.value / MPA, "limit": limit}
+        findings.append(Finding("contact-pressure", WARNING, _PRESSURE_LIMIT, degrees(greatest.theta), values))
+    surfaces = {surface.path: surface for pairing in pairings.values() for surface in pairing.surfaces}
+    for path, surface in surfaces.items():
+        flanks = [flank for flank in worst if any(s.path == path for s in pairings[flank].surfaces)]
+        if not flanks or surface.allowable is None:
+            continue
+        extreme = max((worst[flank] for flank in flanks), key=lambda each: each.value)
+        if extreme.value > surface.allowable * (1.0 + ROUNDING):
+            values = {
+                "value": extreme.value / MPA,
+                "limit": surface.allowable / MPA,
+                "what": surface.noun,
+                "material": surface.name,
+                "source": surface.source,
+            }
+            findings.append(Finding("material-pressure", WARNING, path, degrees(extreme.theta), values))
+    return findings
+
+
+def missing_input_findings(face: Any, cam: Any, limits: Limits) -> list[Finding]:
+    """Why a requested stress cannot be given: a knife edge has none, or an input is missing."""
+    if not is_stress_requested(cam, limits):
+        return []
+    has_limit = limits.contact_pressure_mpa is not None
+    severity = WARNING if has_limit else NOTE
+    if not is_line_contact(face):
+        field = _PRESSURE_LIMIT if has_limit else "cam.material"
+        return [Finding("no-contact-pressure-edge", severity, field, None, {"face": face.noun})]
+    missing = missing_inputs(face, cam)
+    if not missing:
+        return []
+    values: dict[str, float | str] = {"missing": ", and ".join(missing.values()), "fields": ", ".join(missing)}
+    return [Finding("no-contact-pressure", severity, next(iter(missing)), None, values)]
+
+
+def undercut_finding(face_noun: str, limits: Limits) -> Finding:
+    """There is no stress where the profile is undercut."""
+    severity = NOTE if limits.contact_pressure_mpa is None else WARNING
+    return Finding("no-contact-pressure-undercut", severity, "cam", None, {"face": face_noun})

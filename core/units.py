@@ -1,5 +1,7 @@
-"""Units of measure, one row for each kind of them: what files store, what is shown, what may be typed. Users type mm, degrees and
-rpm; the stages see SI and radians only."""
+"""Units of measure: one row a quantity, with the units of files, of the display, and those that may be typed.
+
+Users type mm, degrees and rpm; computations use SI and radians only.
+"""
 
 from __future__ import annotations
 
@@ -20,23 +22,23 @@ if TYPE_CHECKING:  # few commands read a typed unit
 
 @frozen
 class Size:
-    """How many of the SI unit one unit is, exactly: over/under times a power of π."""
+    """Size of a unit in SI units, exactly: over/under times a power of π."""
 
     over: int
     under: int = 1
     pi: int = 0
 
     def __mul__(self, other: int | Size) -> Size:
-        by = other if isinstance(other, Size) else Size(other)
-        return _reduced(self.over * by.over, self.under * by.under, self.pi + by.pi)
+        factor = other if isinstance(other, Size) else Size(other)
+        return _reduced(self.over * factor.over, self.under * factor.under, self.pi + factor.pi)
 
     def __truediv__(self, other: int | Size) -> Size:
-        by = other if isinstance(other, Size) else Size(other)
-        return _reduced(self.over * by.under, self.under * by.over, self.pi - by.pi)
+        divisor = other if isinstance(other, Size) else Size(other)
+        return _reduced(self.over * divisor.under, self.under * divisor.over, self.pi - divisor.pi)
 
     @property
     def factor(self) -> float:
-        """Rounded once; twice where π stands in it."""
+        """The size as a float, rounded once; rounded twice where it contains π."""
         if not self.pi:
             return self.over / self.under
         over, under = self.over, self.under
@@ -44,7 +46,7 @@ class Size:
 
     @property
     def value(self) -> Fraction | float:
-        """Exact where π does not stand in it."""
+        """The size as a fraction; a float where it contains π."""
         from fractions import Fraction
 
         return self.factor if self.pi else Fraction(self.over, self.under)
@@ -57,16 +59,18 @@ def _reduced(over: int, under: int, pi: int) -> Size:
 
 @frozen
 class UnitKind:
-    """One row: the units that measure the same.
+    """The units of one quantity.
 
-    name      what is measured, in words
-    units     symbol as printed -> size; those that are offered, in that order
-    stored    ending of fields, keys and columns -> symbol of the unit that such a number counts in
-    others    further ones, not offered: typed, or shown where values are very large or small
-    typed     spelling that may be typed too -> symbol; beside the symbols, and these without their signs: ``Nm``, ``m/s2``, ``deg``
-    shown     symbol of the unit that values are in -> the units that they are shown in, coarsest first, with the peak value, counted
-              in itself, from which each serves; values in others are shown as they are
-    decimals  that a number of a file needs beyond those of a length, where it is rounded to what the mouse can tell
+    Attributes
+    ----------
+    name : the quantity
+    units : symbol as printed -> size, in the order of the menus
+    stored : suffix of fields, keys and columns -> symbol of their unit
+    others : symbol -> size of units that are not on the menus; they can be typed, or show very large or small values
+    typed : further spelling -> symbol; the symbols themselves can be typed without special characters: ``Nm``, ``m/s2``, ``deg``
+    shown : symbol of a unit -> units that show its values, coarsest first, each with the least peak value, in that unit, at
+        which it is used; values in a unit without an entry are shown in that unit
+    decimals : decimals of a rounded number in a file, in addition to those of a length in mm
     """
 
     name: str
@@ -79,7 +83,7 @@ class UnitKind:
 
     @property
     def sizes(self) -> Mapping[str, Size]:
-        """Of all its units."""
+        """Symbol -> size of all units."""
         return {**self.units, **self.others}
 
 
@@ -131,7 +135,7 @@ _ROWS = (
 )  # fmt: skip
 
 KINDS: Mapping[str, UnitKind] = MappingProxyType({row.name: row for row in _ROWS})
-_OF_SYMBOL: Mapping[str, UnitKind] = MappingProxyType({symbol: row for row in _ROWS for symbol in row.units})
+_ROW_BY_SYMBOL: Mapping[str, UnitKind] = MappingProxyType({symbol: row for row in _ROWS for symbol in row.units})
 
 
 # -- units of fields, keys and columns ----------------------------------------------------------------------
@@ -139,7 +143,7 @@ _OF_SYMBOL: Mapping[str, UnitKind] = MappingProxyType({symbol: row for row in _R
 
 @frozen
 class Unit:
-    """symbol as printed; factor from the user's unit to SI."""
+    """A unit: its symbol as printed, and its factor to SI."""
 
     symbol: str
     factor: float
@@ -148,13 +152,13 @@ class Unit:
 UNITS: Mapping[str, Unit] = MappingProxyType(
     {end: Unit(symbol, row.units[symbol].factor) for row in _ROWS for end, symbol in row.stored.items()}
 )
-"""By the ending of a name."""
+"""Suffix of a name -> its unit."""
 NO_UNIT = Unit("", 1.0)
 
 
 @lru_cache(maxsize=1024)
 def split_unit(name: str) -> tuple[str, Unit]:
-    """``rod_mass_kg`` -> (``rod_mass``, kg). The longest suffix wins; a name without one has no unit."""
+    """Split a name from its unit: ``rod_mass_kg`` gives (``rod_mass``, kg). The longest suffix wins; a name may have no unit."""
     parts = name.split("_")
     for i in range(1, len(parts)):
         suffix = "_".join(parts[i:])
@@ -167,48 +171,59 @@ def split_unit(name: str) -> tuple[str, Unit]:
 
 
 def unit_kind(symbol: str) -> UnitKind:
-    """The row of a unit; one that is not known measures only itself."""
-    return _OF_SYMBOL.get(symbol) or UnitKind(symbol, {symbol: _ONE} if symbol else {})
+    """Row of a unit; an unknown unit has a row that contains only it."""
+    return _ROW_BY_SYMBOL.get(symbol) or UnitKind(symbol, {symbol: _ONE} if symbol else {})
 
 
-def kind_of(symbol: str) -> str:
-    """What a unit measures."""
+def quantity_kind(symbol: str) -> str:
+    """Quantity that a unit measures."""
     return unit_kind(symbol).name
 
 
-def units_like(symbol: str) -> tuple[str, ...]:
-    """The units that values in this one can be shown in."""
+def compatible_units(symbol: str) -> tuple[str, ...]:
+    """Units of the same quantity, in the order of the menus."""
     return tuple(unit_kind(symbol).units)
 
 
-def change(before: str, after: str) -> float:
-    """What a value in one unit is to be multiplied by to be in another that measures the same. Raises KeyError."""
+def conversion_factor(before: str, after: str) -> float:
+    """Factor that converts a value between two units of one quantity.
+
+    Raises
+    ------
+    KeyError
+        Where the units measure different quantities.
+    """
     if before == after:
         return 1.0
     sizes = unit_kind(after).sizes
     return (sizes[before] / sizes[after]).factor
 
 
-def shown_in(symbol: str) -> tuple[tuple[str, float, float], ...]:
-    """The units that values in this one are shown in, coarsest first: symbol, how many of this one it is, and the peak value, counted
-    in itself, from which it serves; the unit itself where there are no others."""
-    own = unit_kind(symbol).shown.get(symbol, ((symbol, 0.0),))
-    return tuple((each, change(each, symbol), least) for each, least in own)
+def display_units(symbol: str) -> tuple[tuple[str, float, float], ...]:
+    """Units that show values of a unit, coarsest first.
+
+    Returns
+    -------
+    tuple of (symbol, factor, least)
+        The factor from the display unit to the given one, and the least peak value, in the display unit, at which it is used.
+    """
+    units = unit_kind(symbol).shown.get(symbol, ((symbol, 0.0),))
+    return tuple((unit, conversion_factor(unit, symbol), least) for unit, least in units)
 
 
 @lru_cache(maxsize=64)
-def accepted(symbol: str) -> Mapping[str, Fraction | float]:
-    """What may be typed behind a number in this unit -> how many of this one it is, exactly where it can be; longest first."""
+def accepted_units(symbol: str) -> Mapping[str, Fraction | float]:
+    """Spelling of a unit that may be typed after a number -> its size in the given unit, exact without π; longest first."""
     row = unit_kind(symbol)
-    meant = {**{text: each for each in row.sizes for text in _spellings(each)}, **row.typed}
-    made = {text: (row.sizes[each] / row.sizes[symbol]).value for text, each in meant.items()}
-    return dict(sorted(made.items(), key=lambda item: -len(item[0])))
+    spellings = {**{text: unit for unit in row.sizes for text in _spellings(unit)}, **row.typed}
+    sizes = {text: (row.sizes[unit] / row.sizes[symbol]).value for text, unit in spellings.items()}
+    return dict(sorted(sizes.items(), key=lambda item: -len(item[0])))
 
 
 def _spellings(symbol: str) -> list[str]:
-    """A symbol with its signs, and as they are typed where the keyboard has none."""
+    """A symbol as printed, and as typed on a keyboard without its special characters."""
     signs = {"·": ("·", "", " "), "²": ("²", "2", "^2"), "³": ("³", "3", "^3"), "µ": ("µ", "u"), "°": ("°", "deg")}
-    parts = [signs.get(letter, (letter,)) for letter in symbol]
+    parts = [signs.get(character, (character,)) for character in symbol]
     return ["".join(text) for text in product(*parts)]
 
 
@@ -219,21 +234,21 @@ def _plain(text: str) -> str:
     return re.sub(r"°|degrees?|deg\b|deg(?=[/s])", "deg", text.translate(_PLAIN)).replace("um", "µm")
 
 
-_SPELLED: dict[str, str] = {}
-for _symbol in _OF_SYMBOL:
-    _SPELLED.setdefault(_plain(_symbol), _symbol)
-_LOOSELY: dict[str, str] = {}
-for _text, _symbol in _SPELLED.items():
-    _LOOSELY.setdefault(_text.lower(), _symbol)
+_SYMBOLS: dict[str, str] = {}  # plain spelling -> symbol
+for _symbol in _ROW_BY_SYMBOL:
+    _SYMBOLS.setdefault(_plain(_symbol), _symbol)
+_LOWER_CASE_SYMBOLS: dict[str, str] = {}
+for _text, _symbol in _SYMBOLS.items():
+    _LOWER_CASE_SYMBOLS.setdefault(_text.lower(), _symbol)
 
 
-def unit_called(text: str) -> str:
-    """The symbol of a unit that is spelled somehow, ``deg/s2``, ``Nm``, ``um``; empty where it is none that is known."""
+def unit_symbol(text: str) -> str:
+    """Symbol of a unit in any spelling, ``deg/s2``, ``Nm``, ``um``; empty for an unknown unit."""
     plain = _plain(text.strip())
-    return _SPELLED.get(plain) or _LOOSELY.get(plain.lower(), "")
+    return _SYMBOLS.get(plain) or _LOWER_CASE_SYMBOLS.get(plain.lower(), "")
 
 
 __all__ = [
-    "KINDS", "NO_UNIT", "UNITS", "Size", "Unit", "UnitKind", "accepted", "change", "kind_of", "shown_in", "split_unit", "unit_called",
-    "unit_kind", "units_like",
+    "KINDS", "NO_UNIT", "UNITS", "Size", "Unit", "UnitKind", "accepted_units", "compatible_units", "conversion_factor",
+    "display_units", "quantity_kind", "split_unit", "unit_kind", "unit_symbol",
 ]  # fmt: skip

@@ -24,7 +24,7 @@ from core.output.export import Film
 from core.output.timing import ENDINGS as CHARTS
 from core.project import load, load_one
 from core.project.files import write, write_into
-from core.requests import typed
+from core.requests import text_option
 from core.study import Study
 
 PAGE, PICTURES = ".html", ".png"
@@ -42,8 +42,10 @@ class Screenshots:
     """Of which design, and how large the window is."""
 
     design: Path = design_file()
-    out: Path = typed("folder to write to", default=Path("out"), type=Path, metavar="DIR")
-    size: tuple[int, int] = typed("of the window", default=(1440, 900), usual="1440x900", type=SIZE, metavar="WxH")
+    out: Path = text_option("folder to write to", default=Path("out"), type=Path, metavar="DIR")
+    size: tuple[int, int] = text_option(
+        "of the window", default=(1440, 900), default_text="1440x900", type=SIZE, metavar="WxH"
+    )
 
 
 @frozen(kw_only=True)
@@ -51,14 +53,16 @@ class Animation:
     """Of which design, and how its film is."""
 
     design: Path = design_file()
-    out: Path = typed(
+    out: Path = text_option(
         ".gif, .webp, .mp4 (by ffmpeg); .html: a web page that plays and is turned by hand; a folder: a picture of each frame",
         default=Path("out.gif"),
         type=film_name,
         metavar="FILE|DIR",
     )
     film: Film = Film()
-    size: tuple[int, int] = typed("in pixels", default=(800, 600), usual="800x600", type=SIZE, metavar="WxH")
+    size: tuple[int, int] = text_option(
+        "in pixels", default=(800, 600), default_text="800x600", type=SIZE, metavar="WxH"
+    )
 
 
 def _asks_drawing() -> type:
@@ -70,7 +74,7 @@ def _asks_drawing() -> type:
         """Of which cam, and how its sheet is."""
 
         design: Path = design_file()
-        out: Path = typed(
+        out: Path = text_option(
             f"file to write: {' or '.join(ENDINGS)}", type=ending_with("a drawing", *ENDINGS), metavar="FILE"
         )
         drive: str = drive_name()
@@ -84,7 +88,7 @@ class Timing:
     """Of which shaft, and what its axis counts in."""
 
     design: Path = design_file()
-    out: Path = typed(
+    out: Path = text_option(
         ".pdf, .svg or .png; .csv: the events as a table", type=ending_with("a timing chart", *CHARTS), metavar="FILE"
     )
     axis: str = choice("Axis", ("deg", "ms"), default="deg", help="what its axis counts in")
@@ -98,7 +102,7 @@ def _asks_handover() -> type:
         """Of which design, where to, and what else is wanted."""
 
         design: Path = design_file()
-        out: Path = typed("folder, empty or new, or NAME.zip", type=folder, metavar="DIR|NAME.zip")
+        out: Path = text_option("folder, empty or new, or NAME.zip", type=folder, metavar="DIR|NAME.zip")
         request: HandoverRequest = HandoverRequest()
         json: bool = as_json("print contents.json")
 
@@ -109,12 +113,14 @@ def _asks_handover() -> type:
 class Tutorial:
     """Which lesson, and whether it is played."""
 
-    name: str = typed("lift, linkage, camshaft, or a file of steps", "NAME")
+    name: str = text_option("lift, linkage, camshaft, or a file of steps", "NAME")
     play: bool = flag(
         "Play", help="do its steps with mouse and keys in a window that is never shown; exit 1 at the step that fails"
     )
-    out: Path | None = typed("folder for a picture after each step", default=None, type=Path, metavar="DIR")
-    size: tuple[int, int] = typed("of the window", default=(1280, 720), usual="1280x720", type=SIZE, metavar="WxH")
+    out: Path | None = text_option("folder for a picture after each step", default=None, type=Path, metavar="DIR")
+    size: tuple[int, int] = text_option(
+        "of the window", default=(1280, 720), default_text="1280x720", type=SIZE, metavar="WxH"
+    )
 
 
 @frozen
@@ -199,8 +205,8 @@ def drawing(arguments: Any, painter: Painter | None) -> int:
         data = sheet_file(page, arguments.out.suffix.lower())
     write(arguments.out, data)
     print(arguments.out)
-    if page.lacking:
-        print(page.lacking, file=sys.stderr)
+    if page.missing:
+        print(page.missing, file=sys.stderr)
     return verdict(study, ("cam",))
 
 
@@ -221,9 +227,9 @@ def handover(arguments: Any, painter: Painter | None) -> int:
     """All that workshop, controls and buyer ask for, in one folder or archive."""
     from core.output.handover import handover as files_of
     from core.output.summary import to_json
-    from core.requests import require
+    from core.requests import require_in_range
 
-    require(arguments.request)
+    require_in_range(arguments.request)
     design = load(arguments.design)
     study = studied(design)
     made = files_of(design, arguments.request)

@@ -11,9 +11,9 @@ import numpy as np
 from core.design import Design, Motion, Shaft, motion_of
 from core.errors import KindynaError
 from core.frozen import frozen
-from core.stress import has_width, missing
+from core.stress import is_line_contact, missing_inputs
 from core.study import Study
-from core.study.extremes import fits
+from core.study.extremes import has_undercut
 
 NO_MOTION = "The crank turns at constant speed: there is no motion to lay out. Let a link follow one."
 NO_CAM = "This design has no cam"
@@ -112,7 +112,7 @@ def require_centres(study: Study, instead: str) -> None:
 def turned_shaft(study: Study, instead: str) -> Shaft:
     """The shaft of a design, which turns cams or cranks, carries a flywheel and may twist; raises NotHere, with the sentence, where
     there is none."""
-    if study.design.shaft is not None and study.camshaft.carried:
+    if study.design.shaft is not None and study.camshaft.loading_drives:
         return study.design.shaft
     raise NotHere(instead)
 
@@ -144,14 +144,16 @@ def why_no_pressure(study: Study) -> str:
     drive = study.design.drive
     if drive.cam is None:
         return f"{LED_BY_NO_CAM}there is no contact pressure."
-    if not has_width(drive.face):
+    if not is_line_contact(drive.face):
         return f"A {drive.face.noun} touches in a line without width: it has no contact pressure."
-    if lacking := missing(drive.face, drive.cam):
+    if lacking := missing_inputs(drive.face, drive.cam):
         return f"{LACKS_SIZES}{', and '.join(lacking.values())}, in the form of the cam."
     if study.loading.empty:
         return f"{NOTHING_PRESSES}, so nothing presses."
     if study.jam is not None:
         return "No contact pressure: friction jams, the forces are infinite."
     return (
-        "" if fits(study) else f"No contact pressure: the profile is undercut, the {drive.face.noun} does not fit it."
+        f"No contact pressure: the profile is undercut, the {drive.face.noun} does not fit it."
+        if has_undercut(study)
+        else ""
     )

@@ -102,7 +102,7 @@ def png(widget: QWidget, small: bool = False) -> bytes:
 def picture_angle(study: Study) -> float:
     """The angle of the pictures [rad]: where the pressure angle is largest; of a linkage without a cam an eighth of a turn.
 
-    Raises NoAnswer.
+    Raises NoSolution.
     """
     if "cam" not in study.stages:
         return float(study.theta[min(study.theta.size - 1, study.samples // 8)])
@@ -114,7 +114,7 @@ def shots(design: Design, size: tuple[int, int]) -> dict[str, bytes]:
     """File name -> picture of the window, as it opens and in each task, and of each view, where the pressure angle is largest, of
     several drives that of the first.
 
-    Raises NoAnswer.
+    Raises NoSolution.
     """
     top = picture_angle(Study(only(design, 0)))
     window = hidden_window(design, size)

@@ -13,7 +13,7 @@ from PySide6.QtGui import QColor, QKeyEvent, QPainter
 from PySide6.QtWidgets import QApplication, QLabel, QMenu, QWidget
 
 from core.design import Design, get, split_unit
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.frozen import frozen
 from core.study import Study
 from kindyna_gui.labels import name_of
@@ -220,7 +220,7 @@ def answers(study: Study, path: str, stages: tuple[str, ...]) -> list[Answer]:
         try:
             values = row.values(study)
             limits = [limit.value / row.unit.factor for limit in limits_on(study, row.name)]
-        except NoAnswer:
+        except NoSolution:
             continue
         lines.append(
             _radius(values * row.unit.factor, [limit * row.unit.factor for limit in limits])

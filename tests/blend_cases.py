@@ -10,7 +10,7 @@ import numpy as np
 from blends import FREEDOM, SEQUENCES, Motion, free_motion
 from hypothesis import strategies as st
 
-from core.blend import Blended, BlendError, Request, blend
+from core.blend import BlendError, BlendResult, Request, blend
 
 ALL = [(kind, constant, name) for (kind, constant), names in SEQUENCES.items() for name in names]
 SYMMETRIC = ("C1-H2-H3-C4", "C1-CV1-H2-H3-CV2-C4", "H1-CV1-H2-H3-CV2-H4")
@@ -24,7 +24,7 @@ def request(kind: str, constant: str, wanted: Mapping[str, float], **more: Any) 
     )
 
 
-def attempted(wish: Request) -> tuple[Blended | None, Any]:
+def attempted(wish: Request) -> tuple[BlendResult | None, Any]:
     """The answer, or the refusal."""
     try:
         return blend(wish), None
@@ -32,7 +32,7 @@ def attempted(wish: Request) -> tuple[Blended | None, Any]:
         return None, error
 
 
-def as_motion(answer: Blended) -> Motion:
+def as_motion(answer: BlendResult) -> Motion:
     """The segments alone, as the file would have them."""
     parts = answer.segments
     names = tuple(s.curve.law.upper() for s in parts)

@@ -194,9 +194,9 @@ def _beside(file: Path) -> None:
 
 
 def _logo(file: Path) -> None:
-    from core.output.files.sheet import Letterhead, logo_of
+    from core.output.files.sheet import Letterhead, read_logo
 
-    logo_of(Letterhead(logo=str(file)))
+    read_logo(Letterhead(logo=str(file)))
 
 
 def _designs() -> Sequence[str]:

@@ -49,7 +49,7 @@ from shafts import KIM, coefficients
 
 from core.cam import relative_motion
 from core.design import Design, si
-from core.motion import TURN, Program
+from core.motion import TURN, CompiledMotion
 from core.stability import Coefficients, tongues
 from core.study import Study
 
@@ -205,7 +205,7 @@ def forces(design: Design, theta: float) -> Sample:
 
 def motion(design: Design, theta: float) -> Sample:
     """Displacement and three derivatives."""
-    program, drive = Program(design.drive.motion), design.drive.motion
+    program, drive = CompiledMotion(design.drive.motion), design.drive.motion
     state = program.state(program.angles(np.array([theta])))
     segment = int(program.segment[state.angles.piece[0]])
     part = drive.segments[segment]
@@ -471,7 +471,7 @@ def _over_the_pivot(by: float) -> Sample:
 def _hardly_moves(after: float) -> Sample:
     """A follower that has hardly left its dwell: the normal all but along its guide."""
     central = with_follower(PUSHER, offset_mm=0.0)
-    return cam(central, float(Program(central.drive.motion).starts[1]) + after)
+    return cam(central, float(CompiledMotion(central.drive.motion).starts[1]) + after)
 
 
 def _thin_tongue(q: float) -> Sample:

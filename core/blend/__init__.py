@@ -2,7 +2,7 @@
 
 from core.blend.best import GOALS, best, blend
 from core.blend.equations import peak_of
-from core.blend.feasible import OpenSettings, feasible_ranges, openings
+from core.blend.feasible import OpenSettings, feasible_ranges, open_settings
 from core.blend.request import (
     FLATS,
     LEAST_SPAN,
@@ -10,8 +10,8 @@ from core.blend.request import (
     MAY_VANISH,
     SETTINGS,
     SIZES,
-    Blended,
     BlendError,
+    BlendResult,
     Request,
     SequenceRequest,
     SettingRange,
@@ -27,12 +27,12 @@ from core.blend.sequences import (
     CurveEnds,
     CurveSequence,
     all_sequences,
-    next_in,
+    join_error,
+    next_curves,
     sequences,
     state_text,
     state_words,
     states,
-    why_not,
 )
 from core.blend.solver import BlendCandidate, candidates, flat_heights
 
@@ -51,7 +51,7 @@ __all__ = [
     "TABLE",
     "BlendCandidate",
     "BlendError",
-    "Blended",
+    "BlendResult",
     "CurveEnds",
     "CurveSequence",
     "OpenSettings",
@@ -67,13 +67,13 @@ __all__ = [
     "feasible_ranges",
     "flat_heights",
     "has_room",
-    "next_in",
-    "openings",
+    "join_error",
+    "next_curves",
+    "open_settings",
     "peak_of",
     "sequence_ranges",
     "sequences",
     "state_text",
     "state_words",
     "states",
-    "why_not",
 ]

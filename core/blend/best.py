@@ -14,7 +14,7 @@ import numpy as np
 from core.blend.equations import BlendSolution
 from core.blend.evaluator import Evaluator, constant, law_of, logarithm
 from core.blend.feasible import dependent, refusal, wrong_number
-from core.blend.request import LENGTHS, Blended, BlendError, Constraint, Request
+from core.blend.request import LENGTHS, BlendError, BlendResult, Constraint, Request
 from core.blend.sequences import CONSTANT
 from core.blend.solver import BlendCandidate, Problem, Quantity, candidates, least, log_accelerations
 from core.design import Cam, Design, Motion, Segment, join_levels, mirrored, require_motion, with_motion
@@ -32,14 +32,14 @@ Numbered = tuple[Segment, int | None]
 """A segment, and its number in the motion it comes from; None where it is new."""
 
 
-def into_design(design: Design, blended: Blended) -> Design:
+def with_blend(design: Design, blended: BlendResult) -> Design:
     """The design with a blended motion: over the whole turn where that comes back to where it starts, else in place of
     what the motion does between its angles. Raises DesignError."""
     whole = abs(blended.gain - require_motion(design).gain) <= CLOSING
-    return over_the_turn(design, blended) if whole else in_place(design, blended)
+    return with_blend_as_motion(design, blended) if whole else with_blend_between(design, blended)
 
 
-def over_the_turn(design: Design, blended: Blended) -> Design:
+def with_blend_as_motion(design: Design, blended: BlendResult) -> Design:
     """The design with its motion replaced by dwell - blended curves - dwell. Raises DesignError where the blended
     motion does not come back to where it starts, or is in another unit."""
     _require_unit(design, blended)
@@ -51,7 +51,7 @@ def over_the_turn(design: Design, blended: Blended) -> Design:
     return _turn(design, [(request.start, blended.segments)], 360.0 - request.end, blended.first_level)
 
 
-def in_place(design: Design, blended: Blended) -> Design:
+def with_blend_between(design: Design, blended: BlendResult) -> Design:
     """The design with the blended curves in place of what its motion does between their angles; the rest stays, and
     dwells that reach over an end are cut there.
 
@@ -77,7 +77,7 @@ def _refused(path: str, value: object, problem: str, allowed: str) -> DesignErro
     return DesignError([Fault(path, value, problem, allowed)])
 
 
-def _require_unit(design: Design, blended: Blended) -> None:
+def _require_unit(design: Design, blended: BlendResult) -> None:
     unit = require_motion(design).unit
     if blended.request.unit != unit:
         raise _refused("motion", f"a blend in {blended.request.unit}", "not the unit of this design's motion", unit)
@@ -99,7 +99,7 @@ def _lowest(design: Design) -> float:
     return 0.0 if isinstance(design.drive.cam, Cam) else min(join_levels(require_motion(design)))
 
 
-def _there_and_back(design: Design, blended: Blended) -> Design:
+def _there_and_back(design: Design, blended: BlendResult) -> Design:
     """The blended stroke and its mirror image, about 180 degrees where both fit so, else in what is left of the turn."""
     request, curves = blended.request, blended.segments
     start, end = request.start, request.end
@@ -153,10 +153,10 @@ GOALS: Mapping[str, Goal] = MappingProxyType({"acceleration": (0, 1, 2), "jerk":
 proportional."""
 
 
-def blend(request: Request) -> Blended:
+def blend(request: Request) -> BlendResult:
     """The motion of fewest curves that meets a request; where several do, the gentlest. Raises BlendError, which names
     what would be feasible."""
-    request.require_sense()
+    request.validate()
     constraints = request.constraints
     fitting = [c for c in candidates(request) if c.freedom == len(constraints) and c.has(constraints)]
     if not fitting:
@@ -175,7 +175,7 @@ def blend(request: Request) -> Blended:
 # -- the gentlest -----------------------------------------------------------------------------------------
 
 
-def best(request: Request, goal: str) -> Blended:
+def best(request: Request, goal: str) -> BlendResult:
     """The gentlest motion by a goal of ``GOALS`` among all sequences of the request, its settings kept; ``length`` and ``length2``
     are the least that the constant velocities may last.
 
@@ -183,7 +183,7 @@ def best(request: Request, goal: str) -> Blended:
     """
     if goal not in GOALS:
         raise BlendError(f"best {goal!r}: unknown; allowed: {' | '.join(GOALS)}")
-    request.require_sense()
+    request.validate()
     if request.flats and goal != FLAT_GOAL:
         raise BlendError(f"best {goal}: not beside a constant acceleration of its own span; allowed: {FLAT_GOAL}")
     winner: tuple[float, BlendCandidate, BlendSolution] | None = None

@@ -47,7 +47,7 @@ def feasible_ranges(request: Request, setting: str, at: float = 0.0) -> list[Set
     Where the request with the setting is complete for a sequence, the ranges are those of such sequences; else what is
     still to come is free. One that the others determine has one value. Raises BlendError for a request without sense.
     """
-    request.require_sense()
+    request.validate()
     if setting not in (*SETTINGS, POINT):
         raise BlendError(f"{setting}: unknown setting; allowed: {' | '.join(SETTINGS)}")
     if setting in FLATS:
@@ -160,11 +160,11 @@ class OpenSettings(NamedTuple):
     settings: tuple[str, ...]
 
 
-def openings(request: Request) -> list[OpenSettings]:
+def open_settings(request: Request) -> list[OpenSettings]:
     """The sequences that take the settings of a request, fewest curves first; none that these settings overfill, or whose
     curves lack one of them, or in which one of them follows from the others. Of a return alone the settings are counted
     from h4 and vcv2. Raises BlendError for a request without sense."""
-    request.require_sense()
+    request.validate()
     given = request.constraints
     result = []
     for candidate in candidates(request):
@@ -348,7 +348,7 @@ def wrong_number(request: Request) -> BlendError:
         allowed = " | ".join(request.spelled(name) for name in SETTINGS if name in known)
         text = f"settings given: {given}; {wants}; {', '.join(strange)}: of no curve here; allowed: {allowed}"
         return BlendError(text, strange[0])
-    new = {name for opening in openings(request) for name in opening.settings}
+    new = {name for opening in open_settings(request) for name in opening.settings}
     more = f"; still open: {', '.join(request.spelled(n) for n in SETTINGS if n in new)}" if new else ""
     return BlendError(f"settings given: {given}; {wants}{more}; or ask for the best")
 

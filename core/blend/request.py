@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 from core.blend.equations import BlendSolution, BlendTask, Family
-from core.blend.sequences import CONSTANT_VELOCITY, DWELL, ELEMENTS, MOTION_TYPES, broken_at
+from core.blend.sequences import CONSTANT_VELOCITY, DWELL, ELEMENTS, MOTION_TYPES, sequence_error
 from core.design import Segment
 from core.errors import KindynaError
 from core.frozen import frozen
@@ -235,7 +235,7 @@ class Request:
         """Height of a curve -> span of the constant acceleration inside it [deg]."""
         return {height_of(self.renamed(name)): value for name, value in self.settings.items() if name in FLATS}
 
-    def require_sense(self) -> None:
+    def validate(self) -> None:
         """Raises BlendError where a word is unknown, a number is out of its range or a setting is named twice."""
         if self.type not in MOTION_TYPES:
             raise BlendError(f"type {self.type!r}: unknown; allowed: {' | '.join(MOTION_TYPES)}")
@@ -250,10 +250,10 @@ class Request:
                 raise BlendError(
                     f"{name} = {value:g}: outside its range; allowed: {LEAST_STROKE:g} ... 1e+09 {self.unit}"
                 )
-        self.require_angles()
+        self.validate_angles()
         self._require_settings()
 
-    def require_angles(self) -> None:
+    def validate_angles(self) -> None:
         """Raises BlendError where the curves have no room between start and end."""
         if not has_room(self.start, self.end):
             angles = f"start {self.start:g} deg, end {self.end:g} deg"
@@ -370,9 +370,9 @@ class SequenceRequest:
         """Unit of a setting, as it is printed."""
         return KINDS[name.rstrip("0123456789")][0].format(u=self.unit)
 
-    def require_sense(self) -> None:
+    def validate(self) -> None:
         """Raises BlendError where curves do not join, a setting is unknown or a number is out of its range."""
-        if broken := broken_at(self.sequence):
+        if broken := sequence_error(self.sequence):
             raise BlendError(f"sequence {self.sequence}: {broken}")
         if not has_room(self.start, self.end):
             raise BlendError(
@@ -390,7 +390,7 @@ class SequenceRequest:
 
 
 @frozen
-class Blended:
+class BlendResult:
     """The answer: curves in order with their spans [deg] and signed rises, from cam angle ``start``."""
 
     request: Request | SequenceRequest

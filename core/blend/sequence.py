@@ -20,7 +20,7 @@ import numpy as np
 from core.blend.equations import BlendSolution
 from core.blend.evaluator import law_of
 from core.blend.feasible import range_text
-from core.blend.request import KINDS, Blended, BlendError, SequenceRequest, SettingRange
+from core.blend.request import KINDS, BlendError, BlendResult, SequenceRequest, SettingRange
 from core.blend.sequences import CONSTANT, DWELL, ELEMENTS, CurveSequence
 from core.design import NamedCurve, Segment
 from core.frozen import frozen
@@ -222,7 +222,7 @@ class SequenceProblem:
 
     # -- motions ------------------------------------------------------------------------------------------
 
-    def answer(self, z: np.ndarray) -> Blended:
+    def answer(self, z: np.ndarray) -> BlendResult:
         """A motion from its logarithms (2n,); what was set and is met but for rounding is as it was set."""
         request, n = self.request, len(self.request.curves)
         numbers = np.exp(z)
@@ -238,7 +238,7 @@ class SequenceProblem:
             for name, height, span in rows
         )
         solution = BlendSolution(CurveSequence(request.curves, ()), heights, spans, 0.0, 0.0)
-        return Blended(request, solution, segments)
+        return BlendResult(request, solution, segments)
 
 
 def _step(slopes: np.ndarray, missed: np.ndarray) -> np.ndarray:
@@ -257,7 +257,7 @@ def _step(slopes: np.ndarray, missed: np.ndarray) -> np.ndarray:
 # -- answers ----------------------------------------------------------------------------------------------
 
 
-def blend_sequence(request: SequenceRequest) -> Blended:
+def blend_sequence(request: SequenceRequest) -> BlendResult:
     """The motion of a sequence that its settings determine; of several the gentlest. Raises BlendError, which says what is missing,
     too much, or would be feasible."""
     problem = _sensible(request)
@@ -269,7 +269,7 @@ def blend_sequence(request: SequenceRequest) -> Blended:
     return min(answers, key=lambda each: float(f"{each.solution.peak_acceleration:.12g}"))
 
 
-def best_of_sequence(request: SequenceRequest, goal: str) -> Blended:
+def best_of_sequence(request: SequenceRequest, goal: str) -> BlendResult:
     """The gentlest motion of a sequence by a goal of ``GOALS`` over what its settings leave free. Raises BlendError."""
     from scipy.optimize import minimize
 
@@ -322,7 +322,7 @@ def _coefficient(curve: str, goal: str) -> float:
 
 def sequence_ranges(request: SequenceRequest, name: str) -> list[SettingRange]:
     """What a setting may be while the others stay; empty where they leave nothing, or determine it."""
-    request.require_sense()
+    request.validate()
     problem = SequenceProblem(request, {k: v for k, v in request.settings.items() if k != name})
     if problem.rank(list(problem.settings)) == problem.rank([*problem.settings, name]):
         return []
@@ -414,7 +414,7 @@ def _text(request: SequenceRequest, name: str) -> str:
 
 def _sensible(request: SequenceRequest) -> SequenceProblem:
     """The problem of a request. Raises BlendError where it makes no sense, or one of its settings follows from others."""
-    request.require_sense()
+    request.validate()
     problem, names = SequenceProblem(request, request.settings), list(request.settings)
     for i, name in enumerate(names):
         if problem.rank(names[: i + 1]) == i + 1:

@@ -160,7 +160,7 @@ def state_words(state: State) -> str:
     return f"{_MOVES[state[0]]} {_ACCELERATES[state[1]]}"
 
 
-def why_not(first: str, second: str) -> str:
+def join_error(first: str, second: str) -> str:
     """Why a curve cannot follow another, in a sentence; empty where it may."""
     end, start = ELEMENTS[first].end, ELEMENTS[second].start
     if end[0] != start[0]:
@@ -176,7 +176,7 @@ TABLE = tuple(
         (0, 1) if row.velocity_sign > 0 else (1, 0),
         (row.start[0], row.end[0]),
         (row.start[1], row.end[1]),
-        tuple(other for other in ELEMENTS if not why_not(name, other)),
+        tuple(other for other in ELEMENTS if not join_error(name, other)),
     )
     for name, row in ELEMENTS.items()
 )
@@ -193,7 +193,7 @@ def all_sequences(motion_type: str) -> tuple[CurveSequence, ...]:
     return tuple(each for constant in CONSTANT_VELOCITY for each in sequences(motion_type, constant))
 
 
-def next_in(motion_type: str, curves: tuple[str, ...]) -> tuple[str, ...]:
+def next_curves(motion_type: str, curves: tuple[str, ...]) -> tuple[str, ...]:
     """What follows these first curves in any sequence of a type of motion, in the order of the table; after the last curve of
     one that never dwells its first, in the next turn."""
     count = len(curves)
@@ -207,7 +207,7 @@ def next_in(motion_type: str, curves: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(name for name in ELEMENTS if name in found)
 
 
-def type_of(sequence: str) -> tuple[str, str]:
+def motion_type_of(sequence: str) -> tuple[str, str]:
     """The type of motion and the constant velocity of a sequence such as ``C1-CV1-C2``; empty where no type has it."""
     for motion_type in MOTION_TYPES:
         for constant in CONSTANT_VELOCITY:
@@ -216,7 +216,7 @@ def type_of(sequence: str) -> tuple[str, str]:
     return "", ""
 
 
-def broken_at(sequence: str) -> str:
+def sequence_error(sequence: str) -> str:
     """What is wrong with a sequence of curves, in words: a curve that is none of the table, or two that do not join; empty where all
     join."""
     names = sequence.upper().split("-")
@@ -226,5 +226,7 @@ def broken_at(sequence: str) -> str:
     usable = {row.curve: row.usable_next for row in TABLE}
     for one, other in pairwise(names):
         if other not in usable[one]:
-            return f"{other} cannot follow {one}: {why_not(one, other)}; allowed after {one}: {' | '.join(usable[one])}"
+            return (
+                f"{other} cannot follow {one}: {join_error(one, other)}; allowed after {one}: {' | '.join(usable[one])}"
+            )
     return ""

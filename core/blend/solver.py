@@ -13,7 +13,7 @@ import numpy as np
 from core.blend.equations import RETURN, RISE, BlendSolution, BlendTask, Family, named
 from core.blend.evaluator import Evaluator, Place, column, constant, logarithm
 from core.blend.region import MIXES, OPEN, Region, RegionCurve
-from core.blend.request import HEIGHTS, POINT, Blended, Constraint, Request, SettingRange, in_units, merged, unit_of
+from core.blend.request import HEIGHTS, POINT, BlendResult, Constraint, Request, SettingRange, in_units, merged, unit_of
 from core.blend.sequences import CONSTANT, ELEMENTS, MOTION_TYPES, CurveSequence, sequences
 from core.blend.tracks import Track, acceleration_tracks
 from core.design import NamedCurve, Segment
@@ -407,7 +407,7 @@ class BlendCandidate:
             return Problem(self.family, BlendTask(rise, back, span), list(constraints))
         return Problem(self.family, BlendTask(back, rise, span), [_run_backwards(c, span) for c in constraints])
 
-    def answer(self, request: Request, solution: BlendSolution) -> Blended:
+    def answer(self, request: Request, solution: BlendSolution) -> BlendResult:
         """A solution of its family as the request wants it: in the order of time, as segments; a constant velocity of no
         length is none."""
         heights, spans, flats = solution.heights, solution.spans, solution.flats
@@ -422,12 +422,12 @@ class BlendCandidate:
             )
             if span > (none if name in CONSTANT else 0.0)
         ]
-        return Blended(request, solution, tuple(segments))
+        return BlendResult(request, solution, tuple(segments))
 
 
 def candidates(request: Request) -> list[BlendCandidate]:
     """The sequences of a type of motion with their freedoms, fewest curves first. Raises BlendError where it has no room."""
-    request.require_angles()
+    request.validate_angles()
     rise, back = request.strokes
     flats = tuple((height, value / (request.end - request.start)) for height, value in sorted(request.flats.items()))
     return list(

@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from core.frozen import frozen
-from core.process import nothing_collected
+from core.process import without_garbage_collection
 
 if TYPE_CHECKING:
     from core.output.graph.curves import GraphPicture
@@ -43,7 +43,7 @@ def _row(help: str, module: str, name: str) -> Command:
     """The command of a module of this room: its class ``<Name>Arguments`` and its function ``run_<name>``."""
 
     def attribute(spelled: str) -> Any:
-        with nothing_collected():
+        with without_garbage_collection():
             return getattr(import_module(f"{__name__}.{module}"), spelled)
 
     def run(arguments: Any, painter: Painter | None) -> int:

@@ -14,14 +14,14 @@ from core.design.fields import flag, number, whole
 from core.findings import ERROR
 from core.frozen import frozen
 from core.motion import degrees
-from core.output.files.files import FORMATS, facts_text, job_of, write_profile
+from core.output.files.files import FORMATS, facts_text, profile_job, write_profile
 from core.output.files.inspection import (
     Inspection,
     ProfileComparison,
     compare,
     facts,
     inspection,
-    measured_lift,
+    read_lift,
     require_name,
     write_inspection,
 )
@@ -44,7 +44,7 @@ from core.output.subject_files import (
 from core.output.summary import to_json
 from core.project import load_one
 from core.project.files import read_bytes, write_all
-from core.requests import asked, typed
+from core.requests import option, text_option
 from core.study import Study
 
 # -- the command ``contact`` ------------------------------------------------------------------------------------
@@ -57,13 +57,15 @@ class ContactArguments:
     design: Path = design_file()
     drive: str = drive_name()
     flights: bool = flag("Flights", help="follow the follower after it has left the cam")
-    turns: float = asked(number("Turns", 0.0, 200.0, open_low=True, default=3.0, help="through so many"), metavar="N")
-    out: Path | None = typed("the contact force over cam angle and speed", default=None, type=Path, metavar="FILE.csv")
+    turns: float = option(number("Turns", 0.0, 200.0, open_low=True, default=3.0, help="through so many"), metavar="N")
+    out: Path | None = text_option(
+        "the contact force over cam angle and speed", default=None, type=Path, metavar="FILE.csv"
+    )
     samples: int = samples_per_turn(help="cam angles of the table", default=360)
     speeds: int = whole("Speeds of the map", 1, 2000, default=CONTACT_SPEEDS, help="speeds of the table")
-    rpm: float | None = asked(
+    rpm: float | None = option(
         number("Speed", 0.0, 1e5, open_low=True, default=None, help="highest speed of the table"),
-        usual="above the design's and that of lift-off",
+        default_text="above the design's and that of lift-off",
         metavar="RPM",
     )
 
@@ -93,9 +95,9 @@ class InspectionArguments:
 
     design: Path = design_file()
     drive: str = drive_name()
-    out: Path = typed("table to write (.csv), with a summary beside it", type=Path, metavar="FILE")
+    out: Path = text_option("table to write (.csv), with a summary beside it", type=Path, metavar="FILE")
     request: InspectionRequest = InspectionRequest()
-    measured: Path | None = typed(
+    measured: Path | None = text_option(
         "measured table: cam angle and lift in each row", default=None, type=Path, metavar="TABLE"
     )
     fit: bool = flag("Fit", help="fit the zero marks of its angles and of its lift by least squares")
@@ -108,7 +110,7 @@ def run_inspection(arguments: InspectionArguments, painter: Painter | None) -> i
     made, comparison = inspection(Study(load_one(arguments.design, arguments.drive)), arguments.request), None
     if arguments.measured is not None:
         comparison = compare(
-            made.probing, measured_lift(read_bytes(arguments.measured), arguments.measured.name), arguments.fit
+            made.setup, read_lift(read_bytes(arguments.measured), arguments.measured.name), arguments.fit
         )
     elif arguments.fit:
         print("--fit is left aside: there is no measured table", file=sys.stderr)
@@ -117,7 +119,7 @@ def run_inspection(arguments: InspectionArguments, painter: Painter | None) -> i
         print(to_json(facts(made, comparison)), end="")
     else:
         print("\n".join([*map(str, paths), *_lines(made, comparison)]))
-    findings = made.probing.findings if comparison is None else comparison.findings
+    findings = made.setup.findings if comparison is None else comparison.findings
     for finding in findings:
         print(finding_line(finding), file=sys.stderr)
     return DONE_WITH_ERRORS if any(finding.severity == ERROR for finding in findings) else DONE
@@ -125,26 +127,26 @@ def run_inspection(arguments: InspectionArguments, painter: Painter | None) -> i
 
 def _lines(made: Inspection, comparison: ProfileComparison | None) -> list[str]:
     """What the files hold."""
-    at = made.probing
+    at = made.setup
     size = f", radius {at.radius:.9g} mm" if at.kind.radius else ""
     lines = [
         f"{at.kind.label}{size}; lift 0 at {at.base:.9g} mm from the cam centre, largest {made.table.lift.max():.9g} mm",
     ]
     if comparison is None:
         return lines
-    row = comparison.worst
-    if comparison.fitted:
+    row = comparison.worst_row
+    if comparison.is_fitted:
         lines.append(
             f"fitted: cam angle = angle {comparison.angle_offset:+.6g} deg, lift = measured {-comparison.lift_offset:+.6g} mm"
         )
     band = at.request.tolerance_mm
     lines += [
         *(printable(note) for note in comparison.notes),
-        f"{comparison.lines.size} rows; largest deviation {comparison.normal[row]:+.4g} mm normal to the profile "
+        f"{comparison.lines.size} rows; largest deviation {comparison.normal_deviation[row]:+.4g} mm normal to the profile "
         f"({comparison.deviation[row]:+.4g} mm of lift) at {comparison.table.degrees[row]:.6g} deg, line {comparison.lines[row]}",
         f"in tolerance, ± {band:g} mm"
-        if comparison.in_tolerance
-        else f"OUT OF TOLERANCE, ± {band:g} mm, in {comparison.out.sum()} rows",
+        if comparison.is_in_tolerance
+        else f"OUT OF TOLERANCE, ± {band:g} mm, in {comparison.is_outside.sum()} rows",
     ]
     return lines
 
@@ -157,7 +159,7 @@ class ProfileArguments:
     """Of which cam, and what the file shall hold."""
 
     design: Path = design_file()
-    out: Path = typed(
+    out: Path = text_option(
         f"file to write, its ending says how: {'|'.join(FORMATS)}; FILE.json beside it holds the facts, as --json prints them",
         type=Path,
         metavar="FILE",
@@ -170,7 +172,7 @@ class ProfileArguments:
 def run_profile(arguments: ProfileArguments, painter: Painter | None) -> int:
     """The file, and the deviation that it reaches on the terminal."""
     study = one_studied(arguments.design, arguments.drive)
-    job = job_of(study, arguments.out, arguments.request)
+    job = profile_job(study, arguments.out, arguments.request)
     made, main = write_profile(job, arguments.out), job.main
     if arguments.json:
         print(facts_text(job, arguments.out), end="")
@@ -206,11 +208,11 @@ class VibrationArguments:
 
     design: Path = design_file()
     drive: str = drive_name()
-    speeds: tuple[float, float] | None = typed(
-        "of the spectrum, in rpm", default=None, usual="up to twice the design's", type=_speeds, metavar="A:B"
+    speeds: tuple[float, float] | None = text_option(
+        "of the spectrum, in rpm", default=None, default_text="up to twice the design's", type=_speeds, metavar="A:B"
     )
     count: int = whole("Speeds of the spectrum", 2, 5000, default=SPECTRUM_SPEEDS, help="speeds of the spectrum")
-    out: Path | None = typed("the spectrum as a table", default=None, type=Path, metavar="FILE.csv")
+    out: Path | None = text_option("the spectrum as a table", default=None, type=Path, metavar="FILE.csv")
     json: bool = as_json("figures and spectrum as JSON")
 
 

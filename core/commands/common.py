@@ -13,10 +13,10 @@ from core.bounds import number_from_one
 from core.commands import DONE, DONE_WITH_ERRORS, Drawn, Painter
 from core.design import BALANCER, Design, in_machine, path_in
 from core.design.fields import whole
-from core.errors import KindynaError, NoAnswer
+from core.errors import KindynaError, NoSolution
 from core.findings import ERROR, Finding, Residual
 from core.project import load, number_of, one_of
-from core.requests import typed
+from core.requests import text_option
 from core.study import SAMPLES, Study, certificate_of, findings_of
 
 LEAST_SAMPLES, MOST_SAMPLES = 4, 5_000_000
@@ -59,12 +59,12 @@ def picture_size(least: int, most: int) -> Callable[[str], tuple[int, int]]:
 
 def design_file() -> Any:
     """The design file."""
-    return typed("design file (.toml)", "DESIGN", type=Path)
+    return text_option("design file (.toml)", "DESIGN", type=Path)
 
 
 def drive_name() -> Any:
     """Which drive of several."""
-    return typed("which drive of a camshaft", "--drive", default="", metavar="NAME")
+    return text_option("which drive of a camshaft", "--drive", default="", metavar="NAME")
 
 
 def samples_per_turn(label: str = "Samples per turn", help: str = "cam angles per turn", default: int = SAMPLES) -> Any:
@@ -74,29 +74,31 @@ def samples_per_turn(label: str = "Samples per turn", help: str = "cam angles pe
 
 def out_folder(help: str, **how: Any) -> Any:
     """A folder for files; without a default it is beside what is printed."""
-    return typed(help, "--out", type=folder, metavar="DIR", **{"default": None, **how})
+    return text_option(help, "--out", type=folder, metavar="DIR", **{"default": None, **how})
 
 
 def as_json(help: str = "print JSON") -> Any:
     """Whether JSON is printed."""
-    return typed(help, "--json", default=False, action="store_true")
+    return text_option(help, "--json", default=False, action="store_true")
 
 
 def sorted_by() -> Any:
     """The figure that a ranking is sorted by."""
-    return typed("what the rows are sorted by, as JSON names it (peak_torque_nm)", "--by", default="", metavar="COLUMN")
+    return text_option(
+        "what the rows are sorted by, as JSON names it (peak_torque_nm)", "--by", default="", metavar="COLUMN"
+    )
 
 
 def studied(design: Design, samples: int = SAMPLES) -> Study:
-    """The study of a design. Raises NoAnswer where it lists its drives and none of them has an answer."""
+    """The study of a design. Raises NoSolution where it lists its drives and none of them has an answer."""
     study = Study(design, samples)
-    if not study.answering:
+    if not study.solved_drives:
         raise next(iter(study.camshaft.failures.values()))
     return study
 
 
 def one_studied(path: Path, drive: str) -> Study:
-    """The study of the one drive, or of the balance cam, which is shown as one more. Raises as ``one_of``; NoAnswer."""
+    """The study of the one drive, or of the balance cam, which is shown as one more. Raises as ``one_of``; NoSolution."""
     design = load(path)
     if drive == BALANCER and design.balancer is not None and (balancer := Study(design).camshaft.balancer) is not None:
         return Study(in_machine(design, balancer.design))
@@ -123,7 +125,7 @@ def field_of_file(whole: Design, number: int, field: str) -> str:
 def named_in_file(error: KindynaError, arguments: argparse.Namespace) -> KindynaError:
     """What has no answer, of one drive of several, named by the field of the whole file; any other error as it is."""
     drive = getattr(arguments, "drive", None)
-    if drive is None or drive == BALANCER or not isinstance(error, NoAnswer):
+    if drive is None or drive == BALANCER or not isinstance(error, NoSolution):
         return error
     if error.field.startswith(("shaft", "drives[", "balancer")):  # of the whole file already
         return error

@@ -26,7 +26,7 @@ from core.commands.common import (
 )
 from core.design import only, rescaled, scale_text, with_only
 from core.design.fields import choice, flag, number
-from core.errors import KindynaError, NoAnswer
+from core.errors import KindynaError, NoSolution
 from core.find import BOUNDS, LIMITS, ON_SHAFT, SEARCHES, WANTED, Solution, Stated, alone, find
 from core.findings import ERROR
 from core.frozen import frozen
@@ -40,7 +40,7 @@ from core.output.report.document import ENDINGS, PARTS, Cover, Printed, document
 from core.output.summary import summary, to_json
 from core.project import load, number_of, save
 from core.project.files import write, write_into
-from core.requests import asked, typed
+from core.requests import option, text_option
 from core.shaft import AIMS
 from core.study import Study, findings_of
 from core.study.limits import FieldBound, Limit
@@ -52,9 +52,9 @@ from core.study.limits import FieldBound, Limit
 class CompareArguments:
     """Which designs, and where to."""
 
-    a: Path = typed("design file (.toml)", "A", type=Path)
-    b: Path = typed("design file to hold against it", "B", type=Path)
-    out: Path | None = typed(
+    a: Path = text_option("design file (.toml)", "A", type=Path)
+    b: Path = text_option("design file to hold against it", "B", type=Path)
+    out: Path | None = text_option(
         "also write what differs there", default=None, type=ending_with("a comparison", ".csv", ".html"), metavar="FILE"
     )
     json: bool = as_json()
@@ -79,7 +79,7 @@ def _side(path: Path) -> Side:
     design = load(path)
     try:
         return side_of(studied(design))
-    except NoAnswer as error:
+    except NoSolution as error:
         raise KindynaError(f"{path}: {error}") from error
 
 
@@ -91,10 +91,10 @@ class ExplainArguments:
     """Which number of which design, and at which angle."""
 
     design: Path = design_file()
-    quantity: str = typed(
+    quantity: str = text_option(
         "column of a table, or a figure of the flywheel: drive_torque_nm, needed_inertia_kg_m2", "QUANTITY"
     )
-    at: float | None = typed(
+    at: float | None = text_option(
         "angle of cam, crank or machine; else where it is largest", default=None, type=float, metavar="DEG"
     )
     drive: str = drive_name()
@@ -143,14 +143,14 @@ class FindArguments:
 
     design: Path = design_file()
     drive: str = drive_name()
-    what: str = typed("; ".join(f"{name}: {words}" for name, words in SEARCHES.items()), "WHAT")
-    limit: tuple[tuple[str, float | None], ...] = typed(
+    what: str = text_option("; ".join(f"{name}: {words}" for name, words in SEARCHES.items()), "WHAT")
+    limit: tuple[tuple[str, float | None], ...] = text_option(
         _limits_help(), default=(), action="append", type=_limit, metavar="KEY=VALUE"
     )
-    aim: str = asked(
+    aim: str = option(
         choice("Aim", tuple(AIMS), default="peak", help="what of the torque the best phases make least"), "--for"
     )
-    into: Path | None = typed("write the design with the answer", default=None, type=Path, metavar="FILE")
+    into: Path | None = text_option("write the design with the answer", default=None, type=Path, metavar="FILE")
     json: bool = as_json()
 
 
@@ -252,7 +252,7 @@ class ReportArguments:
     out: Path | None = out_folder(
         "also write report, summary and pictures there; NAME.html or NAME.pdf: instead, one file to hand on"
     )
-    without: tuple[str, ...] = typed(
+    without: tuple[str, ...] = text_option(
         f"what to leave out of the file to hand on: {', '.join(PARTS)}",
         default=(),
         nargs="+",
@@ -279,7 +279,7 @@ def _pictures(study: Study, painter: Painter | None) -> Mapping[str, bytes]:
     """Those of each drive that is listed in a folder of its slug."""
     if painter is None:
         return pictures(painter)
-    drawn = ((slug, painter(each)) for slug, each in study.answering.items())
+    drawn = ((slug, painter(each)) for slug, each in study.solved_drives.items())
     return {f"{slug}/{name}".removeprefix("/"): data for slug, found in drawn for name, data in found.items()}
 
 
@@ -313,13 +313,13 @@ class ScaleArguments:
     """Of which design, by which factor, and where to."""
 
     design: Path = design_file()
-    factor: float = asked(
+    factor: float = option(
         number("Factor of all lengths", 0.0, open_low=True, help="0.1 or 1/10 makes the machine ten times smaller"),
         "FACTOR",
         help="of all lengths, with a decimal point: 0.1",
     )
-    out: Path = typed("design file to write", type=Path, metavar="FILE.toml")
-    masses: bool = asked(
+    out: Path = text_option("design file to write", type=Path, metavar="FILE.toml")
+    masses: bool = option(
         flag("Masses and inertias grow along, as of the same material", default=True),
         "--keep-masses",
         help="leave masses and moments of inertia as they are; else they grow by FACTOR^3 and FACTOR^5, as parts of the same "

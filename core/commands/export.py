@@ -9,7 +9,7 @@ from core.commands.common import design_file, out_folder, samples_per_turn, stud
 from core.frozen import frozen
 from core.output.export import bounded, export
 from core.project import load
-from core.requests import typed
+from core.requests import text_option
 
 
 @frozen(kw_only=True)
@@ -19,7 +19,7 @@ class ExportArguments:
     design: Path = design_file()
     samples: int = samples_per_turn()
     out: Path = out_folder("folder to write to", default=Path("out"))
-    only: tuple[str, ...] = typed("stages to compute and write", default=(), nargs="+", metavar="STAGE")
+    only: tuple[str, ...] = text_option("stages to compute and write", default=(), nargs="+", metavar="STAGE")
 
 
 def run_export(arguments: ExportArguments, painter: Painter | None) -> int:

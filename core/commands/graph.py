@@ -43,8 +43,8 @@ from core.output.graph.model import load_setup
 from core.output.lines import printable
 from core.output.summary import to_json
 from core.project.files import write
-from core.requests import asked, number_reader, typed
-from core.units import NO_UNIT, unit_called
+from core.requests import number_reader, option, text_option
+from core.units import NO_UNIT, unit_symbol
 
 FILES = (*ENDINGS, ".csv")
 MOST_CURVES = 200  # that nobody named: no picture tells more of them apart
@@ -70,7 +70,7 @@ def _one_of(allowed: Sequence[str]) -> Callable[[str], str]:
 
 
 def _unit(text: str) -> str:
-    return unit_called(text) or text
+    return unit_symbol(text) or text
 
 
 def _colour(text: str) -> str:
@@ -122,11 +122,11 @@ def span(text: str) -> Ends:
 
 
 def _axis_title(axis: str) -> Any:
-    return typed(f"of the {axis}", default=None, metavar="TEXT")
+    return text_option(f"of the {axis}", default=None, metavar="TEXT")
 
 
 def _axis_range(axis: str) -> Any:
-    return typed(f"of the {axis}", default=None, type=span, metavar="LOW:HIGH")
+    return text_option(f"of the {axis}", default=None, type=span, metavar="LOW:HIGH")
 
 
 def _axis_log(axis: str) -> Any:
@@ -137,22 +137,26 @@ def _axis_log(axis: str) -> Any:
 class GraphArguments:
     """Which curves of which files, on which axes, and what is read off them."""
 
-    files: tuple[Path, ...] = typed("tables (.csv, text) and designs (.toml)", "FILE", default=(), type=Path, nargs="*")
-    setup: Path | None = typed("a graph that the window saved, with its files", default=None, type=Path, metavar="JSON")
-    curve: tuple[GraphCurve, ...] = typed(_CURVE, default=(), action="append", type=curve, metavar="SPEC")
-    ready: str | None = typed(
+    files: tuple[Path, ...] = text_option(
+        "tables (.csv, text) and designs (.toml)", "FILE", default=(), type=Path, nargs="*"
+    )
+    setup: Path | None = text_option(
+        "a graph that the window saved, with its files", default=None, type=Path, metavar="JSON"
+    )
+    curve: tuple[GraphCurve, ...] = text_option(_CURVE, default=(), action="append", type=curve, metavar="SPEC")
+    ready: str | None = text_option(
         "a graph that is ready: path, speed (of what several drives carry); path:POINT, height:POINT (of a point of a linkage)",
         default=None,
         metavar="NAME",
     )
-    out: tuple[Path, ...] = typed(
+    out: tuple[Path, ...] = text_option(
         f"file to write: {', '.join(FILES)}; repeat it",
         default=(),
         action="append",
         type=ending_with("a graph", *FILES),
         metavar="NAME",
     )
-    title: str | None = typed("of the graph", default=None, metavar="TEXT")
+    title: str | None = text_option("of the graph", default=None, metavar="TEXT")
     x_title: str | None = _axis_title("axis along the bottom")
     x_range: Ends | None = _axis_range("axis along the bottom")
     x_log: bool = _axis_log("axis along the bottom")
@@ -162,15 +166,15 @@ class GraphArguments:
     right_title: str | None = _axis_title("right axis")
     right_range: Ends | None = _axis_range("right axis")
     right_log: bool = _axis_log("right axis")
-    size: tuple[int, int] = typed(
+    size: tuple[int, int] = text_option(
         "of the picture",
         default=USUAL_SIZE,
-        usual=f"{USUAL_SIZE[0]}x{USUAL_SIZE[1]}",
+        default_text=f"{USUAL_SIZE[0]}x{USUAL_SIZE[1]}",
         type=picture_size(LEAST_SIDE, MOST_SIDE),
         metavar="WxH",
     )
-    at: float | None = asked(number("X of a point", default=None, help="print every curve's value there"), metavar="X")
-    to: float | None = asked(
+    at: float | None = option(number("X of a point", default=None, help="print every curve's value there"), metavar="X")
+    to: float | None = option(
         number("X of a second point", default=None, help="and there, with Δx, Δy and slope"), metavar="X"
     )
     json: bool = as_json()

@@ -36,7 +36,7 @@ from core.output.position import (
 from core.output.summary import to_json
 from core.project import dumps, load, load_one
 from core.project.files import read_bytes, write, write_into
-from core.requests import asked, typed
+from core.requests import option, text_option
 from core.study import Study
 
 # -- the command ``centres`` ------------------------------------------------------------------------------------
@@ -48,7 +48,7 @@ class CentresArguments:
 
     design: Path = design_file()
     drive: str = drive_name()
-    angle_deg: float = asked(number("Angle of the driver or the cam in degrees"), help="of the driver, or of the cam")
+    angle_deg: float = option(number("Angle of the driver or the cam in degrees"), help="of the driver, or of the cam")
     out: Path | None = out_folder("also write them there, with pictures")
 
 
@@ -76,17 +76,17 @@ class CircuitsArguments:
     """Of which design, and what is written."""
 
     design: Path = design_file()
-    take: int = asked(whole("Circuit", 1, 999, default=1, help="its number in the list; 1 is the design's own"))
-    told: str = asked(
+    take: int = option(whole("Circuit", 1, 999, default=1, help="its number in the list; 1 is the design's own"))
+    told: str = option(
         choice(
             "Told by", (DRAWN_CIRCUIT, SIGNS), default=DRAWN_CIRCUIT, help="how the file says which circuit it is in"
         ),
         "--as",
     )
-    out: Path | None = typed(
+    out: Path | None = text_option(
         "design to write, in the circuit taken",
         default=None,
-        usual="none",
+        default_text="none",
         type=ending_with("a design", ".toml"),
         metavar="DESIGN.toml",
     )
@@ -139,11 +139,11 @@ class CurvesArguments:
 
     design: Path = design_file()
     drive: str = drive_name()
-    out: Path = typed("file to write", type=ending_with("curves", ".csv", *DRAWN), metavar="FILE.csv|.dxf|.svg")
-    points: tuple[str, ...] = typed(
-        "of these points only", default=(), usual="all that move", nargs="+", metavar="NAME"
+    out: Path = text_option("file to write", type=ending_with("curves", ".csv", *DRAWN), metavar="FILE.csv|.dxf|.svg")
+    points: tuple[str, ...] = text_option(
+        "of these points only", default=(), default_text="all that move", nargs="+", metavar="NAME"
     )
-    time_marks: int = asked(
+    time_marks: int = option(
         whole("Time marks", 0, 3600, default=0, help="small circles at so many equal times of a turn")
     )
     samples: int = samples_per_turn()
@@ -152,7 +152,7 @@ class CurvesArguments:
 def run_curves(arguments: CurvesArguments, painter: Painter | None) -> int:
     """The curves as a table, or drawn, a layer a point; of a part in space as it looks from above and aside (isometric)."""
     whole = Study(load(arguments.design), arguments.samples)
-    if not arguments.drive and whole.design.listed and whole.camshaft.carries:
+    if not arguments.drive and whole.design.listed and whole.camshaft.has_transfer_path:
         return _of_part(whole, arguments.out)
     study = Study(load_one(arguments.design, arguments.drive), arguments.samples)
     found = point_curves(study, arguments.points, arguments.time_marks)
@@ -181,12 +181,14 @@ class PoseArguments:
 
     design: Path = design_file()
     drive: str = drive_name()
-    angle_deg: float = asked(number("Angle of the driver or the cam in degrees"), help="of the driver, or of the cam")
-    every_deg: float = asked(
+    angle_deg: float = option(number("Angle of the driver or the cam in degrees"), help="of the driver, or of the cam")
+    every_deg: float = option(
         number("Ghost poses every", 0.0, 360.0, default=0.0, help="degrees of the turn; 0: none"), "--every"
     )
-    underlay: bool = asked(flag("Underlay", help="with the lines of the DXF that lies under the drawing of the design"))
-    out: Path = typed("file to write", type=ending_with("a drawing", *DRAWN), metavar="FILE.dxf|.svg")
+    underlay: bool = option(
+        flag("Underlay", help="with the lines of the DXF that lies under the drawing of the design")
+    )
+    out: Path = text_option("file to write", type=ending_with("a drawing", *DRAWN), metavar="FILE.dxf|.svg")
 
 
 def run_pose(arguments: PoseArguments, painter: Painter | None) -> int:
@@ -230,15 +232,19 @@ def _underlay(design: Path) -> Layers:
 class LinkageFromArguments:
     """What is read, and how."""
 
-    text: str = typed(
+    text: str = text_option(
         "a .linkage2 file, a file with a Pyslvs expression or the address of PMKS+, or one of these two itself",
         "FILE|TEXT",
     )
-    out: Path = typed("design file to write", type=ending_with("a design", ".toml"), metavar="DESIGN.toml")
-    format: str = asked(choice("Program", tuple(FORMATS), default="", help="whose text it is"), usual="as it begins")
-    units: str = asked(choice("Units", tuple(UNITS), default="", help="of lengths"), usual="as it says, else mm")
-    mirror: bool = asked(flag("Mirror", help="turn it over about the x axis: for programs whose y points down"))
-    inputs: tuple[str, ...] = typed(
+    out: Path = text_option("design file to write", type=ending_with("a design", ".toml"), metavar="DESIGN.toml")
+    format: str = option(
+        choice("Program", tuple(FORMATS), default="", help="whose text it is"), default_text="as it begins"
+    )
+    units: str = option(
+        choice("Units", tuple(UNITS), default="", help="of lengths"), default_text="as it says, else mm"
+    )
+    mirror: bool = option(flag("Mirror", help="turn it over about the x axis: for programs whose y points down"))
+    inputs: tuple[str, ...] = text_option(
         "a joint that is driven; again for another", "--input", default=(), action="append", metavar="JOINT"
     )
     json: bool = as_json()

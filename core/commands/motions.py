@@ -16,8 +16,8 @@ from core.blend import (
     GOALS,
     MOTION_TYPES,
     SETTINGS,
-    Blended,
     BlendError,
+    BlendResult,
     Request,
     SequenceRequest,
     best,
@@ -25,9 +25,9 @@ from core.blend import (
     blend,
     blend_sequence,
 )
-from core.blend.best import into_design
+from core.blend.best import with_blend
 from core.blend.request import KINDS, LEAST_STROKE
-from core.blend.sequences import broken_at, type_of
+from core.blend.sequences import motion_type_of, sequence_error
 from core.commands import DONE, Painter
 from core.commands.common import as_json, design_file, drive_name, ending_with, pictures, sorted_by, verdict
 from core.contour import GAP_MM, MOST_GAP_MM, UNITS, read_contour, trace
@@ -55,7 +55,7 @@ from core.output.texts import (
 )
 from core.project import load, load_one, number_of, save
 from core.project.files import read_bytes, write
-from core.requests import asked, typed
+from core.requests import option, text_option
 from core.study import Study
 
 # -- commands that begin a design with its motion ---------------------------------------------------------------
@@ -66,9 +66,9 @@ def begin(arguments: Any, make: Callable[[Any], Design]) -> int:
     from core.commands import DONE
     from core.output.channels import begun_text
     from core.project import save
-    from core.requests import require
+    from core.requests import require_in_range
 
-    require(arguments.wanted)
+    require_in_range(arguments.wanted)
     design = make(arguments.wanted)
     save(design, arguments.out)
     print(begun_text(design))
@@ -118,9 +118,9 @@ def _curve(text: str) -> str:
 
 def _typed(sequence: str) -> tuple[str, str]:
     """The type of motion that a sequence is, and its constant velocity; empty where it is of none. Raises BlendError."""
-    if broken := broken_at(sequence):
+    if broken := sequence_error(sequence):
         raise BlendError(f"--sequence {sequence}: {broken}")
-    return type_of(sequence)
+    return motion_type_of(sequence)
 
 
 def _types_help() -> str:
@@ -132,22 +132,22 @@ class BlendArguments:
     """The motion that is wanted, and where it goes; or what is asked of the table of the curves."""
 
     type: str | None = choice("Type", tuple(MOTION_TYPES), default=None, help=_types_help())
-    stroke: float | None = asked(
+    stroke: float | None = option(
         number("Stroke", LEAST_STROKE, 1e9, default=None, help="of the rise (mm, or --unit)"), metavar="S"
     )
-    return_stroke: float = asked(
+    return_stroke: float = option(
         number("Return stroke", LEAST_STROKE, 1e9, default=0.0, help="where it differs"), metavar="S"
     )
-    start: float | None = asked(
+    start: float | None = option(
         number("Cam angle in degrees", 0.0, 360.0, default=None), help="cam angle where it starts", metavar="DEG"
     )
-    end: float | None = asked(
+    end: float | None = option(
         number("Cam angle in degrees", 0.0, 360.0, default=None), help="cam angle where it ends", metavar="DEG"
     )
-    constant_velocity: str = asked(
+    constant_velocity: str = option(
         choice("Constant velocity", CONSTANT_VELOCITY[1:], default="none", help="plain = rise"), nargs="?", const="rise"
     )
-    set: tuple[tuple[str, float], ...] = typed(
+    set: tuple[tuple[str, float], ...] = text_option(
         f"{' | '.join(SETTINGS)}; flat1: span of a constant acceleration inside the curve of h1, a1: its size; "
         "length, length2: span of the constant velocity, of the return where the rise has one too; with --best the least span",
         default=(),
@@ -155,14 +155,14 @@ class BlendArguments:
         type=_setting,
         metavar="NAME=VALUE",
     )
-    point: tuple[tuple[float, float], ...] = typed(
+    point: tuple[tuple[float, float], ...] = text_option(
         "a displacement to pass at a cam angle, above the lowest; counts as a setting",
         default=(),
         action="append",
         type=_point,
         metavar="DEG=S",
     )
-    sequence: str = typed(
+    sequence: str = text_option(
         "this sequence and no other; it says its type of motion and constant velocity itself. One of no type, of any curves "
         f"that join, takes --set with the curves and strokes counted from 1: {', '.join(f'{name}1' for name in KINDS)}",
         default="",
@@ -172,13 +172,13 @@ class BlendArguments:
         "Best", tuple(GOALS), default=None, help="the gentlest, over what the settings leave free"
     )
     unit: str = choice("Unit", ("mm", "deg"), default="mm", help="of the stroke")
-    out: Path | None = typed(
+    out: Path | None = text_option(
         f"displacement, velocity and acceleration as a picture: {' or '.join(PICTURES)}",
         default=None,
         type=ending_with("a picture", *PICTURES),
         metavar="NAME",
     )
-    table: str | None = typed(
+    table: str | None = text_option(
         "print which curve may follow which, with the signs at their ends, and do nothing else; CURVE: what may follow it, "
         "and why not",
         default=None,
@@ -188,8 +188,8 @@ class BlendArguments:
         metavar="CURVE",
     )
     json: bool = as_json()
-    into: Path | None = typed("write it into a design file", default=None, type=Path, metavar="DESIGN")
-    rank: Path | None = typed(
+    into: Path | None = text_option("write it into a design file", default=None, type=Path, metavar="DESIGN")
+    rank: Path | None = text_option(
         "rank this blend, the other sequences that answer, and the laws by what each costs in a design at its speed",
         default=None,
         type=Path,
@@ -216,7 +216,7 @@ def run_blend(arguments: BlendArguments, painter: Painter | None) -> int:
         whole = load(arguments.into)
         number = number_of(whole, arguments.drive)
         before = only(whole, number)
-        made = into_design(before, blended)
+        made = with_blend(before, blended)
         save(with_only(whole, number, made), arguments.into, in_place=True)
         beside = beside_text(before, made, blended)
     if arguments.out is not None:
@@ -235,7 +235,7 @@ def _require(missing: Sequence[str]) -> None:
         )
 
 
-def _of_a_type(arguments: BlendArguments, motion_type: str | None, constant: str) -> Blended:
+def _of_a_type(arguments: BlendArguments, motion_type: str | None, constant: str) -> BlendResult:
     """A motion of one of Yang's types. Raises BlendError."""
     wanted: dict[str, Any] = {name: getattr(arguments, name) for name in _WANTED} | {"type": motion_type}
     _require([f"--{name}" for name, value in wanted.items() if value is None])
@@ -253,7 +253,7 @@ def _of_a_type(arguments: BlendArguments, motion_type: str | None, constant: str
     return best(request, arguments.best) if arguments.best else blend(request)
 
 
-def _of_a_sequence(arguments: BlendArguments) -> Blended:
+def _of_a_sequence(arguments: BlendArguments) -> BlendResult:
     """Any curves of the table in a row; a stroke is that of the first rise, or return where there is none. Raises BlendError."""
     _require([f"--{name}" for name in ("start", "end") if getattr(arguments, name) is None])
     if arguments.point:
@@ -272,7 +272,7 @@ def _of_a_sequence(arguments: BlendArguments) -> Blended:
     return best_of_sequence(request, arguments.best) if arguments.best else blend_sequence(request)
 
 
-def _rank_blend(path: Path, arguments: BlendArguments, blended: Blended) -> int:
+def _rank_blend(path: Path, arguments: BlendArguments, blended: BlendResult) -> int:
     """Print the blend, and what it and all in its place cost in the design. Raises KindynaError."""
     from core.find import blend_candidates
 
@@ -280,7 +280,7 @@ def _rank_blend(path: Path, arguments: BlendArguments, blended: Blended) -> int:
         raise BlendError("--rank: a blend is ranked in a design, nothing is written; leave --into and --out out")
     whole = load(path)
     design = only(whole, number_of(whole, arguments.drive))
-    candidates = blend_candidates(blended, partial(into_design, design), arguments.best or "")
+    candidates = blend_candidates(blended, partial(with_blend, design), arguments.best or "")
     figures, rows = rows_of(design, candidates, arguments.by)
     if arguments.json:
         ranking = [{"blend": row.name, **data_of(figures, row)} for row in rows]
@@ -297,7 +297,7 @@ def _rank_blend(path: Path, arguments: BlendArguments, blended: Blended) -> int:
 class LawsArguments:
     """The table alone, or the design that the laws are ranked in."""
 
-    design: Path | None = typed(
+    design: Path | None = text_option(
         "rank the laws by what each costs in this design at its speed: torque, wind-up, residual vibration, contact",
         "DESIGN",
         default=None,
@@ -305,10 +305,10 @@ class LawsArguments:
         type=Path,
     )
     drive: str = drive_name()
-    segment: tuple[int, ...] = typed(
+    segment: tuple[int, ...] = text_option(
         "the segment that takes the law, counted from 1; may be repeated",
         default=(),
-        usual="all that move",
+        default_text="all that move",
         action="append",
         type=int,
         metavar="N",
@@ -393,19 +393,21 @@ class MotionFromArguments:
 
     design: Path = design_file()
     drive: str = drive_name()
-    curve: Path = typed(
+    curve: Path = text_option(
         "drawing with one closed curve of lines and arcs; the layer PROFILE counts where it has a curve",
         "CURVE.dxf",
         type=Path,
     )
-    out: Path = typed(
+    out: Path = text_option(
         "design file to write: the design with the motion and the base radius of the curve",
         type=Path,
         metavar="FILE.toml",
     )
-    units: str = asked(choice("Units", tuple(UNITS), default="", help="of the drawing"), usual="as its header states")
-    centre: complex | None = typed(
-        "of the cam, in the drawing's units", default=None, usual="its origin", type=_centre, metavar="X,Y"
+    units: str = option(
+        choice("Units", tuple(UNITS), default="", help="of the drawing"), default_text="as its header states"
+    )
+    centre: complex | None = text_option(
+        "of the cam, in the drawing's units", default=None, default_text="its origin", type=_centre, metavar="X,Y"
     )
     gap_mm: float = number(
         "Gap", 0.0, MOST_GAP_MM, default=GAP_MM, help="over which ends of lines and arcs join that belong to no other"
@@ -436,7 +438,7 @@ class FlyingShearArguments:
     """What is wanted, and where it goes."""
 
     wanted: FlyingShear = FlyingShear()
-    out: Path = typed("design file to write", type=Path, metavar="FILE.toml")
+    out: Path = text_option("design file to write", type=Path, metavar="FILE.toml")
 
 
 def run_flying_shear(arguments: FlyingShearArguments, painter: Painter | None) -> int:
@@ -452,7 +454,7 @@ class IndexerArguments:
     """What is wanted, and where it goes."""
 
     wanted: Indexer = Indexer()
-    out: Path = typed("design file to write", type=Path, metavar="FILE.toml")
+    out: Path = text_option("design file to write", type=Path, metavar="FILE.toml")
 
 
 def run_indexer(arguments: IndexerArguments, painter: Painter | None) -> int:
@@ -467,16 +469,16 @@ def run_indexer(arguments: IndexerArguments, painter: Painter | None) -> int:
 class MotionArguments:
     """Whose motion, and where it goes: to a file of its own, or into a design, which may be the same one."""
 
-    design: Path = typed("design, or file of a motion (.toml)", "DESIGN", type=Path)
+    design: Path = text_option("design, or file of a motion (.toml)", "DESIGN", type=Path)
     drive: str = drive_name()
-    shift_deg: float = asked(
+    shift_deg: float = option(
         number(
             "Shift", -360.0, 360.0, default=0.0, help="the same so much later: the motion at DEG is what it was at 0"
         )
     )
-    out: Path | None = typed("file of the motion alone to write", default=None, type=Path, metavar="FILE.toml")
-    into: Path | None = typed("design file that takes the motion", default=None, type=Path, metavar="DESIGN")
-    into_drive: str = typed("which drive of that design takes it", "--into-drive", default="", metavar="NAME")
+    out: Path | None = text_option("file of the motion alone to write", default=None, type=Path, metavar="FILE.toml")
+    into: Path | None = text_option("design file that takes the motion", default=None, type=Path, metavar="DESIGN")
+    into_drive: str = text_option("which drive of that design takes it", "--into-drive", default="", metavar="NAME")
 
 
 def run_motion(arguments: MotionArguments, painter: Painter | None) -> int:

@@ -28,9 +28,9 @@ from core.papers import PAPERS, Claim, Examples, claims
 from core.papers.kim1990_chart import EXAMPLE, require_kim
 from core.project import load
 from core.project.files import write_into
-from core.requests import asked, number_reader, typed
-from core.stability import ETA_MAX, Stability, flexible
-from core.stability.critical_speeds import USUAL_ETA, USUAL_Q, Machine
+from core.requests import number_reader, option, text_option
+from core.stability import ETA_MAX, Stability, with_flexible_shaft
+from core.stability.critical_speeds import TYPICAL_ETA, TYPICAL_Q, Machine
 from core.study import Study, findings_of
 from core.units import NO_UNIT, UNITS
 
@@ -44,8 +44,8 @@ ALL = "all"
 class FiguresArguments:
     """Which paper, and where to."""
 
-    paper: str = asked(choice("Paper", (*PAPERS, ALL), help=" | ".join((*PAPERS, ALL))), "PAPER")
-    out: Path = typed("write tables and pictures there", type=folder, metavar="DIR")
+    paper: str = option(choice("Paper", (*PAPERS, ALL), help=" | ".join((*PAPERS, ALL))), "PAPER")
+    out: Path = text_option("write tables and pictures there", type=folder, metavar="DIR")
     json: bool = as_json("print the rows as JSON")
 
 
@@ -124,29 +124,29 @@ class StabilityArguments:
 
     design: Path = design_file()
     out: Path | None = out_folder("write tables, report and chart there")
-    q: tuple[float, ...] = typed(
+    q: tuple[float, ...] = text_option(
         "rows of the tables (tongues: the machine's own; averages: it and multiples of it)",
         default=(),
         action="append",
         type=_q,
         metavar="Q",
     )
-    eta_max: float | None = asked(
+    eta_max: float | None = option(
         number("Frequency ratio", 0.0, MOST_ETA, open_low=True, default=None, help="tongues up to there"),
-        usual=f"{ETA_MAX:g}; the chart shows the machine too",
+        default_text=f"{ETA_MAX:g}; the chart shows the machine too",
         metavar="ETA",
     )
-    at: tuple[Point, ...] = typed(
+    at: tuple[Point, ...] = text_option(
         "what every model says there, and histories from rest (the machine's own point); or a speed, 1500rpm",
         default=(),
         action="append",
         type=_point,
         metavar="ETA,Q",
     )
-    periods: float = asked(
+    periods: float = option(
         number("Turns", 0.0, 1000.0, open_low=True, default=30.0, help="turns of a history"), metavar="N"
     )
-    rpm: tuple[float, ...] = typed(
+    rpm: tuple[float, ...] = text_option(
         "tell how stiff the shaft must be to run at this speed",
         default=(),
         action="append",
@@ -154,7 +154,7 @@ class StabilityArguments:
         metavar="RPM",
     )
     guess: bool = flag(
-        "Guess", help=f"where the shaft is rigid, take a usual one, Q = {USUAL_Q:g} and η = {USUAL_ETA:g}"
+        "Guess", help=f"where the shaft is rigid, assume a typical one, Q = {TYPICAL_Q:g} and η = {TYPICAL_ETA:g}"
     )
     claims: bool = flag(
         "Claims",
@@ -171,7 +171,7 @@ def run_stability(arguments: StabilityArguments, painter: Painter | None) -> int
     study = Study(design)
     require_shaft(study)
     if arguments.guess and design.camshaft.elastic is None:
-        study = Study(flexible(design, study.linkage, study.loading, study.omega))
+        study = Study(with_flexible_shaft(design, study.linkage, study.loading, study.omega))
     try:
         shaft = study.flexible_shaft()
     except NoStability as error:

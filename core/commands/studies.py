@@ -24,7 +24,7 @@ from core.output.lines import finding_line
 from core.output.summary import to_json
 from core.project import loads, parsed, save
 from core.project.files import read_text, write_into
-from core.requests import asked, typed
+from core.requests import option, text_option
 from core.study import findings_of
 from core.varying import (
     Optimum,
@@ -54,8 +54,8 @@ PATIENCE = 2.0  # seconds between two lines that say how far it is
 class OptimiseArguments:
     """Which study, and where the best design goes."""
 
-    study: Path = typed("study file (.toml) with [[goals]]", "STUDY", type=Path)
-    into: Path | None = typed("write the best design", default=None, type=Path, metavar="FILE")
+    study: Path = text_option("study file (.toml) with [[goals]]", "STUDY", type=Path)
+    into: Path | None = text_option("write the best design", default=None, type=Path, metavar="FILE")
     json: bool = as_json()
 
 
@@ -151,11 +151,11 @@ SENSITIVITY, BANDS, SUMMARY = "sensitivity.csv", "bands.csv", "summary.json"
 class ToleranceArguments:
     """Whose tolerances, where the files go, and how many machines are drawn by chance."""
 
-    file: Path = typed("design file with [[tolerances]], or study file of one (.toml)", "DESIGN|STUDY", type=Path)
+    file: Path = text_option("design file with [[tolerances]], or study file of one (.toml)", "DESIGN|STUDY", type=Path)
     out: Path = out_folder("folder for the three files", default=Path())
     machines: int = whole("Machines", 2, 1_000_000, default=MACHINES, help="drawn by chance")
-    seed: int | None = asked(
-        whole("Seed", 0, 2**32 - 1, default=None), help="of chance", usual="that of the study, else 0"
+    seed: int | None = option(
+        whole("Seed", 0, 2**32 - 1, default=None), help="of chance", default_text="that of the study, else 0"
     )
 
 
@@ -279,14 +279,16 @@ MOST_WORKERS = 256
 class VaryArguments:
     """Which study, where its table goes, and who computes."""
 
-    study: Path = typed("study file (.toml)", "STUDY", type=Path)
-    out: Path = typed(
+    study: Path = text_option("study file (.toml)", "STUDY", type=Path)
+    out: Path = text_option(
         "the table: a row for each design", type=ending_with("a table", ".csv", PARQUET), metavar="TABLE.csv|.parquet"
     )
     resume: bool = flag("Resume", help="go on where an earlier run of the same study was stopped")
     workers: int = whole("Processes", 1, MOST_WORKERS, default=1, help="processes that compute")
-    scheduler: str = asked(
-        typed("", default=""), help="compute on the Dask cluster of this scheduler (extra cluster)", metavar="ADDRESS"
+    scheduler: str = option(
+        text_option("", default=""),
+        help="compute on the Dask cluster of this scheduler (extra cluster)",
+        metavar="ADDRESS",
     )
     json: bool = as_json()
 

@@ -34,15 +34,15 @@ from core.measured import (
 from core.measured.columns import LETTERS
 from core.measured.fitting import segment_from_table
 from core.output.controllers.deviation import curve_csv, error_curve, facts, text
-from core.output.controllers.motion import motion_facts, motion_of, motion_text, put_into
+from core.output.controllers.motion import motion_facts, motion_text, read_motion, with_controller_motion
 from core.output.controllers.rows import controller
-from core.output.controllers.slave import EcamRequest, slave_of
+from core.output.controllers.slave import EcamRequest, drive_slave
 from core.output.controllers.table import ecam
 from core.output.measured_text import fit_data, fit_text
 from core.output.summary import to_json
 from core.project import load, number_of, save
 from core.project.files import read_bytes, write_all
-from core.requests import asked, number_reader, require, typed
+from core.requests import number_reader, option, require_in_range, text_option
 from core.units import NO_UNIT
 
 # -- the command ``ecam`` ---------------------------------------------------------------------------------------
@@ -53,11 +53,11 @@ class EcamArguments:
     """Of which design, for which controller, and where to."""
 
     design: Path = design_file()
-    out: Path = typed("file to write", type=Path, metavar="FILE")
-    controller: str = typed("row of the table of controllers", metavar="SLUG")
+    out: Path = text_option("file to write", type=Path, metavar="FILE")
+    controller: str = text_option("row of the table of controllers", metavar="SLUG")
     drive: str = drive_name()
     request: EcamRequest = EcamRequest()
-    curve: Path | None = typed(
+    curve: Path | None = text_option(
         "errors of tables with other numbers of rows",
         default=None,
         type=ending_with("errors", ".csv"),
@@ -69,12 +69,14 @@ class EcamArguments:
 def run_ecam(arguments: EcamArguments, painter: Painter | None) -> int:
     """The file, and its certificate on the terminal."""
     row, request = controller(arguments.controller), arguments.request
-    require(request)
-    slave, name, speed = slave_of(load(arguments.design), arguments.drive, request)
+    require_in_range(request)
+    slave, name, speed = drive_slave(load(arguments.design), arguments.drive, request)
     made = ecam(slave, row, request, name, speed)
     files: dict[Path, str | bytes] = {arguments.out: made.content}
     if arguments.curve is not None:
-        files[arguments.curve] = curve_csv(error_curve(slave, made.interpolation, made.placing, closing=row.closing))
+        files[arguments.curve] = curve_csv(
+            error_curve(slave, made.interpolation, made.placing, closing=row.has_both_ends)
+        )
     for path, content in files.items():
         write_all(path.parent, {path.name: content})
     print(to_json(facts(made)) if arguments.json else text(made), end="")
@@ -128,45 +130,47 @@ LIFT = number_reader(Info("Lift", low=0.0, open_low=True), NO_UNIT)
 class MeasuredArguments:
     """Which table, how it is read and fitted, and where the motion goes."""
 
-    table: Path = typed("CSV, text or workbook (.xlsx, .ods) with a row for each cam angle", "TABLE", type=Path)
-    error: Errors = typed(
+    table: Path = text_option("CSV, text or workbook (.xlsx, .ods) with a row for each cam angle", "TABLE", type=Path)
+    error: Errors = text_option(
         "measuring error of a value, in its column's unit; one alone is of the displacement; 0 = the rounding of the table",
         default=None,
-        usual="what the rows tell",
+        default_text="what the rows tell",
         type=errors,
         metavar="E|s=E,v=E,a=E",
     )
-    sheet: str = typed("of a workbook", default="", usual="its first", metavar="NAME")
-    range: str = typed("of a workbook's sheet", default="", usual="all of it", metavar="A1:C400")
-    leave_out: tuple[int, ...] = typed(
+    sheet: str = text_option("of a workbook", default="", default_text="its first", metavar="NAME")
+    range: str = text_option("of a workbook's sheet", default="", default_text="all of it", metavar="A1:C400")
+    leave_out: tuple[int, ...] = text_option(
         "lines of the file that are left out", default=(), type=line_numbers, metavar="LINES"
     )
     columns: ColumnChoice = ALL_DETECTED
-    delimiter: str | None = asked(
-        choice("Delimiter", tuple(DELIMITERS), default=None, help="between cells"), usual="detected"
+    delimiter: str | None = option(
+        choice("Delimiter", tuple(DELIMITERS), default=None, help="between cells"), default_text="detected"
     )
-    decimal: str | None = asked(
-        choice("Decimal mark", tuple(DECIMALS), default=None, help="decimal mark"), usual="detected"
+    decimal: str | None = option(
+        choice("Decimal mark", tuple(DECIMALS), default=None, help="decimal mark"), default_text="detected"
     )
-    speed_rpm: float | None = asked(
+    speed_rpm: float | None = option(
         number("Speed", 0.0, 1e5, open_low=True, default=None),
         help="of the shaft, for times and values per second",
-        usual="that of the design",
+        default_text="that of the design",
     )
-    lowest: float | None = asked(
-        number("Lowest position", default=None, help="lowest position of the motion"), usual="as measured", metavar="Y"
+    lowest: float | None = option(
+        number("Lowest position", default=None, help="lowest position of the motion"),
+        default_text="as measured",
+        metavar="Y",
     )
-    lift: tuple[float, ...] = typed(
+    lift: tuple[float, ...] = text_option(
         "where the duration of an event is stated, above the base circle, in the unit of the motion; more than one: again",
         default=(),
-        usual="1 and 1.27 mm",
+        default_text="1 and 1.27 mm",
         action="append",
         type=LIFT,
         metavar="S",
     )
     no_laws: bool = flag("No laws", help="tables between the dwells, no laws of the table of laws")
     no_dwells: bool = flag("No dwells", help="no dwells that stand exactly still; with --no-laws: one spline")
-    switch: Switches = typed(
+    switch: Switches = text_option(
         "what the segment at a cam angle shall be in place of what is found: table, dwell or a law",
         default=(),
         type=switches,
@@ -174,16 +178,16 @@ class MeasuredArguments:
     )
     keep_all: bool = flag("All rows", help="fit wrong rows, too, and rows that contradict each other")
     mirror: bool = flag("Mirror", help="the rows are half a lobe, which is reflected in the row of its largest lift")
-    controller: str = typed(
+    controller: str = text_option(
         "the table is of this controller, a row of the table of controllers, and read exactly",
         default="",
         metavar="SLUG",
     )
-    segment: int = typed(
+    segment: int = text_option(
         "the table's first two columns are the curve of this segment of the design, counted from 1, stretched to its span and rise",
         "--segment",
         default=0,
-        usual="the whole motion",
+        default_text="the whole motion",
         type=int,
         metavar="N",
     )
@@ -191,12 +195,12 @@ class MeasuredArguments:
     joined: bool = flag(
         "Joined", help="with --segment: velocity and acceleration at its ends are those of its neighbours"
     )
-    into: Path | None = typed("write the motion into a design file", default=None, type=Path, metavar="DESIGN")
-    made_as: str | None = asked(
+    into: Path | None = text_option("write the motion into a design file", default=None, type=Path, metavar="DESIGN")
+    made_as: str | None = option(
         choice("As", ("design", "segment", "motion"), default=None),
         "--as",
         help="a design or motion that is not there yet is made by --into, of the motion alone; segment: that of --segment",
-        usual="design, or segment with --segment",
+        default_text="design, or segment with --segment",
     )
     drive: str = drive_name()
     json: bool = as_json()
@@ -214,11 +218,11 @@ def run_measured(arguments: MeasuredArguments, painter: Painter | None) -> int:
     unit = "mm" if design is None else require_motion(design).unit
     speed = arguments.speed_rpm if arguments.speed_rpm is not None or design is None else design.speed_rpm
     if arguments.controller:
-        found = motion_of(controller(arguments.controller), read_bytes(arguments.table), unit=unit)
+        found = read_motion(controller(arguments.controller), read_bytes(arguments.table), unit=unit)
         if new is not None:
             save(of_motion(found.motion, arguments.table.stem, speed), new)
         elif arguments.into is not None and whole is not None and design is not None:
-            save(with_only(whole, which, put_into(design, found)), arguments.into, in_place=True)
+            save(with_only(whole, which, with_controller_motion(design, found)), arguments.into, in_place=True)
         print(to_json(motion_facts(found)) if arguments.json else motion_text(found), end="")
         return DONE
     data, name = read_bytes(arguments.table), arguments.table.name

@@ -14,7 +14,7 @@ from core.contour.elements import ContourElement, arc, arc_of_bulge, area, line,
 from core.design.fields import LONGEST_MM
 from core.errors import KindynaError
 from core.frozen import frozen
-from core.units import change
+from core.units import conversion_factor
 
 # -- A DXF file in text form, tag by tag ------------------------------------------------------------------------
 
@@ -257,7 +257,7 @@ def _unit(code: int, name: str, unit: str) -> tuple[str, float]:
         stated = "states no unit" if code == 0 else f"states the unit {code} in $INSUNITS, which is not known here"
         raise DrawingError(f"{name}: its header {stated}; state the unit: {' | '.join(UNITS)}")
     name_of_unit = unit or _HEADER[code]
-    return name_of_unit, change(name_of_unit, "mm")
+    return name_of_unit, conversion_factor(name_of_unit, "mm")
 
 
 def _entities(drawn: Sequence[Entity], name: str) -> tuple[str, list[Entity]]:

@@ -179,7 +179,7 @@ from core.design.paths import (
     with_guesses_marked,
 )
 from core.design.rules import blunders, faults, part_faults, whole_faults
-from core.process import late
+from core.process import lazy_attributes
 from core.units import NO_UNIT, UNITS, Unit, split_unit
 
 if TYPE_CHECKING:
@@ -251,4 +251,4 @@ if TYPE_CHECKING:
         span_gap,
     )
 else:
-    __getattr__ = late(__name__, "unfinished", "motion_edits", "load_edits", "timing")
+    __getattr__ = lazy_attributes(__name__, "unfinished", "motion_edits", "load_edits", "timing")

@@ -38,7 +38,7 @@ from core.dynamics.elements import (
 from core.dynamics.forces import BEARING, CAM_FACE, JAMS, Forces, carried, newton_euler
 from core.dynamics.friction import GuideReaction, guide_reaction, limitless
 from core.dynamics.loading import LOADINGS, element_at, link_loading, loading_of, pairs_named, place_at, row_of_element
-from core.process import late
+from core.process import lazy_attributes
 
 if TYPE_CHECKING:
     from core.dynamics.contact_force import ContactForce, ContactMap, LeastForce, LiftOff, contact_map
@@ -61,7 +61,7 @@ if TYPE_CHECKING:
         unbalanced,
     )
 else:
-    __getattr__ = late(__name__, "free_body", "contact_force", "flight")
+    __getattr__ = lazy_attributes(__name__, "free_body", "contact_force", "flight")
 
 __all__ = [
     "BEARING", "CAM_FACE", "CONTACT", "DRIVE", "FRICTION", "INERTIA", "JAMS", "KINDS", "LOAD", "LOADINGS", "OF_MASSES", "REACTION",

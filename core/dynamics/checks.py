@@ -17,8 +17,8 @@ from core.dynamics.walk import input_loads, input_of
 from core.findings import ERROR, NOTE, WARNING, Finding
 from core.frozen import frozen
 from core.mechanism.kinematics import FRAME, REVOLUTE, Kinematics
-from core.motion import TURN, Angles, Program
-from core.motion.extremes import Extreme, Pieces, Range, crossings, find_extremes, piecewise_angles
+from core.motion import TURN, Angles, CompiledMotion
+from core.motion.extremes import Extreme, Extremes, Pieces, crossings, find_extremes, piecewise_angles
 from core.numerics.derivatives import cross
 
 # -- proof of the forces by laws they were not computed from ----------------------------------------------------
@@ -127,7 +127,11 @@ At = Callable[[Angles], Kinematics]
 
 
 def findings(
-    contact: Range | None, loading: Loading, noun: str, lift_off_rpm: Callable[[], float], wanted: float | None = None
+    contact: Extremes | None,
+    loading: Loading,
+    noun: str,
+    lift_off_rpm: Callable[[], float],
+    wanted: float | None = None,
 ) -> list[Finding]:
     """What the refined extremes of the contact force [N] exceed; contact: None where no follower can leave a cam; noun: of a face that does
     not roll; lift_off_rpm: the speed from which the follower leaves the cam, asked for where it does; wanted: the least contact force
@@ -245,13 +249,13 @@ class FlankChange:
     impact: float | None = None
 
 
-def flank_changes(at: ForcesAt, program: Program) -> tuple[FlankChange, ...]:
+def flank_changes(at: ForcesAt, program: CompiledMotion) -> tuple[FlankChange, ...]:
     """The cam angles at which F_c changes its sign, refined, in their order; jumps at joins of the motion included."""
     found = sign_changes(lambda there: at(there)[1].carrying, program)
     return tuple(FlankChange(theta, int(sign < 0.0)) for theta, sign in sorted(found) if sign != 0.0)
 
 
-def sign_changes(force_at: Callable[[Angles], np.ndarray], program: Program) -> list[tuple[float, float]]:
+def sign_changes(force_at: Callable[[Angles], np.ndarray], program: CompiledMotion) -> list[tuple[float, float]]:
     """The cam angles [rad] at which a force (n,) changes its sign, refined, jumps included, each with the sign afterwards. A force that
     is nothing beside the largest has none."""
     angles = piecewise_angles(program)
@@ -270,7 +274,7 @@ def sign_changes(force_at: Callable[[Angles], np.ndarray], program: Program) -> 
     return found
 
 
-def _sign_after(carrying: Callable[[Angles], np.ndarray], theta: float, piece: int, program: Program) -> float:
+def _sign_after(carrying: Callable[[Angles], np.ndarray], theta: float, piece: int, program: CompiledMotion) -> float:
     end = float(program.ends[piece])
     there = np.minimum(theta + 10.0 ** np.arange(-9.0, -2.0), end)
     signs = np.sign(carrying(Angles(there, np.full(there.size, piece))))

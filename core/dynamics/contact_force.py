@@ -13,7 +13,7 @@ from core.dynamics.elements import Loading
 from core.dynamics.forces import newton_euler
 from core.frozen import frozen
 from core.mechanism.kinematics import Kinematics
-from core.motion import Angles, Program
+from core.motion import Angles, CompiledMotion
 from core.motion.extremes import Extreme, find_extremes, find_highest, piecewise_angles
 
 NOTHING = 1e-12  # of the largest force at standstill: a force below it is none
@@ -91,7 +91,7 @@ class ContactForce:
     omega   the design's own speed [rad/s]
     """
 
-    def __init__(self, at: At, loading: Loading, program: Program, omega: float) -> None:
+    def __init__(self, at: At, loading: Loading, program: CompiledMotion, omega: float) -> None:
         self._at, self.loading, self.program, self.omega = lru_cache(maxsize=4)(at), loading, program, omega
 
     @property

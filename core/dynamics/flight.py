@@ -15,11 +15,11 @@ from core.dynamics.checks import FlankChange, ForcesAt, sign_changes
 from core.dynamics.elements import Friction, Load, Loading, Lossless, Rate, ScheduledForce
 from core.dynamics.forces import JAMS, Forces, carried, newton_euler, unit_friction
 from core.dynamics.friction import below_jamming, magnitudes
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.frozen import frozen
 from core.mechanism import Mechanism, driver_ranges_for, solve_mechanism
 from core.mechanism.kinematics import Kinematics
-from core.motion import TURN, Angles, MotionState, Program
+from core.motion import TURN, Angles, CompiledMotion, MotionState
 from core.numerics.derivatives import Derivatives
 
 # -- after lift-off ---------------------------------------------------------------------------------------------
@@ -128,7 +128,7 @@ class _Rubbing:
 
     def slowing(self, at: float, mass: float, free: float, speed: float, more: Sequence[np.ndarray] = ()) -> float:
         """What friction takes from y0'' = ``free`` at a place of the polynomials; more: of the reactions, by other loads. Raises
-        NoAnswer where it jams."""
+        NoSolution where it jams."""
         found, count = chebyshev.chebval(at, self._rows), len(self._frictions)
         parts = found[: self._shape[0] * self._shape[1]].reshape(self._shape)
         driver, slips = found[-2 * count : -count].real, found[-count:].real
@@ -140,7 +140,7 @@ class _Rubbing:
         gains = parts[4:][self._number].T * signs[self._number] - parts[0][:, None] * asked
         jam = below_jamming(gains[:, :, None], self._coefficients)
         if jam[0] >= JAMS:
-            raise NoAnswer("friction jams the follower in its flight", self._frictions[0].field, "lower it")
+            raise NoSolution("friction jams the follower in its flight", self._frictions[0].field, "lower it")
         sizes = magnitudes(normals[:, None], gains[:, :, None], self._coefficients, jam)[:, 0] * self._coefficients
         return float(asked @ sizes)
 
@@ -216,13 +216,15 @@ def flights(
     omega     [rad/s]; away: +1 where a larger motion leads away from the cam, else -1
     turns     within which new flights begin
 
-    Raises NoAnswer where the cam never presses the follower, or it flies out of its reach.
+    Raises NoSolution where the cam never presses the follower, or it flies out of its reach.
     """
     flyer = _Flyer(mechanism, loading, program, omega, away)
     angles = program.angles(np.linspace(0.0, TURN, 3600, endpoint=False))
     pressed = contact(angles)
     if not (pressed > 0.0).any():
-        raise NoAnswer("the cam presses the follower nowhere", "loads", "lower the speed, or give it a stronger spring")
+        raise NoSolution(
+            "the cam presses the follower nowhere", "loads", "lower the speed, or give it a stronger spring"
+        )
     lifts = sorted({*(theta % TURN for theta, sign in sign_changes(contact, program) if sign < 0.0), *flyer.drops()})
     found: list[Flight] = []
     rests: dict[int, int] = {}  # lift-off from rest -> number of its flight
@@ -304,7 +306,7 @@ class _Flyer:
     def fly(self, theta: float, speed: float | None, end: float) -> tuple[Flight | None, float]:
         """The flight from an angle with dy/dθ, None: that of the cam; and s' where it lands. No flight where it does not get off.
 
-        Raises NoAnswer where it flies out of reach."""
+        Raises NoSolution where it flies out of reach."""
         room = ROOM
         while True:
             try:
@@ -314,11 +316,13 @@ class _Flyer:
                 degrees = math.degrees(theta % TURN)
                 try:
                     self._free = self._reaching(room)
-                except NoAnswer:
+                except NoSolution:
                     room = math.inf
                 if room > FARTHEST:
                     hint = "lower the speed, or give it a stronger spring"
-                    raise NoAnswer("the follower flies out of its reach", "loads", hint, [(degrees, degrees)]) from None
+                    raise NoSolution(
+                        "the follower flies out of its reach", "loads", hint, [(degrees, degrees)]
+                    ) from None
 
     def _fly(self, theta: float, speed: float | None, end: float) -> tuple[Flight | None, float]:
         from scipy.integrate import DOP853
@@ -395,7 +399,7 @@ def with_impacts(
     at: ForcesAt,
     mechanism: Mechanism,
     loading: Loading,
-    program: Program,
+    program: CompiledMotion,
     omega: float,
     play: float,
 ) -> tuple[FlankChange, ...]:
@@ -418,7 +422,7 @@ def with_impacts(
         )
         crossing = _Crossing(_Flanks(at, program, mechanism.driver_sign), free, play, omega)
         return tuple(replace(change, impact=crossing.impact(change.theta, change.to)) for change in changes)
-    except NoAnswer:  # it flies where the mechanism cannot stand, or jams
+    except NoSolution:  # it flies where the mechanism cannot stand, or jams
         return tuple(changes)
 
 
@@ -432,7 +436,7 @@ class _Row(NamedTuple):
 class _Flanks:
     """Motion and gaps by the cam angle, counted on over the turns: polynomials on panels, made when they are passed."""
 
-    def __init__(self, at: ForcesAt, program: Program, sense: float) -> None:
+    def __init__(self, at: ForcesAt, program: CompiledMotion, sense: float) -> None:
         self._at, self._program, self._sense = at, program, sense
         self._panels: dict[tuple[int, int], np.ndarray] = {}
 

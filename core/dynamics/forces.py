@@ -163,7 +163,7 @@ def newton_euler(
     rate = Rate(omega, acceleration)
     n, friction_of_cam = kinematics.theta.shape[-1], loading.contact_friction
     flanks = () if shape is None else shape.flanks
-    pressing = tuple(_pressing(flank, shape.sense, friction_of_cam) for flank in flanks if shape is not None)
+    pressing = tuple(_pressing(flank, shape.rotation_sign, friction_of_cam) for flank in flanks if shape is not None)
     places: dict[str, np.ndarray] = {}
     presses = [
         Walk(kinematics, [Load(flank.body, flank.contact, opposite(push))], places)
@@ -193,7 +193,7 @@ def newton_euler(
     )
     if shape is not None:
         turning = [share * cross(at, push) for share, (at, push, *_) in zip(shares, contacts, strict=True)]
-        torque = np.asarray(-shape.sense * sum(turning[1:], turning[0]))
+        torque = np.asarray(-shape.rotation_sign * sum(turning[1:], turning[0]))
         if not friction_of_cam:  # in a dwell no power goes in, only rounding
             torque = np.where(kinematics.motion.velocity_sign == 0.0, 0.0, torque)
 

@@ -51,7 +51,7 @@ from core.dynamics.elements import (
     Torsion,
     combined,
 )
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.mechanism.kinematics import FRAME
 from core.mechanism.mechanism import Mechanism, body_name
 from core.numerics.derivatives import heading, vector
@@ -149,7 +149,7 @@ LOADINGS: Mapping[type, Callable[[Any, Any], Loading]] = MappingProxyType(
 
 
 def loading_of(mechanism: Any, loads: Any, built: Mechanism | None = None) -> Loading:
-    """The force elements of a drive; built: its linkage, whose links springs, pairs and process forces name. Raises NoAnswer where
+    """The force elements of a drive; built: its linkage, whose links springs, pairs and process forces name. Raises NoSolution where
     a pair that rubs is none of its pairs."""
     own: Loading = LOADINGS[type(loads)](mechanism, loads)
     if built is None or not any(getattr(loads, name) for name in ELEMENT_LISTS):
@@ -200,7 +200,7 @@ def _frictions(loads: ForceElements, built: Mechanism) -> Iterator[Friction]:
         if not found:
             others = [sorted((j.first.link, j.second.link)) for j in built.pair_names if j.name == row.pair]
             path = f"loads.pair_friction[{i}].links"
-            raise NoAnswer(f"no pair of {row.pair} joins links {sorted(links)}", path, " or ".join(map(str, others)))
+            raise NoSolution(f"no pair of {row.pair} joins links {sorted(links)}", path, " or ".join(map(str, others)))
         radius = 1.0 if row.radius_mm is None else s.radius
         yield Friction(found[0], s.coefficient, radius, s.length or 0.0, f"loads.pair_friction[{i}].coefficient")
 

@@ -10,9 +10,9 @@ from typing import NamedTuple
 import numpy as np
 
 from core.design import Design, edited, get, with_drive, with_spans
-from core.findings import apart
+from core.findings import distinct_texts
 from core.frozen import frozen
-from core.motion import going_on
+from core.motion import connected_segments
 from core.study.limits import CONVEX, FORCE, LIMITS, SPEEDS
 from core.units import split_unit
 
@@ -44,7 +44,7 @@ class LimitReading:
         name = split_unit(self.key.rpartition(".")[2])[0].replace("_", " ")
         if not self.limit and self.key == CONVEX:
             return f"undercut at {math.degrees(self.theta):.5g} deg"
-        reached, limit = apart([self.reached, self.limit], 6)
+        reached, limit = distinct_texts([self.reached, self.limit], 6)
         why = f" ({self.reason})" if self.reason else ""
         return f"{name}{self.whose} {reached} {unit} at {math.degrees(self.theta):.5g} deg, limit {limit} {unit}{why}"
 
@@ -152,7 +152,7 @@ def _spans(design: Design, path: str) -> np.ndarray:
 
 def _stretch(design: Design, index: int) -> tuple[tuple[int, ...], int]:
     """The segments that go on into each other without rest, of which a segment is one, and the one behind them, which gives and takes."""
-    together = going_on(design.drive.motion, index) if design.drive.motion else (index,)
+    together = connected_segments(design.drive.motion, index) if design.drive.motion else (index,)
     return together, (together[-1] + 1) % len(design.drive.motion.segments if design.drive.motion else together)
 
 

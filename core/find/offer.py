@@ -9,7 +9,7 @@ from types import MappingProxyType
 import numpy as np
 
 from core.design import Design, get
-from core.errors import KindynaError, NoAnswer
+from core.errors import KindynaError, NoSolution
 from core.find.goals import ENDS, LEAST_PRESSURE, LIFT_OFF, WANTED, SearchRow, has
 from core.find.trial import RPM, KeptForce
 from core.frozen import frozen
@@ -77,14 +77,14 @@ def applying(design: Design, what: str) -> tuple[str, ...]:
 def _known(study: Study, key: str) -> UsualValue | None:
     try:
         return limit_of(study, key)
-    except NoAnswer:
+    except NoSolution:
         return None
 
 
 def _bound(study: Study, key: str) -> UsualValue | None:
     try:
         return BOUNDS[key].usual(study)
-    except NoAnswer:
+    except NoSolution:
         return None
 
 
@@ -97,7 +97,7 @@ def _keeps(study: Study, row: SearchRow) -> bool:
         if row.holding:
             return True
         kept, speed = (BOUNDS[key].usual(study) for key in row.keeping(study.design))
-    except NoAnswer:
+    except NoSolution:
         return False
     if kept is None or speed is None:
         return False

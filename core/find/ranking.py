@@ -12,20 +12,20 @@ from functools import partial
 from itertools import groupby
 from math import isnan
 
-from core.blend import Blended, Request, best, blend, sequences
+from core.blend import BlendResult, Request, best, blend, sequences
 from core.cam import form_row
 from core.design import Design, NamedCurve, Segment, edited, faults, split_unit
-from core.errors import DesignError, KindynaError, NoAnswer
+from core.errors import DesignError, KindynaError, NoSolution
 from core.findings import ERROR
 from core.frozen import frozen
 from core.laws import LAWS
-from core.motion.extremes import Range
+from core.motion.extremes import Extremes
 from core.numerics.lazy import checkpoint
 from core.study import Study, extremes_of, findings_of, quantities_of, undercut_on
+from core.study.drive_forces import PRESSURES, has_servo, pairings, servo_part, servo_turn
 from core.study.stages import evaluations
-from core.study.study import PRESSURES, has_servo, pairings, servo_part, servo_turn
 
-Extremes = Mapping[str, Range]
+ExtremesByName = Mapping[str, Extremes]
 Candidate = Callable[[], Design]
 """Makes the design with a law or a blend in it; raises KindynaError where it takes none."""
 
@@ -43,7 +43,7 @@ class RankingColumn:
     title: str
     help: str
     exists: Callable[[Study], bool]
-    value: Callable[[Study, Extremes], float | None]
+    value: Callable[[Study, ExtremesByName], float | None]
     quantities: tuple[str, ...] = ()
 
     @property
@@ -61,26 +61,26 @@ class Ranked:
     problem: str = ""
 
 
-def _size(found: Range) -> float:
+def _size(found: Extremes) -> float:
     return max(abs(found.low.value), abs(found.high.value))
 
 
-def _wind_up(study: Study, found: Extremes) -> float | None:
+def _wind_up(study: Study, found: ExtremesByName) -> float | None:
     steady = extremes_of(study, "stability")
     return _size(steady["wind_up"]) if "wind_up" in steady else None
 
 
-def _residual(study: Study, found: Extremes) -> float | None:
+def _residual(study: Study, found: ExtremesByName) -> float | None:
     """Of the roller's centre (of the contact) where the motion turns."""
     way = 1.0 if study.program.motion.unit == "mm" else study.elasticity.way
     return max((way * each.from_rest for each in study.follower_response.residuals), default=None)
 
 
-def _pressure(study: Study, found: Extremes) -> float | None:
+def _pressure(study: Study, found: ExtremesByName) -> float | None:
     return max((found[name].high.value for name in PRESSURES.values() if name in found), default=None)
 
 
-def _least_contact(study: Study, found: Extremes) -> float | None:
+def _least_contact(study: Study, found: ExtremesByName) -> float | None:
     """Of the elastic follower in steady running where there is one: None where nothing damps its vibration."""
     if not study.is_elastic:
         return found["contact_force"].low.value
@@ -88,7 +88,7 @@ def _least_contact(study: Study, found: Extremes) -> float | None:
 
 
 def _is_open(study: Study) -> bool:
-    return "cam" in study.stages and not study.holds and not study.loading.empty
+    return "cam" in study.stages and not study.is_form_closed and not study.loading.empty
 
 
 def _is_stressed(study: Study) -> bool:
@@ -142,7 +142,7 @@ def figures_of(design: Design) -> tuple[RankingColumn, ...]:
     study = Study(design)
     try:
         return tuple(figure for figure in FIGURES if figure.exists(study))
-    except NoAnswer:
+    except NoSolution:
         return ()
 
 
@@ -161,7 +161,7 @@ def ranked(name: str, candidate: Candidate, figures: Sequence[RankingColumn]) ->
         return Ranked(name, tuple(_value(figure, study, found) for figure in figures))
     except DesignError as error:
         return _none(name, figures, "; ".join(fault.problem for fault in error.faults))
-    except NoAnswer as error:
+    except NoSolution as error:
         return _none(name, figures, error.problem)
     except KindynaError as error:
         return _none(name, figures, str(error).partition("\n")[0])
@@ -171,12 +171,12 @@ def _none(name: str, figures: Sequence[RankingColumn], problem: str) -> Ranked:
     return Ranked(name, (None,) * len(figures), problem)
 
 
-def _value(figure: RankingColumn, study: Study, found: Extremes) -> float | None:
+def _value(figure: RankingColumn, study: Study, found: ExtremesByName) -> float | None:
     """In the unit of its column; None where this part of the machine has no answer with it."""
     checkpoint()
     try:
         value = figure.value(study, found)
-    except NoAnswer:
+    except NoSolution:
         return None
     return None if value is None or isnan(value) else value / split_unit(figure.key)[1].factor
 
@@ -227,7 +227,9 @@ def _with_law(design: Design, numbers: Sequence[int], slug: str) -> Design:
 # -- blends ------------------------------------------------------------------------------------------------
 
 
-def blend_candidates(blended: Blended, place: Callable[[Blended], Design], goal: str = "") -> dict[str, Candidate]:
+def blend_candidates(
+    blended: BlendResult, place: Callable[[BlendResult], Design], goal: str = ""
+) -> dict[str, Candidate]:
     """The blend itself, every other sequence that answers the same request, and every law for rises and returns in place of each stroke.
 
     place  puts a blend into the design; goal: what the blend makes least, empty where its settings leave nothing free

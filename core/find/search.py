@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from core.design import Design, get
-from core.errors import KindynaError, NoAnswer
+from core.errors import KindynaError, NoSolution
 from core.find.goals import (
     ENDS,
     LARGEST,
@@ -181,7 +181,7 @@ def _require_cam(design: Design, what: str, cause: KindynaError) -> None:
     """Where nothing serves because the design has no cam as it stands, says why it has none."""
     try:
         _ = Study(design).cam
-    except NoAnswer as error:
+    except NoSolution as error:
         problem = f"find {what} gives none, for it cannot be assembled as it stands: {error.problem}"
         raise type(error)(problem, error.field, error.hint, error.cam_angles) from cause
 

@@ -28,7 +28,7 @@ from core.design import (
 )
 from core.design.camshaft import drive_of
 from core.design.parts import LINEAR, ROTARY
-from core.errors import KindynaError, NoAnswer
+from core.errors import KindynaError, NoSolution
 from core.find.offer import Stated
 from core.find.search import Solution
 from core.find.trial import NEEDED, FindingsCheck, Trials, nearest
@@ -49,9 +49,9 @@ from core.shaft import (
 )
 from core.shaft.flywheel import ROUNDING, energy_range
 from core.study import Study, extremes_of
+from core.study.drive_forces import best_servo_ratio, servo_part, servo_turn
 from core.study.limits import ANY_PRESSURE, CONVEX, LIMITS
 from core.study.quantities import has_motor
-from core.study.study import best_servo_ratio, servo_part, servo_turn
 
 FLYWHEEL, FLUCTUATION, SLOPE = (
     "shaft.flywheel_inertia_kg_m2",
@@ -214,7 +214,7 @@ def _answered(
 
 
 def _load(design: Design) -> LoadCurve:
-    """Of the whole shaft, or of the one drive. Raises NoAnswer."""
+    """Of the whole shaft, or of the one drive. Raises NoSolution."""
     return Study(design).camshaft.load
 
 
@@ -357,7 +357,7 @@ def _phases(design: Design, wish: ShaftRequest) -> Solution:
     if len(design.drives) < 2:
         raise KindynaError("find phases: this design has one drive alone; allowed: two or more under [[drives]]")
     study = Study(replace(design, balancer=None)).camshaft
-    numbers = [study.number(name) for name in study.carried]
+    numbers = [study.drive_number(name) for name in study.loading_drives]
     place = {number: i for i, number in enumerate(numbers)}  # what the shaft does not carry stays with the first
     spacings = [
         Spacing(
@@ -373,7 +373,7 @@ def _phases(design: Design, wish: ShaftRequest) -> Solution:
             if math.isfinite(bound):
                 spare = math.radians((side * (now - bound) + 180.0) % 360.0 - 180.0)
                 spacings.append(Spacing(0, i, spare) if side > 0.0 else Spacing(i, 0, spare))
-    loads = [study.drive_load(name) for name in study.carried]
+    loads = [study.drive_load(name) for name in study.loading_drives]
     turned, checked = best_phases(loads, spacings, wish.aim).turned, FindingsCheck(replace(design, balancer=None))
 
     def placed(turned: np.ndarray) -> tuple[Design, dict[str, float]]:
@@ -428,8 +428,8 @@ class _Balances(Trials):
         assert design.balancer is not None
         self.before, self.balancer, self.force, self.rise = before, design.balancer, force, rise
         self.growth = (1.0 + rise) ** 2 - 1.0
-        self._prepared: Mapping[tuple[float, float], Drive | NoAnswer] = {}
-        self._last: Mapping[tuple[float, float], Drive | NoAnswer] = {}
+        self._prepared: Mapping[tuple[float, float], Drive | NoSolution] = {}
+        self._last: Mapping[tuple[float, float], Drive | NoSolution] = {}
         self._forces: dict[tuple[float, float], float] = {}
 
     @cached_property
@@ -458,7 +458,7 @@ class _Balances(Trials):
         """Make the cams of these rates and preloads side by side."""
         self._prepared = self._made(values)
 
-    def _made(self, values: Sequence[tuple[float, float]]) -> Mapping[tuple[float, float], Drive | NoAnswer]:
+    def _made(self, values: Sequence[tuple[float, float]]) -> Mapping[tuple[float, float], Drive | NoSolution]:
         parts = [self.part(*each) for each in values]
         drives = balance_drives(self.load, parts, self.design.camshaft.speed_rpm * math.pi / 30.0)
         return dict(zip(values, drives, strict=True))
@@ -467,7 +467,7 @@ class _Balances(Trials):
         if values not in self._prepared and values not in self._last:
             self._last = self._made([values])  # its limits and its least force are looked at one after the other
         drive = {**self._prepared, **self._last}[values]
-        if isinstance(drive, NoAnswer):
+        if isinstance(drive, NoSolution):
             raise drive
         shaft = self.design.camshaft
         return Design("balancer", Shaft(shaft.rotation, shaft.speed_rpm), (drive,))

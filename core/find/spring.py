@@ -55,7 +55,7 @@ class HoldingRequest(NamedTuple):
 
 def find_holding(design: Design, what: str, stated: Stated, machine: Put = alone) -> Solution:
     """The answer of a row of ``WANTED`` that keeps contact; stated: ``loads.least_contact_force_n_min``, ``shaft.speed_rpm_max``, bounds
-    of the value sought; machine: as for ``find``. Raises KindynaError where the design has no such field or limit, NoAnswer where the
+    of the value sought; machine: as for ``find``. Raises KindynaError where the design has no such field or limit, NoSolution where the
     cam holds the follower from both sides, nothing presses it, or friction jams."""
     row = WANTED[what]
     paths = row.fields(design, {})

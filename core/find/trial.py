@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from core.design import Design, edited, part_faults
-from core.errors import DesignError, NoAnswer
+from core.errors import DesignError, NoSolution
 from core.find.goals import LimitReading
 from core.findings import ERROR, NOTE, Finding
 from core.mechanism.kinematics import Kinematics
@@ -67,7 +67,7 @@ class FindingsCheck:
             before = self._before(stage)
             try:
                 found = _found(study, stage)
-            except NoAnswer as error:
+            except NoSolution as error:
                 return (str(error).partition("\n")[0],)
             new = [
                 each
@@ -91,7 +91,7 @@ def uneven(machine: Design) -> bool:
 
 
 def _found(study: Study, stage: str) -> Found:
-    """By code and field. Raises NoAnswer."""
+    """By code and field. Raises NoSolution."""
     return {(each.code, each.field): each for each in findings_of(study, (stage,))}
 
 
@@ -99,7 +99,7 @@ def _known(study: Study, stage: str) -> Found | None:
     """None where the machine has no answer there, or one of its drives has none at all."""
     try:
         found = _found(study, stage)
-    except NoAnswer:
+    except NoSolution:
         return None
     return None if any(code == "no-drive" for code, _ in found) else found
 
@@ -178,11 +178,11 @@ def sampled_together(
     """The designs with other numbers (p, m) at these paths, by samples of every piece of the motion: those of them that can be
     computed together."""
     from core.study.batch import together
-    from core.study.quantity_requests import Asked
+    from core.study.quantity_requests import QuantityRequest
     from core.study.stages_of_many import POINTS, Together
 
     read = [name for key in keys if key in OWN_BOUNDS for name in bounded(design, key)]
-    if not rows.size or not all(together(design, paths, Asked("", name, "max", 1.0)) for name in read):
+    if not rows.size or not all(together(design, paths, QuantityRequest("", name, "max", 1.0)) for name in read):
         return
     stage = "dynamics" if any(LIMITS[key].of_forces for key in keys) else "cam"
     size = max(1, POINTS // piecewise_angles(Study(design).uncut).theta.size)
@@ -201,7 +201,7 @@ def sampled_together(
             linkage, curves = one.read(
                 stage, *one.spread(angles), lambda there: (there.linkage, curves_of(there, keys))
             )
-        except NoAnswer:  # all of them
+        except NoSolution:  # all of them
             continue
         tops = tops_of(curves, one.count, angles)
         lost = one.lost_at(stage)
@@ -369,7 +369,7 @@ class Trials:
             if self._by_torque(study) and (usual := LIMITS[POLAR].usual(study)):
                 nearest = _highest(study.at(piecewise_angles(study.program)), (POLAR,))[POLAR]
                 yield _reading(POLAR, nearest, usual.value, usual.reason)
-        except NoAnswer:
+        except NoSolution:
             return
 
     def _by_torque(self, study: Study) -> bool:
@@ -394,7 +394,7 @@ class Trials:
             study = Study(self.with_values(values))
             there = study.at(piecewise_angles(study.program))
             return self._outcome(there, _highest(there, self._keys, refined))
-        except (NoAnswer, DesignError) as error:
+        except (NoSolution, DesignError) as error:
             return Outcome((), (), str(error).partition("\n")[0])
 
     def _outcome(self, study: Study, tops: Tops) -> Outcome:

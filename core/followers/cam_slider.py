@@ -67,7 +67,7 @@ def base_position(follower: CamSlider, reach: float) -> BasePosition:
     phi = alpha - g.fixed_angle - g.guide_angle
     rise = g.guide_height - g.slider_arm * np.sin(phi)
     inside = (g.rod - rise) * (g.rod + rise)
-    NoAssembly.where(
+    NoAssembly.raise_where(
         inside < 0.0,
         lambda: NoAssembly(
             f"the rod does not reach the guide in the base position: {follower.rod_mm:.9g} mm long, the arm's pin is "
@@ -79,7 +79,7 @@ def base_position(follower: CamSlider, reach: float) -> BasePosition:
     run = np.copysign(np.sqrt(inside), 1.0 if layout.slider_right else -1.0)
     slider = g.slider_arm * np.cos(phi) + run
     side = slider * np.sin(phi) - g.guide_height * np.cos(phi)
-    NoAssembly.where(
+    NoAssembly.raise_where(
         side == 0.0,
         lambda: NoAssembly(
             "rod and slider arm lie in line in the base position (dead centre)",

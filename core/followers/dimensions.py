@@ -221,7 +221,7 @@ def angle_at_pivot(arm: float, pivot: float, reach: float, face: RoundFace | Rol
     face: at the arm's end; name, field: of the arm, as in messages. Raises NoAssembly where the three make no triangle.
     """
     angle = opposite_angle(arm, pivot, reach)
-    NoAssembly.where(
+    NoAssembly.raise_where(
         np.isnan(angle),
         lambda: NoAssembly(
             f"the {face.noun} cannot reach the base circle: {name} {arm * 1e3:.9g} mm, pivot {pivot * 1e3:.9g} mm from the cam "

@@ -64,7 +64,7 @@ def oscillating_flat(follower: OscillatingFlat, reach: float) -> Mechanism:
     """
     g, sense, f = si(follower), SIDES[follower.side], si(follower.face).face_offset
     pivot = np.hypot(g.pivot_x, g.pivot_y)
-    NoAssembly.where(
+    NoAssembly.raise_where(
         ~(abs(reach - f) < pivot),
         lambda: NoAssembly(
             f"the flat face cannot lie on the base circle: base radius less face offset {1e3 * (reach - f):.9g} mm, pivot "
@@ -171,7 +171,7 @@ def _round_start(follower: Translating, reach: float) -> float:
     offset = si(follower).offset
     inside = (reach - offset) * (reach + offset)
     face: Any = follower.face
-    NoAssembly.where(
+    NoAssembly.raise_where(
         inside <= 0.0,
         lambda: NoAssembly(
             f"the {face.noun} cannot reach the base circle: offset {follower.offset_mm:.9g} mm",
@@ -196,7 +196,7 @@ STARTS: Mapping[type, Callable[[Translating, float], float]] = MappingProxyType(
 def _require_radius(noun: str, base: float, motion: MotionState) -> None:
     """Raises NoCam where the round's centre crosses the cam centre."""
     place = base + motion.displacement[0]
-    NoCam.where(
+    NoCam.raise_where(
         place <= 0.0,
         lambda: NoCam(
             f"the {noun} centre passes the cam centre: no cam radius is left",

@@ -22,7 +22,7 @@ from core.instant_centres.construction import (
     kennedy,
     line_of,
 )
-from core.process import late
+from core.process import lazy_attributes
 
 if TYPE_CHECKING:
     from core.instant_centres.velocities import (
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
         velocity_polygon,
     )
 else:
-    __getattr__ = late(__name__, "velocities")
+    __getattr__ = lazy_attributes(__name__, "velocities")
 
 __all__ = [
     "ABSOLUTE", "CAM", "CHAINS", "POLE", "TURNING", "CentreTable", "Centres", "Collinearity", "Construction", "Corner",

@@ -37,7 +37,7 @@ from core.design import (
 )
 from core.design.fields import LONGEST_MM
 from core.design.rules import count_fault
-from core.errors import DesignError, Fault, NoAnswer
+from core.errors import DesignError, Fault, NoSolution
 from core.frozen import frozen
 from core.linkage_programs import readers
 from core.linkage_programs.readers import (
@@ -261,7 +261,7 @@ def with_assumed_motion(design: Design, label: str) -> tuple[Design, LeftOut]:
     what = f"motion of {label}"
     try:
         motion = None if faults(design) else first_motion(design.drive.linkage, 0.0)
-    except NoAnswer:
+    except NoSolution:
         motion = None
     if motion is None:
         return design, LeftOut(what, "its law is not known: it rests")

@@ -27,7 +27,7 @@ from core.measured.units import (
     value_unit,
     value_units,
 )
-from core.requests import typed
+from core.requests import text_option
 
 
 @frozen
@@ -44,22 +44,22 @@ class ColumnChoice:
     half                   the angles are a crank's, two turns of which are one of the cam
     """
 
-    column: str = typed("of the values: its name, or number from 1", default="", metavar="NAME")
-    angle_column: str = typed("of the angles or times", default="", metavar="NAME")
+    column: str = text_option("of the values: its name, or number from 1", default="", metavar="NAME")
+    angle_column: str = text_option("of the angles or times", default="", metavar="NAME")
     angle_unit: str = choice(
         "Unit of the angles", (*ANGLE_UNITS, *TIME_UNITS), default="", help="where the header does not say"
     )
-    value_unit: str = typed("mm, in, mm/s, mm/deg2, g, ...", default="", metavar="UNIT")
+    value_unit: str = text_option("mm, in, mm/s, mm/deg2, g, ...", default="", metavar="UNIT")
     quantity: str = choice("Quantity", tuple(QUANTITIES), default="", help="what was measured")
-    columns: str = typed(
+    columns: str = text_option(
         "the columns that are fitted, no others: of displacement, velocity, acceleration",
         default="",
         metavar="s=NAME,v=NAME,a=NAME",
     )
-    trust: str = typed(
+    trust: str = text_option(
         "which columns make the motion where they contradict each other; the others are compared with it only",
         default="",
-        usual="each that agrees with the one before it",
+        default_text="each that agrees with the one before it",
         metavar="s,v,a",
     )
     counts: int = amount("Counts a turn", 0, default=0, help="the angles are counts of an encoder, so many a turn")

@@ -32,7 +32,7 @@ from core.measured.smoothing import SplineBasis, basis, derivative, distances, n
 from core.measured.structure import FoundJump, FoundSegment, Structure, Switches, far, structured
 from core.measured.table import LEAST_ANGLES, MeasuredColumn, MeasuredTable, distinct
 from core.measured.units import QUANTITIES
-from core.motion import Angles, Program, program
+from core.motion import Angles, CompiledMotion, program
 from core.numerics.lazy import checkpoint
 
 # -- A table as the curve of one segment ------------------------------------------------------------------------
@@ -660,6 +660,6 @@ def _missed(table: MeasuredTable, motion: Motion, offset: float, out: tuple[int,
 
 def _measured(motion: Motion, order: int, angles: np.ndarray) -> np.ndarray:
     """s⁽ᵏ⁾ of the motion (n,) by degrees at cam angles [deg], in its own unit."""
-    compiled: Program = program(motion)
+    compiled: CompiledMotion = program(motion)
     y = compiled.state(compiled.angles(np.deg2rad(angles))).displacement[order]
     return y * (np.pi / 180.0) ** order / motion.scale

@@ -9,7 +9,7 @@ from functools import lru_cache
 from types import MappingProxyType
 
 from core.frozen import frozen
-from core.units import change, unit_called
+from core.units import conversion_factor, unit_symbol
 
 ANGLE, TIME = "angle", "time"
 DERIVATIVES = ("displacement", "velocity", "acceleration", "jerk")
@@ -20,7 +20,7 @@ QUANTITIES = DERIVATIVES[:3]
 
 def _sizes(of: str, *names: str) -> Mapping[str, float]:
     """Spelling in a table -> how many of a unit it is; these are the units that tables are looked through for."""
-    return MappingProxyType({name: change(unit_called(name), of) for name in names})
+    return MappingProxyType({name: conversion_factor(unit_symbol(name), of) for name in names})
 
 
 ANGLE_UNITS = _sizes("°", "deg", "rad", "turns")
@@ -29,13 +29,16 @@ TIME_UNITS = _sizes("s", "s", "ms")
 """Seconds in one; a cam angle by the shaft's speed."""
 BASES: Mapping[str, Mapping[str, float]] = MappingProxyType(
     {
-        "mm": {**_sizes("mm", "mm", "cm", "m", "um", "in", "thou", "ft"), "1e-4in": change("in", "mm") / 1e4},
+        "mm": {
+            **_sizes("mm", "mm", "cm", "m", "um", "in", "thou", "ft"),
+            "1e-4in": conversion_factor("in", "mm") / 1e4,
+        },
         "deg": _sizes("°", "deg", "rad"),
     }
 )
 """Unit of a motion -> the units that it can be measured in, and how many of it they are."""
 PER = ("deg", "rad", "s")
-GRAVITY = change("g", "mm/s²")
+GRAVITY = conversion_factor("g", "mm/s²")
 
 
 @frozen

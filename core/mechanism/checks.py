@@ -14,8 +14,7 @@ from core.findings import ERROR, NOTE, WARNING, Finding
 from core.mechanism.driver_ranges import DriverRanges
 from core.mechanism.kinematics import Kinematics
 from core.mechanism.mechanism import body_name
-from core.motion.extremes import Extreme
-from core.motion.extremes import Range as Extremes
+from core.motion.extremes import Extreme, Extremes
 
 # -- findings ---------------------------------------------------------------------------------------------------
 

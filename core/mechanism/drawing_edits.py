@@ -362,7 +362,8 @@ def with_traced_point(design: Design, target: DrawingTarget) -> Design:
 def with_driving_link(design: Design, number: int, speed_rpm: float | None = None) -> Design:
     """The design with a link as its driver.
 
-    The link is pinned to the frame, slides on it, or slides on a moving link as the rod of a cylinder does. A driver that needs a motion rests in its drawn position where the design has none.
+    The link is pinned to the frame, slides on it, or slides on a moving link as the rod of a cylinder does. Where the driver needs
+    a motion and the design has none, it rests in its drawn position.
 
     Raises
     ------

@@ -21,7 +21,7 @@ from core.mechanism.branches import Branch
 from core.mechanism.kinematics import Pose
 from core.mechanism.linkage import SolutionPlan
 from core.mechanism.mechanism import at_driver, solve
-from core.motion import at_turn, program
+from core.motion import motion_at, program
 
 # -- positions of points and links in the drawing ---------------------------------------------------------------
 
@@ -353,7 +353,7 @@ def _input_coordinate(linkage: Linkage, row: SecondDriver, driver: float) -> flo
     if motion is None:
         offset = row.offset_mm if input_slides(linkage, row) else row.offset_deg
         return linkage.ratios[row.link] * driver + offset
-    angle = at_turn(program(motion), at_driver(np.deg2rad([driver])))[0]
+    angle = motion_at(program(motion), at_driver(np.deg2rad([driver])))[0]
     return float(np.rad2deg(angle[0])) + row.offset_deg
 
 

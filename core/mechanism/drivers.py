@@ -38,7 +38,7 @@ from core.mechanism.kinematics import Kinematics
 from core.mechanism.linkage import plan_of
 from core.mechanism.mechanism import at_driver, body_name
 from core.mechanism.solving import unit_speed_kinematics
-from core.motion import SNAP, Angles, Join, MotionState, Program, degrees, program
+from core.motion import SNAP, Angles, CompiledMotion, Join, MotionState, degrees, program
 from core.numerics.derivatives import Derivatives, heading
 from core.numerics.lazy import checkpoint
 
@@ -89,14 +89,14 @@ class CrankMotion:
             parts += list(pairwise(ends))
         return parts
 
-    def angles(self, theta: np.ndarray, kept: bool = False) -> Angles:
+    def angles(self, theta: np.ndarray, cached: bool = False) -> Angles:
         """Driver angles, or angles of the cycle, with their pieces.
 
         Parameters
         ----------
         theta : ndarray (n,) [rad]
             Any angles.
-        kept : bool
+        cached : bool
             As of a compiled motion.
 
         Returns
@@ -106,7 +106,7 @@ class CrankMotion:
         theta = np.mod(np.asarray(theta, dtype=float), TURN)
         theta = np.where(theta >= TURN - SNAP, 0.0, theta)
         piece = np.clip(np.searchsorted(self.starts, theta, side="right") - 1, 0, None)
-        return Angles(theta, piece, kept)
+        return Angles(theta, piece, cached)
 
     def is_assembled(self, theta: np.ndarray) -> np.ndarray:
         """Whether the linkage can be assembled and is not locked.
@@ -165,7 +165,7 @@ class CrankMotion:
 
 
 @lru_cache(maxsize=32)
-def motion_extent(program: Program) -> tuple[float, float]:
+def motion_extent(program: CompiledMotion) -> tuple[float, float]:
     """Lowest and highest driver position [rad or m] of a motion, with a small margin; its extremes are at the ends of pieces."""
     pieces = np.arange(program.starts.size)
     ends = Angles(np.concatenate((program.starts, program.ends)), np.concatenate((pieces, pieces)))

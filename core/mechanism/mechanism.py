@@ -12,14 +12,14 @@ import numpy as np
 
 from core.design import FRAME_LINK, Linkage
 from core.design.topology import GROUP, INPUT, SolutionStep
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.frozen import frozen
 from core.mechanism.branches import Branch
 from core.mechanism.dyads import DYADS, DyadSolution, pin_of, pose_through, turned_like
 from core.mechanism.groups import GroupSolution, group_solution, newton
 from core.mechanism.kinematics import FRAME, FRAME_POSE, REVOLUTE, SLIDING, Dyad, Pair, Pose
 from core.mechanism.linkage import Joint, JointEnd, SolutionPlan, new_plan, plan_of
-from core.motion import MotionState, at_turn, program, steepest
+from core.motion import MotionState, largest_rate, motion_at, program
 from core.numerics.derivatives import Derivatives, constant, cross, heading, product, scaled, sum_of, turning, unit
 
 # -- solution of all links, step by step ------------------------------------------------------------------------
@@ -109,7 +109,7 @@ def solve(plan: SolutionPlan, q: Derivatives, branch: Branch, steps: int | None 
 def _second_driver_pose(plan: SolutionPlan, link: int, pin: Joint, q: Derivatives, poses: dict[int, Pose]) -> Pose:
     """Pose of a second driving link: its coordinate is ratio q + offset, or its separate motion at q plus the offset."""
     row, motion = next(row for row in plan.linkage.drivers if row.link == link), plan.linkage.own_motions.get(link)
-    coordinate = scaled(q, plan.gains[link]) if motion is None else at_turn(program(motion), q)
+    coordinate = scaled(q, plan.gains[link]) if motion is None else motion_at(program(motion), q)
     if not pin.revolute:
         return _sliding_pose(pin, coordinate, row.offset_mm * 1e-3, poses[row.on])
     turn = sum_of(poses[row.on].turn, coordinate)
@@ -215,7 +215,7 @@ def _add_input_bound(
     """Add the bounds of a second driving link, whose coordinate follows the driver's."""
     on = next(row.on for row in plan.linkage.drivers if row.link == link)
     motion = plan.linkage.own_motions.get(link)
-    slope = abs(plan.gains[link]) if motion is None else steepest(motion)
+    slope = abs(plan.gains[link]) if motion is None else largest_rate(motion)
     if not pin.revolute:
         angle = bounds[on].angle + 1.0
         reach = np.abs(poses[link].origin[0] - poses[on].origin[0])
@@ -332,7 +332,7 @@ class Mechanism:
     refuse : callable, optional
         Error where links do not meet or are in line, from the motion, the solution and the mask (n,) of failed positions.
     require : callable, optional
-        Raises NoAnswer for a motion, from `start`, that the mechanism cannot follow although its links meet.
+        Raises NoSolution for a motion, from `start`, that the mechanism cannot follow although its links meet.
     """
 
     linkage: Linkage
@@ -351,7 +351,7 @@ class Mechanism:
     singular: Mapping[str, str] = field(default_factory=_empty)
     more_singular: Callable[[LinkageSolution], Mapping[str, np.ndarray]] | None = None
     ranged: bool = False
-    refuse: Callable[[MotionState, LinkageSolution, np.ndarray], NoAnswer] | None = None
+    refuse: Callable[[MotionState, LinkageSolution, np.ndarray], NoSolution] | None = None
     require: Callable[[float, MotionState], None] | None = None
 
     @cached_property

@@ -49,7 +49,7 @@ def solve_mechanism(mechanism: Mechanism, motion: MotionState, driver_ranges: Dr
 
     Raises
     ------
-    NoAnswer
+    NoSolution
         Links do not meet at some angles, which the message names.
     """
     plan, y, n = mechanism.plan, motion.displacement, motion.theta.shape[-1]
@@ -140,7 +140,7 @@ def _driver(mechanism: Mechanism, motion: MotionState) -> Derivatives:
 def _require_assembly(
     mechanism: Mechanism, driver_ranges: DriverRanges, solution: LinkageSolution, motion: MotionState
 ) -> bool:
-    """Raise NoAnswer where links do not meet, or where a mechanism with `refuse` is at a dead centre.
+    """Raise NoSolution where links do not meet, or where a mechanism with `refuse` is at a dead centre.
 
     Returns whether all derivatives are certain to be finite.
     """
@@ -158,10 +158,10 @@ def _require_assembly(
             failed = failed | ~(result.sine > 0.0)
         failed = spread(failed, motion.theta.shape[-1])
         if mechanism.refuse is not None:
-            NoAssembly.where(failed, lambda failed=failed: mechanism.refuse(motion, solution, failed))  # type: ignore[misc]
+            NoAssembly.raise_where(failed, lambda failed=failed: mechanism.refuse(motion, solution, failed))  # type: ignore[misc]
             continue
         error = lambda step=step, failed=failed: _assembly_error(driver_ranges, step, motion, failed)  # noqa: E731
-        NoPosition.where(failed, error)
+        NoPosition.raise_where(failed, error)
     return is_finite
 
 

@@ -22,7 +22,7 @@ from core.mechanism.driver_ranges import DriverRanges, driver_ranges_of
 from core.mechanism.drivers import CrankMotion, motion_extent
 from core.mechanism.mechanism import Mechanism, body_name, mechanism_of
 from core.mechanism.solving import solve_mechanism
-from core.motion import Program, program
+from core.motion import CompiledMotion, program
 from core.numerics.derivatives import heading, vector
 
 # -- mobility of a drawing --------------------------------------------------------------------------------------
@@ -388,7 +388,7 @@ class DrivenPart:
     design: Design
     mechanism: Mechanism
     ranges: DriverRanges
-    runs: CrankMotion | Program
+    runs: CrankMotion | CompiledMotion
 
     @property
     def drawn_theta(self) -> float | None:

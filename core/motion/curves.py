@@ -1,4 +1,4 @@
-"""A segment's curve as pieces: every kind of curve is one row that turns what was typed into a table of coefficients."""
+"""Curves of segments as pieces: one function per kind of curve computes its coefficients from the design."""
 
 from __future__ import annotations
 
@@ -35,13 +35,22 @@ from core.frozen import frozen
 from core.laws import LAWS, Piece, PieceTable, asymmetric, find_law, hermite, least_jerk, moved, scca
 from core.numerics.lazy import taker
 
-# -- A segment's curve as pieces --------------------------------------------------------------------------------
+# -- curve of a segment as pieces -------------------------------------------------------------------------------
 
 
 @frozen
 class CurveShape:
-    """pieces of s(u), u = 0...1; gain: what s is multiplied by [unit of the motion]; velocity_signs: the sign of the velocity on
-    each piece, 0 where nothing moves."""
+    """Curve of a segment: gain times s(u), u = 0 ... 1.
+
+    Attributes
+    ----------
+    pieces : tuple of Piece
+        Pieces of s(u), dimensionless.
+    gain : float [mm or deg]
+        Factor of s(u).
+    velocity_signs : tuple of float
+        Sign of the velocity on each piece, 0 where the output is at rest.
+    """
 
     pieces: tuple[Piece, ...]
     gain: float
@@ -70,28 +79,31 @@ def _polynomial(curve: PolynomialCurve, segment: Segment, whole_turn: bool, path
     span = segment.span_deg
     ends = []
     for value, end in ((0.0, curve.start), (segment.rise, curve.end)):
-        wanted = [value, end.velocity * span, end.acceleration * span**2]
-        ends.append(wanted if end.jerk is None else [*wanted, end.jerk * span**3])
-    return _turning((Piece(0.0, hermite(*ends)),))
+        values = [value, end.velocity * span, end.acceleration * span**2]
+        ends.append(values if end.jerk is None else [*values, end.jerk * span**3])
+    return _split_at_reversals((Piece(0.0, hermite(*ends)),))
 
 
 _END_ORDERS: Mapping[str, tuple[int, ...]] = MappingProxyType(
     {AT_REST: (1, 2), "stop": (1,), "free": (), JOINED: (1, 2)}
 )
-"""What an end of a table makes 0, where no row states it: velocity and acceleration."""
+"""Kind of end of a table -> orders of the derivatives that are 0 there, unless a row states them."""
 
 
 def _spline(curve: SplineCurve, segment: Segment, whole_turn: bool, path: str) -> CurveShape:
-    return _through(curve, segment, whole_turn, (AT_REST, AT_REST))
+    return _interpolation(curve, segment, whole_turn, (AT_REST, AT_REST))
 
 
 def _table(curve: TableCurve, segment: Segment, whole_turn: bool, path: str) -> CurveShape:
-    return _through(curve, segment, whole_turn, (curve.start, curve.end))
+    return _interpolation(curve, segment, whole_turn, (curve.start, curve.end))
 
 
-def joined(motion: Motion, index: int) -> Segment:
-    """A segment as its neighbours leave it: of a table whose start or end is joined the row there is given the velocity and the
-    acceleration of the segment beside it, per degree."""
+def with_joined_ends(motion: Motion, index: int) -> Segment:
+    """A segment whose joined ends are resolved.
+
+    Where the start or end of a table is joined, its first or last row receives velocity and acceleration (per degree) of
+    the neighbouring segment.
+    """
     segment, count = motion.segments[index], len(motion.segments)
     curve = segment.curve
     if not isinstance(curve, TableCurve) or JOINED not in (curve.start, curve.end) or count == 1:
@@ -99,81 +111,85 @@ def joined(motion: Motion, index: int) -> Segment:
     points = list(curve.points)
     for kind, at, level, side in ((curve.start, 0.0, 0.0, -1), (curve.end, segment.span_deg, segment.rise, 1)):
         if kind == JOINED:
-            beside = motion.segments[(index + side) % count]
-            shape = shape_of(beside, False, f"motion.segments[{(index + side) % count}]")
-            y = PieceTable(shape.pieces).at(np.array([0.0 if side > 0 else 1.0])).all[:, 0]
-            _, v, a, _ = (shape.gain * y / beside.span_deg ** np.arange(4)).tolist()
+            neighbour = motion.segments[(index + side) % count]
+            shape = segment_shape(neighbour, False, f"motion.segments[{(index + side) % count}]")
+            derivatives = PieceTable(shape.pieces).at(np.array([0.0 if side > 0 else 1.0])).all[:, 0]
+            _, v, a, _ = (shape.gain * derivatives / neighbour.span_deg ** np.arange(4)).tolist()
             points = [p for p in points if abs(p.at_deg - at) > _SAME]
             points.insert(0 if side < 0 else len(points), SplinePoint(at, level, v, a))
     return replace(segment, curve=replace(curve, points=tuple(points)))
 
 
-_SAME = 1e-9  # degrees
+_SAME = 1e-9  # [deg] closer angles are equal
 
 
-def _through(curve: SplineCurve, segment: Segment, whole_turn: bool, at_ends: tuple[str, str]) -> CurveShape:
+def _interpolation(curve: SplineCurve, segment: Segment, whole_turn: bool, at_ends: tuple[str, str]) -> CurveShape:
     span = segment.span_deg
-    given = [
+    conditions = [
         (p.at_deg / span, order, value * span**order)
         for p in curve.points
         for order, value in enumerate((p.value, p.velocity, p.acceleration))
         if value is not None
     ]
-    stated = {(place, order) for place, order, _ in given}
-    ends = [(0.0, 0, 0.0), (1.0, 0, segment.rise)]
+    stated = {(u, order) for u, order, _ in conditions}
+    end_conditions = [(0.0, 0, 0.0), (1.0, 0, segment.rise)]
     if not whole_turn:
-        ends += [(x, order, 0.0) for x, kind in zip((0.0, 1.0), at_ends, strict=True) for order in _END_ORDERS[kind]]
+        end_conditions += [
+            (x, order, 0.0) for x, kind in zip((0.0, 1.0), at_ends, strict=True) for order in _END_ORDERS[kind]
+        ]
     if whole_turn:
-        ends = ends[:1]  # the end is the start
-    given += [e for e in ends if e[:2] not in stated and not (whole_turn and (1.0, e[1]) in stated)]
-    knots = sorted({0.0, 1.0, *(place for place, _, _ in given)})
+        end_conditions = end_conditions[:1]  # the end coincides with the start
+    conditions += [e for e in end_conditions if e[:2] not in stated and not (whole_turn and (1.0, e[1]) in stated)]
+    knots = sorted({0.0, 1.0, *(u for u, _, _ in conditions)})
     if not (whole_turn and segment.rise):
-        return _turning(least_jerk(knots, given, periodic=whole_turn))
-    # where it gains on the turn what it does beyond going on evenly is periodic
-    evenly = (lambda place: segment.rise * place, lambda place: segment.rise, lambda place: 0.0)
-    beyond = [(place, order, value - evenly[order](place)) for place, order, value in given]
-    pieces = least_jerk(knots, beyond, periodic=True)
-    even = ((p, (evenly[0](p.start), segment.rise)) for p in pieces)
-    return _turning(tuple(Piece(p.start, (*map(add, p.polynomial, line), *p.polynomial[2:])) for p, line in even))
+        return _split_at_reversals(least_jerk(knots, conditions, periodic=whole_turn))
+    # an advance: a straight line, and a periodic part
+    line = (lambda u: segment.rise * u, lambda u: segment.rise, lambda u: 0.0)
+    periodic_part = [(u, order, value - line[order](u)) for u, order, value in conditions]
+    pieces = least_jerk(knots, periodic_part, periodic=True)
+    lines = ((p, (line[0](p.start), segment.rise)) for p in pieces)
+    return _split_at_reversals(
+        tuple(Piece(p.start, (*map(add, p.polynomial, values), *p.polynomial[2:])) for p, values in lines)
+    )
 
 
 def _computed(curve: ComputedCurve, segment: Segment, whole_turn: bool, path: str) -> CurveShape:
-    return _turning(curve.pieces)
+    return _split_at_reversals(curve.pieces)
 
 
-def _turning(pieces: tuple[Piece, ...]) -> CurveShape:
-    """Pieces cut where the velocity turns, so that each has one sign of it."""
+def _split_at_reversals(pieces: tuple[Piece, ...]) -> CurveShape:
+    """Pieces split where the velocity is zero, so that it has one sign on each."""
     parts: list[Piece] = []
-    for piece, turns in zip(pieces, _turns(pieces), strict=True):
+    for piece, reversals in zip(pieces, _reversals(pieces), strict=True):
         parts.append(piece)
-        parts += [Piece(piece.start + w, moved(piece.polynomial, w)) for w in turns]
+        parts += [Piece(piece.start + w, moved(piece.polynomial, w)) for w in reversals]
     table = PieceTable(parts)
     ends = [*(p.start for p in parts[1:]), 1.0]
-    middle = np.array([0.5 * (e - p.start) for p, e in zip(parts, ends, strict=True)])
-    row = table.rows(np.arange(len(parts)), middle)
-    place, speed = row(0), row(1)
-    stands = np.abs(speed) <= 1e-12 * max(float(np.abs([place, speed]).max()), 1e-300)
-    return CurveShape(tuple(parts), 1.0, tuple(float(w) for w in np.where(stands, 0.0, np.sign(speed))))
+    half_width = np.array([0.5 * (e - p.start) for p, e in zip(parts, ends, strict=True)])
+    row = table.rows(np.arange(len(parts)), half_width)
+    position, velocity = row(0), row(1)
+    is_at_rest = np.abs(velocity) <= 1e-12 * max(float(np.abs([position, velocity]).max()), 1e-300)
+    return CurveShape(tuple(parts), 1.0, tuple(float(w) for w in np.where(is_at_rest, 0.0, np.sign(velocity))))
 
 
-def _turns(pieces: tuple[Piece, ...]) -> list[list[float]]:
-    """Where inside each polynomial piece the velocity is zero, in order, from the piece's start."""
+def _reversals(pieces: tuple[Piece, ...]) -> list[list[float]]:
+    """Zeros of the velocity inside each polynomial piece, ascending, measured from the start of the piece."""
     powers = max(2, *(len(p.polynomial) for p in pieces))
-    rows = np.zeros((len(pieces), powers))
-    for row, piece in zip(rows, pieces, strict=True):
-        row[: len(piece.polynomial)] = piece.polynomial
+    coefficients = np.zeros((len(pieces), powers))
+    for values, piece in zip(coefficients, pieces, strict=True):
+        values[: len(piece.polynomial)] = piece.polynomial
     width = np.diff([*(p.start for p in pieces), 1.0])
-    speed = (rows * np.arange(powers) * width[:, None] ** np.arange(powers))[:, 1:]  # by powers of w/width
+    velocity = (coefficients * np.arange(powers) * width[:, None] ** np.arange(powers))[:, 1:]  # by powers of w/width
     result: list[list[float]] = [[] for _ in pieces]
-    for i in np.flatnonzero(_both_signs(speed)).tolist():
-        roots = np.roots(speed[i, ::-1])
+    for i in np.flatnonzero(_may_change_sign(velocity)).tolist():
+        roots = np.roots(velocity[i, ::-1])
         real = roots[np.abs(roots.imag) < 1e-9].real
         result[i] = sorted(float(x * width[i]) for x in real if 1e-6 < x < 1.0 - 1e-6)
     return result
 
 
-def _both_signs(polynomials: np.ndarray) -> np.ndarray:
-    """Which polynomials (m, n + 1) can be of both signs within 0...1: those whose Bernstein coefficients are."""
+def _may_change_sign(polynomials: np.ndarray) -> np.ndarray:
+    """Whether the Bernstein coefficients of polynomials (m, n + 1) on 0 ... 1 have both signs."""
     n = polynomials.shape[1] - 1
     bernstein = np.array([[comb(i, j) / comb(n, j) for j in range(n + 1)] for i in range(n + 1)])
     ordinates = polynomials @ bernstein.T
@@ -192,110 +208,131 @@ SHAPES: Mapping[type, Callable[[Any, Segment, bool, str], CurveShape]] = Mapping
 )
 
 
-_ONLY_STRETCHED = frozenset({NamedCurve, SccaCurve})
-"""Curves whose pieces stay the same over any span and to any rise."""
+_SCALED_CURVES = frozenset({NamedCurve, SccaCurve})
+"""Curves whose normalised pieces do not depend on span and rise."""
 
 
-def only_stretched(motion: Motion) -> bool:
-    """Whether the motions of many designs, whose numbers are columns, have the same pieces, which spans and rises stretch: no curve has
-    numbers of its own in each, and nothing rises in a dwell."""
-    return all(taker(segment) is None or _stretches(segment) for segment in motion.segments)
+def has_common_pieces(motion: Motion) -> bool:
+    """Whether the motions of many designs, whose numbers are columns, share their normalised pieces.
+
+    True where only spans and rises vary, and no dwell has a varying rise.
+    """
+    return all(taker(segment) is None or _has_common_pieces(segment) for segment in motion.segments)
 
 
-def _stretches(segment: Segment) -> bool:
+def _has_common_pieces(segment: Segment) -> bool:
     curve = segment.curve
     law = find_law(curve.law) if isinstance(curve, NamedCurve) else None
     rises_in_a_dwell = law is not None and law.is_dwell and taker(segment.rise) is not None
-    return type(curve) in _ONLY_STRETCHED and taker(curve) is None and not rises_in_a_dwell
+    return type(curve) in _SCALED_CURVES and taker(curve) is None and not rises_in_a_dwell
 
 
-_OFF: Mapping[str, tuple[float, float]] = MappingProxyType(
+_VANISHING_VALUES: Mapping[str, tuple[float, float]] = MappingProxyType(
     {"crossover": (0.5, 0.45), "flat_fraction": (0.0, 0.05), "cv_fraction": (0.0, 0.05), "ramp_fraction": (0.0, 0.05)}
 )
-"""Number of a law -> where it leaves out a piece, and a value where it does not."""
+"""Parameter of a law -> the value at which a piece vanishes, and a value at which it does not."""
 
 
 def with_all_pieces(plain: Motion, motion: Motion) -> Motion:
-    """A motion with the pieces that most of many designs have, whose numbers are columns in the other: where a number of a law is varied,
-    the piece that the plain one leaves out is there."""
+    """The motion ``plain``, changed so that it has every piece that the designs of ``motion`` may have.
+
+    Parameters of a law that are columns in ``motion`` receive a value at which no piece vanishes.
+    """
     rows = zip(plain.segments, motion.segments, strict=True)
-    return replace(plain, segments=tuple(replace(own, curve=_whole(own.curve, varied.curve)) for own, varied in rows))
+    return replace(
+        plain,
+        segments=tuple(
+            replace(segment, curve=_with_all_pieces(segment.curve, varied.curve)) for segment, varied in rows
+        ),
+    )
 
 
-def _whole(curve: Curve, varied: Curve) -> Curve:
-    if type(curve) not in _ONLY_STRETCHED or taker(varied) is None:
+def _with_all_pieces(curve: Curve, varied: Curve) -> Curve:
+    if type(curve) not in _SCALED_CURVES or taker(varied) is None:
         return curve
-    numbers = [(name, *row) for name, row in _OFF.items() if taker(getattr(varied, name, None)) is not None]
-    moved_off: Any = {name: other for name, without, other in numbers if getattr(curve, name) == without}
-    made: Any = replace(curve, **moved_off)
-    return made if getattr(made, "ramp_fraction", 0.0) + made.flat_fraction <= 1.0 else curve
+    numbers = [
+        (name, *row) for name, row in _VANISHING_VALUES.items() if taker(getattr(varied, name, None)) is not None
+    ]
+    changes: Any = {name: regular for name, vanishing, regular in numbers if getattr(curve, name) == vanishing}
+    changed: Any = replace(curve, **changes)
+    return changed if getattr(changed, "ramp_fraction", 0.0) + changed.flat_fraction <= 1.0 else curve
 
 
-def shape_of(segment: Segment, whole_turn: bool, path: str) -> CurveShape:
-    """The pieces of a segment; whole_turn: it is the only one. Raises DesignError, NoSpline."""
+def segment_shape(segment: Segment, whole_turn: bool, path: str) -> CurveShape:
+    """Curve of a segment; ``whole_turn``: the motion has no other segment. Raises DesignError, NoSpline."""
     return SHAPES[type(segment.curve)](segment.curve, segment, whole_turn, path)
 
 
-# -- motions to begin with that need no mechanism ---------------------------------------------------------------
+# -- motions without a mechanism --------------------------------------------------------------------------------
 
 
 REST_TO_REST = tuple(slug for slug, law in LAWS.items() if law.symmetric and not law.rises)
-LEAST_RAMP = 0.5  # [deg] that a flying shear must have left to speed up in
+LEAST_RAMP = 0.5  # [deg] shortest acceleration of a flying shear
 ASSUMED = ("shaft.rotation",)
 
 
 @frozen(kw_only=True)
 class Indexer:
-    """stops: of a whole turn of the table; index_deg, dwell_deg: of the shaft, for a step and a rest."""
+    """Inputs of an indexing table: stops per turn of the table; index and dwell angle of the shaft per step."""
 
-    stops: int = whole("Stops", 1, 1000, default=6, help="of a whole turn of the table")
-    index_deg: float = number("Index angle", 1.0, 360.0, default=270.0, step=5.0, help="of the shaft, for one step")
-    dwell_deg: float = number("Dwell", 0.0, 359.0, default=90.0, step=5.0, help="of the shaft, at each stop")
+    stops: int = whole("Stops", 1, 1000, default=6, help="per turn of the table")
+    index_deg: float = number("Index angle", 1.0, 360.0, default=270.0, step=5.0, help="of the shaft, per step")
+    dwell_deg: float = number("Dwell", 0.0, 359.0, default=90.0, step=5.0, help="of the shaft, per stop")
     law: str = choice("Law", REST_TO_REST, default="modified-sine")
     speed_rpm: float = number("Speed", 0.0, 1e5, open_low=True, default=MOTION_SPEED, step=5.0, help="of the shaft")
 
 
 @frozen(kw_only=True)
 class FlyingShear:
-    """length_mm: of a cut, which the material runs in a turn of the shaft; window_deg: over which the shear runs with it; return_deg: for
-    the way back. Speeding up and slowing down share what is left."""
+    """Inputs of a flying shear: cut length per turn of the shaft, synchronous window, return.
 
-    length_mm: float = number("Length", 0.0, 1e6, open_low=True, default=500.0, step=10.0, help="of a cut, a turn")
+    Acceleration and deceleration share the remaining angle equally.
+    """
+
+    length_mm: float = number(
+        "Length", 0.0, 1e6, open_low=True, default=500.0, step=10.0, help="of a cut; one cut per turn"
+    )
     window_deg: float = number("Synchronous window", 1.0, 357.0, default=60.0, step=5.0, help="at the material's speed")
-    return_deg: float = number("Return", 1.0, 357.0, default=160.0, step=5.0, help="for the way back")
+    return_deg: float = number("Return", 1.0, 357.0, default=160.0, step=5.0, help="of the shaft, for the return")
     law: str = choice("Law of the return", REST_TO_REST, default="modified-sine")
-    speed_rpm: float = number("Speed", 0.0, 1e5, open_low=True, default=MOTION_SPEED, step=5.0, help="cuts a minute")
+    speed_rpm: float = number("Speed", 0.0, 1e5, open_low=True, default=MOTION_SPEED, step=5.0, help="cuts per minute")
 
 
-def indexer(wanted: Indexer) -> Design:
-    """Steps of 360°/stops, a whole number of them in a turn of the shaft. Raises DesignError where no whole number fits."""
-    cycle = wanted.index_deg + wanted.dwell_deg
+def indexer(inputs: Indexer) -> Design:
+    """Design of an indexer: steps of 360°/stops, an integer number of them per turn of the shaft.
+
+    Raises DesignError where the turn is no integer multiple of index angle plus dwell.
+    """
+    cycle = inputs.index_deg + inputs.dwell_deg
     steps = round(360.0 / cycle)
     if steps < 1 or abs(steps * cycle - 360.0) > CLOSING:
-        raise _refused("dwell_deg", wanted.dwell_deg, f"index angle and dwell make {cycle:g} deg",
+        raise _refused("dwell_deg", inputs.dwell_deg, f"index angle and dwell add up to {cycle:g} deg",
                        "360 deg, or a half, a third ... of it")  # fmt: skip
-    step = Segment(wanted.index_deg, 360.0 / wanted.stops, NamedCurve(wanted.law))
-    rest = (Segment(wanted.dwell_deg, 0.0),) if wanted.dwell_deg else ()
-    motion = Motion(0.0, (step, *rest) * steps, "deg", steps * 360.0 / wanted.stops)
-    return _axis(f"Indexer of {wanted.stops} stops", motion, wanted.speed_rpm)
+    step = Segment(inputs.index_deg, 360.0 / inputs.stops, NamedCurve(inputs.law))
+    dwell = (Segment(inputs.dwell_deg, 0.0),) if inputs.dwell_deg else ()
+    motion = Motion(0.0, (step, *dwell) * steps, "deg", steps * 360.0 / inputs.stops)
+    return _axis(f"Indexer of {inputs.stops} stops", motion, inputs.speed_rpm)
 
 
-def flying_shear(wanted: FlyingShear) -> Design:
-    """C1 - CV1 - C2 and a return: half a cycloid up to the material's speed v = length/360°, of height v β/2, that speed over the window,
-    half a cycloid to rest. Raises DesignError where nothing is left to speed up in."""
-    ramp = 0.5 * (360.0 - wanted.window_deg - wanted.return_deg)
+def flying_shear(inputs: FlyingShear) -> Design:
+    """Design of a flying shear: C1 - CV1 - C2 and a return.
+
+    C1 and C2 are half cycloids of span β and height v β/2, CV1 runs at the material's speed v = length/360°. Raises
+    DesignError where the angle left for C1 and C2 is too short.
+    """
+    ramp = 0.5 * (360.0 - inputs.window_deg - inputs.return_deg)
     if ramp < LEAST_RAMP:
-        raise _refused("return_deg", wanted.return_deg, f"leaves {2.0 * ramp:g} deg to speed up and to slow down",
-                       f"at most {360.0 - wanted.window_deg - 2.0 * LEAST_RAMP:g} deg beside this window")  # fmt: skip
-    v = wanted.length_mm / 360.0
+        raise _refused("return_deg", inputs.return_deg, f"leaves {2.0 * ramp:g} deg to accelerate and to decelerate",
+                       f"at most {360.0 - inputs.window_deg - 2.0 * LEAST_RAMP:g} deg with this window")  # fmt: skip
+    v = inputs.length_mm / 360.0
     rises = (
         (ramp, 0.5 * v * ramp, "c1"),
-        (wanted.window_deg, v * wanted.window_deg, "cv1"),
+        (inputs.window_deg, v * inputs.window_deg, "cv1"),
         (ramp, 0.5 * v * ramp, "c2"),
     )
-    back = (wanted.return_deg, -sum(rise for _, rise, _ in rises), wanted.law)
+    back = (inputs.return_deg, -sum(rise for _, rise, _ in rises), inputs.law)
     segments = tuple(Segment(span, rise, NamedCurve(law)) for span, rise, law in (*rises, back))
-    return _axis("Flying shear", Motion(0.0, segments), wanted.speed_rpm)
+    return _axis("Flying shear", Motion(0.0, segments), inputs.speed_rpm)
 
 
 def _axis(name: str, motion: Motion, speed: float) -> Design:

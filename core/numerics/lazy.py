@@ -13,7 +13,7 @@ from typing import Any, Generic, TypeVar, cast
 
 import numpy as np
 
-from core.errors import NotYet
+from core.errors import ResultPending
 
 # -- giving up a long computation -------------------------------------------------------------------------------
 
@@ -49,7 +49,7 @@ _LATER: ContextVar[Later | None] = ContextVar("later", default=None)
 
 @contextmanager
 def postponing(later: Later) -> Iterator[None]:
-    """What takes long is not computed inside, in this thread, but raises NotYet."""
+    """What takes long is not computed inside, in this thread, but raises ResultPending."""
     token = _LATER.set(later)
     try:
         yield
@@ -58,12 +58,14 @@ def postponing(later: Later) -> Iterator[None]:
 
 
 def postpone(what: str, key: Hashable, compute: Callable[[], Any], field: str) -> None:
-    """Before something that may take long, and that ``compute`` keeps where it is found. Raises NotYet, which names a field, where
+    """Before something that may take long, and that ``compute`` keeps where it is found. Raises ResultPending, which names a field, where
     this thread must not wait for it and it is not there yet."""
     later = _LATER.get()
     state = "" if later is None else later(key, compute)
     if state:
-        raise NotYet(f"{what} {state}", field, "the button in the status line ends the search, or begins it anew")
+        raise ResultPending(
+            f"{what} {state}", field, "the button in the status line ends the search, or begins it anew"
+        )
 
 
 # -- columns ----------------------------------------------------------------------------------------------------

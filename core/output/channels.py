@@ -19,11 +19,11 @@ from core.motion import TURN
 from core.numerics.derivatives import spread
 from core.output.lines import digits
 from core.study import QUANTITIES, Camshaft, Quantity, Study, extremes_of, names_of, quantity
-from core.study.extremes import exists
+from core.study.drive_forces import turn_nodes
+from core.study.extremes import has_quantity
 from core.study.quantities import KINEMATICS, ORBIT, PROFILE, SERVO
-from core.study.quantity_requests import OUTPUTS, along, leads, lever, swings, travel
+from core.study.quantity_requests import OUTPUTS, is_angular, length_per_output, output_travel, path_drives, path_rate
 from core.study.stages import memory
-from core.study.study import over_turn
 
 # -- what a design can plot, table and export -------------------------------------------------------------------
 
@@ -37,14 +37,12 @@ ANGLES: Mapping[str, str] = MappingProxyType(
 @lru_cache(maxsize=64)  # an edit of a length changes no name
 def _rows_named(unit: str, names: tuple[str, ...]) -> tuple[Quantity, ...]:
     """First the rows that any design may have, then those of its links, with the unit of the motion and the face's formula."""
+    straight = "contact_on_face" in names
     shared = tuple(
-        replace(row, slug=row.slug.format(m=unit)) for row in QUANTITIES.values() if row.slug and row.name in names
+        replace(row, slug=row.slug.format(m=unit), straight=straight)
+        for row in QUANTITIES.values()
+        if row.slug and row.name in names
     )
-    if "contact_on_face" in names:
-        shared = tuple(
-            replace(row, equation=row.flat, source="support function of the face") if row.flat else row
-            for row in shared
-        )
     return (*shared, *(quantity(name) for name in names if name not in QUANTITIES))
 
 
@@ -65,7 +63,7 @@ def channel(design: Design, slug: str) -> Quantity:
 
 def existing(study: Study, rows: Iterable[Quantity]) -> list[Quantity]:
     """Those rows that this very design has."""
-    return [row for row in rows if exists(study, row)]
+    return [row for row in rows if has_quantity(study, row)]
 
 
 # -- what a motion that no cam makes does in a turn -------------------------------------------------------------
@@ -104,7 +102,7 @@ def has_cycle(study: Study) -> bool:
 
 
 def cycle_of(study: Study) -> Cycle:
-    """Of a drive that a motion moves without a cam. Raises NoAnswer as the linkage does."""
+    """Of a drive that a motion moves without a cam. Raises NoSolution as the linkage does."""
     motion = study.program.motion
     return Cycle(motion.gain * study.design.speed_rpm / 60.0, stops_of(motion), _work(study))
 
@@ -131,7 +129,7 @@ def _work(study: Study) -> Work | None:
     try:
         if study.jam is not None:
             return None
-        found: Work = memory.get("work of a turn", study.depends_on("dynamics"), lambda: _over_turn(study.whole))
+        found: Work = memory.get("work of a turn", study.depends_on("dynamics"), lambda: _over_turn(study.full_turn))
     except KindynaError:  # its own stage says so
         return None
     return found
@@ -142,7 +140,7 @@ def _power(study: Study) -> np.ndarray:
 
 
 def _over_turn(study: Study) -> Work:
-    there, weight = over_turn(study, _power)
+    there, weight = turn_nodes(study, _power)
     power, seconds = _power(there), TURN / abs(study.omega)
     force = spread(there.dynamics.driver, weight.size)
     given, braked = (float(np.maximum(sign * power, 0.0) @ weight * seconds) for sign in (1.0, -1.0))
@@ -218,9 +216,9 @@ def outputs(camshaft: Camshaft[Study]) -> tuple[Output, ...]:
             for key in OUTPUTS
             if key in own
         ]
-        if swings(drive) and lever(drive) is not None:
+        if is_angular(drive) and length_per_output(drive) is not None:
             rows.append(Output(TRAVEL.format(slug), f"{name}, travel", "displacement", partial(_travel, name)))
-    leading = leads(camshaft)
+    leading = path_drives(camshaft)
     if leading:
         by = " and ".join((", ".join(leading[:-1]), leading[-1]))
         rows.append(Output(SPEED, f"Speed along the path by {by}", "velocity", partial(_along, 1)))
@@ -232,18 +230,18 @@ def travel_column(camshaft: Camshaft[Study], name: str) -> str:
     """The column with the output of a drive as a length."""
     return (
         TRAVEL.format(camshaft.slugs[name])
-        if swings(camshaft.drives[name])
+        if is_angular(camshaft.drives[name])
         else f"{camshaft.slugs[name]}_displacement_mm"
     )
 
 
 def _own(name: str, row: Quantity, camshaft: Camshaft[Study]) -> np.ndarray:
-    return row.values(camshaft.there(name))
+    return row.values(camshaft.drive_study(name))
 
 
 def _travel(name: str, camshaft: Camshaft[Study]) -> np.ndarray:
-    return travel(camshaft, name)[0] * MM + 0.0
+    return output_travel(camshaft, name)[0] * MM + 0.0
 
 
 def _along(order: int, camshaft: Camshaft[Study]) -> np.ndarray:
-    return along(camshaft, order) * MM
+    return path_rate(camshaft, order) * MM

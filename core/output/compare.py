@@ -94,7 +94,7 @@ class Side:
 
 
 def side_of(study: Study) -> Side:
-    """Raises NoAnswer as the stages do."""
+    """Raises NoSolution as the stages do."""
     findings = {(each.code, each.field): each for each in findings_of(study)}
     return Side(study.design.name, dict(_leaves(to_table(study.design))), dict(_results(study)), findings)
 
@@ -148,7 +148,7 @@ def _results(study: Study) -> Iterator[tuple[tuple[str, str], float | None]]:
             yield (key if name == "flywheel" else f"torque_{key}", ""), value
     for life in made.get("rolling_life", ()):
         yield (f"{life['roller'].replace(' ', '_')}_life_hours", ""), life["hours"]
-    for slug, each in study.answering.items():
+    for slug, each in study.solved_drives.items():
         if slug:
             yield from _of_extremes(extremes(each, each.stages), f"{slug}.")
 

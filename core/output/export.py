@@ -16,10 +16,11 @@ from core.errors import KindynaError
 from core.frozen import frozen
 from core.numerics.lazy import checkpoint
 from core.output.channels import ANGLES, channels, existing
-from core.output.summary import answers, runs, summary, to_json
+from core.output.summary import summary, to_json
 from core.project.files import write_into
-from core.requests import asked
+from core.requests import option
 from core.study import Camshaft, Study
+from core.study.camshaft import has_speed, is_complete
 from core.study.quantities import DYNAMICS, KINEMATICS, LINKAGE, ORBIT, PROFILE, SERVO
 
 if TYPE_CHECKING:
@@ -163,7 +164,7 @@ def texts(made: Mapping[str, str | Iterator[bytes]]) -> dict[str, str]:
 
 
 def export(study: Study, folder: Path, stages: Sequence[str] = ()) -> list[Path]:
-    """Write them all into the folder; the paths. Raises NoAnswer, NoSuchStage, FileError, and then writes nothing."""
+    """Write them all into the folder; the paths. Raises NoSolution, NoSuchStage, FileError, and then writes nothing."""
     made = streams(study, stages)
     write_into(folder, made)
     return [folder / name for name in made]
@@ -180,15 +181,15 @@ def camshaft_columns(camshaft: Camshaft[Study]) -> list[Column]:
     def torque_of(name: str) -> Callable[[Camshaft[Study]], np.ndarray]:
         return lambda there: there.drive_torque(name)
 
-    rows: list[Column] = [("torque_nm", lambda there: there.torque)] if answers(camshaft) else []
+    rows: list[Column] = [("torque_nm", lambda there: there.torque)] if is_complete(camshaft) else []
     rows += [
         (f"{camshaft.slugs[name]}_torque_nm", torque_of(name))
-        for name in camshaft.carried
+        for name in camshaft.loading_drives
         if name not in camshaft.failures
     ]
-    if answers(camshaft) and camshaft.design.balancer is not None:
+    if is_complete(camshaft) and camshaft.design.balancer is not None:
         rows.append(("balancer_torque_nm", lambda there: there.balancer_torque))
-    if runs(camshaft):
+    if has_speed(camshaft):
         rows.append(("motor_torque_nm", lambda there: there.motor_torque))
         rows.append(("speed_rpm", lambda there: there.speed / UNITS["rpm"].factor))
     return rows
@@ -222,8 +223,8 @@ def _of_camshaft(study: Study, stages: Sequence[str]) -> dict[str, str | Iterato
     if parts is not None:
         made[SHAFT] = parts
     folders = {slug: study.drives[name] for name, slug in camshaft.slugs.items() if name not in camshaft.failures}
-    if study.design.balancer is not None and answers(camshaft) and camshaft.balancer is not None:
-        folders[BALANCER] = study.of(camshaft.balancer.design)
+    if study.design.balancer is not None and is_complete(camshaft) and camshaft.balancer is not None:
+        folders[BALANCER] = study.with_design(camshaft.balancer.design)
     for folder, each in folders.items():
         own = tuple(stage for stage in each.stages if stage in stages)
         if own or not stages:
@@ -251,11 +252,11 @@ LEAST_DELAY = 20  # a viewer plays what is shorter at a speed of its own
 class Film:
     """What is wanted: ``.gif`` or ``.webp``, frames of the turn, size in pixels, seconds of the turn."""
 
-    ending: str = asked(choice("Format", tuple(FORMATS), default=".gif"), None, words=FORMATS)
-    frames: int = asked(whole("Frames per turn", 2, 360, default=72), help="per turn")
+    ending: str = option(choice("Format", tuple(FORMATS), default=".gif"), None, words=FORMATS)
+    frames: int = option(whole("Frames per turn", 2, 360, default=72), help="per turn")
     width: int = 800
     height: int = 600
-    seconds: float = asked(number("One turn takes, s", 0.2, 600.0, default=4.0), None)
+    seconds: float = option(number("One turn takes, s", 0.2, 600.0, default=4.0), None)
 
     @property
     def delays(self) -> list[int]:

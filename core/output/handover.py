@@ -18,17 +18,17 @@ import numpy as np
 from core.cam import keyway_corners, row_of
 from core.design import Design
 from core.design.fields import number
-from core.errors import KindynaError, NoAnswer
+from core.errors import KindynaError, NoSolution
 from core.findings import ERROR
 from core.frozen import frozen
 from core.mechanism.kinematics import FRAME, SLIDING
 from core.output.channels import channels, existing
 from core.output.controllers.deviation import facts
 from core.output.controllers.rows import controller
-from core.output.controllers.slave import EcamRequest, slave_of
+from core.output.controllers.slave import EcamRequest, drive_slave
 from core.output.controllers.table import ecam
 from core.output.files.files import files as profile_files
-from core.output.files.files import job_of
+from core.output.files.files import profile_job
 from core.output.files.inspection import files as inspection_files
 from core.output.files.inspection import inspection as inspection_of
 from core.output.files.probe import InspectionRequest
@@ -42,7 +42,7 @@ from core.process import resources
 from core.project import dumps
 from core.project.files import is_folder, read_own, remove_listed, write, write_into
 from core.project.origins import with_own_motions
-from core.requests import asked, typed
+from core.requests import option, text_option
 from core.study import Study, findings_of
 from core.study.quantities import shape_of
 
@@ -66,7 +66,7 @@ _MM = 1e3
 
 
 def web_page(study: Study) -> str:
-    """The page as HTML. Raises NoAnswer where the design, or each of its drives, has no mechanism.
+    """The page as HTML. Raises NoSolution where the design, or each of its drives, has no mechanism.
 
     Nothing is asked of any server: styles and program stand inside, and a content security policy allows these alone.
     """
@@ -186,7 +186,7 @@ def _cam(study: Study) -> dict[str, Any] | None:
         return None
     try:
         shape = study.cam
-    except NoAnswer:
+    except NoSolution:
         return None
     cam, face = study.design.drive.cam, study.design.drive.face
     outline = row_of(face).outline(shape, face, study.linkage).points
@@ -216,7 +216,7 @@ def _curves(study: Study) -> Iterator[dict[str, Any]]:
             continue
         try:
             values = row.values(study)
-        except NoAnswer:  # no forces where a guide jams
+        except NoSolution:  # no forces where a guide jams
             continue
         if np.isfinite(values).all():
             values = np.where(np.abs(values) > ROUNDING * np.abs(values).max(), values, 0.0)
@@ -263,13 +263,13 @@ EARLIEST = (1980, 1, 1, 0, 0, 0)  # that an archive can hold: the same design gi
 class HandoverRequest(Cover):
     """What else is wanted: what stands on report and drawings, for which controller, G-code, and how exact curves are."""
 
-    controller: str = typed("row of the table of controllers: a table of each drive", default="", metavar="SLUG")
-    error_mm: float = asked(
+    controller: str = text_option("row of the table of controllers: a table of each drive", default="", metavar="SLUG")
+    error_mm: float = option(
         number("Largest error", 0.0, 1.0, open_low=True, default=1e-3, help="of profiles, and of a controller's table"),
         "--error",
         metavar="MM",
     )
-    gcode: bool = typed("also G-code of every cam", default=False, action="store_true")
+    gcode: bool = text_option("also G-code of every cam", default=False, action="store_true")
 
 
 @frozen(eq=False)
@@ -384,7 +384,7 @@ def _packed(files: dict[str, str | bytes]) -> bytes:
 def handover(design: Design, request: HandoverRequest) -> Handover:
     """What needs no fonts: profiles, inspection tables, tables of a controller, web page, the design itself.
 
-    Raises KindynaError for a controller that is not known, NoAnswer where the whole has none.
+    Raises KindynaError for a controller that is not known, NoSolution where the whole has none.
     """
     if request.controller:
         controller(request.controller)
@@ -429,7 +429,7 @@ def _makers(
 def _profile(study: Study, folder: str, of: str, request: HandoverRequest, ending: str) -> list[HandoverFile]:
     path = Path(f"profile{ending}")
     fit = "arcs" if ending == ".nc" else ""
-    job = job_of(study, path, ProfileRequest(tolerance_mm=request.error_mm, fit=fit))
+    job = profile_job(study, path, ProfileRequest(tolerance_mm=request.error_mm, fit=fit))
     deviation = float(profile_facts(job)["deviation_mm"]), "mm"
     return [
         HandoverFile(
@@ -444,7 +444,7 @@ def _profile(study: Study, folder: str, of: str, request: HandoverRequest, endin
 
 def _inspection(study: Study, folder: str, of: str) -> list[HandoverFile]:
     made = inspection_of(study, InspectionRequest())
-    if wrong := [each.message for each in made.probing.findings if each.severity == ERROR]:
+    if wrong := [each.message for each in made.setup.findings if each.severity == ERROR]:
         raise KindynaError(wrong[0])
     texts = inspection_files(made, Path("inspection.csv"))
     words = {"inspection.csv": f"lift that a probe measures on the cam{of}, with its tolerance"}
@@ -454,7 +454,7 @@ def _inspection(study: Study, folder: str, of: str) -> list[HandoverFile]:
 
 def _controller(design: Design, folder: str, name: str, request: HandoverRequest) -> list[HandoverFile]:
     row, wanted = controller(request.controller), EcamRequest(error=request.error_mm)
-    slave, title, speed = slave_of(design, name, wanted)
+    slave, title, speed = drive_slave(design, name, wanted)
     made = ecam(slave, row, wanted, title, speed)
     deviation = None if made.deviation is None else (float(made.deviation.values[0]), slave.unit)
     of = f" of {name}" if name else ""

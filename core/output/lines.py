@@ -63,6 +63,8 @@ def finding_line(finding: Finding, angle: str = "cam angle", least: int = 0) -> 
     """A finding on one line; least: digits of its figures."""
     drive = f"{printable(str(finding.values['drive']))}: " if "drive" in finding.values else ""
     where = (
-        "" if finding.cam_angle_deg is None or finding.says_angle else f", at {angle} {digits(finding.cam_angle_deg)} °"
+        ""
+        if finding.cam_angle_deg is None or finding.states_angle
+        else f", at {angle} {digits(finding.cam_angle_deg)} °"
     )
     return f"{finding.severity}: {drive}{finding.with_digits(least)}{where} [{finding.field}]"

@@ -80,7 +80,7 @@ def point_names(design: Design) -> tuple[str, ...]:
 
 
 def point_curves(study: Study, names: Sequence[str] = (), time_marks: int = 0) -> PointCurves:
-    """The curves of points, of all that move where none is named. Raises KindynaError for a name that none has, NoAnswer."""
+    """The curves of points, of all that move where none is named. Raises KindynaError for a name that none has, NoSolution."""
     there = point_names(study.design)
     if unknown := [name for name in names if name not in there]:
         raise KindynaError(f"points: no moving point is called {', '.join(unknown)}; allowed: {' | '.join(there)}")
@@ -109,13 +109,13 @@ def curves_table(curves: PointCurves) -> str:
 def part_table(study: Study) -> str:
     """The path in space of the part that the drives carry, as CSV."""
     shaft = study.camshaft
-    rows = np.column_stack((shaft.angle_degrees, study.camshaft.carried_path * _MM)).tolist()
+    rows = np.column_stack((shaft.angle_degrees, study.camshaft.transfer_path * _MM)).tolist()
     return "\n".join(["machine_angle_deg,x_mm,y_mm,z_mm", *(",".join(map(repr, row)) for row in rows)]) + "\n"
 
 
 def part_layers(study: Study) -> dict[str, LayerShapes]:
     """The same as it looks from above and aside, with the three axes as long as the path is large."""
-    path = study.camshaft.carried_path * _MM
+    path = study.camshaft.transfer_path * _MM
     size = float(np.ptp(path, axis=0).max()) or 1.0
     axes = {
         name: LayerShapes(((seen_from(np.array([np.zeros(3), size * each]), *ISOMETRIC), False),))

@@ -157,12 +157,12 @@ def tables(
 def needed_text(needed: Stiffness) -> str:
     """What a wanted speed asks of the shaft, in one line."""
     if needed.allowed:
-        return f"At {needed.rpm:.6g} rpm the present {needed.now:.6g} N·m/rad keeps clear of every forbidden band."
+        return f"At {needed.rpm:.6g} rpm the present {needed.current:.6g} N·m/rad keeps clear of every forbidden band."
     softer = "" if needed.softer is None else f" or at most {needed.softer:.6g}"
     where = "in" if needed.inside else "too near"
     return (
         f"At {needed.rpm:.6g} rpm the shaft needs at least {needed.stiffer:.6g} N·m/rad{softer}; "
-        f"the present {needed.now:.6g} stands {where} a forbidden band."
+        f"the present {needed.current:.6g} stands {where} a forbidden band."
     )
 
 

@@ -14,14 +14,14 @@ from core.design import UNITS, Unit, split_unit
 from core.design.parts import LINEAR
 from core.dynamics import ContactMap, Flights, contact_map
 from core.elastic import Spectrum
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.frozen import frozen
 from core.motion import TURN
 from core.motion.extremes import find_highest
 from core.output.lines import columns, digits
 from core.plot import Figure, Plot, PlotCurve
 from core.study import Study
-from core.study.study import over_turn, servo_part, servo_speed, servo_torque, servo_turn
+from core.study.drive_forces import servo_part, servo_speed, servo_torque, servo_turn, turn_nodes
 
 # -- the same motion made by a cam on its shaft, with and without flywheel, and by a servo ----------------------
 
@@ -68,10 +68,10 @@ class _Way:
 
 
 def _ways(study: Study) -> Iterator[_Way]:
-    """Those that the design has. Raises NoAnswer as the stage dynamics does."""
+    """Those that the design has. Raises NoSolution as the stage dynamics does."""
     if study.loads_shaft:
         yield _Way(CAM, lambda s: s.shaft_torque, lambda s: np.full(s.theta.size, s.omega))
-        if study.levelled and study.flywheel.runs:
+        if study.levels_torque and study.flywheel.runs:
             wheel = study.flywheel
             yield _Way(LEVELLED, lambda s: wheel.motor_torque(s.angles), lambda s: wheel.speed(s.angles))
     yield _Way(SERVO, servo_torque, servo_speed)
@@ -87,7 +87,7 @@ def _asked(study: Study, way: _Way) -> Asked:
         turn = servo_turn(study)
         rms, given, braked = turn.rms, turn.given, turn.braked
     else:
-        there, weight = over_turn(study, way.power)
+        there, weight = turn_nodes(study, way.power)
         torque, seconds = way.torque(there), weight * TURN / way.speed(there)
         rms = float(np.sqrt((torque**2 * seconds).sum() / seconds.sum()))
         given, braked = (float(np.maximum(sign * torque, 0.0) @ weight * TURN) for sign in (1.0, -1.0))
@@ -101,7 +101,7 @@ def _unit(study: Study, way: _Way) -> str:
 
 def asked(study: Study) -> tuple[Asked, ...]:
     """By the cam, by the cam with its flywheel where there is one that the motor turns, and by the servo, of a design that has one; a
-    motion that no cam makes has the servo alone. Raises NoAnswer as the stage dynamics does."""
+    motion that no cam makes has the servo alone. Raises NoSolution as the stage dynamics does."""
     return tuple(_asked(study, way) for way in _ways(study))
 
 
@@ -157,7 +157,7 @@ CONTACT_SPEEDS, CONTACT_BEYOND = (
 
 def map_of(study: Study, theta: np.ndarray, top_rpm: float | None = None, speeds: int = CONTACT_SPEEDS) -> ContactMap:
     """The contact force at cam angles (n,) [rad] and evenly spaced speeds up to one, usually somewhat above those that matter. Raises
-    NoAnswer where there is no contact force that could be lost."""
+    NoSolution where there is no contact force that could be lost."""
     return contact_map(
         study.contact_force, theta, np.linspace(0.0, CONTACT_RPM * (top_rpm or usual_top(study)), speeds + 1)[1:]
     )
@@ -185,7 +185,7 @@ def lift_off_lines(study: Study) -> list[str]:
     """The speed from which the follower leaves the cam, in one line; none where it cannot leave it."""
     try:
         found = study.lift_off
-    except NoAnswer:
+    except NoSolution:
         return []
     if found is None:
         return ["The follower stays on the cam at any speed"]
@@ -247,7 +247,7 @@ def elastic_rows(study: Study) -> dict[str, Any]:
     Empty where the follower is rigid, or has no answer."""
     try:
         found, response = study.elasticity, study.follower_response
-    except NoAnswer:
+    except NoSolution:
         return {}
     one, turns = found.middle, 2.0 * math.pi
     swings = study.program.motion.unit == "deg"

@@ -12,16 +12,18 @@ import numpy as np
 from core.design import UNITS, Design, distances
 from core.design.parts import LINEAR
 from core.design.topology import mobility
-from core.errors import NoAnswer, NoStability
+from core.errors import NoStability
 from core.findings import Finding, Residual
 from core.mechanism.branches import four_bar
-from core.motion.extremes import Range
+from core.motion.extremes import Extremes
 from core.output.channels import channels, cycle_of, has_cycle
 from core.output.subject_files import SERVO, Asked, asked, elastic_rows
 from core.shaft import Flywheel, peaks
 from core.study import Camshaft, Study, certificate_of, extremes_of, findings_of, quantities_of, roller_lives
 from core.study.cam_checks import limit_rows
-from core.study.study import has_servo, servo_part, servo_turn
+from core.study.camshaft import has_speed, is_complete
+from core.study.drive_forces import has_servo, servo_part, servo_turn
+from core.study.study import shaft_in_chart
 
 if TYPE_CHECKING:  # no design without a flexible shaft loads it
     from core.stability import Stability, SteadyTurn, Verdict
@@ -148,7 +150,7 @@ def residual_rows(proof: Mapping[str, Residual]) -> dict[str, Any]:
     return {name: {"value": r.value, "bound": r.bound, "left_out": r.left_out} for name, r in proof.items()}
 
 
-def range_row(found: Range, factor: float) -> dict[str, Any]:
+def range_row(found: Extremes, factor: float) -> dict[str, Any]:
     """Lowest and highest in the channel's unit, each with its angle."""
     sides = (("min", found.low), ("max", found.high))
     return {side: {"value": e.value / factor + 0.0, "cam_angle_deg": math.degrees(e.theta)} for side, e in sides}
@@ -214,9 +216,9 @@ def flywheel(study: Study) -> dict[str, float | None]:
     and highest, null where the motor stalls; of drives that are listed the motor's greatest power, too. Empty where there is no motor
     torque at all: for linkages that no crank drives, where a guide jams, and where a drive is missing."""
     if study.design.listed:
-        if not answers(study.camshaft):
+        if not is_complete(study.camshaft):
             return {}
-        power = study.camshaft.motor_range["motor_power"].high.value if runs(study.camshaft) else None
+        power = study.camshaft.motor_range["motor_power"].high.value if has_speed(study.camshaft) else None
         return {**flywheel_figures(study.flywheel), "motor_peak_power_w": power}
     if "motor_torque" not in quantities_of(study, "dynamics") or study.jam is not None:
         return {}
@@ -274,7 +276,7 @@ def verdict_rows(verdicts: Sequence[Verdict]) -> list[dict[str, Any]]:
             "trace": verdict.trace,
             "growth_percent_per_turn": round(100.0 * math.expm1(verdict.growth), 6),
             "largest_wind_up_deg": 360.0 * verdict.largest,
-            "leaves_cam_at_turns": verdict.lost,
+            "leaves_cam_at_turns": verdict.contact_lost,
             **({"leaves_cam": verdict.leaving} if verdict.leaving else {}),
         }
         for verdict in verdicts
@@ -307,17 +309,6 @@ def _needed_stiffness(study: Study, shaft: Stability) -> dict[str, Any] | None:
         "least_stiffer_nm_per_rad": needed.stiffer,
         "greatest_softer_nm_per_rad": needed.softer,
     }
-
-
-def shaft_in_chart(study: Study) -> Stability | None:
-    """The shaft that has a place in the chart of stability; None where it is rigid or nothing excites it, and where one of several
-    drives is missing."""
-    there = "stability" in study.stages and (not study.design.listed or answers(study.camshaft))
-    shaft = study.stability if there else None
-    try:
-        return shaft if shaft is not None and shaft.exact and shaft.machine else None
-    except NoStability:
-        return None
 
 
 def stability(study: Study) -> dict[str, Any]:
@@ -356,19 +347,6 @@ def stability(study: Study) -> dict[str, Any]:
 # -- of several drives on a shaft --------------------------------------------------------------------------
 
 
-def answers(camshaft: Camshaft[Study]) -> bool:
-    """Whether all that the shaft carries has an answer, the balance cam included."""
-    try:
-        return camshaft.load is not None
-    except NoAnswer:
-        return False
-
-
-def runs(camshaft: Camshaft[Study]) -> bool:
-    """Whether there is a true speed: all has an answer, and the motor does not stall."""
-    return answers(camshaft) and (not camshaft.levelled or camshaft.flywheel.runs)
-
-
 def _drives(camshaft: Camshaft[Study]) -> list[dict[str, Any]]:
     rows = []
     for (name, slug), drive in zip(camshaft.slugs.items(), camshaft.design.drives, strict=True):
@@ -405,13 +383,13 @@ def _camshaft_extremes(camshaft: Camshaft[Study]) -> dict[str, Any]:
     """Of the columns of ``shaft.csv``; ``cam_angle_deg`` is the machine angle there."""
     found = {
         f"{camshaft.slugs[name]}_torque_nm": peaks(camshaft.drive_load(name))
-        for name in camshaft.carried
+        for name in camshaft.loading_drives
         if name not in camshaft.failures
     }
     rows = {key: range_row(each, 1.0) for key, each in found.items()}
-    if answers(camshaft):
+    if is_complete(camshaft):
         rows = {"torque_nm": range_row(camshaft.peaks, 1.0), **rows}
-    if runs(camshaft):
+    if has_speed(camshaft):
         motor = camshaft.motor_range
         rows |= {
             "motor_torque_nm": range_row(motor["motor_torque"], 1.0),
@@ -423,7 +401,7 @@ def _camshaft_extremes(camshaft: Camshaft[Study]) -> dict[str, Any]:
 def torque(camshaft: Camshaft[Study]) -> dict[str, float]:
     """Mean, root mean square, greatest size with its machine angle, and peak power, at constant speed; empty where a drive is
     missing."""
-    if not answers(camshaft):
+    if not is_complete(camshaft):
         return {}
     peak = camshaft.peak_torque
     return {

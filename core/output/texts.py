@@ -11,22 +11,22 @@ from core.blend import (
     MOTION_TYPES,
     SIGNS,
     TABLE,
-    Blended,
+    BlendResult,
     Request,
     all_sequences,
     blend,
-    next_in,
+    join_error,
+    next_curves,
     peak_of,
     state_text,
     state_words,
     states,
-    why_not,
 )
 from core.contour import Jump, TracedMotion
 from core.design import UNITS, Design, Motion, NamedCurve, Segment, require_motion
 from core.frozen import frozen
 from core.laws import LAWS, PieceTable
-from core.motion.curves import shape_of
+from core.motion.curves import segment_shape
 from core.motion.extremes import true_stroke
 from core.output.lines import columns, digits
 from core.plot import Figure, Plot, PlotCurve
@@ -45,7 +45,7 @@ class BlendCurveRow:
     rise: float
 
 
-def curve_rows(blended: Blended) -> list[BlendCurveRow]:
+def curve_rows(blended: BlendResult) -> list[BlendCurveRow]:
     """The curves in order; the motion starts at level 0, or falls to it."""
     angle, level = blended.request.start, blended.first_level
     rows = []
@@ -65,7 +65,7 @@ class FlatRow:
     acceleration: float
 
 
-def flat_rows(blended: Blended) -> list[FlatRow]:
+def flat_rows(blended: BlendResult) -> list[FlatRow]:
     """Of the curves that have one, in order; it lies in the middle of its curve."""
     made = []
     for row, segment in zip(curve_rows(blended), blended.segments, strict=True):
@@ -77,7 +77,7 @@ def flat_rows(blended: Blended) -> list[FlatRow]:
     return made
 
 
-def curves_data(blended: Blended) -> list[dict[str, Any]]:
+def curves_data(blended: BlendResult) -> list[dict[str, Any]]:
     """The curves in order, with their angles and levels. A motion in degrees has a ``level_deg`` where one in mm has a
     ``start_mm``: its ``start_deg`` is the cam angle. A constant acceleration inside a curve has three entries more."""
     unit = blended.request.unit
@@ -99,7 +99,7 @@ def curves_data(blended: Blended) -> list[dict[str, Any]]:
     ]
 
 
-def blend_text(blended: Blended) -> str:
+def blend_text(blended: BlendResult) -> str:
     """Sequence, spans and the table of starts and ends."""
     unit = blended.request.unit
     rows: list[tuple[str, ...]] = [
@@ -122,7 +122,7 @@ def blend_text(blended: Blended) -> str:
     return "\n".join(lines) + "\n"
 
 
-def changed_beside(before: Motion, after: Motion, blended: Blended) -> tuple[int, Segment] | None:
+def changed_beside(before: Motion, after: Motion, blended: BlendResult) -> tuple[int, Segment] | None:
     """What moves otherwise beside the blended curves, so that the follower comes back to where it starts: the first such
     segment and its number, counted from 1; None where the rest stays as it was."""
     was = {(s.curve, s.rise) for s in before.segments}
@@ -130,7 +130,7 @@ def changed_beside(before: Motion, after: Motion, blended: Blended) -> tuple[int
     return next(((n, s) for n, s in others if (s.curve, s.rise) not in was), None)
 
 
-def beside_text(before: Design, after: Design, blended: Blended) -> str:
+def beside_text(before: Design, after: Design, blended: BlendResult) -> str:
     """The same in a line, for a design into which the curves came; nothing where the rest stays."""
     changed = changed_beside(require_motion(before), require_motion(after), blended)
     if changed is None:
@@ -159,7 +159,7 @@ def table_data(curve: str = "", motion_type: str = "") -> dict[str, Any]:
     }  # fmt: skip
     if curve:
         made["after"] = curve
-        made["may_follow"] = {name: why_not(curve, name) or "yes" for name in ELEMENTS}
+        made["may_follow"] = {name: join_error(curve, name) or "yes" for name in ELEMENTS}
     if motion_type:
         made["sequences"] = {str(each): [state_text(s) for s in states(each)] for each in all_sequences(motion_type)}
     return made
@@ -176,7 +176,7 @@ def table_text(curve: str = "", motion_type: str = "") -> str:
     if curve:
         end = ELEMENTS[curve].end
         lines += ["", f"after {curve}, which ends {state_words(end)} ({state_text(end)}):"]
-        lines += columns([(f"  {name}", why_not(curve, name) or "may follow") for name in ELEMENTS], left=2)
+        lines += columns([(f"  {name}", join_error(curve, name) or "may follow") for name in ELEMENTS], left=2)
     if motion_type:
         lines += ["", f"places of {motion_type}:"]
         for each in all_sequences(motion_type):
@@ -198,10 +198,10 @@ class SuccessionVerdict:
 
 def verdict_after(curves: tuple[str, ...], name: str, motion_type: str) -> SuccessionVerdict:
     """Of a curve after the last of these, with which the motion begins; without a type of motion after this one curve anywhere."""
-    reason = why_not(curves[-1], name)
+    reason = join_error(curves[-1], name)
     if reason:
         return SuccessionVerdict(False, False, reason)
-    if not motion_type or name in next_in(motion_type, curves):
+    if not motion_type or name in next_curves(motion_type, curves):
         return SuccessionVerdict(True, True, f"may follow {curves[-1]}")
     return SuccessionVerdict(True, False, f"may follow {curves[-1]}, but not at this place of {motion_type}")
 
@@ -214,13 +214,13 @@ SAMPLES = 181
 _QUANTITIES = (("Displacement", ""), ("Velocity", "/°"), ("Acceleration", "/°²"))
 
 
-def blend_figure(blended: Blended, name: str = "blend") -> Figure:
+def blend_figure(blended: BlendResult, name: str = "blend") -> Figure:
     """Every curve from its own formula, velocity and acceleration by degrees of cam angle; where curves meet stands the name
     of the one that begins."""
     u = np.linspace(0.0, 1.0, SAMPLES)
     angles, values, marks = [], [], []
     for row, segment in zip(curve_rows(blended), blended.segments, strict=True):
-        shape = shape_of(segment, False, "motion.segments")
+        shape = segment_shape(segment, False, "motion.segments")
         y = shape.gain * PieceTable(shape.pieces).at(u).all[:3] / segment.span_deg ** np.arange(3)[:, None]
         y[0] += row.level
         angles.append(row.angle + segment.span_deg * u)

@@ -198,7 +198,7 @@ def _grown(verdict: Verdict) -> str:
 
 
 def _lost(verdict: Verdict, words: str, after: str = "") -> str:
-    return "" if verdict.lost is None else f", {words} y = {verdict.lost:.4f}{after}"
+    return "" if verdict.contact_lost is None else f", {words} y = {verdict.contact_lost:.4f}{after}"
 
 
 def judge_follower_error(stroke: float, twist: float, torque: float) -> Judgement:

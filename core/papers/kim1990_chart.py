@@ -113,9 +113,14 @@ def averages(examples: Examples, q: tuple[float, ...], eta_max: float = ETA_MAX,
     )
     rows, columns = np.isin(made.q, q), np.arange(etas(eta_max).size)
     here = np.ix_(rows, columns)
-    lost = None if made.lost is None else made.lost[here]
+    lost = None if made.is_contact_lost is None else made.is_contact_lost[here]
     return replace(
-        made, q=made.q[rows], eta=made.eta[columns], wind_up=made.wind_up[here], slope=made.slope[here], lost=lost
+        made,
+        q=made.q[rows],
+        eta=made.eta[columns],
+        wind_up=made.wind_up[here],
+        slope=made.slope[here],
+        is_contact_lost=lost,
     )
 
 
@@ -224,7 +229,7 @@ def means(examples: Examples) -> Numbers:
 
 def losses(examples: Examples) -> Numbers:
     first = first_turn(examples)
-    lost = np.zeros(first.q.size, dtype=bool) if first.lost is None else first.lost.any(axis=1)
+    lost = np.zeros(first.q.size, dtype=bool) if first.is_contact_lost is None else first.is_contact_lost.any(axis=1)
     return {"q": first.q, "lost": lost, "later": [(h.eta, h.q, h.contact_lost) for h in runs(examples)]}
 
 

@@ -46,7 +46,7 @@ from core.papers.shin1995_cam import largest
 from core.papers.shin1995_geometry import LIFT, PRINTED_INERTIAS, TABLE_2, TABLE_3, UNIT, base
 from core.plot import Plot, PlotCurve
 from core.study import Study, names_of, quantity
-from core.study.quantity_requests import along, leads, travel
+from core.study.quantity_requests import output_travel, path_drives, path_rate
 
 # -- shin1995 Table 1 -------------------------------------------------------------------------------------------
 
@@ -375,7 +375,9 @@ FIG_14 = PaperFigure("figure_14", "Shin1995 Fig. 14: structure of transfer unit"
 def _path_columns(examples: Examples) -> dict[str, np.ndarray]:
     """Of what the first drives carry, by machine angle [mm, mm/s]."""
     shaft = examples.shaft(UNIT)
-    return {name: travel(shaft, name)[0] * MM for name in leads(shaft)} | {"speed": along(shaft, 1) * MM}
+    return {name: output_travel(shaft, name)[0] * MM for name in path_drives(shaft)} | {
+        "speed": path_rate(shaft, 1) * MM
+    }
 
 
 def _path_table(examples: Examples) -> FigureTable:
@@ -386,7 +388,7 @@ def _path_table(examples: Examples) -> FigureTable:
 
 def _path(examples: Examples) -> tuple[Plot, ...]:
     columns = {name: closed(column) for name, column in _path_columns(examples).items()}
-    first, *others = leads(examples.shaft(UNIT))
+    first, *others = path_drives(examples.shaft(UNIT))
     angle = np.append(examples.shaft(UNIT).angle_degrees, 360.0)
     paths = tuple(
         Plot(f"{first}, mm", f"{name}, mm", (PlotCurve(columns[first], columns[name]),), alike=True, fit=True)

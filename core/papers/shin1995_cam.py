@@ -14,7 +14,7 @@ from core.numerics.derivatives import cross
 from core.papers.claim import Examples
 from core.papers.shin1995_geometry import LIFT, UNIT
 from core.study import Study, extremes_of
-from core.study.quantity_requests import along, leads, travel
+from core.study.quantity_requests import output_travel, path_drives, path_rate
 
 # -- the numbers of Shin1995's velocities, instant centre and cam shape, of the example's lift ------------------
 
@@ -60,7 +60,7 @@ def centre(examples: Examples) -> dict[str, np.ndarray]:
     zxy = abs(pivot)
     along = pivot / zxy
     turn = study.linkage.coordinates["phi"][1]
-    against = -shape.sense * turn
+    against = -shape.rotation_sign * turn
     q = (shape.centre.finite * along.conjugate()).real
     with np.errstate(divide="ignore", invalid="ignore"):
         printed, corrected = zxy * turn / (1.0 + turn), zxy * against / (1.0 + against)
@@ -310,7 +310,7 @@ def drive_torque(examples: Examples) -> Numbers:
     """(27): R x F_c against the power that the follower takes, T_L φ̇/ω."""
     study = examples.study(LIFT)
     force = study.dynamics.contact * study.cam.flank.normal
-    crossed = -study.cam.sense * cross(study.cam.reference, force)
+    crossed = -study.cam.rotation_sign * cross(study.cam.reference, force)
     power = study.dynamics.follower_torque * study.linkage.coordinates["phi"][1]
     return {
         "off": max(_torque_error(crossed, study.dynamics.torque), _torque_error(power, study.dynamics.torque)),
@@ -345,7 +345,7 @@ def fitted(examples: Examples) -> Study:
 
     def make() -> Study:
         study = examples.study(LIFT)
-        if study.levelled:
+        if study.levels_torque:
             return study
         needed = study.flywheel.needed_inertia
         shaft = replace(shaft_of(study), flywheel_inertia_kg_m2=needed)
@@ -434,8 +434,8 @@ def transferred(examples: Examples) -> Numbers:
     """§6.1: travel [mm] in each direction of what the first drives carry, by their names; where the others stand while the first one
     goes forwards and while it goes back, least and most [mm]; and the largest speed along the path [mm/s]."""
     shaft = examples.shaft(UNIT)
-    names = leads(shaft)
-    path = {name: travel(shaft, name) for name in names}
+    names = path_drives(shaft)
+    path = {name: output_travel(shaft, name) for name in names}
     way = {name: float(np.ptp(moved[0])) * 1e3 for name, moved in path.items()}
     first = path[names[0]][1]
     least = 0.01 * np.abs(first).max()
@@ -446,7 +446,7 @@ def transferred(examples: Examples) -> Numbers:
         )
         for name, moved in list(path.items())[1:]
     }
-    return {"way": way, "sides": sides, "speed": float(along(shaft, 1).max()) * 1e3}
+    return {"way": way, "sides": sides, "speed": float(path_rate(shaft, 1).max()) * 1e3}
 
 
 def in_three(

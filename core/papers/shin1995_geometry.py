@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from core.design import Design, get, si
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.followers.cam_slider import LAYOUT_LENGTHS, in_layout
 from core.papers.claim import (
     MISPRINT,
@@ -304,7 +304,7 @@ def types(examples: Examples) -> Numbers:
         try:
             found[letter] = sides(study, np.pi)
             force[letter] = float(study.dynamics.contact.min())
-        except NoAnswer:
+        except NoSolution:
             continue
     return {"found": found, "force": force}
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from core.blend import MOTION_TYPES, Blended, Request, blend, sequences
+from core.blend import MOTION_TYPES, BlendResult, Request, blend, sequences
 from core.blend.solver import candidates
 from core.design import require_motion
 from core.laws import LAWS
@@ -92,13 +92,13 @@ SHOWN = {
 """Motion -> where its velocity is constant, and what determines its curves, over a stroke of 1."""
 
 
-def _shown(kind: str) -> Blended:
+def _shown(kind: str) -> BlendResult:
     constant, settings = SHOWN[kind]
     span = 180.0 if MOTION_TYPES[kind].back is None else 360.0
     return blend(Request(kind, 1.0, 0.0, span, constant, settings))
 
 
-def _sampled(made: Blended) -> tuple[np.ndarray, np.ndarray, list[tuple[float, str]]]:
+def _sampled(made: BlendResult) -> tuple[np.ndarray, np.ndarray, list[tuple[float, str]]]:
     """Angle [deg] and displacement (n,), and the places where curves meet with the signs of velocity and acceleration."""
     angles, levels, marks = [], [], []
     at, level, u = 0.0, made.first_level, np.linspace(0.0, 1.0, 61)

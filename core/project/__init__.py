@@ -11,7 +11,7 @@ from core.bounds import DIGITS
 from core.design import BALANCER, Design, drive_names, in_machine, numbered, only, part_faults
 from core.design.linkage_rules import only_unfinished
 from core.errors import MISSING, DesignError, Fault, KindynaError
-from core.process import late
+from core.process import lazy_attributes
 from core.project.differences import ValueDifference, differences
 from core.project.files import AnyPath, read_text, write
 from core.project.reading import design_from_tables
@@ -20,7 +20,7 @@ from core.project.reading_faults import require_few_marks
 if TYPE_CHECKING:
     from core.project.writing import dumps, dumps_table, to_table
 else:
-    __getattr__ = late(__name__, "writing")
+    __getattr__ = lazy_attributes(__name__, "writing")
 
 __all__ = [
     "ValueDifference", "differences", "dumps", "dumps_table", "from_table", "load", "load_drawing", "load_linked", "load_one", "loads",

@@ -37,8 +37,8 @@ from core.design.topology import driver_turns
 from core.errors import DesignError, Fault, KindynaError
 from core.frozen import frozen
 from core.laws import Piece
-from core.motion import Angles, Program, program
-from core.motion.program import all_ends
+from core.motion import Angles, CompiledMotion, program
+from core.motion.program import piece_ends
 from core.units import split_unit
 
 TURN = 2.0 * np.pi
@@ -206,7 +206,7 @@ def _of_sum(request: _Request) -> tuple[Motion, list[str]]:
     return replace(made, start=sum(motion.start for motion in motions)), files
 
 
-def _on_piece(part: Program, theta: np.ndarray, inside: float) -> np.ndarray:
+def _on_piece(part: CompiledMotion, theta: np.ndarray, inside: float) -> np.ndarray:
     piece = int(part.angles(np.array([inside])).piece[0])
     return part.state(Angles(theta, np.full(theta.size, piece))).y
 
@@ -446,11 +446,11 @@ CLOSE = 2e-13  # of the largest jerk: an interpolant this near is the function
 MOST_HALVINGS = 7
 
 
-def _fitted(rows: Rows, parts: Sequence[Program], unit: str, advance: float | None) -> Motion:
+def _fitted(rows: Rows, parts: Sequence[CompiledMotion], unit: str, advance: float | None) -> Motion:
     """The motion of a function whose pieces are those of several programs, a segment from join to join of any of them."""
     scale = UNITS[unit].factor
-    joins = all_ends([np.array([join.theta for join in part.joins]) for part in parts])
-    ends = all_ends([part.starts for part in parts])
+    joins = piece_ends([np.array([join.theta for join in part.joins]) for part in parts])
+    ends = piece_ends([part.starts for part in parts])
     segments = []
     for low, high in pairwise(joins.tolist()):
         inner = [low, *(e for e in ends.tolist() if low + 1e-11 < e < high - 1e-11), high]
@@ -500,7 +500,7 @@ def _pieces(
 OWN = 1e-9  # of the stroke, how far a table may be from what it stands for
 
 
-def _tabled(compiled: Program, index: int, segment: Segment) -> Segment:
+def _tabled(compiled: CompiledMotion, index: int, segment: Segment) -> Segment:
     """A computed segment as rows of a table, with velocity and acceleration, between which quintics go."""
     own = np.flatnonzero(compiled.segment == index)
     low, high = float(compiled.starts[own[0]]), float(compiled.ends[own[-1]])
@@ -522,12 +522,12 @@ def _tabled(compiled: Program, index: int, segment: Segment) -> Segment:
     return Segment(segment.span_deg, segment.rise, TableCurve(tuple(points)))
 
 
-def _at(compiled: Program, own: np.ndarray, theta: np.ndarray) -> np.ndarray:
+def _at(compiled: CompiledMotion, own: np.ndarray, theta: np.ndarray) -> np.ndarray:
     piece = own[np.clip(np.searchsorted(compiled.starts[own], theta, side="right") - 1, 0, own.size - 1)]
     return compiled.state(Angles(theta, piece)).y
 
 
-def _quintics_off(compiled: Program, own: np.ndarray, at: np.ndarray, y: np.ndarray) -> float:
+def _quintics_off(compiled: CompiledMotion, own: np.ndarray, at: np.ndarray, y: np.ndarray) -> float:
     from core.laws.polynomial import quintics
 
     h = np.diff(at)

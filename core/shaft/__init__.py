@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from core.process import late
+from core.process import lazy_attributes
 from core.shaft.curve import NODES, LoadCurve, combined, load_curve, panel_angles, peaks, rms, value
 from core.shaft.flywheel import Flywheel, filtered, findings, lag, levels, motor_inertia, rounded_up
 from core.shaft.speed import SpeedCurve, speed_fluctuation, steady_speed
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     )
     from core.shaft.phases import AIMS, Phases, Spacing, best_phases, reached_along
 else:
-    __getattr__ = late(__name__, "balancer", "flywheel", "phases")
+    __getattr__ = lazy_attributes(__name__, "balancer", "flywheel", "phases")
 
 __all__ = [
     "AIMS",

@@ -31,7 +31,7 @@ from core.design import (
     TranslatingLoads,
     si,
 )
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.frozen import frozen
 from core.laws import Piece, moved
 from core.motion import TURN
@@ -121,8 +121,8 @@ Panels = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Start, width (m,) [rad] and coefficients (k, m) of r**k, of x [m] over the turn, x = 0 at the greatest W."""
 
 
-def heavy_panels(energy: Energy, balancers: Sequence[Balancer], omega: float) -> list[Panels | NoAnswer]:
-    """Of many balance cams of one load at a speed [rad/s]; NoAnswer of those whose follower is too heavy. What one gives does not depend
+def heavy_panels(energy: Energy, balancers: Sequence[Balancer], omega: float) -> list[Panels | NoSolution]:
+    """Of many balance cams of one load at a speed [rad/s]; NoSolution of those whose follower is too heavy. What one gives does not depend
     on the others."""
     followers = _Followers.of(balancers, omega, energy.swing)
     parts = _cut_at_turns(energy)
@@ -139,7 +139,7 @@ def heavy_panels(energy: Energy, balancers: Sequence[Balancer], omega: float) ->
 
 def _assembled(
     energy: Energy, follower: _Followers, parts: _Parts, moving: _Pieces, still: Sequence[np.ndarray]
-) -> Panels | NoAnswer:
+) -> Panels | NoSolution:
     """The pieces of one balance cam by the angle, those in which nothing moves among them."""
     rest = np.concatenate([np.zeros(0, dtype=int), *still])
     x = follower.resting(polyval(parts.low[rest], energy.energy[:, parts.panel[rest]]))
@@ -355,9 +355,9 @@ def _unmet(follower: _Followers, ends: np.ndarray) -> int | None:
     return worst if max(place[worst], speed[worst]) > MET * follower.swing else None
 
 
-def _too_heavy(angle: float) -> NoAnswer:
+def _too_heavy(angle: float) -> NoSolution:
     at: Any = float(np.rad2deg(angle) % 360.0)
-    return NoAnswer(
+    return NoSolution(
         "the follower is too heavy for its spring: it is still under way where it should turn,",
         "balancer.follower_mass_kg",
         "lower it, or enlarge spring_rate_n_per_mm or preload_n",
@@ -379,17 +379,17 @@ MM = 1e3
 def balance_drive(load: LoadCurve, balancer: Balancer, omega: float) -> Drive:
     """The balance cam as a drive of its own, whose cam angle is the machine angle less the balancer's phase.
 
-    load: what is to be balanced at the speed omega [rad/s]. Raises NoAnswer where the torque jumps, or nothing follows it.
+    load: what is to be balanced at the speed omega [rad/s]. Raises NoSolution where the torque jumps, or nothing follows it.
     """
     (found,) = balance_drives(load, [balancer], omega)
-    if isinstance(found, NoAnswer):
+    if isinstance(found, NoSolution):
         raise found
     return found
 
 
-def balance_drives(load: LoadCurve, balancers: Sequence[Balancer], omega: float) -> list[Drive | NoAnswer]:
+def balance_drives(load: LoadCurve, balancers: Sequence[Balancer], omega: float) -> list[Drive | NoSolution]:
     """The same of many balance cams of one load; those with a mass on their followers, or none of them. In place of one that has no
-    answer why it has none. Raises NoAnswer where the torque jumps."""
+    answer why it has none. Raises NoSolution where the torque jumps."""
     _require_smooth(load)
     energy, found = _energy(load), [_too_slack(load, each) for each in balancers]
     good = [each for each, fault in zip(balancers, found, strict=True) if fault is None]
@@ -398,8 +398,8 @@ def balance_drives(load: LoadCurve, balancers: Sequence[Balancer], omega: float)
     return [fault or _drive(each, next(made)) for each, fault in zip(balancers, found, strict=True)]
 
 
-def _drive(balancer: Balancer, panels: Panels | NoAnswer) -> Drive | NoAnswer:
-    if isinstance(panels, NoAnswer):
+def _drive(balancer: Balancer, panels: Panels | NoSolution) -> Drive | NoSolution:
+    if isinstance(panels, NoSolution):
         return panels
     loads = TranslatingLoads(
         spring_rate_n_per_mm=balancer.spring_rate_n_per_mm,
@@ -421,14 +421,14 @@ def _motion_of(balancer: Balancer, start: np.ndarray, width: np.ndarray, coeffic
 
 
 def _require_smooth(load: LoadCurve) -> None:
-    """Raises NoAnswer where the torque jumps: the motion would have a corner there."""
+    """Raises NoSolution where the torque jumps: the motion would have a corner there."""
     ends, swing = load.torque.sum(axis=0), _swing(load)
     jump = np.roll(load.torque[0], -1) - ends
     jumps = np.abs(jump) > JUMP * swing
     if jumps.any():
         worst = int(np.argmax(np.abs(jump)))
         angles = np.sort(np.rad2deg((load.start + load.width)[jumps] % TURN))
-        raise NoAnswer(
+        raise NoSolution(
             f"the torque that it balances jumps, by up to {abs(float(jump[worst])):.6g} N m,",
             "balancer",
             "smooth the motions there, so that no acceleration jumps",
@@ -436,7 +436,7 @@ def _require_smooth(load: LoadCurve) -> None:
         )
 
 
-def _too_slack(load: LoadCurve, balancer: Balancer) -> NoAnswer | None:
+def _too_slack(load: LoadCurve, balancer: Balancer) -> NoSolution | None:
     """What stands against its preload."""
     s = si(balancer)
     low, high = energy_range(load)
@@ -444,7 +444,7 @@ def _too_slack(load: LoadCurve, balancer: Balancer) -> NoAnswer | None:
     if s.preload >= least:
         return None
     angle = float(np.rad2deg(highest_at(load)))
-    return NoAnswer(
+    return NoSolution(
         f"with {balancer.preload_n:g} N its spring is slack where the motion is least, and the motion has a kink there,",
         "balancer.preload_n",
         f"enlarge it, to {least:.3g} N at least",

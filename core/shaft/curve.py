@@ -13,11 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from core.errors import NoAnswer, angle_ranges
+from core.errors import NoSolution, angle_ranges
 from core.frozen import frozen
-from core.motion import TURN, Angles, Program
-from core.motion.extremes import Extreme, Range, crossings
-from core.motion.program import CLOSEST, ShaftPosition, all_ends
+from core.motion import TURN, Angles, CompiledMotion
+from core.motion.extremes import Extreme, Extremes, crossings
+from core.motion.program import CLOSEST, ShaftPosition, piece_ends
 from core.numerics.derivatives import distinct
 from core.numerics.roots import gauss_legendre
 
@@ -85,7 +85,7 @@ def to_powers(count: int) -> np.ndarray:
 
 
 def panel_angles(
-    program: Program,
+    program: CompiledMotion,
     cuts: Angles | None = None,
     longest: float = PANEL,
     least: int = LEAST_PANELS,
@@ -108,9 +108,9 @@ def panel_angles(
 
 
 def load_curve(
-    load: Load, program: Program, *switches: Callable[[Angles], np.ndarray] | None, even_at_rest: bool = False
+    load: Load, program: CompiledMotion, *switches: Callable[[Angles], np.ndarray] | None, even_at_rest: bool = False
 ) -> LoadCurve:
-    """The load fitted on panels. Raises NoAnswer where its torque is infinite.
+    """The load fitted on panels. Raises NoSolution where its torque is infinite.
 
     switches  (n,) at any cam angles: where the sign of one changes, as that of the guide's force does, friction breaks the
               torque, and so panels end there
@@ -132,7 +132,7 @@ def load_curve(
         values[:, fresh] = load(Angles(angles.theta[fresh], angles.piece[fresh]))
     lost = np.any(~np.isfinite(values), axis=0)
     if lost.any():
-        raise NoAnswer("the torque is infinite", "loads", "change them", angle_ranges(angles.theta, lost))
+        raise NoSolution("the torque is infinite", "loads", "change them", angle_ranges(angles.theta, lost))
     torque, inertia = (row.reshape(-1, NODES) for row in values)
     return fitted(start, width, torque, inertia)
 
@@ -178,14 +178,14 @@ def placed(start: np.ndarray, width: np.ndarray, theta: np.ndarray) -> tuple[np.
 def combined(loads: Sequence[tuple[LoadCurve, ShaftPosition]]) -> LoadCurve:
     """T_c and J_e of all together by machine angle. The panels of each are shifted by its phase and cut where another's end: the
     polynomials of all are the same on them, so that nothing is lost but rounding."""
-    ends = all_ends([place.machine(curve.start) for curve, place in loads])
+    ends = piece_ends([place.machine_angle(curve.start) for curve, place in loads])
     start, width = ends[:-1], np.diff(ends)
     inside = width[:, None] * (nodes()[0] - 0.5)
     torque, inertia = np.zeros_like(inside), np.zeros_like(inside)
     for curve, place in loads:
-        middle = place.own(start + 0.5 * width)
+        middle = place.drive_angle(start + 0.5 * width)
         at, r = placed(curve.start, curve.width, middle)
-        r = r[:, None] + place.sense * inside / curve.width[at][:, None]
+        r = r[:, None] + place.rotation_sign * inside / curve.width[at][:, None]
         torque += polyval(r, curve.torque[:, at, None])
         inertia += polyval(r, curve.inertia[:, at, None])
     return fitted(start, width, torque, inertia)
@@ -206,7 +206,7 @@ def rms(curve: LoadCurve) -> float:
     return float(np.sqrt((curve.width[:, None] * 0.5 * weight * values**2).sum() / TURN))
 
 
-def peaks(curve: LoadCurve) -> Range:
+def peaks(curve: LoadCurve) -> Extremes:
     """Lowest and highest T_c [N m], both sides of its jumps seen; between the panels' ends refined by Newton's method, in every panel:
     a sample may be the highest beside another peak."""
     r = np.linspace(0.0, 1.0, 2 * NODES + 1)
@@ -231,4 +231,4 @@ def peaks(curve: LoadCurve) -> Range:
         theta = float(np.mod(curve.start[panel] + at[panel] * curve.width[panel], TURN))
         return Extreme(float(polyval(at[panel], curve.torque[:, panel])), theta)
 
-    return Range(extreme(-1.0), extreme(1.0))
+    return Extremes(extreme(-1.0), extreme(1.0))

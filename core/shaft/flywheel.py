@@ -10,7 +10,7 @@ from math import exp, floor, log, log10, pi
 import numpy as np
 
 from core.design import Shaft, si
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.findings import ERROR, NOTE, Finding
 from core.frozen import frozen
 from core.motion import TURN, Angles
@@ -247,13 +247,13 @@ class Flywheel:
 
     @property
     def fluctuation(self) -> float:
-        """(ω_max - ω_min)/ω̄ with the flywheel fitted; 0 without one. Raises NoAnswer where the motor stalls."""
+        """(ω_max - ω_min)/ω̄ with the flywheel fitted; 0 without one. Raises NoSolution where the motor stalls."""
         low, high = self._deviations
         return float((high - low) / si(self.shaft).speed)
 
     @property
     def speed_range(self) -> tuple[float, float]:
-        """The least and the greatest ω [rad/s]. Raises NoAnswer where the motor stalls."""
+        """The least and the greatest ω [rad/s]. Raises NoSolution where the motor stalls."""
         low, high = self._deviations
         return si(self.shaft).speed + low, si(self.shaft).speed + high
 
@@ -268,7 +268,7 @@ class Flywheel:
     @property
     def _curve(self) -> SpeedCurve:
         if self._steady is None:
-            raise NoAnswer(
+            raise NoSolution(
                 "the motor stalls, this flywheel does not carry the load over its peak",
                 "shaft.flywheel_inertia_kg_m2",
                 "enlarge it, or motor_slope_nm_s_per_rad",
@@ -276,11 +276,11 @@ class Flywheel:
         return self._steady
 
     def speed(self, angles: Angles) -> np.ndarray:
-        """ω (n,) [rad/s]. Raises NoAnswer where the motor stalls."""
+        """ω (n,) [rad/s]. Raises NoSolution where the motor stalls."""
         return si(self.shaft).speed + self._deviation(angles)
 
     def motor_torque(self, angles: Angles) -> np.ndarray:
-        """T_m = T̄ + k(ω̄ - ω) (n,) [N m]; without a flywheel T_c. Raises NoAnswer where the motor stalls."""
+        """T_m = T̄ + k(ω̄ - ω) (n,) [N m]; without a flywheel T_c. Raises NoSolution where the motor stalls."""
         if not levels(self.shaft):
             return self.torque(angles)
         return self.load.mean - si(self.shaft).motor_slope * self._deviation(angles)

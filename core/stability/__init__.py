@@ -8,10 +8,10 @@ from core.stability.coefficients import (
     Coefficients,
     DrivenMechanism,
     coefficients,
-    coefficients_of_all,
+    driven_sizes,
     kim_edges,
     kim_matrix,
-    own_sizes,
+    shaft_coefficients,
 )
 from core.stability.critical_speeds import (
     Chart,
@@ -24,11 +24,11 @@ from core.stability.critical_speeds import (
     coefficients_plot,
     contact_marks,
     first_guess,
-    flexible,
     harmonics_plot,
     history_plot,
     steady_plots,
     stiffness_for,
+    with_flexible_shaft,
 )
 from core.stability.floquet import monodromy, refined, tongues
 from core.stability.stage import (
@@ -43,16 +43,17 @@ from core.stability.stage import (
     findings,
     stability,
 )
-from core.stability.steady import Follower, SteadyTurn, branch, shoot, steady_response, steady_turn, sum_of
+from core.stability.steady import Follower, SteadyTurn, branch, fourier_sum, shoot, steady_response, steady_turn
 from core.stability.tongues import EDGE_ERROR, ETA_MAX, Tongues, count_up_to, harmonic_tongues, tongues_of_order
-from core.stability.windup import Averages, History, Touching, histories, history, mean_wind_up
+from core.stability.windup import Averages, FollowerContact, History, histories, history, mean_wind_up
 
 __all__ = [
-    "APPROXIMATE", "EDGE_ERROR", "EQUATIONS", "ETA_MAX", "EXACT", "LABELS", "LOST", "STABLE", "UNKNOWN_VERDICT", "UNSTABLE", "Averages",
-    "Chart", "Coefficients", "DrivenMechanism", "Figure", "Follower", "ForbiddenBand", "History", "Machine", "Plot", "PlotCurve",
-    "Stability", "SteadyTurn", "Stiffness", "Tongues", "Touching", "Verdict", "averages_plots", "bands", "branch", "chart",
-    "coefficients", "coefficients_of_all", "coefficients_plot", "contact_forces", "contact_marks", "count_up_to", "findings",
-    "first_guess", "flexible", "harmonic_tongues", "harmonics_plot", "histories", "history", "history_plot", "kim_edges",
-    "kim_matrix", "mean_wind_up", "monodromy", "own_sizes", "refined", "shoot", "stability", "steady_plots", "steady_response",
-    "steady_turn", "stiffness_for", "sum_of", "tongues", "tongues_of_order",
+    "APPROXIMATE", "EDGE_ERROR", "EQUATIONS", "ETA_MAX", "EXACT", "LABELS", "LOST", "STABLE", "UNKNOWN_VERDICT",
+    "UNSTABLE", "Averages", "Chart", "Coefficients", "DrivenMechanism", "Figure", "Follower", "FollowerContact",
+    "ForbiddenBand", "History", "Machine", "Plot", "PlotCurve", "Stability", "SteadyTurn", "Stiffness", "Tongues",
+    "Verdict", "averages_plots", "bands", "branch", "chart", "coefficients", "coefficients_plot", "contact_forces",
+    "contact_marks", "count_up_to", "driven_sizes", "findings", "first_guess", "fourier_sum", "harmonic_tongues",
+    "harmonics_plot", "histories", "history", "history_plot", "kim_edges", "kim_matrix", "mean_wind_up", "monodromy",
+    "refined", "shaft_coefficients", "shoot", "stability", "steady_plots", "steady_response", "steady_turn",
+    "stiffness_for", "tongues", "tongues_of_order", "with_flexible_shaft",
 ]  # fmt: skip

@@ -1,15 +1,19 @@
-"""Monodromy matrices: what one turn of the shaft does to a small wind-up and its rate, panel by panel, never across a join.
+"""Monodromy matrices: one turn of the shaft as a map of a small wind-up and its rate, panel by panel.
 
 With damping ζ_d the equation for ζ = √D β is ζ'' + p1 ζ' + p0 ζ = 0, p1 = 4π ζ_d η/D,
-p0 = 4π² [η² w + p - 2 ζ_d η Q C/D²]. ζ and ζ' are continuous where X'' jumps, C with it. Each panel is one step of the
-collocation at its 16 Gauss-Legendre nodes (order 32); panels are narrowed where a wave would be shorter than they can
-hold. Liouville: the determinant is exp(-4π ζ_d η ∫ dy/D).
+p0 = 4π² [η² w + p - 2 ζ_d η Q C/D²]. ζ and ζ' are continuous where X'', and C with it, jumps. Each panel is one step of
+the
+collocation at its 16 Gauss-Legendre nodes (order 32); panels are narrowed where a wave would be too short for them.
+Liouville: the determinant is exp(-4π ζ_d η ∫ dy/D).
 
-Tongue edges from these matrices: the last digits where harmonics converge slowly, and tongues with damping. At an edge the
-matrix M(η) has the multiplier s = +1 (n even) or -1 (n odd): det(M - s) = 0. The trace only touches 2 at the tip of a tongue,
-so that its zero is lost in rounding. But M(η + δ) - s = E + δ K, K = dM/dη, is singular at both edges of a tongue at once, and
-det(E + δK) = det E + δ tr(adj(E) K) + δ² det K has both as its roots: a pencil of 2 x 2 matrices, well conditioned at the tip
-too; Newton's method for two zeros that may be one.
+Tongue edges from these matrices give the last digits where harmonics converge slowly, and tongues with damping. At an
+edge
+the matrix M(η) has the multiplier s = +1 (n even) or -1 (n odd): det(M - s) = 0. The trace only touches 2 at the tip of
+a
+tongue, so that its zero is lost in rounding. But M(η + δ) - s = E + δ K, K = dM/dη, is singular at both edges of a
+tongue
+at once, and det(E + δK) = det E + δ tr(adj(E) K) + δ² det K has both as its roots: a pencil of 2 x 2 matrices, well
+conditioned at the tip too; Newton's method for two zeros that may coincide.
 
 Damping closes a tongue from its tip: where the roots are complex there is none.
 """
@@ -32,30 +36,36 @@ from core.stability.coefficients import EXACT, Coefficients, inertia_and_pull, w
 from core.stability.panels import NODES, integration
 from core.stability.tongues import EDGE_ERROR, MOST_ORDER, Tongues, harmonic_tongues, with_rows
 
-PHASE = 2.0  # [rad] of the wave that one panel may hold
+PHASE = 2.0  # [rad] greatest phase of the wave over one panel
 SWEEPS = 40
-TOGETHER = 15_000  # nodes that are worked on at once: what a processor's cache still likes
+BATCH = 15_000  # nodes in one batch, which fit a processor's cache
 STEPS = 40  # most steps of Newton's method for an edge
-CLOSE = 1e-5  # a step of η no larger is the last: what is left is its square
+CLOSE = 1e-5  # a step of η below it is the last: the remaining error is its square
 FARTHEST = 0.2  # a step must not reach the next tongue
-CLEARLY = 0.1  # of the imaginary part of complex roots: a step no larger proves them
-ROUNDS = 3  # of steps no smaller than the one before: then rounding is all that is left
-NARROW = 0.2  # half width over ζη, below which damping has surely closed a tongue; at 1 it closes it for small Q
+CLEARLY = 0.1  # of the imaginary part of complex roots: a smaller step proves them
+ROUNDS = 3  # steps that are not smaller than the previous one: then only rounding remains
+NARROW = 0.2  # half width over ζη, below which damping has certainly closed a tongue; at 1 it closes it for small Q
 ROUNDING = 4.0  # times eps
-UNKNOWN = 0.05  # a tenth of what tongues stand apart: an edge that harmonics leave less certain is unknown to them
-ASTRAY = 1e-6  # an edge of a larger error belongs to another tongue
-ONWARDS, FARTHEST_ORDER = 2, 160
+UNKNOWN = 0.05  # a tenth of the distance between tongues: an edge with a larger error is unknown to the harmonics
+WRONG_TONGUE = 1e-6  # an edge with a larger error belongs to another tongue
+ORDER_GROWTH, FARTHEST_ORDER = 2, 160
 BY_MONODROMY = "harmonic balance, refined by monodromy matrices"
 
 
 @frozen(eq=False)
 class Monodromy:
-    """One turn at each of L points.
+    """Map of one turn at each of L points.
 
-    matrix  (L, 2, 2): (ζ, ζ') after one turn from before
-    slope   (L, 2, 2): its derivative by η
-    det     (L,) what Liouville says its determinant is
-    error   (L,) what an entry may be wrong by, in coordinates (2πη ζ, ζ') that make all entries of a size
+    Attributes
+    ----------
+    matrix : ndarray (L, 2, 2), dimensionless
+        (ζ, ζ') after one turn as a function of the values before it.
+    slope : ndarray (L, 2, 2), dimensionless
+        Its derivative by η.
+    det : ndarray (L,), dimensionless
+        Its determinant by Liouville's formula.
+    error : ndarray (L,), dimensionless
+        Bound of the error of an entry in coordinates (2πη ζ, ζ'), which give all entries the same size.
     """
 
     matrix: np.ndarray
@@ -65,17 +75,27 @@ class Monodromy:
 
     @property
     def trace(self) -> np.ndarray:
-        """Traces (L,) of the matrices of one turn: the sum of both multipliers."""
+        """Traces (L,), dimensionless: the sum of both multipliers."""
         return np.trace(self.matrix, axis1=1, axis2=2)
 
     @property
     def growth(self) -> np.ndarray:
-        """Natural logarithm (L,) of the largest |multiplier|: growth per turn, negative where it decays."""
+        """Logarithm (L,), dimensionless, of the largest |multiplier|: growth per turn, negative where it decays."""
         return growth(self.trace, self.det)
 
 
 def size(matrix: np.ndarray, eta: np.ndarray) -> np.ndarray:
-    """The largest entry (L,) of matrices (L, 2, 2), ζ counted 2πη-fold so that all are of a kind."""
+    """Largest entry of each matrix, in coordinates (2πη ζ, ζ') that give all entries the same size.
+
+    Parameters
+    ----------
+    matrix : ndarray (L, 2, 2), dimensionless
+    eta : ndarray (L,), dimensionless
+
+    Returns
+    -------
+    ndarray (L,), dimensionless
+    """
     scale = 2.0 * pi * np.maximum(eta, 0.1)
     entries = np.abs(matrix) * np.stack((np.ones_like(scale), scale, 1.0 / scale, np.ones_like(scale)), -1).reshape(
         -1, 2, 2
@@ -84,23 +104,42 @@ def size(matrix: np.ndarray, eta: np.ndarray) -> np.ndarray:
 
 
 def determinant(matrix: np.ndarray) -> np.ndarray:
-    """Determinants (L,) of matrices (L, 2, 2)."""
+    """Determinants of 2 x 2 matrices.
+
+    Parameters
+    ----------
+    matrix : ndarray (L, 2, 2), dimensionless
+
+    Returns
+    -------
+    ndarray (L,), dimensionless
+    """
     return np.asarray(matrix[:, 0, 0] * matrix[:, 1, 1] - matrix[:, 0, 1] * matrix[:, 1, 0])
 
 
 def growth(trace: np.ndarray, det: np.ndarray) -> np.ndarray:
-    """ln of the larger |root| of μ² - trace μ + det, det > 0."""
+    """Logarithm of the larger |root| of μ² - trace μ + det.
+
+    Parameters
+    ----------
+    trace, det : ndarray (L,), dimensionless
+        det > 0.
+
+    Returns
+    -------
+    ndarray (L,), dimensionless
+    """
     half, root = 0.5 * np.abs(trace), np.sqrt(det)
-    beyond = np.sqrt(np.maximum(half - root, 0.0)) * np.sqrt(
-        half + root
-    )  # the square of half may be beyond all numbers
+    beyond = np.sqrt(np.maximum(half - root, 0.0)) * np.sqrt(half + root)  # half² may overflow
     return np.where(beyond > 0.0, np.log(np.where(beyond > 0.0, half + beyond, 1.0)), np.log(root))
 
 
 @lru_cache(maxsize=1)
 def _collocation() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Integration matrix (NODES, NODES), its square, and the columns that give the end's slope and value: all to be multiplied
-    by from the right, and laid out for that, which makes the product five times as quick."""
+    """Integration matrix (NODES, NODES), its square, and the columns for the slope and the value at the end.
+
+    All multiply from the right and are contiguous for that, which makes the product five times as fast.
+    """
     x, b = gauss(NODES)
     once = integration(NODES)
     return once.T.copy(), (once @ once).T.copy(), np.stack((b * (1.0 - x), b), axis=1)
@@ -109,14 +148,29 @@ def _collocation() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def monodromy(
     coefficients: Coefficients, eta: np.ndarray, q: np.ndarray, equation: str = EXACT, damping: float = 0.0
 ) -> Monodromy:
-    """Monodromy matrices at the points η, Q (L,)."""
+    """Monodromy matrices of the linear equation.
+
+    Parameters
+    ----------
+    coefficients : Coefficients
+    eta, q : ndarray (L,), dimensionless
+        Frequency ratio η and Q of the points.
+    equation : str
+        Key of `EQUATIONS`.
+    damping : float
+        Damping ratio ζ_d.
+
+    Returns
+    -------
+    Monodromy
+    """
     eta, q = np.broadcast_arrays(np.atleast_1d(np.asarray(eta, dtype=float)), np.asarray(q, dtype=float))
     nodes = coefficients.panels.count * NODES
-    together = max(1, TOGETHER // nodes)
-    if eta.size > together:
+    batch = max(1, BATCH // nodes)
+    if eta.size > batch:
         parts = [
-            monodromy(coefficients, eta[i : i + together], q[i : i + together], equation, damping)
-            for i in range(0, eta.size, together)
+            monodromy(coefficients, eta[i : i + batch], q[i : i + batch], equation, damping)
+            for i in range(0, eta.size, batch)
         ]
         return Monodromy(*(np.concatenate([getattr(p, f) for p in parts]) for f in ("matrix", "slope", "det", "error")))
     narrow = _narrowed(coefficients, float(eta.max(initial=0.0)), float(q.max(initial=0.0)), equation)
@@ -124,8 +178,7 @@ def monodromy(
 
 
 def _narrowed(coefficients: Coefficients, eta: float, q: float, equation: str) -> Coefficients:
-    """The coefficients on panels that hold no more than ``PHASE`` of their own fastest wave. A short steep segment narrows
-    itself and nothing else."""
+    """Coefficients on panels over which their own fastest wave has at most the phase ``PHASE``."""
     w, p = weight_and_potential(coefficients, equation, np.array([q]))
     fastest = np.sqrt(np.abs(eta * eta * w[0] + p[0]).max(axis=1))
     panels = coefficients.panels.split(PHASE / np.maximum(fastest, 1e-300))
@@ -134,13 +187,13 @@ def _narrowed(coefficients: Coefficients, eta: float, q: float, equation: str) -
 
 def _one_turn(coefficients: Coefficients, eta: np.ndarray, q: np.ndarray, equation: str, damping: float) -> Monodromy:
     panels = coefficients.panels
-    maps, slopes, decay = _each_panel(coefficients, eta, q, equation, damping)
+    maps, slopes, decay = _panel_terms(coefficients, eta, q, equation, damping)
     matrix, slope = _product(maps, slopes)
     error = 8.0 * EPS * panels.count**0.5 * size(matrix, eta) + 0.5 * panels.tail * eta * size(slope, eta)
     return Monodromy(matrix, slope, np.exp(-decay), error)
 
 
-def _each_panel(
+def _panel_terms(
     coefficients: Coefficients, eta: np.ndarray, q: np.ndarray, equation: str, damping: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Maps (L, m, 2, 2) of the panels, their derivatives by η, and 4π ζ_d η ∫ dy/D of the turn (L,)."""
@@ -154,30 +207,47 @@ def _each_panel(
 def liouville(
     coefficients: Coefficients, eta: np.ndarray, q: float, equation: str = EXACT, damping: float = 0.0
 ) -> tuple[np.ndarray, np.ndarray]:
-    """|Π det M_i / exp(-4π ζ_d η ∫ dy/D) - 1| of the maps M_i of the panels, which exact arithmetic would make zero, and
-    what rounding may make of it, both (L,).
+    """Deviation |Π det M_i / exp(-4π ζ_d η ∫ dy/D) - 1| of the maps M_i of the panels, and its rounding.
 
-    Panel by panel, for no panel grows much. The determinant of the whole turn is the small difference of two products: where
-    a turn grows by e^20 no digit of it is left, however right the matrix is.
+    It is computed panel by panel, since no panel grows much. The determinant of the full turn is the small difference
+    of two
+    products: where a turn grows by e^20 it has no correct digit, however accurate the matrix is.
+
+    Parameters
+    ----------
+    coefficients : Coefficients
+    eta : ndarray (L,), dimensionless
+    q : float
+    equation : str
+        Key of `EQUATIONS`.
+    damping : float
+        Damping ratio ζ_d.
+
+    Returns
+    -------
+    deviation, rounding : ndarray (L,), dimensionless
+        The deviation, zero in exact arithmetic, and the bound of its rounding.
     """
     rows = np.full(eta.shape, q)
     narrow = _narrowed(coefficients, float(eta.max(initial=0.0)), q, equation)
-    maps, _, decay = _each_panel(narrow, eta, rows, equation, damping)
+    maps, _, decay = _panel_terms(narrow, eta, rows, equation, damping)
     m = np.abs(maps)
     products = (m[..., 0, 0] * m[..., 1, 1] + m[..., 0, 1] * m[..., 1, 0]).sum(axis=1)
-    whole = determinant(maps.reshape(-1, 2, 2)).reshape(maps.shape[:2]).prod(axis=1)
-    return np.abs(whole * np.exp(decay) - 1.0), 16.0 * EPS * products
+    full_turn = determinant(maps.reshape(-1, 2, 2)).reshape(maps.shape[:2]).prod(axis=1)
+    return np.abs(full_turn * np.exp(decay) - 1.0), 16.0 * EPS * products
 
 
 def zeros_at_standstill(coefficients: Coefficients, q: float, equation: str = EXACT) -> int:
-    """How often the solution ζ(0) = 1, ζ'(0) = 0 changes sign in a turn at η = 0.
+    """Number of sign changes of the solution ζ(0) = 1, ζ'(0) = 0 over a turn at η = 0.
 
-    By Sturm's oscillation theorem the edges of tongue n have n zeros in a turn, and zeros become more as η² rises: where
-    there are n + 2 at η = 0 already, both edges of that tongue stand at η² < 0. No panel holds more than one zero, for it
-    holds no more than ``PHASE`` < π of its fastest wave.
+    By Sturm's oscillation theorem the edges of tongue n have n zeros in a turn, and the number of zeros grows with η²:
+    with
+    n + 2 at η = 0, both edges of that tongue are at η² < 0. A panel has at most one zero, since the phase of its
+    fastest wave
+    is at most ``PHASE`` < π.
     """
     narrow = _narrowed(coefficients, 0.0, q, equation)
-    maps = _each_panel(narrow, np.zeros(1), np.array([q]), equation, 0.0)[0][0]
+    maps = _panel_terms(narrow, np.zeros(1), np.array([q]), equation, 0.0)[0][0]
     state, count = np.array([1.0, 0.0]), 0
     for step in maps:
         ahead = step @ state
@@ -208,7 +278,7 @@ def _panel_maps(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Maps (L, m, 2, 2) of the panels and their derivatives by η; width (m,) in turns, p0 ... (L, m, NODES).
 
-    Collocation for v = ζ'' at the nodes, solved by sweeps, each of which brings the phase² / 50 or better of the last.
+    Collocation for v = ζ'' at the nodes, by sweeps, each of which reduces the error by phase² / 50 or better.
     """
     once, twice, ends = _collocation()
     x, b = gauss(NODES)
@@ -239,10 +309,10 @@ def _panel_maps(
     if p1 is None:
         speed = start_slope + h * (v @ once)
     end = v @ ends  # (2, L, m, 2)
-    first = np.empty((*p0.shape[:2], 2, 2))
+    maps = np.empty((*p0.shape[:2], 2, 2))
     for j in range(2):
-        first[..., 0, j] = (width if j else 1.0) + width * width * end[j, ..., 0]
-        first[..., 1, j] = j + width * end[j, ..., 1]
+        maps[..., 0, j] = (width if j else 1.0) + width * width * end[j, ..., 0]
+        maps[..., 1, j] = j + width * end[j, ..., 1]
     # dF/dη = F ∫ Φ⁻¹ (0, -∂p0 φ - ∂p1 φ')
     force = p0_slope * value
     if p1_slope is not None:
@@ -250,20 +320,20 @@ def _panel_maps(
     weight = h * b
     if p1 is not None:
         weight = weight / (value[0] * speed[1] - value[1] * speed[0])
-    inner = np.empty_like(first)
+    inner = np.empty_like(maps)
     for j in range(2):
         inner[..., 0, j] = (weight * value[1] * force[j]).sum(axis=-1)
         inner[..., 1, j] = -(weight * value[0] * force[j]).sum(axis=-1)
-    return first, first @ inner
+    return maps, maps @ inner
 
 
 def _largest(values: np.ndarray) -> float:
-    """Of their sizes, without an array of these."""
+    """Largest absolute value, without a temporary array."""
     return float(max(values.max(), -values.min()))
 
 
 def _product(maps: np.ndarray, slopes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The map (L, 2, 2) of all panels one after the other, and its derivative; by halves."""
+    """Map (L, 2, 2) of consecutive panels, and its derivative, by pairs."""
     while maps.shape[1] > 1:
         odd_map, odd_slope = (maps[:, -1:], slopes[:, -1:]) if maps.shape[1] % 2 else (maps[:, :0], slopes[:, :0])
         n = maps.shape[1] // 2 * 2
@@ -285,25 +355,45 @@ def tongues(
     error: float = EDGE_ERROR,
     most_order: int = MOST_ORDER,
 ) -> Tongues:
-    """Tongues 1 ... count of the rows q (rows,) to the wanted error of η, with damping or without.
+    """Tongues 1 ... count to the target error of η, with or without damping.
 
-    By harmonic balance where that reaches it with ``most_order`` harmonics; else, and always with damping, refined by
-    monodromy matrices from there. Where these do not find to an edge, for so few harmonics begin too far from it, again
-    from more. ``error`` of the answer says what was reached.
+    By harmonic balance where ``most_order`` harmonics reach the target; else, and always with damping, refined by
+    monodromy
+    matrices. Where the refinement from few harmonics does not converge to an edge it is repeated from more harmonics.
+
+    Parameters
+    ----------
+    coefficients : Coefficients
+    q : ndarray (rows,), dimensionless
+    count : int
+    equation : str
+        Key of `EQUATIONS`.
+    damping : float
+        Damping ratio ζ_d.
+    error : float
+        Target error of the edges η; the `error` of the result is what was reached.
+    most_order : int
+        Highest order of the harmonic balance.
+
+    Returns
+    -------
+    Tongues
     """
     result = harmonic_tongues(coefficients, q, count, equation, error, most_order)
     if damping == 0.0 and float(result.error.max(initial=0.0)) <= error:
         return result
     result = refined(coefficients, result, damping)
-    lost = np.flatnonzero(np.nanmax(result.error, axis=1, initial=0.0) > max(error, ASTRAY))
-    if lost.size and most_order < FARTHEST_ORDER:
-        order = min(ONWARDS * most_order, FARTHEST_ORDER)
-        return with_rows(result, lost, tongues(coefficients, result.q[lost], count, equation, damping, error, order))
+    failed = np.flatnonzero(np.nanmax(result.error, axis=1, initial=0.0) > max(error, WRONG_TONGUE))
+    if failed.size and most_order < FARTHEST_ORDER:
+        order = min(ORDER_GROWTH * most_order, FARTHEST_ORDER)
+        return with_rows(
+            result, failed, tongues(coefficients, result.q[failed], count, equation, damping, error, order)
+        )
     return result
 
 
 def refined(coefficients: Coefficients, harmonic: Tongues, damping: float = 0.0) -> Tongues:
-    """The same tongues to the accuracy of the monodromy matrices; with damping nan where it has closed them."""
+    """The same tongues to the accuracy of the monodromy matrices; with damping NaN where it has closed them."""
     rows, count = harmonic.edges.shape[:2]
     q, sign = np.repeat(harmonic.q, count), np.tile(np.where(np.arange(count) % 2 == 0, -1.0, 1.0), rows)
     edges = harmonic.edges.reshape(-1, 2).copy()
@@ -328,8 +418,12 @@ def refined(coefficients: Coefficients, harmonic: Tongues, damping: float = 0.0)
 
 
 def _unproven_zeros(coefficients: Coefficients, harmonic: Tongues, edges: np.ndarray, error: np.ndarray) -> None:
-    """An edge stands at 0 where its η² is negative, as the harmonics say. Where these say nothing (``UNKNOWN``) and zeros of
-    the solution do not prove it either, its error is theirs: into ``error`` (rows count, 2)."""
+    """Set the error of edges at 0 that are not proven to be there.
+
+    An edge is at 0 where the harmonics give a negative η². Where these are not accurate enough (``UNKNOWN``) and the
+    zeros of
+    the solution do not prove it either, the error (rows count, 2) is that of the harmonics.
+    """
     rows, count = harmonic.error.shape
     numbers = np.tile(np.arange(1, count + 1), rows)
     unsure = (edges == 0.0) & (harmonic.error.reshape(-1, 1) > UNKNOWN)
@@ -341,7 +435,7 @@ def _unproven_zeros(coefficients: Coefficients, harmonic: Tongues, edges: np.nda
 
 @frozen(eq=False)
 class _Pencil:
-    """The two roots δ = middle ± √discriminant (L,) of det(E + δK) = 0, and what rounding makes of them."""
+    """The two roots δ = middle ± √discriminant (L,) of det(E + δK) = 0, and the bound of their rounding."""
 
     middle: np.ndarray
     discriminant: np.ndarray
@@ -361,15 +455,15 @@ def _pencil(
     square = determinant(k)
     middle = -0.5 * across / square
     discriminant = middle * middle - determinant(e) / square
-    # without damping K is a definite matrix turned by a quarter: it holds both roots as firmly as its smaller eigenvalue
+    # without damping K is a definite matrix rotated by 90°: its smaller eigenvalue bounds the error of both roots
     error = turn.error * size(k, eta) / np.abs(square)
     # where a turn grows a millionfold, det E is the small difference of large products
     rounding = ROUNDING * EPS * (np.abs(e[:, 0, 0] * e[:, 1, 1]) + np.abs(e[:, 0, 1] * e[:, 1, 0])) / np.abs(square)
     error = error + rounding / np.maximum(np.sqrt(np.abs(discriminant) + rounding), 1e-300)
-    if damping:  # two roots that meet give way like a square root
-        apart = np.sqrt(np.abs(discriminant))
-        reach = np.abs(middle) + apart
-        error = error * np.maximum(1.0, reach / np.maximum(apart, np.sqrt(error * reach + error**2)))
+    if damping:  # the error of two roots that coincide grows like a square root
+        half_distance = np.sqrt(np.abs(discriminant))
+        reach = np.abs(middle) + half_distance
+        error = error * np.maximum(1.0, reach / np.maximum(half_distance, np.sqrt(error * reach + error**2)))
     return _Pencil(middle, discriminant, error)
 
 
@@ -393,10 +487,12 @@ def _open_roots(pencil: PencilAt, middle: np.ndarray, q: np.ndarray, sign: np.nd
 def _newton(
     pencil: PencilAt, start: np.ndarray, q: np.ndarray, sign: np.ndarray, side: float, damped: bool
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The lower (side -1) or upper (+1) edge near each η (L,), 0 where η² would be negative, nan where there is none; and
-    its error."""
+    """The lower (side -1) or upper (+1) edge near each η (L,), and its error.
+
+    The edge is 0 where η² would be negative, and NaN where the tongue is closed.
+    """
     eta, error = start.copy(), np.zeros(start.size)
-    last, stuck = np.full(eta.size, np.inf), np.zeros(eta.size, dtype=int)
+    previous, stuck = np.full(eta.size, np.inf), np.zeros(eta.size, dtype=int)
     at = np.arange(eta.size)
     for _ in range(STEPS):
         if at.size == 0:
@@ -405,12 +501,14 @@ def _newton(
         step = pair.middle + side * np.sqrt(np.maximum(pair.discriminant, 0.0))
         eta[at] = np.maximum(eta[at] + np.clip(step, -FARTHEST, FARTHEST), 0.0)
         length = np.abs(step)
-        # the next step would be the square of this one; where steps wander, its error is not known
+        # the next step would be the square of this one; where steps do not shrink, the error is unknown
         error[at] = pair.error + np.where(length <= CLOSE * (1.0 + eta[at]), step * step, length)
-        stuck[at] = np.where(length < 0.5 * last[at], 0, stuck[at] + 1)
-        last[at] = length
-        done = (length <= CLOSE * (1.0 + eta[at])) | (stuck[at] >= ROUNDS) | (eta[at] == 0.0)
+        stuck[at] = np.where(length < 0.5 * previous[at], 0, stuck[at] + 1)
+        previous[at] = length
+        converged = (length <= CLOSE * (1.0 + eta[at])) | (stuck[at] >= ROUNDS) | (eta[at] == 0.0)
         if damped:
-            eta[at[done & (pair.discriminant < -pair.error * (np.abs(pair.middle) + np.sqrt(pair.error)))]] = np.nan
-        at = at[~done]
+            eta[at[converged & (pair.discriminant < -pair.error * (np.abs(pair.middle) + np.sqrt(pair.error)))]] = (
+                np.nan
+            )
+        at = at[~converged]
     return eta, error

@@ -1,6 +1,6 @@
-"""Functions of the cam angle as polynomials on short panels, the table that every method of this package reads.
+"""Functions of the cam angle as polynomials on short panels: the table that every method of this package reads.
 
-A panel never crosses a join of the motion's pieces, so that polynomials hold on both sides of what jumps there.
+A panel never crosses a join of the motion's pieces, so polynomials represent both sides of a jump at a join.
 """
 
 from __future__ import annotations
@@ -12,23 +12,33 @@ import numpy as np
 
 from core.errors import NoStability
 from core.frozen import frozen
-from core.motion import TURN, Angles, Program
+from core.motion import TURN, Angles, CompiledMotion
 from core.numerics.roots import gauss, gauss_legendre, integrated, legendre, legendre_powers
 
 NODES = 16  # Gauss-Legendre nodes per panel; the polynomial has this many coefficients
-WIDEST = np.deg2rad(30.0)
-TAIL = 1e-13  # of the largest value: what the last Legendre coefficients may be
-ROUNDS = 14  # of halving
-MOST = 4000  # panels that are worked on: run time and memory grow with their number
-GAIN = 0.25  # a half whose tail is no smaller than this part of the whole's is at its rounding ...
-NOISE = 1e-6  # ... where that is so small: before a narrow peak is resolved, halving gains nothing either
+WIDEST = np.deg2rad(30.0)  # [rad] greatest width of a panel
+TAIL = 1e-13  # allowed last Legendre coefficients, relative to the largest value
+ROUNDS = 14  # greatest number of halvings
+MOST = 4000  # greatest number of panels: run time and memory grow with it
+GAIN = 0.25  # halving has reached rounding where the tail remains above this fraction of the parent's ...
+NOISE = 1e-6  # ... and is below this: before a narrow peak is resolved, halving does not reduce the tail either
 
 Functions = Callable[[Angles], np.ndarray]
 
 
 @lru_cache(maxsize=8)
 def to_legendre(n: int) -> np.ndarray:
-    """Matrix (n, n) from the values at the nodes to the coefficients of the Legendre polynomials on the panel."""
+    """Matrix from values at the Gauss-Legendre nodes to Legendre coefficients on the panel.
+
+    Parameters
+    ----------
+    n : int
+        Number of nodes and of coefficients.
+
+    Returns
+    -------
+    ndarray (n, n), dimensionless
+    """
     x, w = gauss_legendre(n)
     return (np.arange(n)[:, None] + 0.5) * w * legendre(x, n)
 
@@ -46,29 +56,71 @@ def _legendre_integrals(n: int) -> np.ndarray:
 
 
 def to_powers(values: np.ndarray) -> np.ndarray:
-    """Coefficients (..., n) of t**k, t = -1...1, of the polynomials with values (..., n) at the nodes.
+    """Power series coefficients of the polynomials through the values at the nodes.
 
-    By way of Legendre coefficients, step by step: the large entries of the second matrix meet coefficients that have died
-    away; both matrices in one would meet the values and spoil five digits.
+    The conversion goes through Legendre coefficients in two steps: the large entries of the second matrix multiply
+    coefficients that have decayed. One combined matrix would multiply the values and lose five digits.
+
+    Parameters
+    ----------
+    values : ndarray (..., n), dimensionless
+        Values at the Gauss-Legendre nodes; the result has their unit.
+
+    Returns
+    -------
+    ndarray (..., n), dimensionless
+        Coefficients of t**k, t = -1 ... 1 over the panel.
     """
     n = values.shape[-1]
     return np.asarray((values @ to_legendre(n).T) @ _legendre_to_powers(n).T)
 
 
 def integrals(values: np.ndarray) -> np.ndarray:
-    """Coefficients (..., n + 1) of t**k of the integrals over the panel, taken as long as 1, from its start."""
+    """Power series coefficients of the integrals from the start of a panel of length 1.
+
+    Parameters
+    ----------
+    values : ndarray (..., n), dimensionless
+        Values of the integrand at the Gauss-Legendre nodes; the result has their unit.
+
+    Returns
+    -------
+    ndarray (..., n + 1), dimensionless
+        Coefficients of t**k, t = -1 ... 1 over the panel.
+    """
     n = values.shape[-1]
     return np.asarray((values @ to_legendre(n).T) @ _legendre_integrals(n).T)
 
 
 @lru_cache(maxsize=8)
 def integration(n: int) -> np.ndarray:
-    """Matrix (n, n) from the values at the nodes of 0...1 to the integrals from 0 to each node."""
+    """Matrix from values at the nodes of 0 ... 1 to the integrals from 0 to each node.
+
+    Parameters
+    ----------
+    n : int
+        Number of Gauss-Legendre nodes.
+
+    Returns
+    -------
+    ndarray (n, n), dimensionless
+    """
     return 0.5 * integrated(legendre(gauss_legendre(n)[0], n + 1), np.ones(n)).T @ to_legendre(n)
 
 
 def powers(t: np.ndarray, n: int) -> np.ndarray:
-    """1, t, t², ... (..., n); by multiplying, which is much quicker than raising."""
+    """Powers 1, t, t², ... by repeated multiplication, which is much faster than exponentiation.
+
+    Parameters
+    ----------
+    t : ndarray (...), dimensionless
+    n : int
+        Number of powers.
+
+    Returns
+    -------
+    ndarray (..., n), dimensionless
+    """
     out = np.empty((*t.shape, n))
     out[...] = t[..., None]
     out[..., 0] = 1.0
@@ -77,12 +129,17 @@ def powers(t: np.ndarray, n: int) -> np.ndarray:
 
 @frozen(eq=False)
 class Panels:
-    """k functions on m panels.
+    """Polynomials of k functions on m panels.
 
-    start, width  (m,) [rad]
-    piece         (m,) piece of the motion
-    values        (k, m, NODES) at the Gauss-Legendre nodes
-    tail          what the polynomials leave of the functions, relative to each one's largest value
+    Attributes
+    ----------
+    start, width : ndarray (m,) [rad]
+    piece : ndarray (m,) of int
+        Piece of the motion that contains the panel.
+    values : ndarray (k, m, NODES), dimensionless
+        Values at the Gauss-Legendre nodes.
+    tail : float
+        Truncation error of the polynomials, relative to the largest value of each function.
     """
 
     start: np.ndarray
@@ -93,7 +150,7 @@ class Panels:
 
     @property
     def count(self) -> int:
-        """How many panels there are."""
+        """Number of panels."""
         return self.start.size
 
     @cached_property
@@ -103,45 +160,93 @@ class Panels:
 
     @cached_property
     def weights(self) -> np.ndarray:
-        """Weights (m, NODES): their sum over a function is its mean over the turn."""
+        """Weights (m, NODES), dimensionless: the weighted sum of a function is its mean over the turn."""
         return self.width[:, None] * gauss(NODES)[1] / TURN
 
     @cached_property
     def powers(self) -> np.ndarray:
-        """Coefficients (m, k, NODES) of t**j, t = -1 ... 1 on the panel."""
+        """Coefficients (m, k, NODES), dimensionless, of t**j, t = -1 ... 1 on the panel."""
         return np.ascontiguousarray(np.moveaxis(to_powers(self.values), 0, 1))
 
     def index(self, theta: np.ndarray) -> np.ndarray:
-        """The panels (n,) of cam angles (n,) in 0 ... 2π; at a join the one above."""
+        """Panel that contains each cam angle; at a join, the panel above it.
+
+        Parameters
+        ----------
+        theta : ndarray (n,) [rad]
+            Cam angles in 0 ... 2π.
+
+        Returns
+        -------
+        ndarray (n,) of int, dimensionless
+        """
         return np.clip(np.searchsorted(self.start, theta, side="right") - 1, 0, None)
 
     def at(self, theta: np.ndarray, rows: int, beyond: float | np.ndarray = 0.0) -> np.ndarray:
-        """The first rows (rows, n) at cam angles (n,), by the panels that hold these and so much beyond, in 0 ... 2π."""
+        """Values of the first functions at cam angles.
+
+        Parameters
+        ----------
+        theta : ndarray (n,) [rad]
+            Cam angles in 0 ... 2π.
+        rows : int
+            Number of functions.
+        beyond : float or ndarray (n,) [rad]
+            The polynomial is that of the panel at theta + beyond, which selects the side of a join.
+
+        Returns
+        -------
+        ndarray (rows, n), dimensionless
+        """
         at = self.index(theta + beyond)
         t = 2.0 * (theta - self.start[at]) / self.width[at] - 1.0
         return np.einsum("nrk,nk->rn", self.powers[at, :rows], powers(t, NODES))
 
     def split(self, widest: np.ndarray) -> Panels:
-        """The same functions on panels no wider than ``widest`` (m,) [rad]."""
+        """Return the same functions on narrower panels.
+
+        Parameters
+        ----------
+        widest : ndarray (m,) [rad]
+            Greatest width of the parts of each panel.
+
+        Returns
+        -------
+        Panels
+        """
         parts = np.maximum(1, np.ceil(self.width / widest - 1e-9)).astype(int)
         if (parts == 1).all():
             return self
-        owner = np.repeat(np.arange(self.count), parts)
-        number = np.concatenate([np.arange(p) for p in parts])
-        width = self.width[owner] / parts[owner]
-        t = 2.0 * (number[:, None] + gauss(NODES)[0]) / parts[owner, None] - 1.0
-        values = np.einsum("mkj,mnj->kmn", self.powers[owner], powers(t, NODES))
-        same = parts[owner] == 1
-        values[:, same] = self.values[:, owner[same]]
-        return Panels(self.start[owner] + number * width, width, self.piece[owner], values, self.tail)
+        parent = np.repeat(np.arange(self.count), parts)
+        index_in_parent = np.concatenate([np.arange(p) for p in parts])
+        width = self.width[parent] / parts[parent]
+        t = 2.0 * (index_in_parent[:, None] + gauss(NODES)[0]) / parts[parent, None] - 1.0
+        values = np.einsum("mkj,mnj->kmn", self.powers[parent], powers(t, NODES))
+        same = parts[parent] == 1
+        values[:, same] = self.values[:, parent[same]]
+        return Panels(self.start[parent] + index_in_parent * width, width, self.piece[parent], values, self.tail)
 
 
-def fit(functions: Functions, program: Program, rows: int) -> Panels:
-    """Panels short enough that polynomials leave nothing but rounding of the functions.
+def fit(functions: Functions, program: CompiledMotion, rows: int) -> Panels:
+    """Panels on which polynomials represent the functions to rounding.
 
-    functions  values (k, n) at any cam angles; the first ``rows`` of them are kept, the others only ask for panels
-               short enough for themselves
-    Raises NoStability where more than ``MOST`` would be needed.
+    Parameters
+    ----------
+    functions : callable
+        Values (k, n) at cam angles (n,).
+    program : CompiledMotion
+        Its pieces begin at `starts` and end at `ends`.
+    rows : int
+        Number of functions that the result contains; the others only require sufficiently short panels.
+
+    Returns
+    -------
+    Panels
+
+    Raises
+    ------
+    NoStability
+        Where more than `MOST` panels would be necessary.
     """
     cuts = [
         np.linspace(a, b, max(1, int(np.ceil((b - a) / WIDEST - 1e-9))) + 1)
@@ -149,32 +254,38 @@ def fit(functions: Functions, program: Program, rows: int) -> Panels:
     ]
     low, high = np.concatenate([c[:-1] for c in cuts]), np.concatenate([c[1:] for c in cuts])
     piece = np.repeat(np.arange(len(cuts)), [c.size - 1 for c in cuts])
-    above = np.full(low.size, np.inf)  # the tail of the panel that this one is half of
-    done: list[tuple[np.ndarray, ...]] = []
+    parent_tail = np.full(low.size, np.inf)  # the tail of the panel that this one is half of
+    accepted: list[tuple[np.ndarray, ...]] = []
     count, tail, scale = 0, 0.0, np.ones(0)
-    for number in range(ROUNDS + 1):
+    for level in range(ROUNDS + 1):
         if count + low.size > MOST:
             raise NoStability(
-                f"the motion falls into {count + low.size} short panels, more than the {MOST} that the shaft is followed through",
+                f"the motion needs {count + low.size} short panels, more than the {MOST} allowed",
                 "motion.segments",
-                "take fewer segments",
+                "use fewer segments",
             )
         values, tails = _sampled(functions, low, high, piece)
-        if number == 0:
+        if level == 0:
             scale = np.abs(values).max(axis=(1, 2))
             scale[scale == 0.0] = 1.0
         worst = (tails / scale[:, None]).max(axis=0)
-        fine = (worst <= TAIL) | ((worst > GAIN * above) & (worst <= NOISE)) | (number == ROUNDS)
-        done.append((low[fine], high[fine], piece[fine], values[:rows, fine].swapaxes(0, 1)))
-        count, tail = count + done[-1][0].size, max(tail, float(worst[fine].max(initial=0.0)))
-        low, high, piece, above = low[~fine], high[~fine], np.tile(piece[~fine], 2), np.tile(worst[~fine], 2)
+        fine = (worst <= TAIL) | ((worst > GAIN * parent_tail) & (worst <= NOISE)) | (level == ROUNDS)
+        accepted.append((low[fine], high[fine], piece[fine], values[:rows, fine].swapaxes(0, 1)))
+        count, tail = count + accepted[-1][0].size, max(tail, float(worst[fine].max(initial=0.0)))
+        low, high, piece, parent_tail = low[~fine], high[~fine], np.tile(piece[~fine], 2), np.tile(worst[~fine], 2)
         middle = 0.5 * (low + high)
         low, high = np.concatenate((low, middle)), np.concatenate((middle, high))
         if low.size == 0:
             break
-    start, end, of, made = (np.concatenate(column) for column in zip(*done, strict=True))
+    start, end, motion_piece, node_values = (np.concatenate(column) for column in zip(*accepted, strict=True))
     order = np.argsort(start)
-    return Panels(start[order], (end - start)[order], of[order], np.ascontiguousarray(made[order].swapaxes(0, 1)), tail)
+    return Panels(
+        start[order],
+        (end - start)[order],
+        motion_piece[order],
+        np.ascontiguousarray(node_values[order].swapaxes(0, 1)),
+        tail,
+    )
 
 
 def _sampled(

@@ -1,7 +1,7 @@
 """The wind-up of the shaft in time, from rest or from any state, by the nonlinear equation (13) of Kim1990.
 
-Samples of it within the steps of the integrator, the integrals of its size, and its means over the first turn from rest by η,
-for some rows of Q (Kim1990 Figs. 6, 7).
+Samples within the steps of the integrator, integrals of its absolute value, and its means over the first turn from rest
+by η, for several rows of Q (Kim1990 Figs. 6, 7).
 """
 
 from __future__ import annotations
@@ -18,36 +18,47 @@ from core.dynamics import Loading, OutputForce, newton_euler
 from core.errors import NoStability
 from core.frozen import frozen
 from core.mechanism.kinematics import Kinematics
-from core.motion import TURN, Angles, Program
+from core.motion import TURN, Angles, CompiledMotion
 from core.stability.by_cam import follow
 from core.stability.coefficients import RETUNED, Coefficients, Sizes
 from core.stability.integrator import OUTSIDE, STAGES, IntegrationStep, OnPieces, WindUpEquation
 from core.stability.panels import Panels, fit, powers
 from core.stability.tongues import ETA_MAX
 
-# -- the contact force of a cam that does not turn evenly -------------------------------------------------------
-
+# -- the contact force of a cam at varying speed ----------------------------------------------------------------
 
 KinematicsAndShapeAt = Callable[[Angles], tuple[Kinematics, CamShape]]
 
 
 @frozen(eq=False)
-class Touching:
+class FollowerContact:
     """A follower on its cam, one of those that a shaft drives.
 
-    at       its kinematics and its cam's shape at any of its own angles
-    program  pieces of its motion by its own angle
-    sizes    its own, by which its valve spring is retuned; without inertia it has none
-    own      its own angles at those of the shaft, and +1, or -1 where they fall as the shaft turns
-    name     of its drive, and number in the list of drives
+    Attributes
+    ----------
+    at : callable
+        Its kinematics and its cam's shape at its own angles.
+    loading : Loading
+    program : CompiledMotion
+        Pieces of its motion by its own angle.
+    sizes : Sizes
+        Its own, by which its valve spring is retuned; without inertia it has no valve spring.
+    own : callable
+        Its own angles at angles of the shaft.
+    rotation_sign : float
+        +1, or -1 where its own angle falls as the shaft rotates.
+    name : str
+        Name of its drive.
+    number : int
+        Index in the list of drives.
     """
 
     at: KinematicsAndShapeAt
     loading: Loading
-    program: Program
+    program: CompiledMotion
     sizes: Sizes
     own: Callable[[Angles], Angles] = lambda angles: angles
-    sense: float = 1.0
+    rotation_sign: float = 1.0
     name: str = ""
     number: int = 0
 
@@ -56,11 +67,20 @@ class Touching:
 class ShaftContacts:
     """Contact forces of k followers by the shaft's angle, as multiples of M X''m ω², M = max J / X'm².
 
-    panels  for each follower rows f_0 (to be multiplied by η² where the loads are fixed), f_v, f_a
-    fixed   as in ``Coefficients``
-    moves   (k, m) False on panels where the follower dwells
-    unit    M X''m [N s²]: times ω² it is the force 1
-    names   of the drives, and their numbers in the list (k,)
+    Attributes
+    ----------
+    panels : Panels
+        For each follower the rows f_0 (to be multiplied by η² where the loads are fixed), f_v, f_a.
+    fixed : bool
+        As in `Coefficients`.
+    moves : ndarray (k, m) of bool
+        False on panels where the follower dwells.
+    unit : float
+        M X''m [N s²]: the dimensionless force times unit ω² is the force in N.
+    names : tuple of str
+        Names of the drives.
+    numbers : tuple of int
+        Their indices in the list of drives.
     """
 
     panels: Panels
@@ -73,55 +93,103 @@ class ShaftContacts:
     def force(
         self, values: np.ndarray, eta: float | np.ndarray, speed: np.ndarray, acceleration: np.ndarray
     ) -> np.ndarray:
-        """f (...) from the rows ``values`` (3, ...) at the cam angles, speed θ̇/ω and acceleration θ̈/ω²."""
-        standing = values[0] * (eta * eta if self.fixed else 1.0)
-        return np.asarray(standing + values[1] * speed * speed + values[2] * acceleration)
+        """Dimensionless contact force f = f_0 + f_v (θ̇/ω)² + f_a θ̈/ω², f_0 times η² where the loads are fixed.
+
+        Parameters
+        ----------
+        values : ndarray (3, ...), dimensionless
+            f_0, f_v and f_a at the cam angles.
+        eta : float or ndarray (...), dimensionless
+        speed : ndarray (...), dimensionless
+            θ̇/ω.
+        acceleration : ndarray (...), dimensionless
+            θ̈/ω².
+
+        Returns
+        -------
+        ndarray (...), dimensionless
+            Multiples of M X''m ω².
+        """
+        static_force = values[0] * (eta * eta if self.fixed else 1.0)
+        return np.asarray(static_force + values[1] * speed * speed + values[2] * acceleration)
 
 
 def contact(
-    followers: Sequence[Touching], turn: Any, sizes: Sizes, spring: str, factor: float, q: float, stiffness: float
+    followers: Sequence[FollowerContact],
+    turn: Any,
+    sizes: Sizes,
+    spring: str,
+    factor: float,
+    q: float,
+    stiffness: float,
 ) -> ShaftContacts:
-    """The contact forces of a machine: Q, K_s [N m/rad]; turn: pieces of the shaft's turn, in none of which one of the followers has a
-    join; sizes: of all together. Raises NoAnswer where there is no cam."""
+    """Contact forces of the followers on a flexible shaft.
+
+    Parameters
+    ----------
+    followers : sequence of FollowerContact
+    turn : object
+        Pieces of the shaft's turn, `starts` and `ends`, inside which no follower has a join.
+    sizes : Sizes
+        Scales of the complete shaft.
+    spring : str
+        `FIXED` or `RETUNED`.
+    factor : float
+        Factor a of the retuned valve spring.
+    q : float
+    stiffness : float
+        K_s [N m/rad].
+
+    Returns
+    -------
+    ShaftContacts
+
+    Raises
+    ------
+    NoSolution
+        Where a follower has no cam.
+    """
     unit = _unit(sizes)
     # F_0 / (M X''m ω²) = η² F_0 I_c / (K_s M X''m)
     scale = unit if spring == RETUNED else unit * q * stiffness / sizes.inertia
 
-    def held(each: Touching) -> Loading:
+    def static_loading(follower: FollowerContact) -> Loading:
         if spring != RETUNED:
-            return each.loading.smooth
-        rate = factor * _unit(each.sizes) / each.sizes.stroke if each.sizes.inertia else 0.0
-        return Loading((), (OutputForce(rate * each.sizes.lowest, rate),))
+            return follower.loading.smooth
+        rate = factor * _unit(follower.sizes) / follower.sizes.stroke if follower.sizes.inertia else 0.0
+        return Loading((), (OutputForce(rate * follower.sizes.lowest, rate),))
 
-    loads = [(each, held(each), each.loading.inertial) for each in followers]
+    loads = [(follower, static_loading(follower), follower.loading.inertial) for follower in followers]
 
     def functions(angles: Angles) -> np.ndarray:
         rows = []
-        for each, standing, inertial in loads:
-            kinematics, shape = each.at(each.own(angles))
+        for follower, static, inertial in loads:
+            kinematics, shape = follower.at(follower.own(angles))
             rows += [
-                newton_euler(kinematics, shape, standing, 0.0).contact / scale,
+                newton_euler(kinematics, shape, static, 0.0).contact / scale,
                 newton_euler(kinematics, shape, inertial, 1.0).contact / unit,
-                each.sense * newton_euler(kinematics, shape, inertial, 0.0, acceleration=1.0).contact / unit,
+                follower.rotation_sign
+                * newton_euler(kinematics, shape, inertial, 0.0, acceleration=1.0).contact
+                / unit,
             ]
         return np.array(rows)
 
     panels = fit(functions, turn, 3 * len(followers))
     middle = Angles(panels.start + 0.5 * panels.width, panels.piece)
-    moves = np.array([each.program.velocity_signs[each.own(middle).piece] != 0.0 for each in followers])
-    names, numbers = tuple(each.name for each in followers), tuple(each.number for each in followers)
+    moves = np.array([follower.program.velocity_signs[follower.own(middle).piece] != 0.0 for follower in followers])
+    names, numbers = tuple(follower.name for follower in followers), tuple(follower.number for follower in followers)
     return ShaftContacts(panels, spring != RETUNED, moves, unit, names, numbers)
 
 
 def _unit(sizes: Sizes) -> float:
+    """M X''m [N s²]."""
     return sizes.inertia / sizes.slope**2 * sizes.curvature
 
 
-# -- the wind-up of the shaft in time, from rest or from any state, by the nonlinear equation (13) --------------
+# -- the wind-up in time, by the nonlinear equation (13) -----------------------------------------------------------
 
-
-SAMPLES = np.linspace(0.0, 1.0, 25)  # parts of a step
-STEPS_AT_ONCE = 1000  # whose contact is looked at: memory does not grow with the number of points
+SAMPLES = np.linspace(0.0, 1.0, 25)  # fractions of a step
+STEPS_AT_ONCE = 1000  # steps in one evaluation of the contact: memory does not grow with the number of points
 CELLS = 6  # cells between samples in which the largest wind-up is searched
 BISECTIONS, NEWTON = 50, 3
 FIRST_ETA, ETA_STEP, MOST_ETA = 0.5, 0.05, 102  # η of the means of the first turn
@@ -131,12 +199,18 @@ FIRST_ETA, ETA_STEP, MOST_ETA = 0.5, 0.05, 102  # η of the means of the first t
 class History:
     """Wind-up β [turns] of one point of the chart over y = 0 ... ``periods`` turns of the input.
 
-    Each step holds the polynomials of its collocation, of degree 16 in y, so β is known everywhere as well as at the ends.
+    Each step contains the polynomials of its collocation, of degree 16 in y, so β is known everywhere.
 
-    eta, q, damping  η, Q and the damping ratio
-    steps            (n,) all steps, one after the other
-    ended            where it ends [turns]: before ``periods`` where the cam only spins
-    contact          contact forces, None where the design has no cam that could be lifted off; of several drives those of each
+    Attributes
+    ----------
+    eta, q, damping : float
+        η, Q and the damping ratio.
+    steps : IntegrationStep
+        All steps in their order.
+    ended : float
+        End of the integration [turns]: before ``periods`` where the cam runs away.
+    contact : ShaftContacts or None
+        Contact forces; None where no follower can leave its cam.
     """
 
     coefficients: Coefficients
@@ -151,94 +225,138 @@ class History:
     # -- values -----------------------------------------------------------------------------------------
 
     def at(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """β and β' (n,) at y (n,) [turns of the input], 0 ... ended."""
-        samples = self._sampled(y)
+        """Wind-up and its rate.
+
+        Parameters
+        ----------
+        y : ndarray (n,) [turns of the input]
+            Times 0 ... ended.
+
+        Returns
+        -------
+        beta : ndarray (n,) [turns]
+            β.
+        rate : ndarray (n,), dimensionless
+            β' in turns per turn.
+        """
+        samples = self._samples_at(y)
         return samples.beta[:, 0], samples.rate[:, 0]
 
     @cached_property
     def _equation(self) -> WindUpEquation:
         return WindUpEquation(self.coefficients, self.eta, self.q, self.damping)
 
-    def _sampled(self, y: np.ndarray) -> StepSamples:
-        """At y (n,), one sample a step; where two steps meet, of the later one."""
+    def _samples_at(self, y: np.ndarray) -> StepSamples:
+        """Samples at y (n,), one of each step that contains it; where two steps meet, of the later one."""
         step = np.clip(np.searchsorted(self.steps.y, y, side="right") - 1, 0, None)
         part = np.clip((y - self.steps.y[step]) / self.steps.h[step], 0.0, 1.0)
-        return StepSamples.of(self._equation, self.steps.only(step), part[:, None])
+        return StepSamples.of(self._equation, self.steps.select(step), part[:, None])
 
     @cached_property
     def samples(self) -> StepSamples:
-        """At ``SAMPLES`` of every step."""
+        """Samples at the fractions ``SAMPLES`` of every step."""
         return StepSamples.of(self._equation, self.steps, SAMPLES[None])
 
     # -- figures ----------------------------------------------------------------------------------------
 
     @cached_property
     def largest(self) -> tuple[float, float]:
-        """max |β| and the y where it stands, where β' = 0, to rounding."""
+        """Largest |β| [turns] and its y [turns of the input], where β' = 0, to rounding."""
         y, rate, size = self.samples.y, self.samples.rate, np.abs(self.samples.beta)
-        # every cell in which β' changes its sign may hold the top, the highest ones first
+        # every cell in which β' changes its sign may contain the maximum, the highest ones first
         tops = np.where(rate[:, :-1] * rate[:, 1:] <= 0.0, np.maximum(size[:, :-1], size[:, 1:]), -1.0)
         order = np.argsort(-tops, axis=None)[:CELLS]
         i, j = np.unravel_index(order[tops.flat[order] >= 0.0], tops.shape)
-        top = _bisected(y[i, j], y[i, j + 1], lambda at: np.sign(self.at(at)[1]) == np.sign(rate[i, j]))
-        places = np.append(top, y.flat[size.argmax()])
-        sizes = np.abs(self.at(places)[0])
+        peak = _bisect(y[i, j], y[i, j + 1], lambda at: np.sign(self.at(at)[1]) == np.sign(rate[i, j]))
+        candidates = np.append(peak, y.flat[size.argmax()])
+        sizes = np.abs(self.at(candidates)[0])
         best = int(sizes.argmax())
-        return float(sizes[best]), float(places[best])
+        return float(sizes[best]), float(candidates[best])
 
     def averages(self) -> tuple[float, float]:
-        """Means of |β| and |β'| over the whole history (Kim1990 Figs. 6, 7: over the first turn)."""
+        """Means of |β| [turns] and |β'| over the complete history (Kim1990 Figs. 6, 7: over the first turn)."""
         wind_up, slope = (float(sizes.sum()) / self.ended for sizes in size_integrals(self.steps))
         return wind_up, slope
 
     # -- contact ----------------------------------------------------------------------------------------
 
     def force(self, y: np.ndarray) -> np.ndarray:
-        """Contact force (n,) at y (n,) as a multiple of M X''m ω², the lowest of several; nan without a ``contact``."""
+        """Lowest contact force of the followers as a multiple of M X''m ω², NaN without a ``contact``.
+
+        Parameters
+        ----------
+        y : ndarray (n,) [turns of the input]
+
+        Returns
+        -------
+        ndarray (n,), dimensionless
+        """
         if self.contact is None:
             return np.full(np.shape(y), np.nan)
         return np.asarray(self.forces(y).min(axis=0))
 
     def forces(self, y: np.ndarray) -> np.ndarray:
-        """That of each follower (k, n), in the order of ``contact``, which must be there."""
+        """Contact force of each follower as a multiple of M X''m ω².
+
+        Parameters
+        ----------
+        y : ndarray (n,) [turns of the input]
+
+        Returns
+        -------
+        ndarray (k, n), dimensionless
+            In the order of ``contact``, which must not be None.
+        """
         assert self.contact is not None
-        return self._sampled(y).force(self.contact, self.eta)[..., 0]
+        return self._samples_at(y).force(self.contact, self.eta)[..., 0]
 
     @cached_property
-    def _losing(self) -> np.ndarray:
-        """Samples (n, 3) at which a contact force is below zero while its follower moves, in their order: step, place, follower."""
+    def _lost_samples(self) -> np.ndarray:
+        """Step, sample and follower (n, 3) of each negative contact force of a moving follower, in order of time."""
         if self.contact is None:
             return np.zeros((0, 3), dtype=int)
-        lost = self.samples.moves(self.contact) & (self.samples.force(self.contact, self.eta) < 0.0)
-        return np.argwhere(np.moveaxis(lost, 0, -1))
+        is_negative = self.samples.moves(self.contact) & (self.samples.force(self.contact, self.eta) < 0.0)
+        return np.argwhere(np.moveaxis(is_negative, 0, -1))
 
     @property
     def loses_contact(self) -> bool:
-        """The follower leaves the cam (False where no contact is known)."""
-        return self._losing.size > 0
+        """Whether a follower leaves its cam (False where no contact is known)."""
+        return self._lost_samples.size > 0
 
     @cached_property
     def contact_lost(self) -> float | None:
-        """The first y at which the contact force falls through zero while the follower moves, None where it never does
-        (and where no contact is known)."""
+        """First y [turns] at which the contact force falls through zero while the follower moves.
+
+        None where it never does, and where no contact is known.
+        """
         if self.contact is None or not self.loses_contact:
             return None
-        (i, j, follower), y = self._losing[0], self.samples.y
-        before = (
-            j - 1 if j > 0 and self.samples.moves(self.contact)[follower, i, j - 1] else j
-        )  # else it begins to move so
-        return float(_bisected(y[i, [before]], y[i, [j]], lambda at: self.forces(at)[follower] >= 0.0)[0])
+        (i, j, follower), y = self._lost_samples[0], self.samples.y
+        # without an earlier sample in motion the force is negative from the start of the motion
+        before = j - 1 if j > 0 and self.samples.moves(self.contact)[follower, i, j - 1] else j
+        return float(_bisect(y[i, [before]], y[i, [j]], lambda at: self.forces(at)[follower] >= 0.0)[0])
 
     @property
     def leaving(self) -> str:
-        """Of several drives the one whose follower leaves its cam first; else ''."""
-        return self.contact.names[self._losing[0][2]] if self.contact is not None and self.loses_contact else ""
+        """Name of the drive whose follower leaves its cam first; '' where none does."""
+        return self.contact.names[self._lost_samples[0][2]] if self.contact is not None and self.loses_contact else ""
 
     # -- frequencies ------------------------------------------------------------------------------------
 
     def spectrum(self, highest: float = 12.0) -> tuple[np.ndarray, np.ndarray]:
-        """Orders (multiples of the shaft's speed) and amplitudes of β: a Hann window over the whole history, so a lasting
-        wave of amplitude 1 stands as 1."""
+        """Amplitude spectrum of β by a Hann window over the complete history; a lasting wave of amplitude 1 gives 1.
+
+        Parameters
+        ----------
+        highest : float
+            Greatest order.
+
+        Returns
+        -------
+        order : ndarray (n,), dimensionless
+            Multiples of the shaft's speed.
+        amplitude : ndarray (n,) [turns]
+        """
         count = int(2 ** np.ceil(np.log2(4.0 * highest * self.ended)))
         beta, _ = self.at(self.ended * np.arange(count) / count)
         window = 0.5 - 0.5 * np.cos(TURN * np.arange(count) / count)
@@ -257,7 +375,7 @@ def history(
     start: tuple[float, float] | None = None,
     contact: ShaftContacts | None = None,
 ) -> History:
-    """From a state (β, Π) at y = 0, or from rest, β = β' = 0 (Kim1990 §6); see ``histories``."""
+    """Integrate one point from a state (β, Π) at y = 0, or from rest, β = β' = 0 (Kim1990 §6)."""
     states = None if start is None else np.array([start])
     return histories(coefficients, np.array([eta]), np.array([q]), damping, periods, states, contact)[0]
 
@@ -271,20 +389,41 @@ def histories(
     start: np.ndarray | None = None,
     contact: ShaftContacts | None = None,
 ) -> tuple[History, ...]:
-    """Several points (m,) side by side, from states (m, 2) or from rest: many take hardly longer than one of them.
+    """Integrate several points together, which takes little longer than one of them.
 
-    Raises NoStability where the equation cannot be followed from the very start.
+    Parameters
+    ----------
+    coefficients : Coefficients
+    eta, q : ndarray (m,), dimensionless
+    damping : float
+        Damping ratio ζ.
+    periods : float
+        Turns of the input.
+    start : ndarray (m, 2) [turns], dimensionless, or None
+        States (β, Π) at y = 0; None from rest.
+    contact : ShaftContacts or None
+
+    Returns
+    -------
+    tuple of History
+
+    Raises
+    ------
+    NoStability
+        Where the equation cannot be integrated from its start.
     """
     steps, arrived = follow(coefficients, eta, q, damping, start, periods)
-    made = []
+    results = []
     for index in range(eta.size):
-        own = steps.only(np.flatnonzero(steps.trajectory == index))
-        if own.y.size == 0:
+        own_steps = steps.select(np.flatnonzero(steps.trajectory == index))
+        if own_steps.y.size == 0:
             raise _not_followed()
-        ended = periods if arrived[index] else float(own.y[-1] + own.h[-1])
-        own = replace(own, trajectory=np.zeros_like(own.trajectory))
-        made.append(History(coefficients, float(eta[index]), float(q[index]), damping, periods, own, ended, contact))
-    return tuple(made)
+        ended = periods if arrived[index] else float(own_steps.y[-1] + own_steps.h[-1])
+        own_steps = replace(own_steps, trajectory=np.zeros_like(own_steps.trajectory))
+        results.append(
+            History(coefficients, float(eta[index]), float(q[index]), damping, periods, own_steps, ended, contact)
+        )
+    return tuple(results)
 
 
 def _not_followed() -> NoStability:
@@ -298,14 +437,20 @@ _POWERS = powers(2.0 * SAMPLES - 1.0, STAGES + 2).T
 
 @frozen(eq=False)
 class StepSamples:
-    """The wind-up at k places of each of n steps, at a step's ends from inside it.
+    """The wind-up at k fractions of each of n steps, at a step's ends from inside it.
 
-    y             (n, k) turns of the input
-    beta          (n, k) β [turns]
-    rate          (n, k) β'
-    acceleration  (n, k) θ̈/ω² = -β''/2π of the cam
-    theta         (n, k) cam angle within its turn [rad]; at a join it may lie beyond it by rounding
-    inward        (n, k) [rad] a little towards the middle of the motion's piece: the side of a join that holds here
+    Attributes
+    ----------
+    y : ndarray (n, k) [turns of the input]
+    beta : ndarray (n, k) [turns]
+    rate : ndarray (n, k), dimensionless
+        β'.
+    acceleration : ndarray (n, k), dimensionless
+        θ̈/ω² = -β''/2π of the cam.
+    theta : ndarray (n, k) [rad]
+        Cam angle within its turn; at a join it may exceed it by rounding.
+    inward : ndarray (n, k) [rad]
+        Small angle towards the middle of the motion's piece, which selects the side of a join.
     """
 
     y: np.ndarray
@@ -317,7 +462,19 @@ class StepSamples:
 
     @staticmethod
     def of(equation: WindUpEquation, steps: IntegrationStep, part: np.ndarray) -> StepSamples:
-        """At parts (n or 1, k) of the steps, 0 ... 1."""
+        """Samples at fractions of the steps.
+
+        Parameters
+        ----------
+        equation : WindUpEquation
+        steps : IntegrationStep
+        part : ndarray (n, k), dimensionless
+            Fractions 0 ... 1 of the steps; (1, k) for the same fractions of every step.
+
+        Returns
+        -------
+        StepSamples
+        """
         x = steps.within(part)
         y = steps.y[:, None] + steps.h[:, None] * part
         theta = TURN * (y - x[..., 0] - steps.turn[:, None])
@@ -326,11 +483,26 @@ class StepSamples:
         return StepSamples(y, x[..., 0], rate, second / -TURN, theta, OUTSIDE * np.sign(middle[:, None] - theta))
 
     def moves(self, contact: ShaftContacts) -> np.ndarray:
-        """Where each follower moves (·, n, k)."""
+        """Whether each follower moves at the samples.
+
+        Returns
+        -------
+        ndarray (followers, n, k) of bool, dimensionless
+        """
         return np.asarray(contact.moves[:, contact.panels.index(self.theta + self.inward)])
 
     def force(self, contact: ShaftContacts, eta: float | np.ndarray) -> np.ndarray:
-        """Contact forces (·, n, k) at η, or (n, 1) of each follower as multiples of M X''m ω²."""
+        """Contact force of each follower as a multiple of M X''m ω².
+
+        Parameters
+        ----------
+        contact : ShaftContacts
+        eta : float or ndarray (n, 1), dimensionless
+
+        Returns
+        -------
+        ndarray (followers, n, k), dimensionless
+        """
         count = len(contact.names)
         rows = contact.panels.at(self.theta.ravel(), 3 * count, self.inward.ravel()).reshape(
             count, 3, *self.theta.shape
@@ -339,7 +511,17 @@ class StepSamples:
 
 
 def size_integrals(steps: IntegrationStep) -> tuple[np.ndarray, np.ndarray]:
-    """∫ |β| dy and ∫ |β'| dy (n,) over steps (n,), of the polynomials of β through the nodes."""
+    """Integrals ∫ |β| dy and ∫ |β'| dy over each step, of the polynomials of β through the nodes.
+
+    Parameters
+    ----------
+    steps : IntegrationStep
+
+    Returns
+    -------
+    wind_up, slope : ndarray (n,) [turns], dimensionless
+        The first in turns of wind-up times turns of the input, the second in turns.
+    """
     beta = steps.powers[:, 0]
     order = np.arange(1, beta.shape[1] + 1)
     primitive = np.pad(beta / order, ((0, 0), (1, 0)))
@@ -350,7 +532,7 @@ def size_integrals(steps: IntegrationStep) -> tuple[np.ndarray, np.ndarray]:
 def _absolute(f: np.ndarray, primitive: np.ndarray) -> np.ndarray:
     """∫ |f| dt (n,) over t = -1 ... 1 of polynomials (n, K), powers of t, with their primitives (n, K + 1).
 
-    Between two samples f changes its sign once at most; the place is found by Newton's method.
+    Between two samples f changes its sign once at most, at a root computed by Newton's method.
     """
     values, area = f @ _POWERS[: f.shape[1]], primitive @ _POWERS[: primitive.shape[1]]
     total = np.abs(np.diff(area))
@@ -359,15 +541,15 @@ def _absolute(f: np.ndarray, primitive: np.ndarray) -> np.ndarray:
     low, high = 2.0 * SAMPLES[j] - 1.0, 2.0 * SAMPLES[j + 1] - 1.0
     root = low + (high - low) * values[i, j] / (values[i, j] - values[i, j + 1])
     for _ in range(NEWTON):
-        rise = _values(slope, root)
-        root = np.clip(root - _values(f, root) / np.where(rise == 0.0, np.inf, rise), low, high)
-    top = _values(primitive[i], root)
-    total[i, j] = np.abs(top - area[i, j]) + np.abs(area[i, j + 1] - top)
+        gradient = _values(slope, root)
+        root = np.clip(root - _values(f, root) / np.where(gradient == 0.0, np.inf, gradient), low, high)
+    root_area = _values(primitive[i], root)
+    total[i, j] = np.abs(root_area - area[i, j]) + np.abs(area[i, j + 1] - root_area)
     return np.asarray(total.sum(axis=1))
 
 
-def _bisected(low: np.ndarray, high: np.ndarray, before: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-    """Where (n,) in the cells low ... high ``before`` ceases to be true: the upper ends after ``BISECTIONS`` halvings."""
+def _bisect(low: np.ndarray, high: np.ndarray, before: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    """Points (n,) of the cells low ... high at which ``before`` becomes false, by bisection."""
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
         lower = before(middle)
@@ -385,26 +567,38 @@ def _values(f: np.ndarray, t: np.ndarray) -> np.ndarray:
 
 @frozen(eq=False)
 class Averages:
-    """Means from rest.
+    """Means of the wind-up from rest.
 
-    eta       (n,) rising
-    q         (rows,)
-    wind_up   (rows, n) mean |β| [turns]; nan where the equation could not be followed
-    slope     (rows, n) mean |β'|
-    lost      (rows, n) True where the follower leaves the cam within that time; None where no contact is known
-    periods   turns of the input that are averaged
+    Attributes
+    ----------
+    eta : ndarray (n,), dimensionless
+        Rising.
+    q : ndarray (rows,), dimensionless
+    wind_up : ndarray (rows, n) [turns]
+        Mean |β|; NaN where the equation could not be integrated.
+    slope : ndarray (rows, n), dimensionless
+        Mean |β'|.
+    is_contact_lost : ndarray (rows, n) of bool, or None
+        True where the follower leaves the cam within that time; None where no contact is known.
+    periods : float
+        Turns of the input in the mean.
     """
 
     eta: np.ndarray
     q: np.ndarray
     wind_up: np.ndarray
     slope: np.ndarray
-    lost: np.ndarray | None
+    is_contact_lost: np.ndarray | None
     periods: float
 
 
 def etas(eta_max: float = ETA_MAX) -> np.ndarray:
-    """0.5, 0.55, ... up to eta_max (n,); where that is far, no more than Kim1990's range has."""
+    """Values 0.5, 0.55, ... up to eta_max; for a large eta_max the number of values is that of Kim1990's range.
+
+    Returns
+    -------
+    ndarray (n,), dimensionless
+    """
     count = max(1, min(round((eta_max - FIRST_ETA) / ETA_STEP), MOST_ETA) + 1)
     return FIRST_ETA + np.arange(count) * max(ETA_STEP, (eta_max - FIRST_ETA) / MOST_ETA)
 
@@ -417,7 +611,32 @@ def mean_wind_up(
     contact: ShaftContacts | None = None,
     periods: float = 1.0,
 ) -> Averages:
-    """The means of the rows q (rows,) at η (n,), over the first ``periods`` turns from rest."""
+    """Means of |β| and |β'| over the first turns from rest.
+
+    Parameters
+    ----------
+    coefficients : Coefficients
+    q : sequence of float or ndarray (rows,), dimensionless
+    eta : ndarray (n,), dimensionless
+    damping : float
+        Damping ratio ζ.
+    contact : ShaftContacts or None
+    periods : float
+        Turns of the input in the mean.
+
+    Returns
+    -------
+    Averages
+
+    Raises
+    ------
+    NoStability
+        Where the equation cannot be integrated from its start.
+
+    References
+    ----------
+    Kim (1990), Figs. 6 and 7.
+    """
     rows = np.atleast_1d(np.asarray(q, dtype=float))
     shape = (rows.size, eta.size)
     equation = WindUpEquation(coefficients, np.tile(eta, rows.size), np.repeat(rows, eta.size), damping)
@@ -425,18 +644,22 @@ def mean_wind_up(
     count = equation.eta.size
     if np.bincount(steps.trajectory, minlength=count).min() == 0:
         raise _not_followed()
-    sums = [np.bincount(steps.trajectory, size, count) for size in size_integrals(steps)]
-    wind_up, slope = (np.where(arrived, each / periods, np.nan).reshape(shape) for each in sums)
-    lost = None if contact is None else np.isin(np.arange(count), _losing(equation, steps, contact)).reshape(shape)
-    return Averages(eta, rows, wind_up, slope, lost, periods)
+    totals = [np.bincount(steps.trajectory, size, count) for size in size_integrals(steps)]
+    wind_up, slope = (np.where(arrived, total / periods, np.nan).reshape(shape) for total in totals)
+    is_contact_lost = (
+        None
+        if contact is None
+        else np.isin(np.arange(count), _lost_trajectories(equation, steps, contact)).reshape(shape)
+    )
+    return Averages(eta, rows, wind_up, slope, is_contact_lost, periods)
 
 
-def _losing(equation: WindUpEquation, steps: IntegrationStep, contact: ShaftContacts) -> np.ndarray:
-    """The trajectories in whose steps a contact force is below zero while the follower moves."""
-    found = []
+def _lost_trajectories(equation: WindUpEquation, steps: IntegrationStep, contact: ShaftContacts) -> np.ndarray:
+    """Trajectories with a negative contact force while the follower moves."""
+    lost = []
     for first in range(0, steps.y.size, STEPS_AT_ONCE):
-        some = steps.only(np.arange(first, min(first + STEPS_AT_ONCE, steps.y.size)))
-        samples = StepSamples.of(equation, some, SAMPLES[None])
-        pulled = samples.moves(contact) & (samples.force(contact, equation.eta[some.trajectory, None]) < 0.0)
-        found.append(some.trajectory[pulled.any(axis=(0, 2))])
-    return np.concatenate(found)
+        block = steps.select(np.arange(first, min(first + STEPS_AT_ONCE, steps.y.size)))
+        samples = StepSamples.of(equation, block, SAMPLES[None])
+        is_negative = samples.moves(contact) & (samples.force(contact, equation.eta[block.trajectory, None]) < 0.0)
+        lost.append(block.trajectory[is_negative.any(axis=(0, 2))])
+    return np.concatenate(lost)

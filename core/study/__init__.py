@@ -3,15 +3,16 @@
 from typing import TYPE_CHECKING
 
 from core.design import STAGES
-from core.process import late
+from core.process import lazy_attributes
 from core.study.camshaft import Camshaft
 from core.study.certificate import certificate_of
+from core.study.drive_forces import roller_lives
 from core.study.drive_study import SAMPLES
 from core.study.extremes import cam_extremes, extremes_of, undercut_on
 from core.study.findings import findings_of
 from core.study.many import Many, many
 from core.study.quantities import QUANTITIES, Quantity, names_of, quantities_of, quantity
-from core.study.quantity_requests import TOTALS, roller_lives
+from core.study.quantity_requests import TOTALS
 from core.study.sensitivity import sensitivity
 from core.study.stages import clear_caches, evaluations
 from core.study.study import Study
@@ -19,7 +20,7 @@ from core.study.study import Study
 if TYPE_CHECKING:
     from core.study.speeds import at_speeds
 else:
-    __getattr__ = late(__name__, "speeds")
+    __getattr__ = lazy_attributes(__name__, "speeds")
 
 __all__ = [
     "QUANTITIES", "SAMPLES", "STAGES", "TOTALS", "Camshaft", "Many", "Quantity", "Study", "at_speeds", "cam_extremes",

@@ -14,25 +14,34 @@ from core import dynamics, stress
 from core.design import Design, Motion, Shaft, edited, only, part_faults, path_of, put, row_at, with_only
 from core.design.camshaft import drive_at
 from core.design.topology import GROUP, INPUT
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.mechanism import plan_of
 from core.mechanism.kinematics import SLIDING
 from core.motion import Angles
-from core.motion.curves import only_stretched
+from core.motion.curves import has_common_pieces
 from core.motion.extremes import crossings
 from core.motion.program import ShaftPosition
 from core.numerics.lazy import at_angles_of, column, design_by_design, taken
 from core.shaft import Flywheel, LoadCurve, combined, panel_angles, peaks, rms
 from core.shaft.curve import NODES, fitted, nodes, value
 from core.shaft.flywheel import energy_ranges
-from core.study.extremes import exists, extremes_of, undercut_on
+from core.study.drive_forces import load_ratings, roller_force, roller_speed
+from core.study.extremes import extremes_of, has_quantity, undercut_on
 from core.study.highest import nodes_of
 from core.study.limits import SPEEDS
 from core.study.quantities import OF_MOTOR, quantities_of, quantity
-from core.study.quantity_requests import ENERGY, LIFE, TOTALS, Asked, infos_of, mean_of, of_range
-from core.study.stages import Switch, switches_of
+from core.study.quantity_requests import (
+    ENERGY,
+    LIFE,
+    TOTALS,
+    QuantityRequest,
+    extreme_statistic,
+    mean_statistic,
+    number_fields,
+)
+from core.study.stages import Switch, friction_switches
 from core.study.stages_of_many import NO_VALUE, UNDERCUT, Results, Together
-from core.study.study import Study, pressing, ratings, roller_speed
+from core.study.study import Study
 
 # -- A block of many designs ------------------------------------------------------------------------------------
 
@@ -51,7 +60,7 @@ _SWITCHES = re.compile(r"loads\.process\[\d+\]\.(cam_|position_|points)")
 _READS_CENTRES = frozenset({"instant_centre", "instant_centre_x", "instant_centre_y", "instant_centre_velocity"})
 
 
-def together(design: Design, paths: Sequence[str], asked: Asked) -> bool:
+def together(design: Design, paths: Sequence[str], asked: QuantityRequest) -> bool:
     """Whether what is asked of designs that differ in these paths is computed of all at once: lengths, angles, masses, springs,
     friction and speed of a follower or a linkage of dyads, quantities that follow at each angle by itself, with their totals; of several
     drives on a shaft those of each."""
@@ -62,9 +71,9 @@ def together(design: Design, paths: Sequence[str], asked: Asked) -> bool:
     if design.listed:
         return (
             design.balancer is None
-            and asked.of != LIFE
+            and asked.statistic != LIFE
             and all(
-                together(only(design, i), [*paths_inside(design, paths, i)], Asked("", "", ENERGY, 1.0))
+                together(only(design, i), [*paths_inside(design, paths, i)], QuantityRequest("", "", ENERGY, 1.0))
                 for i in _carried(design)
             )
         )
@@ -76,7 +85,7 @@ def together(design: Design, paths: Sequence[str], asked: Asked) -> bool:
         return False
     if not asked.name:
         return design.drive.loads_shaft and not (
-            asked.of == LIFE and (design.drive.cam is None or design.drive.cam.form.holds)
+            asked.statistic == LIFE and (design.drive.cam is None or design.drive.cam.form.holds)
         )
     row = quantity(asked.name)
     return (
@@ -88,7 +97,7 @@ def together(design: Design, paths: Sequence[str], asked: Asked) -> bool:
 
 @np.errstate(invalid="ignore", over="ignore", divide="ignore")  # infinite values of some, as rates at dead centres
 def block(
-    design: Design, infos: Mapping[str, Any], asked: tuple[Asked, ...], polish: bool, rows: np.ndarray
+    design: Design, infos: Mapping[str, Any], asked: tuple[QuantityRequest, ...], polish: bool, rows: np.ndarray
 ) -> Results:
     """What is asked of the designs with these numbers (p, m)."""
     paths, m = tuple(infos), rows.shape[1]
@@ -104,7 +113,7 @@ def block(
         motion = _own_motion(own, tuple(here), rows[[paths.index(path) for path in here.values()]])
         for segment in () if motion is None else motion.segments:
             inside &= np.asarray(segment.span_deg > 0.0)
-        if motion is not None and not only_stretched(motion):
+        if motion is not None and not has_common_pieces(motion):
             for k in np.flatnonzero(inside).tolist():
                 if part_faults(taken(motion, design_by_design(k)), "motion"):
                     found.reason[k] = FAULTY
@@ -142,7 +151,7 @@ def _of_one(
     design: Design,
     infos: Mapping[str, Any],
     rows: np.ndarray,
-    asked: Sequence[Asked],
+    asked: Sequence[QuantityRequest],
     polish: bool,
     motion: Motion | None,
 ) -> tuple[Results, np.ndarray]:
@@ -157,7 +166,7 @@ def _of_one(
     value[named], theta[named] = part.value, part.theta
     if any(whole):
         wanted = [i for i, each in enumerate(whole) if each]
-        curves = loads(one) if any(asked[i].of != LIFE for i in wanted) else []
+        curves = loads(one) if any(asked[i].statistic != LIFE for i in wanted) else []
         lost = one.lost_at("dynamics")
         if curves:
             curves = [None if lost[k] else curve for k, curve in enumerate(curves)]
@@ -165,7 +174,7 @@ def _of_one(
                 [asked[i] for i in wanted], curves, _shafts(design, infos, rows)
             )
         for i in wanted:
-            if asked[i].of == LIFE:
+            if asked[i].statistic == LIFE:
                 value[i] = np.where(lost, np.nan, lives(one))
             one.reason[np.isnan(value[i]) & (one.reason == "")] = NO_VALUE
     return Results(value, theta, one.reason), one.apart
@@ -198,7 +207,7 @@ def _of_drives(
     design: Design,
     infos: Mapping[str, Any],
     rows: np.ndarray,
-    asked: Sequence[Asked],
+    asked: Sequence[QuantityRequest],
     polish: bool,
 ) -> tuple[Results, np.ndarray]:
     """The same of several drives on a shaft: each by itself, then their loads together."""
@@ -217,7 +226,7 @@ def _of_drives(
         part_of = {inner: infos[path] for inner, path in inside.items()}
         spread = not inside  # nothing of this drive is varied
         if spread:
-            part_of, numbers = infos_of(own, SPEEDS[:1]), np.array([[own.speed_rpm]])
+            part_of, numbers = number_fields(own, SPEEDS[:1]), np.array([[own.speed_rpm]])
         if mine:
             part = block(own, part_of, tuple(asked[i]._replace(drive=None) for i in mine), polish, numbers)
             found.value[mine], found.theta[mine] = part.value, part.theta
@@ -258,7 +267,7 @@ def _loads(design: Design, infos: Mapping[str, Any], rows: np.ndarray) -> tuple[
 def _load_of_one(design: Design) -> tuple[LoadCurve | None, str]:
     try:
         return Study(design).load_curve, ""
-    except NoAnswer as error:
+    except NoSolution as error:
         return None, error.code
 
 
@@ -317,14 +326,14 @@ def block_size(design: Design) -> int:
 # -- design by design --------------------------------------------------------------------------------------
 
 
-def asked_of_study(study: Study, asked: Sequence[Asked]) -> tuple[list[float], list[float], str]:
+def asked_of_study(study: Study, asked: Sequence[QuantityRequest]) -> tuple[list[float], list[float], str]:
     """Values, cam angles [rad] and reason of a single design."""
     reasons = []
     values, thetas = [np.nan] * len(asked), [np.nan] * len(asked)
     for i, each in enumerate(asked):
         try:
             values[i], thetas[i] = _asked_of_one(study, each)
-        except NoAnswer as error:
+        except NoSolution as error:
             reasons.append(error.code)
         except _NoValue as error:
             reasons.append(str(error))
@@ -334,7 +343,7 @@ def asked_of_study(study: Study, asked: Sequence[Asked]) -> tuple[list[float], l
         for drive in (drives[number] for number in shaped if "cam" in drives[number].stages):
             try:
                 reasons += [UNDERCUT for flank in drive.cam.flanks if undercut_on(drive, flank.name)]
-            except NoAnswer as error:  # at no single angle, but over the turn
+            except NoSolution as error:  # at no single angle, but over the turn
                 reasons.append(error.code)
     return values, thetas, reasons[0] if reasons else ""
 
@@ -343,27 +352,29 @@ class _NoValue(Exception):
     """A design that could have a value has none; its reason."""
 
 
-def _asked_of_one(study: Study, asked: Asked) -> tuple[float, float]:
+def _asked_of_one(study: Study, asked: QuantityRequest) -> tuple[float, float]:
     if asked.drive is not None:
         return _asked_of_one(list(study.drives.values())[asked.drive], asked._replace(drive=None))
     row = quantity(asked.name) if asked.name else None
     for drive in study.drives.values() if row is None or row.stage == "dynamics" else ():
         if drive.loads_shaft and drive.jam is not None:
             raise _NoValue(dynamics.jam_finding(drive.jam, drive.jamming_pair).code)
-    if asked.of in TOTALS:
-        total = float(TOTALS[asked.of](study))
+    if asked.statistic in TOTALS:
+        total = float(TOTALS[asked.statistic](study))
         if np.isnan(total):
             raise _NoValue(NO_VALUE)
         return total, np.nan
     if row is None:
-        return OF_LOAD[asked.of](study.camshaft.load, study.design.camshaft)
-    if not exists(study, row) or quantities_of(study, row.stage)[row.name].turns:
+        return OF_LOAD[asked.statistic](study.camshaft.load, study.design.camshaft)
+    if not has_quantity(study, row) or quantities_of(study, row.stage)[row.name].turns:
         raise _NoValue(UNDERCUT if row.fitting else NO_VALUE)
-    if asked.of in ("rms", "mean"):
+    if asked.statistic in ("rms", "mean"):
         angles, weight = nodes_of(study.program)
-        return mean_of(np.broadcast_to(row.value(study.at(angles)), angles.theta.size), weight, asked.of), np.nan
+        return mean_statistic(
+            np.broadcast_to(row.value(study.at(angles)), angles.theta.size), weight, asked.statistic
+        ), np.nan
     found = extremes_of(study, row.stage, (asked.name,))[asked.name]
-    value, theta = of_range(asked.of, *((each.value, each.theta) for each in (found.low, found.high)))
+    value, theta = extreme_statistic(asked.statistic, *((each.value, each.theta) for each in (found.low, found.high)))
     return float(value), float(theta)
 
 
@@ -386,11 +397,11 @@ Places = tuple[np.ndarray, np.ndarray, Angles]
 
 
 def loads(one: Together) -> list[LoadCurve | None]:
-    """The load of each design by its cam's angle, as ``fitted_load`` has it; None where it is not finite."""
+    """The load of each design by its cam's angle, as ``fit_load_curve`` has it; None where it is not finite."""
     slides = [f for f in one.loading.frictions if one.mechanism.pairs_by_name[f.pair].kind == SLIDING]
     switches = [
         one.reader(f"switch {i}", partial(_switch, switch))
-        for i, switch in enumerate(switches_of(one.loading, slides, one.holds))
+        for i, switch in enumerate(friction_switches(one.loading, slides, one.is_form_closed))
     ]
     rows = [
         one.reader("torque of the shaft", lambda there: there.shaft_torque),
@@ -470,7 +481,7 @@ def _curve(one: Together, k: int, place: Places, values: np.ndarray) -> LoadCurv
         width = ends - start
     torque, inertia = (row.reshape(-1, NODES) for row in values)
     curve = fitted(start, width, torque, inertia)
-    turning = Study(one.plain).turning
+    turning = Study(one.plain).turn_sign
     return curve if turning > 0.0 else combined([(curve, ShaftPosition(0.0, turning))])
 
 
@@ -478,24 +489,24 @@ def _curve(one: Together, k: int, place: Places, values: np.ndarray) -> LoadCurv
 
 
 def asked_of_loads(
-    asked: Sequence[Asked], curves: Sequence[LoadCurve | None], shafts: Sequence[Shaft]
+    asked: Sequence[QuantityRequest], curves: Sequence[LoadCurve | None], shafts: Sequence[Shaft]
 ) -> tuple[np.ndarray, np.ndarray]:
     """What is asked of m loads on their shafts, and its angle [rad], both (k, m)."""
     value_, theta = np.full((2, len(asked), len(curves)), np.nan)
     good = [k for k, curve in enumerate(curves) if curve is not None]
     there = [(k, curve, shafts[k]) for k, curve in enumerate(curves) if curve is not None]
     for i, each in enumerate(asked):
-        if each.of == ENERGY and good:
+        if each.statistic == ENERGY and good:
             low, high = energy_ranges([curve for _, curve, _ in there])
             value_[i, good] = high - low
-        for k, curve, shaft in there if each.of in OF_LOAD else ():
-            value_[i, k], theta[i, k] = OF_LOAD[each.of](curve, shaft)
+        for k, curve, shaft in there if each.statistic in OF_LOAD else ():
+            value_[i, k], theta[i, k] = OF_LOAD[each.statistic](curve, shaft)
     return value_, theta
 
 
 def _end(of: str, curve: LoadCurve, shaft: Shaft) -> tuple[float, float]:
     found = peaks(curve)
-    return of_range(of, *((end.value, end.theta) for end in (found.low, found.high)))
+    return extreme_statistic(of, *((end.value, end.theta) for end in (found.low, found.high)))
 
 
 def _flywheel(curve: LoadCurve, shaft: Shaft) -> tuple[float, float]:
@@ -516,22 +527,22 @@ OF_LOAD: dict[str, Callable[[LoadCurve, Shaft], tuple[float, float]]] = {
 
 def lives(one: Together) -> np.ndarray:
     """L10 [h] of the shortest-lived roller of each design (m,), as ``roller_lives`` has them, of an open cam; NaN where none is rated."""
-    rated = {} if one.loading.empty else ratings(Study(one.design))
+    rated = {} if one.loading.empty else load_ratings(Study(one.design))
     if not rated:
         return np.full(one.count, np.nan)
 
     names = []
     for roller in rated:
-        names.append(one.reader(f"force {roller}", partial(pressing, roller=roller)))
+        names.append(one.reader(f"force {roller}", partial(roller_force, roller=roller)))
         names.append(one.reader(f"speed {roller}", partial(_speed, roller)))
-    angles, weight = stress.turn_nodes(one.program, (), LIFE_PANEL)
+    angles, weight = stress.turn_quadrature(one.program, (), LIFE_PANEL)
     values = np.array(_values(one, names, [(k, angles) for k in range(one.count)]))
     if one.motions is not None:
         weight = weight * one.motions.stretched()[:, angles.piece]
     omega = np.broadcast_to(np.asarray(Study(one.design).omega), one.count)
     least = np.full(one.count, inf)
     for i, rating in enumerate(rated.values()):
-        *_, hours = stress.lives_of(np.asarray(rating), values[:, 2 * i], values[:, 2 * i + 1], weight, omega)
+        *_, hours = stress.rolling_life(np.asarray(rating), values[:, 2 * i], values[:, 2 * i + 1], weight, omega)
         least = np.minimum(least, hours)
     return least
 

@@ -13,7 +13,7 @@ from core import cam
 from core.cam import checks
 from core.findings import Finding
 from core.motion import TURN, Angles
-from core.motion.extremes import Extreme, Range, find_extremes, piecewise_angles
+from core.motion.extremes import Extreme, Extremes, find_extremes, piecewise_angles
 from core.study import quantity_requests
 from core.study.extremes import cam_extremes, undercut_on
 from core.study.limits import OWN, OWN_BOUNDS, POLAR, UsualValue, by_torque, limit_of, worst_of
@@ -27,11 +27,11 @@ CLEAR = 1.05  # times a limit: what samples leave needs no refining
 _SAMPLES = 181  # between two cam angles, to see whether the profile runs backwards there
 
 
-def pressure_angles(study: Study) -> Mapping[str, Mapping[str, Range]]:
+def pressure_angles(study: Study) -> Mapping[str, Mapping[str, Extremes]]:
     """Refined extremes of the pressure angle [rad] of each flank that has one of its own (name of the quantity), by stretch of the
     motion: ``rise`` and ``return``, as far as there is one."""
 
-    def compute() -> Mapping[str, Mapping[str, Range]]:
+    def compute() -> Mapping[str, Mapping[str, Extremes]]:
         rows = {name: row for name, row in quantities_of(study, "cam").items() if name.endswith(_UNDER)}
 
         def values(angles: Angles) -> Mapping[str, np.ndarray]:
@@ -50,7 +50,7 @@ def pressure_angles(study: Study) -> Mapping[str, Mapping[str, Range]]:
             name: {key: each for key, each in by.items() if isfinite(each.high.value)} for name, by in there.items()
         }
 
-    found: Mapping[str, Mapping[str, Range]] = memory.get("pressure angles", study.depends_on("cam"), compute)
+    found: Mapping[str, Mapping[str, Extremes]] = memory.get("pressure angles", study.depends_on("cam"), compute)
     return found
 
 
@@ -70,17 +70,17 @@ def crossings(study: Study, flank: str) -> tuple[cam.Crossing, ...]:
 
     corners = [join.theta for join in study.program.joins if join.jumps[1]]
 
-    def reversed_between(first: float, second: float) -> bool:
+    def is_reversed_between(first: float, second: float) -> bool:
         """On the shorter way; a corner of the pitch curve counts as an undercut."""
         ends = (first, second) if second - first <= 0.5 * TURN else (second, first + TURN)
         if any(ends[0] <= corner + turns <= ends[1] for corner in corners for turns in (0.0, TURN)):
             return True
-        return bool(checks.reversed_at(flank_at(np.linspace(*ends, _SAMPLES) % TURN)).any())
+        return bool(checks.is_reversed(flank_at(np.linspace(*ends, _SAMPLES) % TURN)).any())
 
     def compute() -> tuple[cam.Crossing, ...]:
         angles = piecewise_angles(study.program)
         profile = study.at(angles).cam.only(flank).flank.profile
-        return checks.without_undercut(cam.crossings(flank_at, angles.theta, profile), reversed_between)
+        return checks.without_undercut(cam.crossings(flank_at, angles.theta, profile), is_reversed_between)
 
     found: tuple[cam.Crossing, ...] = memory.get(("crossings", flank), study.depends_on("cam"), compute)
     return found
@@ -143,13 +143,13 @@ def _distances(study: Study) -> Mapping[str, np.ndarray]:
 def _core_findings(study: Study) -> list[Finding]:
     """Of hub, bore and keyway."""
     blank = study.design.drive.cam
-    if checks.cores(blank):
+    if checks.inner_circles(blank):
         first = cam_extremes(study)["radius"].low
-        found = checks.core_findings(first, blank)
+        found = checks.hub_findings(first, blank)
         if not found and first.value <= checks.keyway_reach(blank):
 
             def wall(angles: Angles) -> Mapping[str, np.ndarray]:
-                return {"wall": checks.over_keyway(study.at(angles).cam.flank.profile, blank)}
+                return {"wall": checks.keyway_clearance(study.at(angles).cam.flank.profile, blank)}
 
             found = checks.keyway_findings(find_extremes(wall, study.program)["wall"].low, blank)
         if found:
@@ -215,7 +215,7 @@ def limit_rows(study: Study, stages: Sequence[str]) -> Iterator[LimitRow]:
         for key, own, worst in worst_of(study, stage):
             unit = key.removeprefix(f"{split_unit(key)[0]}_")
             yield LimitRow(key, OWN_BOUNDS[key][0].label, unit, worst.value, degrees(worst.theta), own, OWN)
-    if "dynamics" in stages and (pressed := quantity_requests.worst(study)):
+    if "dynamics" in stages and (pressed := quantity_requests.peak_pressures(study)):
         most = max(pressed.values(), key=lambda extreme: extreme.value)
         yield _row(study, "contact_pressure_mpa", "Contact pressure", 1e-6 * most.value, most)
 
@@ -235,12 +235,12 @@ def _shape_rows(study: Study, stages: Sequence[str]) -> Iterator[LimitRow]:
                 f"{name}_{stretch}_deg",
             )
             if body is not None and row.source != OWN:
-                row = row._replace(limit=cam.PRESSURE_LIMITS[study.held_by(body)])
+                row = row._replace(limit=cam.PRESSURE_LIMITS[study.frame_pair_kind(body)])
             yield row
     for radius in radii(study):
-        sort = "concave" if radius.hollow else "convex"
+        sort = "concave" if radius.is_concave else "convex"
         label = f"Smallest {sort} radius {_CURVES[radius.curve]}"
-        key = f"{sort}_radius_mm" if radius.of_profile else ""
+        key = f"{sort}_radius_mm" if radius.is_on_profile else ""
         yield _row(study, key, label, 1e3 * radius.smallest.value, radius.smallest, f"{radius.name}_mm")
     if "dynamics" in stages or not by_torque(study):
         least = nearest(study)

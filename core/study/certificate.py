@@ -28,12 +28,12 @@ def certificate_of(study: Study, stages: Sequence[str] = ()) -> dict[str, Residu
     """What proves the figures: name -> residual with its bound, of the named stages or of all. Of a design that lists its drives: those of
     each drive by its slug, and the power balance of the sum."""
     wanted, proof = stages or study.stages, dict[str, Residual]()
-    for slug, each in study.answering.items():
+    for slug, each in study.solved_drives.items():
         found = _of_drive(each, [stage for stage in wanted if stage in each.stages])
         proof |= {f"{slug}.{name}".removeprefix("."): residual for name, residual in found.items()}
-    if len(study.answering) < len(study.drives):
+    if len(study.solved_drives) < len(study.drives):
         return proof
-    if "dynamics" in wanted and "power_balance" not in proof and study.camshaft.carried:
+    if "dynamics" in wanted and "power_balance" not in proof and study.camshaft.loading_drives:
         proof["power_balance"] = _power_balance(study.camshaft, proof)
     if "stability" in wanted and "stability" in study.stages:
         with suppress(NoStability):
@@ -114,8 +114,8 @@ def _power_balance(camshaft: Camshaft[Study], proof: Mapping[str, Residual]) -> 
     """What the curve of the sum gives at these angles against where each drive, by its own angle, takes it: into kinetic and
     potential energy and friction; relative to the peak of these terms."""
     terms, derived = [], 0.0
-    for name in camshaft.carried:
-        there, own = camshaft.there(name), proof.get(f"{camshaft.slugs[name]}.power_balance")
+    for name in camshaft.loading_drives:
+        there, own = camshaft.drive_study(name), proof.get(f"{camshaft.slugs[name]}.power_balance")
         terms += dynamics.power_terms(there.linkage, there.dynamics, there.loading)
         derived += 0.0 if own is None else own.derived
     given = shaft.value(camshaft.cams_load, camshaft.theta) * camshaft.omega

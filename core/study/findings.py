@@ -11,17 +11,18 @@ from typing import TYPE_CHECKING
 from core import cam, dynamics, mechanism, motion, shaft
 from core.cam import Wall
 from core.design import BALANCER, Design, contradiction, distances, excess, path_of, with_drive
-from core.errors import KindynaError, NoAnswer, NoStability
+from core.errors import KindynaError, NoSolution, NoStability
 from core.findings import ERROR, NOTE, WARNING, Finding
 from core.motion import program
 from core.motion.extremes import Extreme, find_extremes, piecewise_angles
 from core.study import cam_checks, quantity_requests
 from core.study.camshaft import Camshaft
+from core.study.drive_forces import has_servo, servo_part, servo_turn
 from core.study.extremes import cam_extremes, extremes_of, search_together
 from core.study.limits import own_findings
 from core.study.quantities import TRANSMISSION, member_of, names_of, quantities_of, quantity, shape_of
 from core.study.stages import memory
-from core.study.study import Study, has_servo, servo_part, servo_turn
+from core.study.study import Study
 
 if TYPE_CHECKING:
     from core.stability import Stability
@@ -64,7 +65,7 @@ LIMITS: tuple[tuple[str, str, str, str, Callable[[Study], tuple[float, float | N
 
 
 def servo_findings(study: Study) -> Iterator[Finding]:
-    """The limits of the motor that a design passes. Raises NoAnswer as the stage dynamics does."""
+    """The limits of the motor that a design passes. Raises NoSolution as the stage dynamics does."""
     if not has_servo(study.design) or study.jam is not None:
         return
     servo = servo_part(study)
@@ -85,7 +86,7 @@ _CONTACT, _ELASTIC_CONTACT = ("contact_force",), ("elastic_contact_force",)
 
 
 def findings_of(study: Study, stages: Sequence[str] = ()) -> tuple[Finding, ...]:
-    """What the named stages (all, where none is named) exceed, the gravest first. Raises NoAnswer as the stages do.
+    """What the named stages (all, where none is named) exceed, the gravest first. Raises NoSolution as the stages do.
 
     Of a design that lists its drives: what each exceeds as far as it has answers, its name among the values and its field that of the
     whole file; why one has none; and what all do together.
@@ -117,7 +118,7 @@ def _search_together(study: Study, stages: Sequence[str]) -> None:
         asked["linkage"] = _singular(study)
     if "cam" in stages:
         asked["cam"] = cam.limits_of(drive.face, drive.cam)
-    if {"cam", "dynamics"} <= set(stages) and not study.holds:
+    if {"cam", "dynamics"} <= set(stages) and not study.is_form_closed:
         asked["dynamics"] = _CONTACT
     search_together(study, {stage: names for stage, names in asked.items() if names})
 
@@ -140,16 +141,16 @@ def _of_cam(study: Study) -> list[Finding]:
     drive, extremes = study.design.drive, cam_extremes(study)
     # where the search over the turn has solved it; of a general linkage the study itself asks whether a cam can push it
     there = study if study.mechanism.ranged else study.at(piecewise_angles(study.program))
-    grounds = {flank.name: there.held_by(flank.body) for flank in there.cam.flanks}
+    grounds = {flank.name: there.frame_pair_kind(flank.body) for flank in there.cam.flanks}
 
     def least_at(name: str, base_radius_mm: float) -> float:
         """The refined least value of a quantity of the cam with another base radius; NaN where there is none."""
-        other = study.of(with_drive(study.design, cam=replace(drive.cam, base_radius_mm=base_radius_mm)))
+        other = study.with_design(with_drive(study.design, cam=replace(drive.cam, base_radius_mm=base_radius_mm)))
         try:
             return find_extremes(lambda angles: {name: quantity(name).value(other.at(angles))}, other.program)[
                 name
             ].low.value
-        except NoAnswer:
+        except NoSolution:
             return math.nan
 
     found = cam.findings(extremes, grounds[cam.INNER], drive.face, drive.cam, least_at)
@@ -176,21 +177,23 @@ def _of_dynamics(study: Study) -> list[Finding]:
     if "cam" not in study.stages:
         found = [*dynamics.findings(None, study.loading, "", lambda: 0.0), *jams]
     else:
-        contact = None if study.holds else extremes_of(study, "dynamics", _CONTACT)["contact_force"]
+        contact = None if study.is_form_closed else extremes_of(study, "dynamics", _CONTACT)["contact_force"]
         wanted = getattr(drive.loads, "least_contact_force_n", None)
         noun = "" if cam.row_of(drive.face).rolls else drive.face.noun
         found = [
             *dynamics.findings(contact, study.loading, noun, lambda: _lift_off_rpm(study), wanted),
             *jams,
         ]
-        if study.holds and jam is None and not study.loading.empty:
+        if study.is_form_closed and jam is None and not study.loading.empty:
             found += dynamics.change_findings(study.flank_impacts, drive.cam.form)
-        found += cam_checks.force_findings(study) + quantity_requests.findings(study) + _of_elastic_follower(study)
+        found += (
+            cam_checks.force_findings(study) + quantity_requests.pressure_findings(study) + _of_elastic_follower(study)
+        )
     if study.undetermined and not study.loading.empty:
         pairs = ", ".join(name for name in study.linkage.pairs if name in study.undetermined)
         found.append(Finding("undetermined-reactions", NOTE, "linkage.links", None, {"pairs": pairs}))
     found += dynamics.element_findings(lambda angles: study.at(angles).linkage, study.program, study.loading)
-    return [*found, *(shaft.findings(study.flywheel) if study.levelled and jam is None else [])]
+    return [*found, *(shaft.findings(study.flywheel) if study.levels_torque and jam is None else [])]
 
 
 def _lift_off_rpm(study: Study) -> float:
@@ -206,9 +209,9 @@ def _of_elastic_follower(study: Study) -> list[Finding]:
         return []
     try:
         study.follower_response.require_steady()
-    except NoAnswer as error:
+    except NoSolution as error:
         return [Finding("no-elastic-follower", WARNING, error.field, None, {"why": error.problem, "hint": error.hint})]
-    if study.holds or study.jam is not None or study.loading.empty:
+    if study.is_form_closed or study.jam is not None or study.loading.empty:
         return []
     if extremes_of(study, "dynamics", _CONTACT)["contact_force"].low.value <= 0.0:  # the finding of separation says so
         return []
@@ -253,7 +256,7 @@ def _of_camshaft(camshaft: Camshaft[Study], stages: Sequence[str]) -> Iterator[F
         yield _failure(name, error)
     if not stages or "motion" in stages:
         yield from _of_timing(camshaft.design)
-    there = not camshaft.failures.keys() & set(camshaft.carried)
+    there = not camshaft.failures.keys() & set(camshaft.loading_drives)
     if there and (not stages or "dynamics" in stages):
         yield from _of_torque(camshaft)
     if there and camshaft.design.camshaft.elastic is not None and (not stages or "stability" in stages):
@@ -271,7 +274,7 @@ def _of_drive(study: Study, stages: Sequence[str]) -> Iterator[Finding]:
             return
 
 
-def _failure(name: str, error: NoAnswer) -> Finding:
+def _failure(name: str, error: NoSolution) -> Finding:
     at = error.cam_angles[0][0] if error.cam_angles else None
     return Finding("no-drive", ERROR, error.field, at, {"drive": name, "why": error.problem, "hint": error.hint})
 
@@ -292,13 +295,13 @@ def _of_torque(camshaft: Camshaft[Study]) -> Iterator[Finding]:
     """Of the balance cam and the flywheel."""
     try:
         study = camshaft.balancer
-    except NoAnswer as error:
+    except NoSolution as error:
         yield _failure("the balance cam", error)
         return
     if study is not None:
         for each in _of_drive(study, ()):
             yield replace(each, field=_of_balancer(each.field), values={**each.values, "drive": BALANCER})
-    if camshaft.levelled:
+    if camshaft.levels_torque:
         yield from shaft.findings(camshaft.flywheel)
 
 

@@ -18,16 +18,17 @@ from core.cam.checks import keyway_reach
 from core.cam.forms import ROUNDING, faces_of
 from core.design import Design, Limits, info_of
 from core.design.fields import Bounds, Info
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.findings import WARNING, Finding
 from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE, SLIDING
 from core.motion.extremes import Extreme
-from core.study.extremes import exists, extremes_of
+from core.study.drive_forces import pairings
+from core.study.extremes import extremes_of, has_quantity
 from core.study.quantities import names_of, quantities_of, quantity
-from core.study.quantity_requests import borne
-from core.study.study import Study, pairings
-from core.units import kind_of, split_unit
+from core.study.quantity_requests import allowable_pressure
+from core.study.study import Study
+from core.units import quantity_kind, split_unit
 
 # -- the user's own limits that bound quantities ----------------------------------------------------------------
 
@@ -51,21 +52,21 @@ def stage_of(key: str) -> str:
 def bounded(design: Design, key: str) -> tuple[str, ...]:
     """The quantities that a limit bounds in a design: those that it has and that measure the same, for a follower's jerk is one of
     lengths or of angles."""
-    kind = kind_of(split_unit(key)[1].symbol)
+    kind = quantity_kind(split_unit(key)[1].symbol)
     there = (name for name in OWN_BOUNDS[key][1].quantities if name in names_of(design))
     slugs = {name: quantity(name).slug.format(m=design.drive.motion_unit) for name in there}
-    return tuple(name for name, slug in slugs.items() if kind_of(split_unit(slug)[1].symbol) == kind)
+    return tuple(name for name, slug in slugs.items() if quantity_kind(split_unit(slug)[1].symbol) == kind)
 
 
 def worst_of(study: Study, stage: str) -> Iterator[tuple[str, float, Extreme]]:
     """Key, limit as stated and what comes nearest to it or passes it by most, in its unit, of every limit that the user states for
-    quantities of a stage and that has no check of its own; forces only where there are any. Raises NoAnswer as the stage does."""
+    quantities of a stage and that has no check of its own; forces only where there are any. Raises NoSolution as the stage does."""
     for key, (_, bounds) in OWN_BOUNDS.items():
         limit = getattr(study.design.drive.limits, key)
         if limit is None or not bounds.remedy or stage_of(key) != stage or (stage == "dynamics" and _forceless(study)):
             continue
         rows = quantities_of(study, stage)
-        names = tuple(name for name in bounded(study.design, key) if name in rows and exists(study, rows[name]))
+        names = tuple(name for name in bounded(study.design, key) if name in rows and has_quantity(study, rows[name]))
         if not names:
             continue
         factor = split_unit(key)[1].factor
@@ -306,7 +307,7 @@ def _usual_pressure(study: Study) -> UsualValue:
         linkage = study.linkage
         pair = linkage.pairs.get(linkage.ground)
         kind = pair.kind if pair else REVOLUTE
-    except NoAnswer:
+    except NoSolution:
         kind = SLIDING
     how = "slides" if kind == SLIDING else "swings"
     return UsualValue(PRESSURE_LIMITS[kind], f"usual where the follower {how}", PRESSURE_SOURCE)
@@ -354,7 +355,7 @@ def _greatest_torque(study: Study) -> float:
     """Of the size of the drive's torque [N m]: refined, or of a study's own cam angles; 0 where nothing loads it or friction jams."""
     if study.loading.empty or study.jam is not None:
         return 0.0
-    if study.whole is not study:
+    if study.full_turn is not study:
         return float(np.abs(study.shaft_torque).max())
     found = extremes_of(study, "dynamics", ("drive_torque",))["drive_torque"]
     return max(abs(found.low.value), abs(found.high.value))
@@ -410,7 +411,7 @@ def _usual_rate(study: Study, rate: str) -> UsualValue | None:
 
 def _usual_contact_pressure(study: Study) -> UsualValue | None:
     """What the weaker of the materials bears, as far as that is known."""
-    least, source = borne(study)
+    least, source = allowable_pressure(study)
     return None if least is None else UsualValue(least / MPA, source, source)
 
 

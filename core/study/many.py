@@ -11,7 +11,7 @@ import numpy as np
 from core.design import Design
 from core.frozen import frozen
 from core.numerics.lazy import checkpoint
-from core.study.quantity_requests import asked_of, infos_of
+from core.study.quantity_requests import number_fields, quantity_request
 from core.study.stages import evaluations
 
 
@@ -51,8 +51,8 @@ def many(
         block_size,  # with all that it needs, when it is asked
     )
 
-    infos = infos_of(design, values)
-    given, asked = _given(values), [asked_of(design, each) for each in quantities]
+    infos = number_fields(design, values)
+    given, asked = _given(values), [quantity_request(design, each) for each in quantities]
     if not asked:
         raise ValueError("quantities: none is asked for")
     rows = np.array(list(given.values()))

@@ -43,12 +43,12 @@ def always(study: Study) -> bool:
 
 def motor_runs(study: Study) -> bool:
     """Not where the guide jams, nor where the motor stalls."""
-    return study.jam is None and (not study.levelled or study.flywheel.runs)
+    return study.jam is None and (not study.levels_torque or study.flywheel.runs)
 
 
 def levelled_runs(study: Study) -> bool:
     """Where a flywheel levels the speed, and the motor runs."""
-    return study.levelled and motor_runs(study)
+    return study.levels_torque and motor_runs(study)
 
 
 def vibrates(study: Study) -> bool:
@@ -117,13 +117,13 @@ def guide_of(study: Study) -> GuideReaction:
 
 
 def by_motor(torque: Callable[[Flywheel, Angles], np.ndarray]) -> Callable[[Study], np.ndarray]:
-    """That of the cam where no flywheel levels it. Raises NoAnswer where the guide jams or the motor stalls."""
-    return lambda s: torque(s.flywheel, s.angles) if s.levelled or s.jam is not None else s.shaft_torque
+    """That of the cam where no flywheel levels it. Raises NoSolution where the guide jams or the motor stalls."""
+    return lambda s: torque(s.flywheel, s.angles) if s.levels_torque or s.jam is not None else s.shaft_torque
 
 
 def speed(study: Study) -> np.ndarray:
     """Angular velocity of the camshaft (n,) [rad/s]; constant where no flywheel lets it change."""
-    if study.levelled or study.jam is not None:
+    if study.levels_torque or study.jam is not None:
         return study.flywheel.speed(study.angles)
     return spread(np.atleast_1d(study.omega), study.theta.shape[-1])
 

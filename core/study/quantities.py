@@ -12,6 +12,7 @@ from dataclasses import field, replace
 from functools import lru_cache, partial
 from itertools import chain
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,11 +22,12 @@ from core.design.parts import LINEAR, ROTARY
 from core.design.topology import GROUP, INPUT, driver_pair, input_slides, is_pin, solving_order
 from core.dynamics import CAM_FACE, kinetic_energy, loading_of, power_given, power_of, power_of_gravity
 from core.dynamics.walk import input_of
-from core.errors import DesignError, NoAnswer
+from core.errors import DesignError, NoSolution
 from core.frozen import frozen
 from core.mechanism import SINGULAR, body_name, mechanism_of
 from core.shaft import Flywheel
-from core.stress import pairings, ratings
+from core.stress import load_ratings, pairings
+from core.study.drive_forces import ROLLERS, has_servo, roller_speed, servo_power, servo_speed, servo_torque
 from core.study.member_quantities import (
     always,
     by_motor,
@@ -50,7 +52,10 @@ from core.study.member_quantities import (
     turns_steadily,
     vibrates,  # fmt: skip
 )
-from core.study.study import ROLLERS, Study, has_servo, roller_speed, servo_power, servo_speed, servo_torque
+from core.study.study import Study
+
+if TYPE_CHECKING:
+    from core.study.symbols import Formula
 
 FOLLOWERS = frozenset(FOLLOWER_KINDS)
 ALONE = frozenset({MOTION})
@@ -68,7 +73,7 @@ TABLES: Mapping[str, str] = MappingProxyType(
 
 
 def _is_rated(roller: str, design: Design) -> bool:
-    return design.drive.cam is not None and roller in ratings(design.drive.face, design.drive.cam)
+    return design.drive.cam is not None and roller in load_ratings(design.drive.face, design.drive.cam)
 
 
 def has_motor(design: Design) -> bool:
@@ -114,7 +119,6 @@ class Quantity:
     label, symbol
     family     what sets its colour: displacement, velocity, speed, acceleration, jerk, pressure-angle, curvature, force, torque, stress,
                angle, length, energy, power, ratio
-    equation   formula, with its source
     stage      of the study, that it needs
     value      study -> (n,) in SI units, by time where it is a rate; where the name holds {}: study and member
     kinds      of mechanism that have it
@@ -123,9 +127,8 @@ class Quantity:
     exists     whether a design that could have it does
     fitting    it does so only where what touches fits the profile (``extremes.exists`` asks both)
     beside     quantity that it is an approximation of, to be compared with: drawn dashed
-    flat       formula under a straight face, where that is another: h its distance from the cam centre, ν the angle of its normal in
-               the cam's frame
     tabled     CSV file it stands in, where that is not the one of its stage
+    straight   whether the design's face is straight, under which some quantities have another formula
     """
 
     name: str
@@ -133,8 +136,6 @@ class Quantity:
     label: str
     symbol: str
     family: str
-    equation: str
-    source: str
     stage: str
     value: Callable[..., np.ndarray] = field(compare=False)
     kinds: frozenset[str] = ALL_KINDS
@@ -143,13 +144,37 @@ class Quantity:
     exists: Callable[[Study], bool] = always
     fitting: bool = False
     beside: str = ""
-    flat: str = ""
     tabled: str = ""
+    straight: bool = False
 
     @property
     def unit(self) -> Unit:
         """The unit that its slug ends with."""
         return split_unit(self.slug)[1]
+
+    @property
+    def formula(self) -> Formula | None:
+        """Its row of ``FORMULAS``; None where no reader sees the quantity."""
+        from core.study.formulas import FLAT, FORMULAS  # a quantity is computed without its formula
+
+        name = shape_of(self.name)
+        return (FORMULAS.get(f"{name}{FLAT}") if self.straight else None) or FORMULAS.get(name)
+
+    @property
+    def equation(self) -> str:
+        """Its equation, as the report prints it."""
+        return "" if self.formula is None else self.formula.lines[0]
+
+    @property
+    def flat(self) -> str:
+        """Its equation under a straight face, where that is another."""
+        flat, round_ = (replace(self, straight=straight).equation for straight in (True, False))
+        return "" if flat == round_ else flat
+
+    @property
+    def source(self) -> str:
+        """Author, year and number of its equation, or the principle that it follows from."""
+        return "" if self.formula is None else self.formula.source
 
     @property
     def table(self) -> str:
@@ -165,7 +190,6 @@ class Quantity:
 
 _DIRECTIONS = (
     Quantity(f"{name}_direction", f"{name}_direction_deg", f"{label}, direction", f"∠{symbol}", "angle",
-             f"arg({symbol}_x + i {symbol}_y)", "of the force in the global frame",
              "dynamics", partial(force_part, pair=name, what="direction"), kinds, turns=True)
     for name, label, symbol, kinds in (
         ("slider_pin", "Slider pin", "A", SLIDER), ("arm_pin", "Arm pin", "B", SLIDER), ("pivot", "Pivot", "P", PIVOTED),
@@ -173,10 +197,10 @@ _DIRECTIONS = (
     )
 )  # fmt: skip
 _HERTZ = (
-    ("contact_pressure", "mpa", "Contact pressure", "p", "stress", "√(F_c E* κ_rel/(π b))", "pressure"),
-    ("subsurface_shear", "mpa", "Subsurface shear", "τ", "stress", "0.300283 p", "shear"),
-    ("subsurface_shear_depth", "mm", "Depth of the largest shear", "z_τ", "length", "0.786151 a", "depth"),
-    ("contact_half_width", "mm", "Half width of the contact", "a", "length", "2p/(E* κ_rel)", "half_width"),
+    ("contact_pressure", "mpa", "Contact pressure", "p", "stress", "pressure"),
+    ("subsurface_shear", "mpa", "Subsurface shear", "τ", "stress", "shear"),
+    ("subsurface_shear_depth", "mm", "Depth of the largest shear", "z_τ", "length", "depth"),
+    ("contact_half_width", "mm", "Half width of the contact", "a", "length", "half_width"),
 )  # fmt: skip
 
 
@@ -186,17 +210,13 @@ def _contact(key: str, index: str, second: bool) -> Iterator[Quantity]:
     def called(label: str) -> str:
         return f"Second {label.lower()}" if second else label
 
-    for name, unit, label, symbol, family, equation, part in _HERTZ:
-        yield Quantity(
-            f"{key}{name}", f"{key}{name}_{unit}", called(label), f"{symbol}{index}", family, equation, "Hertz, line contact",
-            "dynamics", partial(stress, part=part, second=second), needs="second stress" if second else "stress", fitting=True,
-        )  # fmt: skip
+    for name, unit, label, symbol, family, part in _HERTZ:
+        yield Quantity(f"{key}{name}", f"{key}{name}_{unit}", called(label), f"{symbol}{index}", family,
+                       "dynamics", partial(stress, part=part, second=second), needs="second stress" if second else "stress",
+                       fitting=True)  # fmt: skip
     roller = "second" if second else "first"
-    yield Quantity(
-        f"{key}roller_speed", f"{key}roller_speed_rpm", called("Roller's own speed"), f"n_r{index}", "speed",
-        "ω(d - α' ∓ d|t|/Rr)", "rolling without slip",
-        "dynamics", partial(roller_speed, roller=roller), needs=f"{roller} rating",
-    )  # fmt: skip
+    yield Quantity(f"{key}roller_speed", f"{key}roller_speed_rpm", called("Roller's own speed"), f"n_r{index}", "speed",
+                   "dynamics", partial(roller_speed, roller=roller), needs=f"{roller} rating")  # fmt: skip
 
 
 _CONTACT = (*_contact("", "", second=False), *_contact("second_", "₂", second=True))
@@ -206,184 +226,144 @@ def _unseen(
     name: str, stage: str, value: Callable[[Study], np.ndarray], kinds: frozenset[str] = ALL_KINDS, needs: str = ""
 ) -> Quantity:
     """For checks only."""
-    return Quantity(name, "", "", "", "", "", "", stage, value, kinds, needs)
+    return Quantity(name, "", "", "", "", stage, value, kinds, needs)
 
 
 # {m} is the unit of the motion: mm where the output slides, deg where it swings
 _ROWS: tuple[Quantity, ...] = (
-    Quantity("displacement", "displacement_{m}", "Displacement", "y", "displacement", "law of the segment", "Shin1995 (8)",
+    Quantity("displacement", "displacement_{m}", "Displacement", "y", "displacement",
              "motion", lambda s: moved(s, 0), needs="motion"),
-    Quantity("velocity", "velocity_{m}_s", "Velocity", "ẏ", "velocity", "ω y'", "law of the segment",
-             "motion", lambda s: moved(s, 1), needs="motion"),
-    Quantity("acceleration", "acceleration_{m}_s2", "Acceleration", "ÿ", "acceleration", "ω² y''", "law of the segment",
+    Quantity("velocity", "velocity_{m}_s", "Velocity", "ẏ", "velocity", "motion", lambda s: moved(s, 1), needs="motion"),
+    Quantity("acceleration", "acceleration_{m}_s2", "Acceleration", "ÿ", "acceleration",
              "motion", lambda s: moved(s, 2), needs="motion"),
-    Quantity("jerk", "jerk_{m}_s3", "Jerk", "y⃛", "jerk", "ω³ y'''", "law of the segment",
-             "motion", lambda s: moved(s, 3), needs="motion"),
-    Quantity("position_modulo", "position_modulo_{m}", "Position modulo the advance", "y mod a", "displacement", "y - a ⌊y/a⌋",
-             "advance of the motion", "motion", modulo, ALONE, turns=True),
-    Quantity("slider_position", "slider_position_mm", "Slider position", "L", "displacement", "L0 + y", "Shin1995 (8)",
+    Quantity("jerk", "jerk_{m}_s3", "Jerk", "y⃛", "jerk", "motion", lambda s: moved(s, 3), needs="motion"),
+    Quantity("position_modulo", "position_modulo_{m}", "Position modulo the advance", "y mod a", "displacement",
+             "motion", modulo, ALONE, turns=True),
+    Quantity("slider_position", "slider_position_mm", "Slider position", "L", "displacement",
              "linkage", lambda s: coordinate(s, "slider_position"), SLIDER, tabled=KINEMATICS),
-    Quantity("phi", "phi_deg", "Arm angle", "φ", "angle", "triangle r, L1, L2", "Shin1995 (9), by the triangle's area",
-             "linkage", lambda s: coordinate(s, "phi"), SLIDER, tabled=KINEMATICS),
-    Quantity("phi_velocity", "phi_rad_s", "Arm velocity", "φ̇", "velocity", "L̇ cos β/(L1 sin(β-φ))", "Shin1995 (12)",
+    Quantity("phi", "phi_deg", "Arm angle", "φ", "angle", "linkage", lambda s: coordinate(s, "phi"), SLIDER, tabled=KINEMATICS),
+    Quantity("phi_velocity", "phi_rad_s", "Arm velocity", "φ̇", "velocity",
              "linkage", lambda s: coordinate(s, "phi", 1), SLIDER, tabled=KINEMATICS),
     Quantity("phi_acceleration", "phi_rad_s2", "Arm acceleration", "φ̈", "acceleration",
-             "(L̈ cos β + L1 φ̇² cos(φ-β) + L2 β̇²)/(L1 sin(β-φ))", "Shin1995 (14)",
              "linkage", lambda s: coordinate(s, "phi", 2), SLIDER, tabled=KINEMATICS),
-    Quantity("beta", "beta_deg", "Rod angle", "β", "angle", "triangle r, L1, L2", "Shin1995 (10), by the triangle's area",
-             "linkage", lambda s: coordinate(s, "beta"), SLIDER, tabled=KINEMATICS),
-    Quantity("beta_velocity", "beta_rad_s", "Rod velocity", "β̇", "velocity", "L̇ cos φ/(L2 sin(φ-β))", "Shin1995 (11)",
+    Quantity("beta", "beta_deg", "Rod angle", "β", "angle", "linkage", lambda s: coordinate(s, "beta"), SLIDER, tabled=KINEMATICS),
+    Quantity("beta_velocity", "beta_rad_s", "Rod velocity", "β̇", "velocity",
              "linkage", lambda s: coordinate(s, "beta", 1), SLIDER, tabled=KINEMATICS),
     Quantity("beta_acceleration", "beta_rad_s2", "Rod acceleration", "β̈", "acceleration",
-             "(L̈ cos φ + L2 β̇² cos(φ-β) + L1 φ̇²)/(L2 sin(φ-β))", "Shin1995 (13)",
              "linkage", lambda s: coordinate(s, "beta", 2), SLIDER, tabled=KINEMATICS),
-    Quantity("profile_x", "x_mm", "Profile x", "x", "length", "(R + Rr n) e^{-idθ}", "Shin1995 (20), for any pose",
-             "cam", lambda s: s.cam.flank.profile.real, needs="cam", flat="m(h + i h_ν) e^{-idθ}"),
-    Quantity("profile_y", "y_mm", "Profile y", "y", "length", "(R + Rr n) e^{-idθ}", "Shin1995 (20), for any pose",
-             "cam", lambda s: s.cam.flank.profile.imag, needs="cam", flat="m(h + i h_ν) e^{-idθ}"),
-    Quantity("pitch_x", "pitch_x_mm", "Pitch curve x", "x_p", "length", "R e^{-idθ}", "Shin1995 §3",
-             "cam", lambda s: s.cam.flank.pitch.real, needs="pitch"),
-    Quantity("pitch_y", "pitch_y_mm", "Pitch curve y", "y_p", "length", "R e^{-idθ}", "Shin1995 §3",
-             "cam", lambda s: s.cam.flank.pitch.imag, needs="pitch"),
+    Quantity("profile_x", "x_mm", "Profile x", "x", "length", "cam", lambda s: s.cam.flank.profile.real, needs="cam"),
+    Quantity("profile_y", "y_mm", "Profile y", "y", "length", "cam", lambda s: s.cam.flank.profile.imag, needs="cam"),
+    Quantity("pitch_x", "pitch_x_mm", "Pitch curve x", "x_p", "length", "cam", lambda s: s.cam.flank.pitch.real, needs="pitch"),
+    Quantity("pitch_y", "pitch_y_mm", "Pitch curve y", "y_p", "length", "cam", lambda s: s.cam.flank.pitch.imag, needs="pitch"),
     Quantity("pressure_angle", "pressure_angle_deg", "Pressure angle", "ψ", "pressure-angle",
-             "angle between normal n and travel of the roller centre", "Shin1995 (19), for any pose",
-             "cam", lambda s: s.cam.flank.pressure_angle, needs="cam",
-             flat="angle between the face's normal m and travel of its point that touches"),
-    Quantity("pitch_curvature", "pitch_curvature_per_mm", "Pitch curvature", "κ_p", "curvature", "-d Im(t̄ w)/|t|³",
-             "curvature of a plane curve", "cam", lambda s: s.cam.flank.pitch_curvature, needs="pitch"),
-    Quantity("radius", "radius_mm", "Cam radius", "r", "length", "|R + Rr n|", "Shin1995 (20), for any pose",
-             "cam", lambda s: np.abs(s.cam.flank.profile), needs="cam", flat="|h + i h_ν|"),
-    Quantity("polar_angle", "polar_angle_deg", "Polar angle", "ϑ", "angle", "arg((R + Rr n) e^{-idθ})",
-             "Shin1995 (20), for any pose", "cam", polar_angle, needs="cam", turns=True, flat="arg(m(h + i h_ν) e^{-idθ})"),
-    Quantity("profile_curvature", "profile_curvature_per_mm", "Profile curvature", "κ", "curvature", "κ_p/(1 - Rr κ_p)",
-             "parallel curve", "cam", lambda s: s.cam.flank.profile_curvature, needs="cam", flat="1/(h + h_νν)"),
-    Quantity("contact_on_face", "contact_on_face_mm", "Contact on the face", "x_f", "length", "h_ν - Im(m̄R)",
-             "support function of the face", "cam", lambda s: s.cam.flank.on_face, needs="straight"),
-    Quantity("outer_x", "outer_x_mm", "Outer flank x", "x_o", "length", "(R - (Rr + play) n) e^{-idθ}",
-             "second envelope of the roller", "cam", lambda s: s.cam.only(OUTER).flank.profile.real, needs=OUTER),
-    Quantity("outer_y", "outer_y_mm", "Outer flank y", "y_o", "length", "(R - (Rr + play) n) e^{-idθ}",
-             "second envelope of the roller", "cam", lambda s: s.cam.only(OUTER).flank.profile.imag, needs=OUTER),
+             "cam", lambda s: s.cam.flank.pressure_angle, needs="cam"),
+    Quantity("pitch_curvature", "pitch_curvature_per_mm", "Pitch curvature", "κ_p", "curvature",
+             "cam", lambda s: s.cam.flank.pitch_curvature, needs="pitch"),
+    Quantity("radius", "radius_mm", "Cam radius", "r", "length", "cam", lambda s: np.abs(s.cam.flank.profile), needs="cam"),
+    Quantity("polar_angle", "polar_angle_deg", "Polar angle", "ϑ", "angle", "cam", polar_angle, needs="cam", turns=True),
+    Quantity("profile_curvature", "profile_curvature_per_mm", "Profile curvature", "κ", "curvature",
+             "cam", lambda s: s.cam.flank.profile_curvature, needs="cam"),
+    Quantity("contact_on_face", "contact_on_face_mm", "Contact on the face", "x_f", "length",
+             "cam", lambda s: s.cam.flank.on_face, needs="straight"),
+    Quantity("outer_x", "outer_x_mm", "Outer flank x", "x_o", "length",
+             "cam", lambda s: s.cam.only(OUTER).flank.profile.real, needs=OUTER),
+    Quantity("outer_y", "outer_y_mm", "Outer flank y", "y_o", "length",
+             "cam", lambda s: s.cam.only(OUTER).flank.profile.imag, needs=OUTER),
     Quantity("outer_curvature", "outer_curvature_per_mm", "Outer flank's curvature", "κ_o", "curvature",
-             "κ_p/(1 + (Rr + play) κ_p)", "parallel curve",
              "cam", lambda s: s.cam.only(OUTER).flank.profile_curvature, needs=OUTER),
-    Quantity("second_x", "second_x_mm", "Second profile x", "x₂", "length", "(R₂ + (Rr₂ + play) n₂) e^{-idθ}", "as the first",
+    Quantity("second_x", "second_x_mm", "Second profile x", "x₂", "length",
              "cam", lambda s: s.cam.only(SECOND).flank.profile.real, needs=SECOND),
-    Quantity("second_y", "second_y_mm", "Second profile y", "y₂", "length", "(R₂ + (Rr₂ + play) n₂) e^{-idθ}", "as the first",
+    Quantity("second_y", "second_y_mm", "Second profile y", "y₂", "length",
              "cam", lambda s: s.cam.only(SECOND).flank.profile.imag, needs=SECOND),
-    Quantity("second_pitch_x", "second_pitch_x_mm", "Second pitch curve x", "x_p2", "length", "R₂ e^{-idθ}", "as the first",
+    Quantity("second_pitch_x", "second_pitch_x_mm", "Second pitch curve x", "x_p2", "length",
              "cam", lambda s: s.cam.only(SECOND).flank.pitch.real, needs=SECOND),
-    Quantity("second_pitch_y", "second_pitch_y_mm", "Second pitch curve y", "y_p2", "length", "R₂ e^{-idθ}", "as the first",
+    Quantity("second_pitch_y", "second_pitch_y_mm", "Second pitch curve y", "y_p2", "length",
              "cam", lambda s: s.cam.only(SECOND).flank.pitch.imag, needs=SECOND),
     Quantity("second_pressure_angle", "second_pressure_angle_deg", "Second pressure angle", "ψ₂", "pressure-angle",
-             "angle between normal n₂ and travel of the second roller's centre", "as the first",
              "cam", lambda s: s.cam.only(SECOND).flank.pressure_angle, needs=SECOND),
     Quantity("second_pitch_curvature", "second_pitch_curvature_per_mm", "Second pitch curvature", "κ_p2", "curvature",
-             "-d Im(t̄₂ w₂)/|t₂|³", "as the first", "cam", lambda s: s.cam.only(SECOND).flank.pitch_curvature, needs=SECOND),
+             "cam", lambda s: s.cam.only(SECOND).flank.pitch_curvature, needs=SECOND),
     Quantity("second_profile_curvature", "second_profile_curvature_per_mm", "Second profile's curvature", "κ₂", "curvature",
-             "κ_p2/(1 - (Rr₂ + play) κ_p2)", "as the first",
              "cam", lambda s: s.cam.only(SECOND).flank.profile_curvature, needs=SECOND),
-    Quantity("contact_force", "contact_force_n", "Contact force", "F_c", "force", "moment or force balance of the follower",
-             "Shin1995 (24), (26), corrected", "dynamics", lambda s: s.dynamics.contact, needs="cam"),
+    Quantity("contact_force", "contact_force_n", "Contact force", "F_c", "force",
+             "dynamics", lambda s: s.dynamics.contact, needs="cam"),
     Quantity("second_contact_force", "second_contact_force_n", "Second contact force", "F_c2", "force",
-             "the same balance with R₂, n₂, where F_c would pull", "as the first",
              "dynamics", lambda s: s.dynamics.contacts[1].force, needs=SECOND),
-    Quantity("force", "force_n", "Force", "F", "force", "m ÿ - F_e + F_r sgn ẏ", "Newton",
-             "dynamics", lambda s: s.dynamics.driver, ALONE, needs="slide"),
-    Quantity("output_torque", "torque_nm", "Torque", "T", "torque", "I ÿ - T_e + T_r sgn ẏ", "Euler",
-             "dynamics", lambda s: s.dynamics.driver, ALONE, needs="turned"),
-    Quantity("output_power", "power_w", "Power", "P", "power", "F ẏ", "balance of energy",
+    Quantity("force", "force_n", "Force", "F", "force", "dynamics", lambda s: s.dynamics.driver, ALONE, needs="slide"),
+    Quantity("output_torque", "torque_nm", "Torque", "T", "torque", "dynamics", lambda s: s.dynamics.driver, ALONE, needs="turned"),
+    Quantity("output_power", "power_w", "Power", "P", "power",
              "dynamics", lambda s: s.dynamics.driver * moved(s, 1), ALONE, needs="loaded"),
-    Quantity("drive_torque", "drive_torque_nm", "Cam torque", "T_c", "torque", "-d (R × F_c n)", "Shin1995 (27)",
+    Quantity("drive_torque", "drive_torque_nm", "Cam torque", "T_c", "torque",
              "dynamics", lambda s: s.dynamics.torque, needs="cam"),
     Quantity("motor_torque", "motor_torque_nm", "Motor torque with flywheel", "T_m", "torque",
-             "T̄ + k(ω̄ - ω), d/dθ[½(I + J_e)ω²] = T_m - T_s", "Shin1995 Figs. 19, 20, not linearised",
              "dynamics", by_motor(Flywheel.motor_torque), needs="shaft", exists=motor_runs),
-    Quantity("servo_torque", "servo_torque_nm", "Servo's torque", "T_s", "torque", "J_r i ÿ + (F + m ÿ + F_r sgn ẏ) η^∓1/i",
-             "balance at the motor", "dynamics", servo_torque, needs="rotary servo", tabled=SERVO),
-    Quantity("servo_force", "servo_force_n", "Servo's force", "F_s", "force", "(F + m ÿ + F_r sgn ẏ) η^∓1", "balance at the motor",
+    Quantity("servo_torque", "servo_torque_nm", "Servo's torque", "T_s", "torque",
+             "dynamics", servo_torque, needs="rotary servo", tabled=SERVO),
+    Quantity("servo_force", "servo_force_n", "Servo's force", "F_s", "force",
              "dynamics", servo_torque, needs="linear servo", tabled=SERVO),
-    Quantity("servo_speed", "servo_speed_rpm", "Servo's speed", "n_s", "speed", "i ẏ", "gear of the servo",
+    Quantity("servo_speed", "servo_speed_rpm", "Servo's speed", "n_s", "speed",
              "dynamics", servo_speed, needs="rotary servo", tabled=SERVO),
-    Quantity("servo_velocity", "servo_velocity_mm_s", "Servo's velocity", "v_s", "velocity", "ẏ", "a linear motor",
+    Quantity("servo_velocity", "servo_velocity_mm_s", "Servo's velocity", "v_s", "velocity",
              "dynamics", servo_speed, needs="linear servo", tabled=SERVO),
-    Quantity("servo_power", "servo_power_w", "Servo's power", "P_s", "power", "T_s i ẏ", "balance of energy",
-             "dynamics", servo_power, needs="servo", tabled=SERVO),
-    Quantity("guide_force", "guide_force_n", "Guide force", "N", "force", "N0/(1 + τ)", "Shin1995 (21), corrected",
-             "dynamics", lambda s: guide_of(s).normal, GUIDED),
-    Quantity("slider_pin_x", "slider_pin_x_n", "Slider pin, x", "A_x", "force", "by rod on slider", "Shin1995 (21)",
+    Quantity("servo_power", "servo_power_w", "Servo's power", "P_s", "power", "dynamics", servo_power, needs="servo", tabled=SERVO),
+    Quantity("guide_force", "guide_force_n", "Guide force", "N", "force", "dynamics", lambda s: guide_of(s).normal, GUIDED),
+    Quantity("slider_pin_x", "slider_pin_x_n", "Slider pin, x", "A_x", "force",
              "dynamics", lambda s: force_part(s, "slider_pin", "x"), SLIDER),
-    Quantity("slider_pin_y", "slider_pin_y_n", "Slider pin, y", "A_y", "force", "by rod on slider", "Shin1995 (21)",
+    Quantity("slider_pin_y", "slider_pin_y_n", "Slider pin, y", "A_y", "force",
              "dynamics", lambda s: force_part(s, "slider_pin", "y"), SLIDER),
-    Quantity("arm_pin_x", "arm_pin_x_n", "Arm pin, x", "-B_x", "force", "by rod on arm", "Shin1995 (23), corrected",
+    Quantity("arm_pin_x", "arm_pin_x_n", "Arm pin, x", "-B_x", "force",
              "dynamics", lambda s: force_part(s, "arm_pin", "x"), SLIDER),
-    Quantity("arm_pin_y", "arm_pin_y_n", "Arm pin, y", "-B_y", "force", "by rod on arm", "Shin1995 (23), corrected",
+    Quantity("arm_pin_y", "arm_pin_y_n", "Arm pin, y", "-B_y", "force",
              "dynamics", lambda s: force_part(s, "arm_pin", "y"), SLIDER),
-    Quantity("pivot_x", "pivot_x_n", "Pivot, x", "P_x", "force", "by frame on arm", "balance of the arm",
-             "dynamics", lambda s: force_part(s, "pivot", "x"), PIVOTED),
-    Quantity("pivot_y", "pivot_y_n", "Pivot, y", "P_y", "force", "by frame on arm", "balance of the arm",
-             "dynamics", lambda s: force_part(s, "pivot", "y"), PIVOTED),
-    Quantity("bearing_x", "bearing_x_n", "Camshaft bearing, x", "O_x", "force", "by frame on camshaft", "-F_c n",
+    Quantity("pivot_x", "pivot_x_n", "Pivot, x", "P_x", "force", "dynamics", lambda s: force_part(s, "pivot", "x"), PIVOTED),
+    Quantity("pivot_y", "pivot_y_n", "Pivot, y", "P_y", "force", "dynamics", lambda s: force_part(s, "pivot", "y"), PIVOTED),
+    Quantity("bearing_x", "bearing_x_n", "Camshaft bearing, x", "O_x", "force",
              "dynamics", lambda s: force_part(s, "bearing", "x"), FOLLOWERS),
-    Quantity("bearing_y", "bearing_y_n", "Camshaft bearing, y", "O_y", "force", "by frame on camshaft", "-F_c n",
+    Quantity("bearing_y", "bearing_y_n", "Camshaft bearing, y", "O_y", "force",
              "dynamics", lambda s: force_part(s, "bearing", "y"), FOLLOWERS),
-    Quantity("camshaft_speed", "speed_rpm", "Camshaft speed", "n", "speed", "d/dθ[½(I + J_e)ω²] = T_m - T_s", "energy of the shaft",
-             "dynamics", speed, needs="shaft", exists=motor_runs),
-    Quantity("follower_torque", "slider_torque_nm", "Slider torque", "T_L", "torque", "-F_c (r_R × n)",
-             "Shin1995 (24), (25), corrected", "dynamics", lambda s: s.dynamics.follower_torque, PIVOTED),
-    Quantity("slider_pin", "slider_pin_n", "Slider pin", "|A|", "force", "√(A_x² + A_y²)", "Shin1995 (21)",
+    Quantity("camshaft_speed", "speed_rpm", "Camshaft speed", "n", "speed", "dynamics", speed, needs="shaft", exists=motor_runs),
+    Quantity("follower_torque", "slider_torque_nm", "Slider torque", "T_L", "torque",
+             "dynamics", lambda s: s.dynamics.follower_torque, PIVOTED),
+    Quantity("slider_pin", "slider_pin_n", "Slider pin", "|A|", "force",
              "dynamics", lambda s: force_part(s, "slider_pin", "size"), SLIDER),
-    Quantity("arm_pin", "arm_pin_n", "Arm pin", "|B|", "force", "√(B_x² + B_y²)", "Shin1995 (23), corrected",
-             "dynamics", lambda s: force_part(s, "arm_pin", "size"), SLIDER),
-    Quantity("pivot", "pivot_n", "Pivot", "|P|", "force", "√(P_x² + P_y²)", "balance of the arm",
-             "dynamics", lambda s: force_part(s, "pivot", "size"), PIVOTED),
-    Quantity("bearing", "bearing_n", "Camshaft bearing", "|O|", "force", "|F_c|", "-F_c n",
+    Quantity("arm_pin", "arm_pin_n", "Arm pin", "|B|", "force", "dynamics", lambda s: force_part(s, "arm_pin", "size"), SLIDER),
+    Quantity("pivot", "pivot_n", "Pivot", "|P|", "force", "dynamics", lambda s: force_part(s, "pivot", "size"), PIVOTED),
+    Quantity("bearing", "bearing_n", "Camshaft bearing", "|O|", "force",
              "dynamics", lambda s: force_part(s, "bearing", "size"), FOLLOWERS),
-    Quantity("guide_x", "guide_x_n", "Guide, x", "G_x", "force", "by frame on slider, friction included", "balance of the slider",
-             "dynamics", lambda s: force_part(s, "guide", "x"), GUIDED),
-    Quantity("guide_y", "guide_y_n", "Guide, y", "G_y", "force", "by frame on slider, friction included", "balance of the slider",
-             "dynamics", lambda s: force_part(s, "guide", "y"), GUIDED),
-    Quantity("guide", "guide_n", "Guide, with friction", "|G|", "force", "√(N² + (μN)²)", "balance of the slider",
+    Quantity("guide_x", "guide_x_n", "Guide, x", "G_x", "force", "dynamics", lambda s: force_part(s, "guide", "x"), GUIDED),
+    Quantity("guide_y", "guide_y_n", "Guide, y", "G_y", "force", "dynamics", lambda s: force_part(s, "guide", "y"), GUIDED),
+    Quantity("guide", "guide_n", "Guide, with friction", "|G|", "force",
              "dynamics", lambda s: force_part(s, "guide", "size"), GUIDED),
-    Quantity("guide_couple", "guide_couple_nm", "Couple on the guide", "M_G", "torque", "by frame on slider",
-             "balance of the slider", "dynamics", lambda s: s.dynamics.couples["guide"], GUIDED),
+    Quantity("guide_couple", "guide_couple_nm", "Couple on the guide", "M_G", "torque",
+             "dynamics", lambda s: s.dynamics.couples["guide"], GUIDED),
     *_DIRECTIONS,
-    Quantity("jam_factor", "jam_factor", "Jamming factor", "μ|tan β|", "ratio", "μ|tan β|; jams from 1", "friction in closed form",
-             "dynamics", lambda s: guide_of(s).jam, GUIDED),
+    Quantity("jam_factor", "jam_factor", "Jamming factor", "μ|tan β|", "ratio", "dynamics", lambda s: guide_of(s).jam, GUIDED),
     *_CONTACT,
     Quantity("elastic_displacement", "elastic_displacement_{m}", "Elastic follower", "z", "displacement",
-             "m z̈ + c ż + k(z - s) + k_s z = 0", "one mass on the follower's stiffness",
              "dynamics", lambda s: s.motion.displacement[0] + s.elastic_error(), needs="elastic", exists=vibrates),
     Quantity("elastic_error", "elastic_error_{m}", "Elastic follower, error", "z - s", "displacement",
-             "m z̈ + c ż + k(z - s) + k_s z = 0", "one mass on the follower's stiffness",
              "dynamics", lambda s: s.elastic_error(), needs="elastic", exists=vibrates),
     Quantity("elastic_acceleration", "elastic_acceleration_{m}_s2", "Elastic follower, acceleration", "z̈", "acceleration",
-             "m z̈ + c ż + k(z - s) + k_s z = 0", "one mass on the follower's stiffness",
              "dynamics", lambda s: s.motion.displacement[2] * s.omega**2 + s.elastic_error(2), needs="elastic", exists=vibrates),
     Quantity("elastic_contact_force", "elastic_contact_force_n", "Contact force, elastic follower", "F_c", "force",
-             "F_c of the follower's own motion z", "one mass on the follower's stiffness",
              "dynamics", lambda s: s.elastic_contact_force, needs="elastic open", exists=vibrates),
     Quantity("linear_motor_torque", "linear_motor_torque_nm", "Motor torque, linear, Shin1995", "T_m", "torque",
-             "T_n/(1 + i n I ω̄/k) by harmonic", "Shin1995 Figs. 19, 20",
              "dynamics", by_motor(Flywheel.linear_motor_torque), needs="shaft", exists=levelled_runs, beside="motor_torque"),
     Quantity("instant_centre", "instant_centre_mm", "Instant centre Q", "Q", "length",
-             "Zxy φ'/(φ' - d) from the cam centre to the pivot; y' across a guide", "Shin1995 (18), φ' against the cam; Kennedy",
              "cam", centre_distance, FOLLOWERS, needs="cam"),
-    Quantity("instant_centre_x", "instant_centre_x_mm", "Instant centre Q, x", "Q_x", "length", "where cam and follower move alike",
-             "Kennedy", "cam", lambda s: s.cam.flank.centre.finite.real, needs="cam"),
-    Quantity("instant_centre_y", "instant_centre_y_mm", "Instant centre Q, y", "Q_y", "length", "where cam and follower move alike",
-             "Kennedy", "cam", lambda s: s.cam.flank.centre.finite.imag, needs="cam"),
-    Quantity("instant_centre_velocity", "instant_centre_velocity_mm_s", "Velocity of Q", "V_Q", "velocity", "Q θ̇", "Shin1995 (15)",
+    Quantity("instant_centre_x", "instant_centre_x_mm", "Instant centre Q, x", "Q_x", "length",
+             "cam", lambda s: s.cam.flank.centre.finite.real, needs="cam"),
+    Quantity("instant_centre_y", "instant_centre_y_mm", "Instant centre Q, y", "Q_y", "length",
+             "cam", lambda s: s.cam.flank.centre.finite.imag, needs="cam"),
+    Quantity("instant_centre_velocity", "instant_centre_velocity_mm_s", "Velocity of Q", "V_Q", "velocity",
              "cam", centre_velocity, needs="cam"),
     Quantity("reference_velocity", "roller_centre_velocity_mm_s", "Velocity of the roller centre", "V_R", "velocity",
-             "V_Q Zl/(Zxy - Q); V_Q on a guide", "Shin1995 (16), (17)", "cam", reference_velocity, needs="pitch"),
-    Quantity("wind_up", "wind_up_deg", "Wind-up of the shaft", "θ_i - θ_c", "angle", "2πβ, steady response",
-             "Kim1990 (13), corrected",
+             "cam", reference_velocity, needs="pitch"),
+    Quantity("wind_up", "wind_up_deg", "Wind-up of the shaft", "θ_i - θ_c", "angle",
              "stability", lambda s: s.steady_turn.wind_up(s.theta), needs="elastic shaft", exists=turns_steadily),
-    Quantity("follower_error", "follower_error_{m}", "Follower's error", "ΔX", "displacement", "X(θ_c) - X(θ_i)",
-             "Kim1990 §1, steady response",
+    Quantity("follower_error", "follower_error_{m}", "Follower's error", "ΔX", "displacement",
              "stability", lambda s: s.steady_turn.error(s.theta), needs="elastic shaft", exists=turns_steadily),
-    Quantity("shaft_torque", "shaft_torque_nm", "Torque in the shaft", "T_s", "torque", "K_s (θ_i - θ_c)",
-             "Kim1990 §1, steady response",
+    Quantity("shaft_torque", "shaft_torque_nm", "Torque in the shaft", "T_s", "torque",
              "stability", lambda s: s.steady_turn.torque(s.theta), needs="elastic shaft", exists=turns_steadily),
     *(_unseen(code, "linkage", partial(singular, code=code), SLIDER) for code in SINGULAR),
     _unseen("profile_radius", "cam", lambda s: s.cam.flank.profile_radius, needs="straight"),
@@ -408,112 +388,105 @@ TRANSMISSION = "transmission.{}"
 OF_MEMBERS: Mapping[str, tuple[Quantity, ...]] = MappingProxyType(
     {
         "link": (
-            Quantity("link.{}", "link{}_deg", "Link {}", "θ{}", "angle", "triangles of the dyads", "Velocity, closed loops",
-                     "linkage", lambda s, n: coordinate(s, f"link{n}")),
-            Quantity("link.{}_velocity", "link{}_rad_s", "Link {}, velocity", "ω{}", "velocity", "ω_d θ'", "Velocity 6.4",
+            Quantity("link.{}", "link{}_deg", "Link {}", "θ{}", "angle", "linkage", lambda s, n: coordinate(s, f"link{n}")),
+            Quantity("link.{}_velocity", "link{}_rad_s", "Link {}, velocity", "ω{}", "velocity",
                      "linkage", lambda s, n: coordinate(s, f"link{n}", 1)),
-            Quantity("link.{}_acceleration", "link{}_rad_s2", "Link {}, acceleration", "α{}", "acceleration", "ω_d² θ''",
-                     "loop equations", "linkage", lambda s, n: coordinate(s, f"link{n}", 2)),
+            Quantity("link.{}_acceleration", "link{}_rad_s2", "Link {}, acceleration", "α{}", "acceleration",
+                     "linkage", lambda s, n: coordinate(s, f"link{n}", 2)),
         ),
         "slide": (
-            Quantity("slide.{}", "link{}_slide_mm", "Slide of link {}", "s{}", "displacement", "along the line", "loop equations",
+            Quantity("slide.{}", "link{}_slide_mm", "Slide of link {}", "s{}", "displacement",
                      "linkage", lambda s, n: coordinate(s, f"slide{n}")),
-            Quantity("slide.{}_velocity", "link{}_slide_mm_s", "Slide of link {}, velocity", "ṡ{}", "velocity", "ω_d s'",
-                     "Velocity 6.4", "linkage", lambda s, n: coordinate(s, f"slide{n}", 1)),
+            Quantity("slide.{}_velocity", "link{}_slide_mm_s", "Slide of link {}, velocity", "ṡ{}", "velocity",
+                     "linkage", lambda s, n: coordinate(s, f"slide{n}", 1)),
             Quantity("slide.{}_acceleration", "link{}_slide_mm_s2", "Slide of link {}, acceleration", "s̈{}", "acceleration",
-                     "ω_d² s''", "loop equations", "linkage", lambda s, n: coordinate(s, f"slide{n}", 2)),
+                     "linkage", lambda s, n: coordinate(s, f"slide{n}", 2)),
         ),
         "point": (
-            Quantity("point.{}_x", "{}_x_mm", "{}, x", "x_{}", "length", "pose of its link", "closed loops",
-                     "linkage", lambda s, point: point_part(s, point, "x")),
-            Quantity("point.{}_y", "{}_y_mm", "{}, y", "y_{}", "length", "pose of its link", "closed loops",
-                     "linkage", lambda s, point: point_part(s, point, "y")),
-            Quantity("point.{}_vx", "{}_vx_mm_s", "{}, velocity x", "ẋ_{}", "velocity", "V_A + V_PA", "Velocity 6.1",
+            Quantity("point.{}_x", "{}_x_mm", "{}, x", "x_{}", "length", "linkage", lambda s, point: point_part(s, point, "x")),
+            Quantity("point.{}_y", "{}_y_mm", "{}, y", "y_{}", "length", "linkage", lambda s, point: point_part(s, point, "y")),
+            Quantity("point.{}_vx", "{}_vx_mm_s", "{}, velocity x", "ẋ_{}", "velocity",
                      "linkage", lambda s, point: point_part(s, point, "vx")),
-            Quantity("point.{}_vy", "{}_vy_mm_s", "{}, velocity y", "ẏ_{}", "velocity", "V_A + V_PA", "Velocity 6.1",
+            Quantity("point.{}_vy", "{}_vy_mm_s", "{}, velocity y", "ẏ_{}", "velocity",
                      "linkage", lambda s, point: point_part(s, point, "vy")),
-            Quantity("point.{}_ax", "{}_ax_mm_s2", "{}, acceleration x", "ẍ_{}", "acceleration", "loop equations", "loop equations",
+            Quantity("point.{}_ax", "{}_ax_mm_s2", "{}, acceleration x", "ẍ_{}", "acceleration",
                      "linkage", lambda s, point: point_part(s, point, "ax")),
-            Quantity("point.{}_ay", "{}_ay_mm_s2", "{}, acceleration y", "ÿ_{}", "acceleration", "loop equations", "loop equations",
+            Quantity("point.{}_ay", "{}_ay_mm_s2", "{}, acceleration y", "ÿ_{}", "acceleration",
                      "linkage", lambda s, point: point_part(s, point, "ay")),
-            Quantity("point.{}_speed", "{}_speed_mm_s", "{}, speed", "|V_{}|", "velocity", "√(ẋ² + ẏ²)", "Velocity 6.1",
+            Quantity("point.{}_speed", "{}_speed_mm_s", "{}, speed", "|V_{}|", "velocity",
                      "linkage", lambda s, point: point_part(s, point, "speed")),
         ),
         "dyad": (
             Quantity(TRANSMISSION, "transmission_{}_deg", "Transmission angle at {}", "μ_{}", "pressure-angle",
-                     "atan2(|c1 × c2|, |c1 · c2|)", "angle between the links at the joint", "linkage", transmission),
+                     "linkage", transmission),
         ),
         "guide": (
-            Quantity("force.{}_x", "link{}_guide_x_n", "Guide of link {}, x", "F_{}x", "force", "dyad by dyad", "balance of the links",
+            Quantity("force.{}_x", "link{}_guide_x_n", "Guide of link {}, x", "F_{}x", "force",
                      "dynamics", lambda s, pair: force_part(s, pair, "x")),
-            Quantity("force.{}_y", "link{}_guide_y_n", "Guide of link {}, y", "F_{}y", "force", "dyad by dyad", "balance of the links",
+            Quantity("force.{}_y", "link{}_guide_y_n", "Guide of link {}, y", "F_{}y", "force",
                      "dynamics", lambda s, pair: force_part(s, pair, "y")),
-            Quantity("force.{}_size", "link{}_guide_n", "Guide of link {}", "|F_{}|", "force", "√(F_x² + F_y²)", "balance of the links",
+            Quantity("force.{}_size", "link{}_guide_n", "Guide of link {}", "|F_{}|", "force",
                      "dynamics", lambda s, pair: force_part(s, pair, "size")),
             Quantity("force.{}_direction", "link{}_guide_direction_deg", "Guide of link {}, direction", "∠F_{}", "angle",
-                     "arg(F_x + i F_y)", "of the force in the global frame",
                      "dynamics", lambda s, pair: force_part(s, pair, "direction"), turns=True),
-            Quantity("couple.{}", "link{}_couple_nm", "Couple on the guide of link {}", "M_{}", "torque", "dyad by dyad",
-                     "balance of the links", "dynamics", lambda s, pair: s.dynamics.couples[pair]),
+            Quantity("couple.{}", "link{}_couple_nm", "Couple on the guide of link {}", "M_{}", "torque",
+                     "dynamics", lambda s, pair: s.dynamics.couples[pair]),
         ),
         "pin": (
-            Quantity("force.{}_x", "{}_x_n", "Force at {}, x", "F_{}x", "force", "dyad by dyad", "balance of the links",
+            Quantity("force.{}_x", "{}_x_n", "Force at {}, x", "F_{}x", "force",
                      "dynamics", lambda s, pair: force_part(s, pair, "x")),
-            Quantity("force.{}_y", "{}_y_n", "Force at {}, y", "F_{}y", "force", "dyad by dyad", "balance of the links",
+            Quantity("force.{}_y", "{}_y_n", "Force at {}, y", "F_{}y", "force",
                      "dynamics", lambda s, pair: force_part(s, pair, "y")),
-            Quantity("force.{}_size", "{}_n", "Force at {}", "|F_{}|", "force", "√(F_x² + F_y²)", "balance of the links",
+            Quantity("force.{}_size", "{}_n", "Force at {}", "|F_{}|", "force",
                      "dynamics", lambda s, pair: force_part(s, pair, "size")),
-            Quantity("force.{}_direction", "{}_direction_deg", "Force at {}, direction", "∠F_{}", "angle", "arg(F_x + i F_y)",
-                     "of the force in the global frame", "dynamics", lambda s, pair: force_part(s, pair, "direction"), turns=True),
+            Quantity("force.{}_direction", "{}_direction_deg", "Force at {}, direction", "∠F_{}", "angle",
+                     "dynamics", lambda s, pair: force_part(s, pair, "direction"), turns=True),
         ),
         "bodies": (
-            Quantity("kinetic_energy", "kinetic_energy_j", "Kinetic energy", "E", "energy", "Σ ½m v² + ½I α̇²", "balance of energy",
+            Quantity("kinetic_energy", "kinetic_energy_j", "Kinetic energy", "E", "energy",
                      "dynamics", lambda s: kinetic_energy(s.linkage, s.loading, s.omega)),
         ),
         "body": (
-            Quantity("kinetic_energy.{}", "{}_kinetic_energy_j", "Kinetic energy of {}", "E {}", "energy", "½m v² + ½I α̇²",
-                     "balance of energy", "dynamics", lambda s, body: kinetic_energy(s.linkage, s.loading, s.omega, body)),
+            Quantity("kinetic_energy.{}", "{}_kinetic_energy_j", "Kinetic energy of {}", "E {}", "energy",
+                     "dynamics", lambda s, body: kinetic_energy(s.linkage, s.loading, s.omega, body)),
         ),
         "load": (
-            Quantity("power.load", "load_power_w", "Power of spring and external force", "P", "power", "F ẏ", "balance of energy",
+            Quantity("power.load", "load_power_w", "Power of spring and external force", "P", "power",
                      "dynamics", lambda s: power_of(s.loading.named["load"], s.linkage, s.omega)),
         ),
         "drive": (
-            Quantity("power.drive", "drive_power_w", "Power of the drive", "P_d", "power", "T ω", "balance of energy",
+            Quantity("power.drive", "drive_power_w", "Power of the drive", "P_d", "power",
                      "dynamics", lambda s: power_given(s.linkage, s.dynamics)),
         ),
         "gravity": (
-            Quantity("power.gravity", "gravity_power_w", "Power of gravity", "P_g", "power", "Σ m g·v", "balance of energy",
+            Quantity("power.gravity", "gravity_power_w", "Power of gravity", "P_g", "power",
                      "dynamics", lambda s: power_of_gravity(s.linkage, s.loading, s.omega)),
         ),
         "friction": (
-            Quantity("power.friction_{}", "friction_{}_power_w", "Power of friction at {}", "P_μ {}", "power", "-μ|N||v|",
-                     "balance of energy", "dynamics", lambda s, pair: -s.dynamics.rubbing[pair]),
+            Quantity("power.friction_{}", "friction_{}_power_w", "Power of friction at {}", "P_μ {}", "power",
+                     "dynamics", lambda s, pair: -s.dynamics.rubbing[pair]),
         ),
         "element": (
-            Quantity("power.{}", "{}_power_w", "Power of {}", "P {}", "power", "F·v", "balance of energy",
+            Quantity("power.{}", "{}_power_w", "Power of {}", "P {}", "power",
                      "dynamics", lambda s, name: power_of(s.loading.named[name], s.linkage, s.omega)),
         ),
         "swing": (
-            Quantity("driver_angle", "driver_angle_deg", "Driver angle", "φ", "angle", "at speed, to one end and back, or n turns",
-                     "ends of the drawn circuit, ratios", "linkage", lambda s: s.drive.displacement[0],
-                     exists=lambda s: s.by_cycle),
+            Quantity("driver_angle", "driver_angle_deg", "Driver angle", "φ", "angle",
+                     "linkage", lambda s: s.drive.displacement[0], exists=lambda s: s.by_cycle),
         ),
         "second driver": (
-            Quantity("link{}_input_torque", "link{}_input_torque_nm", "Input torque of link {}", "T", "torque", "-ΣM about its pin",
-                     "moments of the link", "dynamics", lambda s, n: s.dynamics.couples[input_of(body_name(int(n)))]),
+            Quantity("link{}_input_torque", "link{}_input_torque_nm", "Input torque of link {}", "T", "torque",
+                     "dynamics", lambda s, n: s.dynamics.couples[input_of(body_name(int(n)))]),
         ),
         "second slide": (
-            Quantity("link{}_input_force", "link{}_input_force_n", "Input force of link {}", "F", "force", "-ΣF along its line",
-                     "forces of the link", "dynamics", lambda s, n: s.dynamics.couples[input_of(body_name(int(n)))]),
+            Quantity("link{}_input_force", "link{}_input_force_n", "Input force of link {}", "F", "force",
+                     "dynamics", lambda s, n: s.dynamics.couples[input_of(body_name(int(n)))]),
         ),
         "driving pin": (
-            Quantity("driver_torque", "driver_torque_nm", "Driver torque", "T", "torque", "-Σ(F - ma)·∂r/∂q", "virtual power",
-                     "dynamics", lambda s: s.dynamics.driver),
+            Quantity("driver_torque", "driver_torque_nm", "Driver torque", "T", "torque", "dynamics", lambda s: s.dynamics.driver),
         ),
         "driving slide": (
-            Quantity("driver_force", "driver_force_n", "Driver force", "F_d", "force", "-Σ(F - ma)·∂r/∂q", "virtual power",
-                     "dynamics", lambda s: s.dynamics.driver),
+            Quantity("driver_force", "driver_force_n", "Driver force", "F_d", "force", "dynamics", lambda s: s.dynamics.driver),
         ),
     }
 )  # fmt: skip
@@ -714,5 +687,5 @@ def _undetermined(design: Design) -> frozenset[str]:
     """The pairs of redundant links whose forces statics does not fix."""
     try:
         return Study(design).undetermined
-    except NoAnswer:
+    except NoSolution:
         return frozenset()

@@ -1,4 +1,4 @@
-"""What can be asked of a quantity over the turn, or of the whole turn, by its key."""
+"""Figures of a design by key: a statistic of a quantity over the turn, or a total of the turn."""
 
 from __future__ import annotations
 
@@ -13,77 +13,54 @@ from core.design import Design, entry_at, only
 from core.design.camshaft import drive_at, path_of
 from core.findings import Finding
 from core.motion.extremes import Extreme
-from core.stress import RollerLife
 from core.study.camshaft import Camshaft
-from core.study.extremes import extremes_of, fits
+from core.study.drive_forces import PRESSURES, pairings, roller_lives
+from core.study.extremes import extremes_of, has_undercut
 from core.study.quantities import names_of, quantity
-from core.study.stages import memory
-from core.study.study import PRESSURES, Study, pairings, pressing, ratings, roller_speed
+from core.study.study import Study
 from core.units import split_unit
 
-# -- stress where the follower touches the cam, over the turn of a study ----------------------------------------
+# -- contact stress and rolling life over the turn ---------------------------------------------------------------
 
 
-def worst(study: Study) -> Mapping[str, Extreme]:
-    """First flank of each roller -> the greatest contact pressure [Pa], refined; empty where there is none."""
-    there = pairings(study)
-    if not there or study.loading.empty or study.jam is not None or not fits(study):
+def peak_pressures(study: Study) -> Mapping[str, Extreme]:
+    """First flank of each roller -> greatest contact pressure [Pa], refined; empty where there is no pressure."""
+    contacts = pairings(study)
+    if not contacts or study.loading.empty or study.jam is not None or has_undercut(study):
         return {}
-    names = {flank: name for flank, name in PRESSURES.items() if flank in there}
-    found = extremes_of(study, "dynamics", tuple(names.values()))
-    return {flank: found[name].high for flank, name in names.items()}
+    names = {flank: name for flank, name in PRESSURES.items() if flank in contacts}
+    extremes = extremes_of(study, "dynamics", tuple(names.values()))
+    return {flank: extremes[name].high for flank, name in names.items()}
 
 
-def findings(study: Study) -> list[Finding]:
-    """Pressures beyond their limits, or why there are none where they are asked for."""
+def pressure_findings(study: Study) -> list[Finding]:
+    """Contact pressures beyond their limits, or why a requested pressure cannot be given."""
     drive = study.design.drive
     if study.loading.empty or study.jam is not None:
         return []
-    if lacking := stress.missing_findings(drive.face, drive.cam, drive.limits):
-        return lacking
-    there = pairings(study)
-    if not there:
+    if missing := stress.missing_input_findings(drive.face, drive.cam, drive.limits):
+        return missing
+    contacts = pairings(study)
+    if not contacts:
         return []
-    if not fits(study):
-        return (
-            [stress.unfit_finding(drive.face.noun, drive.limits)] if stress.asked_for(drive.cam, drive.limits) else []
-        )
-    return stress.pressure_findings(worst(study), there, drive.limits)
+    if has_undercut(study):
+        is_requested = stress.is_stress_requested(drive.cam, drive.limits)
+        return [stress.undercut_finding(drive.face.noun, drive.limits)] if is_requested else []
+    return stress.pressure_findings(peak_pressures(study), contacts, drive.limits)
 
 
-def borne(study: Study) -> tuple[float | None, str]:
-    """The least pressure [Pa] that one of the materials bears, and where that stands; None where none is known."""
-    rows = [each for pair in pairings(study).values() for each in pair.surfaces if each.allowable is not None]
-    least = min(rows, key=lambda each: each.allowable or 0.0, default=None)
-    return (None, "") if least is None else (least.allowable, least.source)
+def allowable_pressure(study: Study) -> tuple[float | None, str]:
+    """Allowable contact pressure [Pa] of the weaker material, and its source; None where no material states one."""
+    surfaces = [s for pair in pairings(study).values() for s in pair.surfaces if s.allowable is not None]
+    weakest = min(surfaces, key=lambda surface: surface.allowable or 0.0, default=None)
+    return (None, "") if weakest is None else (weakest.allowable, weakest.source)
 
 
-def roller_lives(study: Study) -> tuple[RollerLife, ...]:
-    """The life of every roller whose load rating is stated; none where nothing loads the cam, or friction jams."""
-    stated = ratings(study)
-    if not stated or study.loading.empty or study.jam is not None:
-        return ()
-
-    def compute() -> tuple[RollerLife, ...]:
-        angles, weight = stress.turn_nodes(study.program, tuple(change.theta for change in study.flank_changes))
-        there = study.at(angles)
-        found = []
-        for roller, rating in stated.items():
-            speed = roller_speed(there, roller) / study.omega
-            found.append(stress.life_of(roller, rating, pressing(there, roller), speed, weight, study.omega))
-        return tuple(found)
-
-    key = study.depends_on("dynamics"), tuple(stated.items())
-    found: tuple[RollerLife, ...] = memory.get("rolling life", key, compute)
-    return found
+# -- statistics and totals --------------------------------------------------------------------------------------
 
 
-# -- what can be asked of a quantity over the turn, or of the whole turn, by its key ----------------------------
-
-
-OVER_TURN = ("max", "min", "abs", "rms", "mean", "range")
-"""What can be asked of a quantity over the turn: its largest and least value, the largest of either sign, root mean square, mean, and
-largest less least value."""
+STATISTICS = ("max", "min", "abs", "rms", "mean", "range")
+"""Statistics of a quantity over the turn: greatest, least, greatest in size, root mean square, mean, greatest less least."""
 
 LIFE, ENERGY = "life_hours", "energy_j"
 TOTALS: Mapping[str, Callable[[Study], float]] = {
@@ -94,137 +71,181 @@ TOTALS: Mapping[str, Callable[[Study], float]] = {
         default=np.nan,
     ),
 }
-"""Totals of a turn: the flywheel that keeps the fluctuation, the energy that it takes up and gives back, life of the shortest-lived
-roller."""
+"""Totals of a turn: inertia of the flywheel that keeps the fluctuation, energy that it stores and releases, life of the
+roller with the shortest life."""
 
 
 TORQUE = "torque_nm"
-"""Column of what all drives of a shaft ask of it together, at constant speed."""
+"""Column of the total torque of all drives on a shaft, at constant speed."""
 
 
-class Asked(NamedTuple):
-    """One thing asked: its key as given; the quantity, what of it over the turn, and its unit in SI; a total, and the torque of a shaft
-    of several drives, have no quantity; drive: number of the one whose quantity it is."""
+class QuantityRequest(NamedTuple):
+    """A requested figure of a design.
+
+    Attributes
+    ----------
+    key : str
+        The request as given.
+    name : str
+        Name of the quantity; empty for a total, and for the torque of a shaft with several drives.
+    statistic : str
+        One of ``STATISTICS``, or the key of a total.
+    unit : float
+        Size of its unit in SI units.
+    drive : int or None
+        Number of the drive to which the quantity belongs, of several.
+    """
 
     key: str
     name: str
-    of: str
+    statistic: str
     unit: float
     drive: int | None = None
 
 
-def asked_of(design: Design, key: str) -> Asked:
-    """What a key asks. Raises ValueError, naming it."""
+def quantity_request(design: Design, key: str) -> QuantityRequest:
+    """Request of a key, as ``pressure_angle_deg:max``. Raises ValueError, which names the key, where the design lacks it."""
     if key in TOTALS:
         if design.shaft is None and key != LIFE:
             raise ValueError(f"{key}: this design has no [shaft]")
-        return Asked(key, "", key, 1.0)
-    slug, _, of = key.partition(":")
-    if of not in OVER_TURN:
-        raise ValueError(f"{key}: asked is <column>:{'|'.join(OVER_TURN)}, or {', '.join(TOTALS)}")
+        return QuantityRequest(key, "", key, 1.0)
+    slug, _, statistic = key.partition(":")
+    if statistic not in STATISTICS:
+        raise ValueError(f"{key}: allowed are <column>:{'|'.join(STATISTICS)}, and {', '.join(TOTALS)}")
     if design.listed:
         if slug == TORQUE:
-            return Asked(key, "", of, 1.0)
-        number, inside = drive_at(slug) or (len(design.drives), "")
+            return QuantityRequest(key, "", statistic, 1.0)
+        number, column = drive_at(slug) or (len(design.drives), "")
         if number >= len(design.drives):
             raise ValueError(
-                f"{key}: asked is {TORQUE}:{of}, or drives[0].<column>:{of} of its drives, or {', '.join(TOTALS)}"
+                f"{key}: allowed are {TORQUE}:{statistic}, drives[0].<column>:{statistic} of a drive, and "
+                f"{', '.join(TOTALS)}"
             )
-        own = asked_of(only(design, number), f"{inside}:{of}")
-        return own._replace(key=key, drive=number)
+        return quantity_request(only(design, number), f"{column}:{statistic}")._replace(key=key, drive=number)
     name = _columns(design).get(slug, "")
     if not name:
         raise ValueError(f"{key}: this design has no such column with extremes")
-    return Asked(key, name, of, split_unit(slug)[1].factor)
+    return QuantityRequest(key, name, statistic, split_unit(slug)[1].factor)
 
 
 @lru_cache(maxsize=16)
 def _columns(design: Design) -> Mapping[str, str]:
-    """Column, by whose unit a value counts -> quantity, of those that have extremes."""
+    """Column, whose unit the values have -> name of the quantity, of quantities with extremes."""
     rows = (quantity(name) for name in names_of(design))
     return {row.slug.format(m=design.drive.motion_unit): row.name for row in rows if row.slug and not row.turns}
 
 
-def columns_of(design: Design) -> tuple[str, ...]:
-    """The columns of which something over the turn can be asked; of several drives what all ask together, then those of each."""
+def request_columns(design: Design) -> tuple[str, ...]:
+    """Columns that have statistics over the turn; of several drives the total torque, then the columns of every drive."""
     if not design.listed:
         return tuple(_columns(design))
     return (TORQUE, *(path_of(i, slug) for i in range(len(design.drives)) for slug in _columns(only(design, i))))
 
 
-def infos_of(design: Design, paths: Iterable[str]) -> dict[str, Any]:
-    """Path -> what its field takes. Raises ValueError, naming a path that is no number which need not be whole."""
-    found = {path: _info(design, path) for path in paths}
-    for path, info in found.items():
+def number_fields(design: Design, paths: Iterable[str]) -> dict[str, Any]:
+    """Path -> info of its field. Raises ValueError, which names the path, for anything but a number with fractions."""
+    infos = {}
+    for path in paths:
+        entry = entry_at(design, path)
+        if entry is None:
+            raise ValueError(f"{path}: no such number in this design")
+        infos[path] = entry.info
+    for path, info in infos.items():
         if info is None or info.choices or info.whole or info.flag:
             raise ValueError(f"{path}: only a number that need not be whole can be varied")
-    return found
+    return infos
 
 
-def _info(design: Design, path: str) -> Any:
-    entry = entry_at(design, path)
-    if entry is None:
-        raise ValueError(f"{path}: no such number in this design")
-    return entry.info
+def mean_statistic(values: np.ndarray, weight: np.ndarray, statistic: str) -> Any:
+    """Mean, or root mean square for "rms", of a quantity over the turn.
+
+    Parameters
+    ----------
+    values : ndarray (..., n) [SI unit of the quantity]
+        Values at the nodes of a quadrature; leading axes are designs.
+    weight : ndarray (..., n), dimensionless
+        Weights of the nodes; their sum is 1.
+    statistic : "rms" or "mean"
+
+    Returns
+    -------
+    ndarray (...,) [SI unit of the quantity]
+    """
+    if statistic == "rms":
+        return np.sqrt((values * values * weight).sum(axis=-1))
+    return (values * weight).sum(axis=-1)
 
 
-def mean_of(values: np.ndarray, weight: np.ndarray, of: str) -> Any:
-    """Mean or root mean square over the turn of values (..., n) at nodes of these weights (n,)."""
-    return np.sqrt((values * values * weight).sum(axis=-1)) if of == "rms" else (values * weight).sum(axis=-1)
-
-
-def of_range(of: str, low: tuple[Any, Any], high: tuple[Any, Any]) -> tuple[Any, Any]:
-    """Value and cam angle of what is asked, from the least and the largest value with theirs."""
-    if of == "range":
+def extreme_statistic(statistic: str, low: tuple[Any, Any], high: tuple[Any, Any]) -> tuple[Any, Any]:
+    """Value and cam angle of "max", "min", "abs" or "range", from the least and the greatest value with their cam angles."""
+    if statistic == "range":
         return high[0] - low[0], np.full(np.shape(high[0]), np.nan)
-    if of == "abs":
+    if statistic == "abs":
         upper = np.abs(high[0]) >= np.abs(low[0])
         return np.where(upper, np.abs(high[0]), np.abs(low[0])), np.where(upper, high[1], low[1])
-    return low if of == "min" else high
+    return low if statistic == "min" else high
 
 
-# -- the path on which the first drives of a shaft lead what they carry together --------------------------------
+# -- path of the part that the drives of a shaft transfer ---------------------------------------------------------
 
 
 OUTPUTS = ("displacement", "velocity", "acceleration")
 DIRECTIONS = 3
 
 
-def leads(camshaft: Camshaft[Study]) -> tuple[str, ...]:
-    """The drives that lead the path: the first three of the list, or two where there are no more; none where one of them has no
-    measure in lengths."""
+def path_drives(camshaft: Camshaft[Study]) -> tuple[str, ...]:
+    """Names of the drives that move the part: the first three, or two; empty where one of them has no output as a length."""
     names = tuple(camshaft.drives)[:DIRECTIONS]
-    return names if len(names) > 1 and all(lever(camshaft.drives[name]) is not None for name in names) else ()
+    has_lengths = all(length_per_output(camshaft.drives[name]) is not None for name in names)
+    return names if len(names) > 1 and has_lengths else ()
 
 
-def swings(study: Study) -> bool:
-    """Whether a drive's output is an angle."""
+def is_angular(study: Study) -> bool:
+    """Whether the output of a drive is an angle."""
     motion = study.design.drive.motion
     return motion is not None and motion.unit == "deg"
 
 
-def lever(study: Study) -> float | None:
-    """Length by output: 1 of what slides; of what swings the length of the roller's arm [m]; None where there is none."""
+def length_per_output(study: Study) -> float | None:
+    """Length by output of a drive: 1 for a slide, the length of the roller's arm [m] for a swing; None where there is none."""
     if study.design.drive.motion is None:
         return None
-    if not swings(study):
+    if not is_angular(study):
         return 1.0
     arm: float | None = getattr(study.design.drive.mechanism, "arm_mm", None)
     return None if arm is None else arm * 1e-3
 
 
-def travel(camshaft: Camshaft[Study], name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Output of a drive as a length, its velocity and acceleration, each (n,), at its machine angles [m, m/s, m/s²].
+def output_travel(camshaft: Camshaft[Study], name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Output of a drive as a length at the machine angles: s = y of a slide, s = l φ of a swing with the roller's arm l.
 
-    s = y of what slides; s = l φ of what swings, l the length of the roller's arm.
+    Parameters
+    ----------
+    camshaft : Camshaft
+    name : str
+        Name of the drive.
+
+    Returns
+    -------
+    travel, velocity, acceleration : ndarray (n,) [m], [m/s], [m/s²]
     """
-    there, length = camshaft.there(name), lever(camshaft.drives[name])
+    study, length = camshaft.drive_study(name), length_per_output(camshaft.drives[name])
     assert length is not None, name
-    first, second, third = (quantity(key).value(there) * length for key in OUTPUTS)
-    return first, second, third
+    travel, velocity, acceleration = (quantity(key).value(study) * length for key in OUTPUTS)
+    return travel, velocity, acceleration
 
 
-def along(camshaft: Camshaft[Study], order: int) -> np.ndarray:
-    """Speed along the path (order 1) and size of the acceleration on it (2), of drives that move at right angles: √(Σ ṡ²), √(Σ s̈²)
-    (n,) [m/s, m/s²]."""
-    return np.asarray(np.linalg.norm([travel(camshaft, name)[order] for name in leads(camshaft)], axis=0))
+def path_rate(camshaft: Camshaft[Study], order: int) -> np.ndarray:
+    """Speed √(Σ ṡ²) along the path, or size √(Σ s̈²) of the acceleration, of drives at right angles.
+
+    Parameters
+    ----------
+    camshaft : Camshaft
+    order : int
+        1 for the speed, 2 for the acceleration.
+
+    Returns
+    -------
+    ndarray (n,) [m/s] or [m/s²]
+    """
+    return np.asarray(np.linalg.norm([output_travel(camshaft, name)[order] for name in path_drives(camshaft)], axis=0))

@@ -10,9 +10,9 @@ import numpy as np
 from core.design import get
 from core.motion import Angles
 from core.motion.extremes import Extreme
-from core.study.extremes import exists, extremes_of
+from core.study.extremes import extremes_of, has_quantity
 from core.study.quantities import quantity
-from core.study.quantity_requests import Asked, asked_of, infos_of
+from core.study.quantity_requests import QuantityRequest, number_fields, quantity_request
 from core.study.study import Study
 
 HELD = 3e-5  # of a number, or of one in its unit where it is 0: the step
@@ -28,13 +28,13 @@ def sensitivity(study: Study, paths: Sequence[str], quantities: Sequence[str]) -
     By the envelope theorem an extreme changes as the quantity does where it stands, at the same part of the same piece of the motion:
     in the middle of a piece the quantity does not change with the angle, and at its end the extreme goes with the end. So one batch
     of designs beside this one is evaluated there. Of means, totals, extremes at kinks and what cannot be computed at once the answers
-    of these designs are compared. NaN where there is no such quantity, or it is infinite. Raises ValueError as ``many``, NoAnswer as
+    of these designs are compared. NaN where there is no such quantity, or it is infinite. Raises ValueError as ``many``, NoSolution as
     the stages do.
     """
     from core.study.batch import block
 
-    design, infos = study.design, infos_of(study.design, paths)
-    asked = [asked_of(design, key) for key in quantities]
+    design, infos = study.design, number_fields(study.design, paths)
+    asked = [quantity_request(design, key) for key in quantities]
     for path in paths:
         if type(get(design, path)) not in (int, float):
             raise ValueError(f"{path}: has no value in this design")
@@ -50,7 +50,7 @@ def sensitivity(study: Study, paths: Sequence[str], quantities: Sequence[str]) -
     return np.asarray(found / [each.unit for each in asked])
 
 
-def _of_drives(study: Study, paths: list[str], asked: Sequence[Asked]) -> np.ndarray:
+def _of_drives(study: Study, paths: list[str], asked: Sequence[QuantityRequest]) -> np.ndarray:
     """Of the quantities of each of several drives, in SI; 0 by what a drive does not depend on."""
     from core.study.batch import paths_inside
 
@@ -93,14 +93,14 @@ def _slopes(values: Sequence[np.ndarray | None] | np.ndarray, steps: np.ndarray)
 
 
 def _at_extremes(
-    study: Study, paths: tuple[str, ...], rows: np.ndarray, asked: Sequence[Asked]
+    study: Study, paths: tuple[str, ...], rows: np.ndarray, asked: Sequence[QuantityRequest]
 ) -> list[np.ndarray | None]:
     """What is asked, (m,) each, of the designs with these numbers (k, m), where the extremes of the first one stand; None of what is to be
     compared instead."""
     from core.study.batch import at_once, together
 
     result: list[np.ndarray | None] = [None] * len(asked)
-    chosen = [i for i, a in enumerate(asked) if a.of in _ENDS and together(study.design, paths, a)]
+    chosen = [i for i, a in enumerate(asked) if a.statistic in _ENDS and together(study.design, paths, a)]
     if not chosen:
         return result
     one = at_once(study.design, paths, rows)
@@ -110,8 +110,8 @@ def _at_extremes(
     ends: dict[int, list[tuple[str, float]]] = {}
     for i in chosen:
         row = quantity(asked[i].name)
-        there = exists(study, row) and not (row.stage == "dynamics" and study.jam is not None)
-        sides = _ENDS[asked[i].of](extremes_of(study, row.stage, (row.name,))[row.name]) if there else []
+        there = has_quantity(study, row) and not (row.stage == "dynamics" and study.jam is not None)
+        sides = _ENDS[asked[i].statistic](extremes_of(study, row.stage, (row.name,))[row.name]) if there else []
         if any(not np.isfinite(side.value) for side in sides):
             sides = []
         ends[i] = [(row.name, side.theta) for side in sides]
@@ -128,7 +128,7 @@ def _at_extremes(
     for i, keys in ends.items():
         if all(key in held for key in keys):
             columns = [found[key[0]][:, at[key]] for key in keys]
-            result[i] = _value(asked[i].of, columns) if columns else np.full(one.count, np.nan)
+            result[i] = _value(asked[i].statistic, columns) if columns else np.full(one.count, np.nan)
     return result
 
 

@@ -1,4 +1,4 @@
-"""A shaft at other speeds than its own: torque, motor and fluctuation against the machine's speed."""
+"""The shaft of a design at other speeds: torque, motor and speed fluctuation over the speed of the machine."""
 
 from __future__ import annotations
 
@@ -15,28 +15,39 @@ from core.study.study import Study
 
 
 def at_speeds(design: Design, rpm: np.ndarray) -> AgainstSpeed:
-    """Figures of a design's shaft at machine speeds (n,) [rpm], all of its drives together; a balance cam is made for the design's own
-    speed and stays as it is. Raises NoAnswer where a drive has no torque.
+    """Torque, motor and speed fluctuation of a design's shaft, with all its drives, over the machine's speed.
 
-    Where nothing rubs the load is of a static part and of one that grows with the speed squared; else it is solved at each speed.
+    Without friction the load is the sum of a static part and one that grows with the speed squared; with friction it is solved
+    at every speed. A balance cam keeps the shape that it has at the speed of the design.
+
+    Parameters
+    ----------
+    design : Design
+    rpm : ndarray (n,) [rpm]
+        Speeds of the machine.
+
+    Returns
+    -------
+    AgainstSpeed
+
+    Raises
+    ------
+    NoSolution
+        Where a drive has no torque.
     """
     evaluations["against speed"] += 1
     shaft = design.camshaft
-    own = shaft.speed_rpm * pi / 30.0
     study = Study(design)
     balance = study.camshaft.balancer
-    place = (
-        ShaftPosition()
-        if design.balancer is None
-        else ShaftPosition(float(np.deg2rad(design.balancer.phase_deg % 360.0)))
-    )
 
-    def cams(omega: float) -> LoadCurve:
-        there = replace(design, shaft=replace(shaft, speed_rpm=omega * 30.0 / pi))
-        return Study(there).camshaft.cams_load
+    def cams_load(omega: float) -> LoadCurve:
+        at_speed = replace(design, shaft=replace(shaft, speed_rpm=omega * 30.0 / pi))
+        return Study(at_speed).camshaft.cams_load
 
-    load_at = cams if any(each.loading.rubs for each in study.drives.values()) else separated(cams, own)
+    has_friction = any(drive.loading.rubs for drive in study.drives.values())
+    load_at = cams_load if has_friction else separated(cams_load, shaft.speed_rpm * pi / 30.0)
     if balance is None:
         return against_speed(load_at, shaft, rpm)
-    held = balance.load_curve
-    return against_speed(lambda omega: combined([(load_at(omega), ShaftPosition()), (held, place)]), shaft, rpm)
+    phase = 0.0 if design.balancer is None else float(np.deg2rad(design.balancer.phase_deg % 360.0))
+    balance_load = balance.load_curve, ShaftPosition(phase)
+    return against_speed(lambda omega: combined([(load_at(omega), ShaftPosition()), balance_load]), shaft, rpm)

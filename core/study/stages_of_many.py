@@ -15,23 +15,23 @@ import numpy as np
 
 from core import cam, dynamics
 from core.design import FRAME_LINK, Design, Motion, get, put
-from core.errors import noting
+from core.errors import collecting_failures
 from core.followers import BUILDERS
 from core.mechanism import CrankMotion, DriverRange, DriverRanges, SolutionPlan, at_driver, motion_extent
 from core.mechanism.branches import Branch
 from core.mechanism.driver_ranges import PATH, SIDED, near_zero
 from core.mechanism.drivers import with_margin
 from core.mechanism.mechanism import solve
-from core.motion import TURN, Angles, MotionState, Program, program
-from core.motion.curves import only_stretched, with_all_pieces
-from core.motion.extremes import Extreme, Range
-from core.motion.program import CutProgram
+from core.motion import TURN, Angles, CompiledMotion, MotionState, program
+from core.motion.curves import has_common_pieces, with_all_pieces
+from core.motion.extremes import Extreme, Extremes
+from core.motion.program import SubdividedTurn
 from core.numerics.derivatives import Derivatives, cross, finite
 from core.numerics.lazy import Take, at_angles_of, column, design_by_design, repeated, taken, taker
 from core.study.extremes import PROFILE_CURVATURES
 from core.study.highest import Search, nodes_of, refined
 from core.study.quantities import quantity
-from core.study.quantity_requests import Asked, mean_of, of_range
+from core.study.quantity_requests import QuantityRequest, extreme_statistic, mean_statistic
 from core.study.study import Study
 
 POINTS = 180_000
@@ -41,7 +41,7 @@ THROUGH, CLEAR = (
     5e-3,
 )  # positions through which a linkage is followed; what it has left there, of its size, where nothing happens
 DOUBT = 0.02  # of an extreme between nodes
-Extremes = dict[Search, tuple[np.ndarray, np.ndarray]]
+SearchResults = dict[Search, tuple[np.ndarray, np.ndarray]]
 """Value and cam angle [rad], both (m,)."""
 _WHOLE = DriverRanges(None, (DriverRange(0.0, TURN),), (), Branch(), {})  # type: ignore[arg-type]
 
@@ -65,27 +65,27 @@ class Motions:
     other  (m,) designs whose motion has another number of pieces; in their place stands the plain one
     """
 
-    def __init__(self, plain: Program, motion: Motion, count: int) -> None:
+    def __init__(self, plain: CompiledMotion, motion: Motion, count: int) -> None:
         """motion: with a column (count,) for each number that is varied."""
         self._plain, self.other = plain, np.zeros(count, dtype=bool)
-        self._alike = only_stretched(motion)
+        self._alike = has_common_pieces(motion)
         if self._alike:
-            self._stacked = Program.of_columns(motion, count)
+            self._stacked = CompiledMotion.from_columns(motion, count)
         else:  # their pieces depend on span and rise, or on a number of the curve
-            self._stacked = self._one_by_one([Program(taken(motion, design_by_design(k))) for k in range(count)])
+            self._stacked = self._one_by_one([CompiledMotion(taken(motion, design_by_design(k))) for k in range(count)])
         self.starts, self.ends = (each.reshape(count, -1) for each in (self._stacked.starts, self._stacked.ends))
         self.pieces = self.starts.shape[1]
 
-    def _one_by_one(self, programs: Sequence[Program]) -> Program:
+    def _one_by_one(self, programs: Sequence[CompiledMotion]) -> CompiledMotion:
         self.other = np.array([each.starts.size != self._plain.starts.size for each in programs])
-        return Program.stacked(
+        return CompiledMotion.stacked(
             [self._plain if o else each for each, o in zip(programs, self.other.tolist(), strict=True)]
         )
 
     @property
     def corners(self) -> np.ndarray:
         """Motions whose displacement or velocity jumps (m,): none where every segment begins and ends at rest, however long it is."""
-        if self._alike and self._plain.rests:
+        if self._alike and self._plain.is_rest_to_rest:
             return np.zeros(self.starts.shape[0], dtype=bool)
         _, _, jumps = self._stacked.jumps(self.starts.shape[0], orders=2)
         return np.asarray(jumps.reshape(2, self.starts.shape[0], -1).any(axis=(0, 2)))
@@ -117,7 +117,7 @@ class Motions:
         """Where the plain motion is at angles (n,), of the designs ``owner``, (n,) or (m, 1)."""
         there = Angles(self.own(angles.theta, angles.piece, owner), owner * self.pieces + angles.piece)
         if self._alike:
-            return self._stacked.stretched(self._plain.curve(angles), there, self._taken(angles.piece, owner))
+            return self._stacked.state_from_curve(self._plain.curve(angles), there, self._taken(angles.piece, owner))
         flat = self._stacked.state(Angles(there.theta.ravel(), there.piece.ravel()))
         moved = Derivatives(lambda order: flat.displacement[order].reshape(there.theta.shape))
         return MotionState(there, moved, flat.velocity_sign.reshape(there.theta.shape))
@@ -196,9 +196,9 @@ class Together:
             uncut = program(with_all_pieces(uncut.motion, motion))
         self.motions = None if motion is None else Motions(uncut, motion, count)
         switches = tuple(sorted(Study(self.plain).loading.cuts(uncut).tolist()))
-        self.program: Any = CutProgram(uncut, switches) if switches else uncut
+        self.program: Any = SubdividedTurn(uncut, switches) if switches else uncut
         self.apart = self.nobody if self.motions is None else self.motions.other
-        with noting(self._note), np.errstate(all="ignore"):
+        with collecting_failures(self._note), np.errstate(all="ignore"):
             row = BUILDERS[type(drive.mechanism)]
             self.mechanism = row.build(*row.needs(drive.mechanism, drive.cam))
             self.loading = dynamics.loading_of(drive.mechanism, drive.loads, self.mechanism)
@@ -225,7 +225,7 @@ class Together:
         self.reason[which & (self.reason == "")] = code
 
     @property
-    def holds(self) -> bool:
+    def is_form_closed(self) -> bool:
         """Whether the cam holds the follower from both sides."""
         return self.plain.drive.cam is not None and bool(self.plain.drive.cam.form.holds)
 
@@ -369,7 +369,7 @@ class Together:
     ) -> Any:
         """What is read of the study of all, as far as a stage. What has no answer is noted."""
         there, self._owner = self.study(state, owner, take), owner
-        with noting(self._note), np.errstate(all="ignore"):
+        with collecting_failures(self._note), np.errstate(all="ignore"):
             for self._stage in _STAGES[1 : _STAGES.index(stage) + 1]:
                 if self._stage in there.stages:
                     getattr(there, self._stage)
@@ -388,13 +388,13 @@ class Together:
 
     # -- what is asked --------------------------------------------------------------------------------------
 
-    def results(self, asked: Sequence[Asked], polish: bool, loads: bool = False) -> Results:
+    def results(self, asked: Sequence[QuantityRequest], polish: bool, loads: bool = False) -> Results:
         """Of each design, by quantities; loads: it shall be known of each whether it jams, in any case."""
         angles, weight = nodes_of(self.program)
         if self.motions is not None:
             weight = weight * self.motions.stretched()[:, angles.piece]
         stages = {quantity(each.name).stage for each in asked}
-        searches = dict.fromkeys((each.name, side) for each in asked for side in _SIDES[each.of])
+        searches = dict.fromkeys((each.name, side) for each in asked for side in _SIDES[each.statistic])
         further = self._further(stages, loads)
         judged = [Search(*each) for each in further if each not in searches]
         names = list(dict.fromkeys([*(each.name for each in asked), *(name for name, _ in further)]))
@@ -418,11 +418,16 @@ class Together:
         value, theta = [], []
         for each in asked:
             row = quantity(each.name)
-            if each.of in ("rms", "mean"):
-                one: tuple[Any, Any] = mean_of(sampled[each.name], weight, each.of), np.full(self.count, np.nan)
+            if each.statistic in ("rms", "mean"):
+                one: tuple[Any, Any] = (
+                    mean_statistic(sampled[each.name], weight, each.statistic),
+                    np.full(self.count, np.nan),
+                )
             else:
                 ends = extremes[each.name]
-                one = of_range(each.of, (ends.low.value, ends.low.theta), (ends.high.value, ends.high.theta))
+                one = extreme_statistic(
+                    each.statistic, (ends.low.value, ends.low.theta), (ends.high.value, ends.high.theta)
+                )
             nothing = self.lost_at(row.stage) | (anywhere if row.fitting else False)
             if round_ := self._goes_round(each.name):
                 nothing = nothing | round_[0]
@@ -444,7 +449,7 @@ class Together:
         sampled: Mapping[str, np.ndarray],
         angles: Angles,
         polish: bool,
-    ) -> Extremes:
+    ) -> SearchResults:
         """Of some designs (m,)."""
         names = list(dict.fromkeys(name for name, _ in searches))
 
@@ -457,11 +462,11 @@ class Together:
     def _judged(
         self,
         searches: Sequence[Search],
-        known: Extremes,
+        known: SearchResults,
         sampled: Mapping[str, np.ndarray],
         angles: Angles,
         polish: bool,
-    ) -> Extremes:
+    ) -> SearchResults:
         """Extremes of which it is only asked on which side of a limit they lie: refined where they may lie on either."""
         found = self._extremes(searches, np.arange(self.count), sampled, angles, False)
         if not polish or not searches:
@@ -489,10 +494,10 @@ class Together:
         beside = np.minimum(row[design, np.maximum(top - 1, 0)], row[design, np.minimum(top + 1, last)])
         return finite(own - beside, nan=np.inf) + DOUBT * np.abs(own)
 
-    def _ranges_of(self, found: Extremes) -> dict[str, Range]:
+    def _ranges_of(self, found: SearchResults) -> dict[str, Extremes]:
         nothing = np.full(self.count, np.nan), np.full(self.count, np.nan)
         return {
-            name: Range(*(_ends(found.get(Search(name, side), nothing)) for side in (-1.0, 1.0)))
+            name: Extremes(*(_ends(found.get(Search(name, side), nothing)) for side in (-1.0, 1.0)))
             for name in dict.fromkeys(name for name, _ in found)
         }
 
@@ -555,7 +560,7 @@ class Together:
             return ()
         return cam.form_row(self.plain.drive.cam.form).flanks
 
-    def _undercut(self, extremes: Mapping[str, Range]) -> dict[str, np.ndarray]:
+    def _undercut(self, extremes: Mapping[str, Extremes]) -> dict[str, np.ndarray]:
         """Flank -> which designs (m,)."""
         drive = self.design.drive
         with np.errstate(all="ignore"):
@@ -584,7 +589,7 @@ class Together:
         if not jammed.size:
             return {}
         at = self.program.angles(theta[jammed])
-        with noting(lambda code, lost: None), np.errstate(all="ignore"):
+        with collecting_failures(lambda code, lost: None), np.errstate(all="ignore"):
             forces = self.study(self.state(at.theta, at.piece, jammed), jammed).dynamics
             rows = (np.broadcast_to(each, jammed.shape) for each in (forces.contact_jam, forces.most_jamming))
         frictions, found = self.loading.frictions, {}
@@ -609,11 +614,11 @@ def _ends(found: tuple[np.ndarray, np.ndarray]) -> Extreme:
     return Extreme(*found)  # type: ignore[arg-type]
 
 
-def _through_cusp(found: Range, there: np.ndarray) -> Range:
+def _through_cusp(found: Extremes, there: np.ndarray) -> Extremes:
     """As of one design: a curvature grows without limit at a cusp, and comes back from below where the profile runs backwards, however
     short that is."""
     low, high = found.low, found.high
-    return Range(
+    return Extremes(
         Extreme(np.where(there, -np.inf, low.value), low.theta),  # type: ignore[arg-type]
         Extreme(np.where(there, np.inf, high.value), high.theta),  # type: ignore[arg-type]
     )

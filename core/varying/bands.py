@@ -10,7 +10,7 @@ from types import MappingProxyType
 import numpy as np
 
 from core.design import Design, drive_at, get, only, path_in
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.frozen import frozen
 from core.motion import degrees
 from core.motion.program import ShaftPosition
@@ -19,7 +19,7 @@ from core.shaft import Flywheel, combined
 from core.study import Camshaft, Study
 from core.study.batch import with_numbers
 from core.study.limits import SPEEDS
-from core.study.quantity_requests import TORQUE, asked_of, columns_of
+from core.study.quantity_requests import TORQUE, quantity_request, request_columns
 from core.varying.request import AskedFor, Bounded, Goal, StudyFile, Vary, study_of
 from core.varying.space import with_words
 from core.varying.surveys import PART, SEED, askable, can_be_varied, usual_limit
@@ -46,12 +46,12 @@ def drive_bands(whole: Design, drive: int, slugs: Sequence[str], quick: bool) ->
     """Of a drive of a design: column -> percentiles (5, 360) over its own cam angle, as far as it has that; quick: of those of which
     many machines are computed at once, else of the others, of which fewer are."""
     design = _alone(whole, drive)
-    there = set(columns_of(design))
+    there = set(request_columns(design))
     rows = []
     for slug in slugs:
         with suppress(ValueError):
             if slug in there:
-                rows.append((slug, asked_of(design, f"{slug}:max")))
+                rows.append((slug, quantity_request(design, f"{slug}:max")))
     if not rows or not (design.tolerances or design.waviness):
         return {}
     asked_for = tuple(AskedFor(slug, "max") for slug, _ in rows)
@@ -69,24 +69,24 @@ def shaft_bands(design: Design, samples: int = 360, machines: int = FEW_MACHINES
     made = _drawn(design, machines)
     theta = np.deg2rad(degrees(samples))
     own = Study(design).camshaft.at_theta(theta)
-    names = own.carried
+    names = own.loading_drives
     found = np.full((len(names), machines, samples), np.nan)
     rows = {path: drive_at(path) for path in made}
     same = [
-        not design.tolerances or not any(row is None or row[0] == own.number(name) for row in rows.values())
+        not design.tolerances or not any(row is None or row[0] == own.drive_number(name) for row in rows.values())
         for name in names
     ]
     for k, shaft in enumerate(_shafts(design, made, theta)):
         for i, name in enumerate(names):
-            with suppress(NoAnswer):
+            with suppress(NoSolution):
                 found[i, k] = found[i, 0] if same[i] and k else shaft.drive_torque(name)
     every = AllWaves(design)
-    for i, number in enumerate(map(own.number, names)):
+    for i, number in enumerate(map(own.drive_number, names)):
         if number in every.each and every.each[number].changes(DRIVE_TORQUE):
-            there = every.each[number].at(own.places[names[i]].own(theta))
+            there = every.each[number].at(own.positions[names[i]].drive_angle(theta))
             found[i] += there.more(DRIVE_TORQUE, found[i], there.error(*every.drawn(number, machines, SEED)))
     balance: float | np.ndarray = 0.0
-    with suppress(NoAnswer):
+    with suppress(NoSolution):
         balance = own.balancer_torque if design.balancer is not None else 0.0
     torques = {**dict(zip(names, found, strict=True)), "": found.sum(axis=0) + balance}
     return _percentiles(torques)
@@ -97,15 +97,15 @@ def motor_bands(design: Design, samples: int = 360, machines: int = FEW_MACHINES
     [N m] and of the true speed [rad/s], of machines whose motor does not stall; none without tolerances or flywheel. Waves of
     the profile are too short for it to feel them; the balance cam as in ``shaft_bands``."""
     own = Study(design).camshaft
-    if not design.tolerances or not own.levelled:
+    if not design.tolerances or not own.levels_torque:
         return {}
     theta = np.deg2rad(degrees(samples))
     balance = []
-    with suppress(NoAnswer):
-        balance = [] if own.balancer is None else [(own.balancer.load_curve, own.balancer_place)]
+    with suppress(NoSolution):
+        balance = [] if own.balancer is None else [(own.balancer.load_curve, own.balancer_position)]
     found = {name: np.full((machines, samples), np.nan) for name in (MOTOR, SPEED)}
     for k, shaft in enumerate(_shafts(design, _drawn(design, machines), theta)):
-        with suppress(NoAnswer):
+        with suppress(NoSolution):
             load = combined([(shaft.cams_load, ShaftPosition()), *balance])
             wheel = Flywheel(lambda _, shaft=shaft: shaft.cams_torque, load, shaft.design.camshaft)  # type: ignore[misc]
             angles = shaft.turn.angles(theta)

@@ -19,7 +19,7 @@ from core.frozen import frozen
 from core.study import many
 from core.study.batch import at_once, together
 from core.study.highest import nodes_of
-from core.study.quantity_requests import Asked, asked_of
+from core.study.quantity_requests import QuantityRequest, quantity_request
 from core.varying.request import AskedFor, Goal, StudyOfMany
 from core.varying.space import Axis, as_it_is
 from core.varying.tolerances import bounds_of
@@ -102,7 +102,7 @@ class Term:
     """
 
     row: AskedFor
-    asked: Asked
+    asked: QuantityRequest
     side: float
     bound: float | None
     peaks: tuple[float, ...]
@@ -143,8 +143,10 @@ class Descent:
             yield limit, side, side * bound - margins.get(limit.key, 0.0)
 
     def _term(self, row: AskedFor, side: float, bound: float | None) -> Term:
-        asked = asked_of(self.design, row.key)
-        signs = {("max", 1.0): (1.0,), ("min", -1.0): (-1.0,), ("abs", 1.0): (1.0, -1.0)}.get((asked.of, side), ())
+        asked = quantity_request(self.design, row.key)
+        signs = {("max", 1.0): (1.0,), ("min", -1.0): (-1.0,), ("abs", 1.0): (1.0, -1.0)}.get(
+            (asked.statistic, side), ()
+        )
         if signs and (asked.drive is not None or not asked.name or not together(self.design, self.paths, asked)):
             signs = ()
         if signs and at_once(self.design, self.paths, self._numbers(np.full((len(self.paths), 1), 0.5))).apart.any():

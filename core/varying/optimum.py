@@ -23,7 +23,7 @@ from core.study import Study, many
 from core.study.batch import FAULTY
 from core.study.limits import ANY_PRESSURE, CONVEX, LIMITS
 from core.study.quantities import quantity
-from core.study.quantity_requests import asked_of
+from core.study.quantity_requests import quantity_request
 from core.units import split_unit
 from core.varying.descent import Descent, Held, Tell, Term, side_of
 from core.varying.request import Goal, StudyFile, StudyOfMany
@@ -438,8 +438,8 @@ def _missed(study: StudyOfMany, found: Optimum) -> Iterator[str]:
 
 def _fixed(found: Optimum, goal: Goal) -> str:
     """Of a peak torque what a force on the follower takes: T_F = -F y', by the balance of power at constant speed."""
-    asked = asked_of(found.design, goal.key)
-    if asked.name != TORQUE or asked.of not in PEAKS or not goal.minimise:
+    asked = quantity_request(found.design, goal.key)
+    if asked.name != TORQUE or asked.statistic not in PEAKS or not goal.minimise:
         return ""
     design = found.design if asked.drive is None else only(found.design, asked.drive)
     peak = many(found.design, as_it_is(found.design, 1), [goal.key])

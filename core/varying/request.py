@@ -18,7 +18,7 @@ from core.project import dumps_table, load, parsed
 from core.project.files import AnyPath, read_text, write
 from core.project.reading import Reader
 from core.project.reading_faults import did_you_mean
-from core.study.quantity_requests import OVER_TURN, TOTALS, asked_of
+from core.study.quantity_requests import STATISTICS, TOTALS, quantity_request
 from core.units import split_unit
 
 GRID, CURVE = 64, 64
@@ -45,7 +45,7 @@ class AskedFor:
     """What is asked of each design: of a quantity over the turn, by its column, or a total, which has no ``of``."""
 
     quantity: str = placed(FileLayout(missing="a column, as pressure_angle_deg, or a total"))
-    of: str | None = choice("Of the turn", OVER_TURN, default=None)
+    of: str | None = choice("Of the turn", STATISTICS, default=None)
 
     @property
     def key(self) -> str:
@@ -282,9 +282,9 @@ def _asked_faults(row: AskedFor, path: str, design: Design) -> Iterator[Fault]:
         yield Fault(f"{path}.of", row.of, f"{row.quantity} is a total of the turn", "leave it out")
         return
     if row.quantity not in TOTALS and row.of is None:
-        yield Fault(f"{path}.of", MISSING, "missing", " | ".join(OVER_TURN))
+        yield Fault(f"{path}.of", MISSING, "missing", " | ".join(STATISTICS))
         return
     try:
-        asked_of(design, row.key)
+        quantity_request(design, row.key)
     except ValueError as error:
         yield Fault(f"{path}.quantity", row.quantity, str(error).partition(": ")[2])

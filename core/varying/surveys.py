@@ -12,7 +12,7 @@ import numpy as np
 from core.design import Design, Info, drive_at, edited, entries, get, names_a_link, only, path_of, row_at
 from core.frozen import frozen
 from core.study.limits import LIMITS
-from core.study.quantity_requests import TORQUE, TOTALS, asked_of, columns_of
+from core.study.quantity_requests import TORQUE, TOTALS, quantity_request, request_columns
 from core.study.study import Study
 from core.units import split_unit
 from core.varying.request import AskedFor, Bounded, Goal, StudyFile, StudyOfMany, Vary, field_info, study_of
@@ -161,10 +161,10 @@ def can_be_varied(design: Design) -> Iterator[str]:
 
 def askable(design: Design) -> Iterator[str]:
     """Keys of what can be asked over the turn, without what of it (``pressure_angle_deg``, ``drives[0].…``), and totals."""
-    yield from columns_of(design)
+    yield from request_columns(design)
     for total in TOTALS:
         try:
-            asked_of(design, total)
+            quantity_request(design, total)
         except ValueError:
             continue
         yield total
@@ -175,7 +175,7 @@ def suggested(study: Study, path: str) -> Mapping[str, Limits]:
     design, own = study.design, drive_at(path) if study.design.listed else None
     number = own[0] if own else 0
     drive = list(study.drives.values())[number]
-    there, found = set(columns_of(only(design, number))), {}
+    there, found = set(request_columns(only(design, number))), {}
     rows = SUGGESTED[:1] if drive.loading.empty else SUGGESTED  # no forces
     for key in (key for key in rows if key.partition(":")[0] in there):
         found[path_of(number, key) if design.listed else key] = (None, usual_limit(drive, key))
@@ -183,7 +183,7 @@ def suggested(study: Study, path: str) -> Mapping[str, Limits]:
         found[f"{TORQUE}:abs"] = (None, None)
     if found:
         return found
-    columns = columns_of(design)
+    columns = request_columns(design)
     turned = next((each for each in columns if "transmission" in each), "")
     return {f"{turned}:min" if turned else f"{columns[0]}:abs": (None, None)}
 
@@ -306,7 +306,7 @@ def present(study: Study, quantities: Sequence[str]) -> tuple[Mapping[str, float
     Raises ValueError as ``many``."""
     from core.study.batch import asked_of_study
 
-    asked = [asked_of(study.design, key) for key in quantities]
+    asked = [quantity_request(study.design, key) for key in quantities]
     values, _, reason = asked_of_study(study, asked)
     return {each.key: value / each.unit for each, value in zip(asked, values, strict=True)}, reason
 

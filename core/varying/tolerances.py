@@ -14,7 +14,7 @@ import numpy as np
 from core.design import Design, Tolerance, get, only, put
 from core.design.limits import NORMAL, UNIFORM
 from core.elastic import by_motion
-from core.errors import KindynaError, NoAnswer
+from core.errors import KindynaError, NoSolution
 from core.frozen import frozen
 from core.mechanism.kinematics import Kinematics
 from core.motion import TURN, degrees
@@ -22,7 +22,7 @@ from core.numerics.lazy import checkpoint
 from core.study import Study, many, sensitivity
 from core.study.batch import at_once, together
 from core.study.quantities import quantity
-from core.study.quantity_requests import TORQUE, Asked, asked_of
+from core.study.quantity_requests import TORQUE, QuantityRequest, quantity_request
 from core.varying.request import AskedFor, Bounded, StudyFile, StudyOfMany, study_of
 from core.varying.space import as_it_is
 
@@ -56,7 +56,7 @@ WAVED: Mapping[str, Callable[[Waves, np.ndarray, Callable[[int], np.ndarray]], n
 
 
 class Waves:
-    """The waves of a study's profile at its cam angles (n,). Raises NoAnswer where there is no cam.
+    """The waves of a study's profile at its cam angles (n,). Raises NoSolution where there is no cam.
 
     way  |b| (n,), of the point of the follower's body where it touches the first flank
     """
@@ -130,7 +130,7 @@ class Waves:
         if self.loaded:
             more = self.pressing * self.amplitude / self.way * most**2
             found["contact_force_n"] = float(more.max())
-            if not self.study.holds:
+            if not self.study.is_form_closed:
                 found["least_contact_force_n"] = float((self.study.dynamics.contact - more).min())
         if not self.study.is_elastic or not self.loaded:
             return found
@@ -170,12 +170,12 @@ class AllWaves:
         rng, waves = np.random.default_rng([seed + (number or 0), 1]), self.each[number].waves
         return rng.integers(waves.lobes_from, waves.lobes_to + 1, count), TURN * rng.random(count)
 
-    def shifts(self, asked: Asked, count: int, seed: int) -> np.ndarray:
+    def shifts(self, asked: QuantityRequest, count: int, seed: int) -> np.ndarray:
         """By how much (count,) waves change what is asked over the turn, in its unit, of machines drawn by chance."""
         own, changed = self._changed(asked)
-        if asked.of not in OF or not changed:
+        if asked.statistic not in OF or not changed:
             return np.zeros(count)
-        drawn, of = [self.drawn(number, count, seed) for number in changed], OF[asked.of]
+        drawn, of = [self.drawn(number, count, seed) for number in changed], OF[asked.statistic]
         found = np.zeros(count)
         for part in (slice(i, i + WAVY_MACHINES_AT_ONCE) for i in range(0, count, WAVY_MACHINES_AT_ONCE)):
             values = np.tile(own, (found[part].size, 1))
@@ -184,13 +184,13 @@ class AllWaves:
             found[part] = of(values) - of(own)
         return found / asked.unit
 
-    def worst(self, asked: Asked, side: float) -> float:
+    def worst(self, asked: QuantityRequest, side: float) -> float:
         """By how much an extreme changes at most towards a side, +1 upwards, in its unit, with waves of the most lobes in their worst
         phases."""
         own, changed = self._changed(asked)
-        if asked.of not in ("max", "min", "abs") or not changed:
+        if asked.statistic not in ("max", "min", "abs") or not changed:
             return 0.0
-        of, ends = OF[asked.of], []
+        of, ends = OF[asked.statistic], []
         for end in (np.maximum, np.minimum):
             more = [
                 end(*(waves.more(name, alone, partial(waves.all_at_once, sign)) for sign in (1.0, -1.0)))
@@ -199,7 +199,7 @@ class AllWaves:
             ends.append(float(of(own + np.sum(more, axis=0)) - of(own)))
         return side * max(side * each for each in ends) / asked.unit
 
-    def _changed(self, asked: Asked) -> tuple[np.ndarray, Mapping[int | None, Waved]]:
+    def _changed(self, asked: QuantityRequest) -> tuple[np.ndarray, Mapping[int | None, Waved]]:
         """The values (n,) without waves of what is asked, and what waves change of it, by drive."""
         if asked.key.partition(":")[0] == TORQUE and self.design.listed:
             return self._torque
@@ -213,12 +213,12 @@ class AllWaves:
     def _torque(self) -> tuple[np.ndarray, Mapping[int | None, Waved]]:
         """That of all drives at even machine angles, and of each that has waves."""
         theta = np.arange(ANGLES) * TURN / ANGLES
-        with suppress(NoAnswer):
+        with suppress(NoSolution):
             shaft, found = Study(self.design).camshaft.at_theta(theta), dict[int | None, Waved]()
-            for name in shaft.carried:
-                number = shaft.number(name)
+            for name in shaft.loading_drives:
+                number = shaft.drive_number(name)
                 if number in self.each and self.each[number].changes(DRIVE_TORQUE):
-                    there = self.each[number].at(shaft.places[name].own(theta))
+                    there = self.each[number].at(shaft.positions[name].drive_angle(theta))
                     found[number] = there, DRIVE_TORQUE, shaft.drive_torque(name)
             return shaft.torque, found
         return np.zeros(0), {}
@@ -230,7 +230,7 @@ def waves_of(study: Study) -> Waves | None:
         return None
     try:
         return Waves(study.at_theta(np.arange(ANGLES) * TURN / ANGLES))
-    except NoAnswer:
+    except NoSolution:
         return None
 
 
@@ -310,7 +310,7 @@ def tolerance_study(design: Design) -> StudyOfMany:
 
 def _has(design: Design, key: str) -> bool:
     try:
-        asked_of(design, key)
+        quantity_request(design, key)
     except ValueError:
         return False
     return True
@@ -390,7 +390,7 @@ class Scatter:
                 [_end(row, side * slope) for row, slope in zip(self.tolerances, slopes[:, q], strict=True)]
             )
             at = {path: value + step for (path, value), step in zip(self.own.items(), steps.tolist(), strict=True)}
-            asked = asked_of(self.design, limit.key)
+            asked = quantity_request(self.design, limit.key)
             waves = self.waves.worst(asked, side)
             value = float(self._one(at)[q]) + waves
             linear = float(nominal[q] + slopes[:, q] @ steps) + waves
@@ -425,7 +425,7 @@ class Scatter:
         """What is asked (q, count) of machines drawn by chance, each with a wave of its own; NaN of one that cannot be built."""
         found = self._values(self.machines(count, seed))
         for row, key in zip(found, self.keys, strict=True):
-            row += self.waves.shifts(asked_of(self.design, key), count, seed)
+            row += self.waves.shifts(quantity_request(self.design, key), count, seed)
         return found
 
     @cached_property
@@ -450,7 +450,7 @@ class Scatter:
         """Column -> percentiles (p, samples) over the cam angle of what machines drawn by chance have there; of these columns only."""
         asked = (row.key.partition(":")[0] for row in self.study.asked if row.of is not None)
         columns = [slug for slug in dict.fromkeys(asked) if only is None or slug in only]
-        names = {slug: asked_of(self.design, f"{slug}:max") for slug in columns}
+        names = {slug: quantity_request(self.design, f"{slug}:max") for slug in columns}
         names = {slug: each for slug, each in names.items() if each.name and each.drive is None}
         machines = self.machines(count, seed)
         theta = np.deg2rad(degrees(samples))
@@ -476,13 +476,13 @@ class Scatter:
         present = {slug: rows for slug, rows in found.items() if not np.isnan(rows).all()}
         return {slug: np.nanpercentile(rows, levels, axis=0) for slug, rows in present.items()}
 
-    def quick(self, asked: Asked) -> bool:
+    def quick(self, asked: QuantityRequest) -> bool:
         """Whether a quantity is computed of many machines at once, at the same angles of all."""
         moved = any(path.startswith("motion.") for path in self.own)
         return not moved and together(self.design, list(self.machines(1, 0)), asked)
 
     def _at_once(
-        self, names: Mapping[str, Asked], rows: np.ndarray, theta: np.ndarray, into: Mapping[str, np.ndarray]
+        self, names: Mapping[str, QuantityRequest], rows: np.ndarray, theta: np.ndarray, into: Mapping[str, np.ndarray]
     ) -> np.ndarray:
         """Quantities of machines with these numbers (k, m) at cam angles (n,) into (m, n) each; which of them (m,) are to be computed by
         themselves instead."""
@@ -499,7 +499,11 @@ class Scatter:
         return one.apart
 
     def _by_itself(
-        self, names: Mapping[str, Asked], numbers: np.ndarray, theta: np.ndarray, into: Mapping[str, np.ndarray]
+        self,
+        names: Mapping[str, QuantityRequest],
+        numbers: np.ndarray,
+        theta: np.ndarray,
+        into: Mapping[str, np.ndarray],
     ) -> None:
         """The same of one machine, by its own turn."""
         design = self.design
@@ -508,10 +512,10 @@ class Scatter:
         study = Study(design)
         for row in into.values():
             row[:] = np.nan
-        with suppress(NoAnswer):
+        with suppress(NoSolution):
             there = study.at(study.program.angles(theta))
             for slug, each in names.items():
-                with suppress(NoAnswer):  # where the motor stalls, the rest is there
+                with suppress(NoSolution):  # where the motor stalls, the rest is there
                     into[slug][:] = quantity(each.name).value(there) / each.unit
 
     # -- which to tighten ----------------------------------------------------------------------------------

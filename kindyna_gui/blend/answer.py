@@ -6,7 +6,7 @@ from PySide6.QtCore import QEvent, QObject, QRect, Qt
 from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPalette
 from PySide6.QtWidgets import QFrame, QLabel, QVBoxLayout, QWidget
 
-from core.blend import Blended
+from core.blend import BlendResult
 from core.design import UNITS, Design
 from core.output.channels import channels
 from core.study import Study
@@ -106,7 +106,7 @@ class AnswerPanel(QFrame):
         self.veil = FadedCover(self)
         self._keep_height()
 
-    def show_answer(self, blended: Blended, design: Design | None, before: Study) -> None:
+    def show_answer(self, blended: BlendResult, design: Design | None, before: Study) -> None:
         """The curves, and the motion of a design that has them, over that of the design before; None: that has no
         place for them."""
         self.headline.setText("–".join(blended.curves))

@@ -12,22 +12,22 @@ from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QScrollArea, QTa
 
 from core.blend import (
     ELEMENTS,
-    Blended,
     BlendError,
+    BlendResult,
     SequenceRequest,
     SettingRange,
     best_of_sequence,
     blend_sequence,
     sequence_ranges,
 )
-from core.blend.best import into_design
+from core.blend.best import with_blend
 from core.blend.request import KINDS
-from core.blend.sequences import broken_at
+from core.blend.sequences import sequence_error
 from core.design import UNITS, Design, Unit, faults, require_motion
 from core.design.fields import Info
 from core.errors import DesignError, KindynaError
 from core.find import blend_candidates
-from core.requests import options
+from core.requests import command_words
 from kindyna_gui.background import Background, Job
 from kindyna_gui.blend.answer import AnswerPanel
 from kindyna_gui.blend.fields import LiveBox, SettingRow, quiet
@@ -64,7 +64,7 @@ class SequenceDialog(PutDialog):
 
     def __init__(self, session: Session, parent: QWidget | None = None) -> None:
         super().__init__(session, "Blend a sequence of curves", parent)
-        self.blended: Blended | None = None
+        self.blended: BlendResult | None = None
         self.design: Design | None = None
         self.rows: dict[str, SettingRow] = {}
         self._unit = require_motion(session.design).unit
@@ -172,7 +172,7 @@ class SequenceDialog(PutDialog):
     def request(self) -> SequenceRequest:
         """As typed; raises BlendError where curves do not join."""
         curves = tuple(name for name in self.curves.text().upper().replace(" ", "").split("-") if name)
-        if broken := broken_at("-".join(curves)):
+        if broken := sequence_error("-".join(curves)):
             raise BlendError(f"{'-'.join(curves) or 'no curve'}: {broken}")
         given = {name: row.value for name, row in self.rows.items() if row.used and row.value is not None}
         given |= {name: value for name, value in self._kept.items() if name not in self.rows}
@@ -208,7 +208,7 @@ class SequenceDialog(PutDialog):
         self.add.clear()
         self.add.addItem(ADD, "")
         for name in ELEMENTS:
-            if not broken_at("-".join((*self._curves, name))):
+            if not sequence_error("-".join((*self._curves, name))):
                 self.add.addItem(curve_icon(name), name, name)
 
     # -- the answer -----------------------------------------------------------------------------------------
@@ -235,7 +235,7 @@ class SequenceDialog(PutDialog):
         self._offer()
         try:
             request = self.request()
-            request.require_sense()
+            request.validate()
         except BlendError as error:
             self._refuse(error)
             return
@@ -276,14 +276,14 @@ class SequenceDialog(PutDialog):
         self.show_message(reason(error), wrong=True)
         self.panel.veil.draw("The last motion that was feasible")
 
-    def _answered(self, request: SequenceRequest, result: Blended | KindynaError) -> None:
-        if not isinstance(result, Blended):
+    def _answered(self, request: SequenceRequest, result: BlendResult | KindynaError) -> None:
+        if not isinstance(result, BlendResult):
             self._refuse(result)
             return
         self.blended = result
         before = self._session.design
         try:
-            design = into_design(before, result)
+            design = with_blend(before, result)
         except KindynaError as error:
             self.show_message(why(before, error), wrong=True)
             self.panel.show_answer(result, None, self._session.study)
@@ -292,7 +292,7 @@ class SequenceDialog(PutDialog):
         self.show_message(wrong or effect(require_motion(before), require_motion(design), result), bool(wrong))
         self.panel.show_answer(result, design, self._session.study)
         self.design = None if wrong else design
-        place = partial(into_design, before)
+        place = partial(with_blend, before)
         candidates = blend_candidates(result, place, self.goal.currentData() or "")
         self.ranking.offer(before, candidates, request.sequence, "this blend")
         self.put_button.setEnabled(self.design is not None)
@@ -315,7 +315,7 @@ class SequenceDialog(PutDialog):
             "best": self.goal.currentData() or None,
             "unit": self._unit,
         }
-        return spelled("blend", options(BlendArguments, {**asked, **of_session(self._session)}))
+        return spelled("blend", command_words(BlendArguments, {**asked, **of_session(self._session)}))
 
     def accept(self) -> None:
         """Put the motion into the design, where there is one."""

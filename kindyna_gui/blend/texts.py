@@ -7,7 +7,7 @@ from dataclasses import replace
 from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context
 from math import isfinite
 
-from core.blend import Blended, SettingRange
+from core.blend import BlendResult, SettingRange
 from core.design import UNITS, Motion
 from core.output.lines import shortest
 from core.output.texts import changed_beside, curve_rows, flat_rows
@@ -86,7 +86,7 @@ def reason(error: Exception) -> str:
 HEADINGS = ("Curve", "Height {u}", "Span °", "From °", "To °", "From {u}", "To {u}")
 
 
-def table(blended: Blended) -> list[tuple[str, ...]]:
+def table(blended: BlendResult) -> list[tuple[str, ...]]:
     """Rows as Yang's Fig. 4 has them: curve, height, span, and where it starts and ends."""
     size = size_of(UNITS[blended.request.unit].symbol)
     return [
@@ -100,7 +100,7 @@ def table(blended: Blended) -> list[tuple[str, ...]]:
     ]
 
 
-def figures(blended: Blended, rpm: float) -> list[str]:
+def figures(blended: BlendResult, rpm: float) -> list[str]:
     """Constant velocities and the largest acceleration, by cam angle and at the speed of the shaft."""
     unit, rate = UNITS[blended.request.unit].symbol, 6.0 * rpm  # degrees of cam angle in a second
     rows = []
@@ -129,7 +129,7 @@ def _at_speed(value: float, symbol: str) -> str:
     return measure(value / rung.size, rung.symbol)
 
 
-def effect(before: Motion, after: Motion, blended: Blended) -> str:
+def effect(before: Motion, after: Motion, blended: BlendResult) -> str:
     """What else of the motion is changed by the blend, in a sentence."""
     if not any(s.rise and s not in blended.segments for s in after.segments):
         return "These curves and the dwells about them make the whole turn."

@@ -16,14 +16,14 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from core.blend import Blended, BlendError, best, blend, feasible_ranges
-from core.blend.best import in_place, over_the_turn
+from core.blend import BlendError, BlendResult, best, blend, feasible_ranges
+from core.blend.best import with_blend_as_motion, with_blend_between
 from core.design import Design, faults, require_motion
 from core.errors import DesignError, KindynaError
 from core.find import blend_candidates
 from core.laws import LAWS
 from core.output.lines import shortest
-from core.requests import options
+from core.requests import command_words
 from kindyna_gui.background import Background, Job
 from kindyna_gui.blend.answer import AnswerPanel
 from kindyna_gui.blend.fields import PrecisionPointRow, RangedRow
@@ -42,7 +42,9 @@ PAUSE_MS = 250  # of typing, before the best is searched for
 SLOW_MS = 150  # after which a range that is still being computed is no longer shown as it was
 LAST = "The last motion that was feasible"
 QUESTIONS_WIDTH, USUAL, LEAST = 500, QSize(1180, 740), QSize(1040, 560)
-PLACES: Mapping[str, Callable[[Design, Blended], Design]] = MappingProxyType({"turn": over_the_turn, "here": in_place})
+PLACES: Mapping[str, Callable[[Design, BlendResult], Design]] = MappingProxyType(
+    {"turn": with_blend_as_motion, "here": with_blend_between}
+)
 
 
 class BlendDialog(PutDialog):
@@ -59,7 +61,7 @@ class BlendDialog(PutDialog):
     def __init__(self, session: Session, parent: QWidget | None = None) -> None:
         super().__init__(session, "Blend a motion", parent)
         motion = require_motion(session.design)
-        self.blended: Blended | None = None  # the answer to the questions as they are
+        self.blended: BlendResult | None = None  # the answer to the questions as they are
         self.design: Design | None = None  # with it
         self.questions = Questions(motion.unit)
         self.panel = AnswerPanel(motion.unit)
@@ -206,10 +208,10 @@ class BlendDialog(PutDialog):
         if self.answers.busy:
             self._veil("Looking for it")
 
-    def _answered(self, request: WizardRequest, result: Blended | KindynaError) -> None:
+    def _answered(self, request: WizardRequest, result: BlendResult | KindynaError) -> None:
         if request.goal:
             self._start_ranges(request)
-        if isinstance(result, Blended):
+        if isinstance(result, BlendResult):
             self.blended = result
             self._place()
             return
@@ -239,7 +241,7 @@ class BlendDialog(PutDialog):
             self.ranking.offer(self._session.design, blend_candidates(self.blended, place, goal), own, "this blend")
         self.put_button.setEnabled(self.design is not None)
 
-    def _show(self, design: Design, blended: Blended) -> None:
+    def _show(self, design: Design, blended: BlendResult) -> None:
         before = require_motion(self._session.design)
         wrong = reason(design, DesignError(faults(design)))
         self.show_message(wrong or effect(before, require_motion(design), blended), bool(wrong))
@@ -263,7 +265,7 @@ class BlendDialog(PutDialog):
         from core.commands.motions import BlendArguments
 
         return spelled(
-            "blend", options(BlendArguments, {**words_of(self.questions.request()), **of_session(self._session)})
+            "blend", command_words(BlendArguments, {**words_of(self.questions.request()), **of_session(self._session)})
         )
 
     def accept(self) -> None:

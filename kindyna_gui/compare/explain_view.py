@@ -8,11 +8,11 @@ from typing import Any
 from PySide6.QtCore import QModelIndex, Qt, Signal
 from PySide6.QtWidgets import QCheckBox, QComboBox, QCompleter, QHBoxLayout, QLabel, QSizePolicy
 
-from core.errors import KindynaError, NotYet
+from core.errors import KindynaError, ResultPending
 from core.output.explain import explainable, explained, labels_of
-from core.output.explain.letters import DYNAMICS, LINKAGE
 from core.output.lines import digits
 from core.study import STAGES, Study
+from core.study.symbols import DYNAMICS, LINKAGE
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import sentence
@@ -97,7 +97,7 @@ class ExplainView(View):
         """What is one of the whole shaft, where several drives turn with it; nothing while that is being looked for."""
         try:
             return explainable(self.session.whole_study) if self.session.several else []
-        except NotYet:
+        except ResultPending:
             return []
 
     def refresh(self, study: Study) -> None:
@@ -123,7 +123,7 @@ class ExplainView(View):
             self.table.show_rows([])
             self.proof.clear()
             return
-        self.head.setText("\n".join([made.headline(7), *made.lines, f"after {made.source}"]))
+        self.head.setText("\n".join([made.headline(7), *made.equations, f"after {made.source}"]))
         self.table.update_rows(
             [
                 TableRow(

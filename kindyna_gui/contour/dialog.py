@@ -14,7 +14,7 @@ from core.errors import KindynaError
 from core.findings import ERROR, WARNING
 from core.output.lines import digits
 from core.output.texts import figures
-from core.requests import known, options
+from core.requests import command_words, field_info
 from core.units import UNITS as SYMBOLS
 from kindyna_gui import dialogs
 from kindyna_gui.contour.picture import CurvePicture, show_motion
@@ -29,7 +29,7 @@ from kindyna_gui.note import bold_label
 from kindyna_gui.pictures.plots.xy import XYPlot
 
 DRAWINGS = "DXF drawings (*.dxf)"
-GAP = known(MotionFromArguments, "gap_mm")
+GAP = field_info(MotionFromArguments, "gap_mm")
 LEFT_WIDTH, TABLE_WIDTH, USUAL, LEAST = 280, 340, QSize(1080, 720), QSize(900, 560)
 JUMPS = {1: ("Velocity", "/°", ERROR), 2: ("Acceleration", "/°²", WARNING)}
 
@@ -173,7 +173,7 @@ class CurveDialog(PutDialog):
             "centre": f"{x!r},{y!r}" if x or y else None,
             "gap_mm": GAP_MM if self.gap.value is None else self.gap.value,
         }
-        return spelled("motion-from", options(MotionFromArguments, asked))
+        return spelled("motion-from", command_words(MotionFromArguments, asked))
 
     def accept(self) -> None:
         """Put motion and base radius into the design, where the curve gives them."""

@@ -9,7 +9,7 @@ from typing import Any
 from PySide6.QtCore import QObject, Signal
 
 from core.design import Design, only
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.frozen import frozen
 from core.study import Study
 from kindyna_gui.documents.refusal import SAMPLES
@@ -97,7 +97,7 @@ class Pins(QObject):
         """What has no answer inside is said to be the one in front, not the design at hand. Raises NotHere."""
         try:
             yield
-        except NoAnswer as error:
+        except NoSolution as error:
             assert self.front is not None
             raise NotHere(f"Pinned {self.front.name}: {reason(self.front.design, error)}") from error
 

@@ -159,7 +159,7 @@ class Session(QObject):
         """Where the chosen drive stands on its shaft; one alone is shown by its own angle."""
         if not self.several:
             return ShaftPosition()
-        return self.shaft.balancer_place if self.on_balancer else self.shaft.places[self.names[self.chosen]]
+        return self.shaft.balancer_position if self.on_balancer else self.shaft.positions[self.names[self.chosen]]
 
     @property
     def shaft(self) -> Camshaft[Study]:
@@ -177,7 +177,7 @@ class Session(QObject):
         return self.chosen == len(self.whole.drives)
 
     def _alone(self, whole: Design, index: int) -> Design:
-        """A drive, or the balance cam, as a design of its own. Raises NoAnswer where nothing can balance the torque."""
+        """A drive, or the balance cam, as a design of its own. Raises NoSolution where nothing can balance the torque."""
         if index < len(whole.drives):
             return only(whole, index)
         cam = Study(whole, SAMPLES).camshaft.balancer

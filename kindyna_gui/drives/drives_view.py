@@ -18,7 +18,7 @@ from PySide6.QtWidgets import (
 )
 
 from core.design import FOLLOWER_KINDS, row_at
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.study import Study
 from kindyna_gui.documents.session import BALANCER, Session
 from kindyna_gui.drives import editing
@@ -214,12 +214,12 @@ class DrivesView(View):
         try:
             if number < len(self.session.whole.drives):
                 name = self.session.names[number]
-                if name not in shaft.carried:
+                if name not in shaft.loading_drives:
                     return "not by the shaft", ""
                 peak = shaft.drive_peak(name).value
             else:
                 peak = shaft.balancer_peak.value
-        except NoAnswer as error:
+        except NoSolution as error:
             return "no answer", reason(self.session.whole, error)
         rung = readable("N·m", abs(peak))
         return f"{digits(peak / rung.size, 4)} {rung.symbol}", ""

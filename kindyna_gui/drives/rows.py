@@ -7,7 +7,7 @@ from functools import lru_cache
 from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QColor, QIcon, QPainter, QPen, QPixmap
 
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.findings import ERROR
 from core.frozen import frozen
 from kindyna_gui.documents.session import Session
@@ -37,7 +37,7 @@ def drive_rows(session: Session) -> tuple[DriveRow, ...]:
         problem = ""
         try:
             _ = study.linkage
-        except NoAnswer as error:
+        except NoSolution as error:
             problem = reason(study.design, error)
         rows.append(DriveRow(session.names[number], SCREEN.drive(number), problem))
     return (*rows, *(DriveRow(name, SCREEN.seen(BALANCE)) for name in session.names[len(rows) :]))

@@ -110,14 +110,14 @@ class SpaceView(View):
         self.set_column(self.sheet, grows=self.sheet)
 
     def refresh(self, study: Study) -> None:
-        if not (self.session.several and self.session.shaft.carries):
+        if not (self.session.several and self.session.shaft.has_transfer_path):
             raise NotHere(NO_PART)
-        self.sheet.path = self.session.shaft.carried_path * MM
+        self.sheet.path = self.session.shaft.transfer_path * MM
 
     def follow(self, theta: float) -> None:
-        if self.session.several and self.session.shaft.carries:
+        if self.session.several and self.session.shaft.has_transfer_path:
             machine = self.player.machine
-            self.sheet.part = self.session.shaft.at_theta(np.array([machine])).carried_path[0] * MM
+            self.sheet.part = self.session.shaft.at_theta(np.array([machine])).transfer_path[0] * MM
             x, y, z = self.sheet.part
             self.sheet.text = f"Machine angle {np.rad2deg(machine):.1f}°: {x:.1f}, {y:.1f}, {z:.1f} mm"
             self.sheet.update()

@@ -15,11 +15,11 @@ from PySide6.QtWidgets import QComboBox, QGridLayout, QWidget
 
 from core.design import Design
 from core.frozen import frozen
-from core.output.controllers.deviation import Errors, error_curve, errors_over_turn, text
+from core.output.controllers.deviation import ErrorCurves, error_curve, errors_over_turn, text
 from core.output.controllers.rows import INTERPOLATIONS, Controller, controllers
-from core.output.controllers.slave import EQUAL, PLACED, EcamRequest, slave_of, slaves_of
+from core.output.controllers.slave import EQUAL, PLACED, EcamRequest, drive_slave, slave_choices
 from core.output.controllers.table import NOT_PUBLISHED, Ecam, ecam
-from core.requests import options
+from core.requests import command_words
 from kindyna_gui.forms.amount import fill_choices
 from kindyna_gui.forms.computed_dialog import ComputedDialog, accepted
 from kindyna_gui.forms.request_form import RequestForm
@@ -38,7 +38,7 @@ class Computed:
     """A table, its errors over the turn, and those of tables with other numbers of rows (column -> (n,))."""
 
     made: Ecam
-    errors: Errors | None
+    errors: ErrorCurves | None
     curve: Mapping[str, np.ndarray]
 
 
@@ -48,7 +48,7 @@ class ControllerDialog(ComputedDialog):
     command, ending, help_page = "ecam", ".csv", "controllers#Rows"
 
     def asked(self) -> tuple[str, list[str]]:
-        words = options(EcamRequest, {**self.form.values, "of": self.of.currentData()})
+        words = command_words(EcamRequest, {**self.form.values, "of": self.of.currentData()})
         return self.ending, ["--controller", self.controller.currentData(), *words]
 
     def __init__(self, parent: QWidget, design: Design, drive: str) -> None:
@@ -71,7 +71,7 @@ class ControllerDialog(ComputedDialog):
         fill_choices(self.controller, {slug: row.label for slug, row in self._rows.items()})
         self.controller.setMinimumContentsLength(24)
         self.controller.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
-        fill_choices(self.of, {name: sentence(label) for name, label in slaves_of(design, drive).items()})
+        fill_choices(self.of, {name: sentence(label) for name, label in slave_choices(design, drive).items()})
         self.controller.currentIndexChanged.connect(self._suit_controller)
         self.of.currentIndexChanged.connect(self.changed)
         self.resize(1180, 640)
@@ -115,9 +115,9 @@ class ControllerDialog(ComputedDialog):
         self._show_curve(made.made, made.curve)
         return text(made.made)
 
-    def _show_errors(self, made: Ecam, errors: Errors) -> None:
+    def _show_errors(self, made: Ecam, errors: ErrorCurves) -> None:
         limits = made.request.limits if made.request.points is None else (np.inf,) * 3
-        for plot, name, symbol, limit, shown in zip(self.plots, FAMILIES, "sva", limits, errors.shown, strict=True):
+        for plot, name, symbol, limit, shown in zip(self.plots, FAMILIES, "sva", limits, errors.curves, strict=True):
             if shown is None:
                 plot.show_message("straight lines have no acceleration")
                 continue
@@ -168,15 +168,15 @@ class ControllerDialog(ComputedDialog):
 def _curve(
     design: Design, drive: str, request: EcamRequest, kind: str, placing: str, closing: bool
 ) -> Mapping[str, np.ndarray]:
-    return error_curve(slave_of(design, drive, request)[0], kind, placing, closing=closing)
+    return error_curve(drive_slave(design, drive, request)[0], kind, placing, closing=closing)
 
 
 def _computed(design: Design, drive: str, row: Controller, request: EcamRequest, of: str) -> Computed:
     request = replace(request, of=of)
-    slave, name, speed = slave_of(design, drive, request)
+    slave, name, speed = drive_slave(design, drive, request)
     made = ecam(slave, row, request, name, speed)
     alike = EcamRequest(of=of, reverse=request.reverse, shift_deg=request.shift_deg, segment=request.segment)
-    curve = _curve(design, drive, alike, made.interpolation, made.placing, row.closing)
+    curve = _curve(design, drive, alike, made.interpolation, made.placing, row.has_both_ends)
     return Computed(made, None if made.deviation is None else errors_over_turn(made), curve)
 
 

@@ -14,7 +14,7 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 from core.design import Design
 from core.output.files.cam_drawing import drawing
 from core.output.files.sheet import DrawingRequest, DrawingSheet, Letterhead
-from core.requests import filled, options
+from core.requests import build_request, command_words
 from core.study import Study
 from kindyna_gui.export.report_dialog import kept_cover
 from kindyna_gui.forms.computed_dialog import ComputedDialog, accepted, flanks
@@ -72,17 +72,17 @@ class DrawingDialog(ComputedDialog):
         return {**self._head, **self.form.values}
 
     def asked(self) -> tuple[str, list[str]]:
-        return self.ending, options(DrawingRequest, self._values)
+        return self.ending, command_words(DrawingRequest, self._values)
 
     def job(self) -> Callable[[], DrawingSheet]:
-        return partial(_computed, self._design, filled(DrawingRequest, self._values))
+        return partial(_computed, self._design, build_request(DrawingRequest, self._values))
 
     def show_waiting(self) -> None:
         self.picture.wait()
 
     def show_made(self, made: DrawingSheet | None) -> str:
         self.picture.show_sheet(made)
-        return "" if made is None else "\n".join(filter(None, (made.about, made.lacking)))
+        return "" if made is None else "\n".join(filter(None, (made.about, made.missing)))
 
 
 def _computed(design: Design, request: DrawingRequest) -> DrawingSheet:

@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QComboBox, QFileDialog, QHBoxLayout, QLineEdit, QP
 from core.commands.export import ExportArguments
 from core.frozen import frozen
 from core.output.export import FORMATS, Film, names
-from core.requests import options
+from core.requests import command_words
 from core.study import Study
 from kindyna_gui.dialogs import file_to_save
 from kindyna_gui.forms.request_dialog import RequestDialog
@@ -62,7 +62,7 @@ class TablesDialog(RequestDialog):
         self.folder.textChanged.connect(lambda text: self.accept_button.setEnabled(bool(text.strip())))
 
     def asked(self) -> tuple[str, list[str]]:
-        return self.folder.text(), options(ExportArguments, self.form.values)
+        return self.folder.text(), command_words(ExportArguments, self.form.values)
 
     def _browse(self) -> None:
         name = QFileDialog.getExistingDirectory(self, "Export tables into folder", self.folder.text())
@@ -78,7 +78,7 @@ class FilmDialog(RequestDialog):
     def asked(self) -> tuple[str, list[str]]:
         width, height = self.pixels.currentData()
         values = self.form.values
-        return Film(**values).ending, [*options(Film, values), "--size", f"{width}x{height}"]
+        return Film(**values).ending, [*command_words(Film, values), "--size", f"{width}x{height}"]
 
     def __init__(self, parent: QWidget, seconds: float) -> None:
         self.pixels = QComboBox()

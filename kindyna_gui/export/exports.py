@@ -35,14 +35,14 @@ from kindyna_gui.settings import Settings
 
 
 def tables_of(design: Design, samples: int = SAMPLES) -> dict[str, str | Iterator[bytes]]:
-    """File name -> text, or its parts, of tables and summary, of a shaft with those of each of its drives. Raises NoAnswer."""
+    """File name -> text, or its parts, of tables and summary, of a shaft with those of each of its drives. Raises NoSolution."""
     from core.output.export import streams
 
     return streams(Study(design, samples))
 
 
 def write_tables(design: Design, folder: Path, samples: int = SAMPLES) -> list[str]:
-    """Write tables and summary into a folder; their names. Raises NoAnswer, FileError, and then writes nothing."""
+    """Write tables and summary into a folder; their names. Raises NoSolution, FileError, and then writes nothing."""
     made = tables_of(design, samples)
     checkpoint()  # the last at which it may be cancelled
     write_into(folder, made)

@@ -15,7 +15,7 @@ from kindyna_gui.pictures.sheet_file import sheet_file
 def painted(
     study: Study, request: HandoverRequest, go_on: GoOn = lambda done: True
 ) -> tuple[list[HandoverFile], list[tuple[str, str]]] | None:
-    """The files, and what there is none of with the reason; None where it was not to go on. Raises NoAnswer where there is no report."""
+    """The files, and what there is none of with the reason; None where it was not to go on. Raises NoSolution where there is no report."""
     made = document(study, cover=request)
     report = report_file(made, ".pdf", go_on)
     if report is None:

@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QCheckBox, QComboBox, QWidget
 
 from core.output.controllers.rows import controllers
 from core.output.handover import HandoverRequest
-from core.requests import filled, options
+from core.requests import build_request, command_words
 from kindyna_gui.export.report_dialog import kept_cover
 from kindyna_gui.forms.amount import fill_choices
 from kindyna_gui.forms.request_dialog import RequestDialog
@@ -25,7 +25,7 @@ class HandoverDialog(RequestDialog):
     def asked(self) -> tuple[str, list[str]]:
         request = self.request
         values = {each.name: getattr(request, each.name) for each in fields(HandoverRequest)}
-        return ".zip", options(HandoverRequest, values)
+        return ".zip", command_words(HandoverRequest, values)
 
     def __init__(self, parent: QWidget) -> None:
         self.controller, self.gcode = QComboBox(), QCheckBox("G-code of every cam too")
@@ -39,7 +39,7 @@ class HandoverDialog(RequestDialog):
     def request(self) -> HandoverRequest:
         """As it stands."""
         own = {"controller": self.controller.currentData(), "gcode": self.gcode.isChecked()}
-        return filled(HandoverRequest, {**kept_cover(), **self.form.values, **own})
+        return build_request(HandoverRequest, {**kept_cover(), **self.form.values, **own})
 
 
 def handover_wanted(parent: QWidget) -> HandoverRequest | None:

@@ -9,11 +9,11 @@ from pathlib import Path
 from PySide6.QtWidgets import QComboBox, QWidget
 
 from core.design import Design
-from core.output.files.files import FORMATS, job_of
+from core.output.files.files import FORMATS, profile_job
 from core.output.files.profile_files import ProfileDrawing
 from core.output.files.profile_fit import FITS
 from core.output.files.profile_request import Machining, ProfileRequest, rounded_up
-from core.requests import questions
+from core.requests import request_fields
 from core.study import Study
 from kindyna_gui.export.profile_preview import Preview, PreviewPicture, preview
 from kindyna_gui.forms.amount import fill_choices
@@ -48,7 +48,7 @@ class ProfileDialog(ComputedDialog):
     def _suit_format(self) -> None:
         """What the format can hold, and how a machine that follows it goes."""
         row = FORMATS[self.ending]
-        for each in questions(Machining):
+        for each in request_fields(Machining):
             self.form.rows.setRowVisible(self.form.boxes[each.name], row.machined)
         fit = self.form.boxes["fit"]
         fit.blockSignals(True)
@@ -68,7 +68,7 @@ class ProfileDialog(ComputedDialog):
 
 
 def _computed(design: Design, ending: str, request: ProfileRequest) -> Preview:
-    return preview(job_of(Study(design), Path(f"profile{ending}"), request))
+    return preview(profile_job(Study(design), Path(f"profile{ending}"), request))
 
 
 def _summary(job: ProfileDrawing) -> str:

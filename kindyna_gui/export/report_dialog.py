@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
 
 from core.frozen import frozen
 from core.output.report.document import PAPERS, PARTS, Cover
-from core.requests import options
+from core.requests import command_words
 from kindyna_gui.dialogs import give_help
 from kindyna_gui.documents.as_command import add_copy
 from kindyna_gui.settings import Settings
@@ -96,7 +96,7 @@ class ReportDialog(QDialog):
     def _asked(self) -> tuple[str, list[str]]:
         wanted = self.wanted
         without = [name for name in PARTS if name not in wanted.parts]
-        cover = options(Cover, {each.name: getattr(wanted.cover, each.name) for each in fields(Cover)})
+        cover = command_words(Cover, {each.name: getattr(wanted.cover, each.name) for each in fields(Cover)})
         return wanted.ending, [*cover, *(["--without", *without] if without else [])]
 
     def remember(self) -> None:

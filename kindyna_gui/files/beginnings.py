@@ -27,7 +27,7 @@ from core.errors import KindynaError
 from core.findings import ERROR
 from core.mechanism.drawing_edits import empty_linkage
 from core.project import load
-from core.stress import has_width
+from core.stress import is_line_contact
 from core.study import Study, findings_of
 from kindyna_gui.places import example
 
@@ -65,7 +65,7 @@ def beginning(kind: str, changes: Mapping[str, str] = MappingProxyType({}), name
 def _with_surfaces(design: Design) -> Design:
     """Width and materials that are usual, all assumed, so that the pressure of the contact can be read; of an edge there is none."""
     drive = design.drive
-    if not has_width(drive.face):
+    if not is_line_contact(drive.face):
         return design
     rolls = isinstance(drive.face, Roller)
     width = drive.face.radius_mm if rolls else drive.cam.base_radius_mm / 4.0

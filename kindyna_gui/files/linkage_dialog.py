@@ -25,7 +25,7 @@ from core.errors import KindynaError
 from core.linkage_programs import Made, read_linkage
 from core.linkage_programs.design import UNITS, decoded
 from core.mechanism.unfinished import mobility
-from core.requests import options
+from core.requests import command_words
 from kindyna_gui import dialogs
 from kindyna_gui.documents.as_command import add_copy_of, spelled
 from kindyna_gui.labels import sentence
@@ -108,7 +108,7 @@ class LinkageDialog(QDialog):
             "mirror": self.mirror.isChecked(),
             "inputs": driven if self.made is not None and tuple(driven) != self.made.inputs else [],
         }
-        return spelled("linkage-from", options(LinkageFromArguments, asked))
+        return spelled("linkage-from", command_words(LinkageFromArguments, asked))
 
     def _afresh(self) -> None:
         """Another text: its own inputs."""

@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
 from core.cam import form_row
 from core.design import Design
 from core.errors import KindynaError
-from core.requests import options
+from core.requests import command_words
 from kindyna_gui.background import Background
 from kindyna_gui.dialogs import give_help
 from kindyna_gui.documents.as_command import add_copy
@@ -87,7 +87,7 @@ class ComputedDialog(QDialog):
 
     def asked(self) -> tuple[str, list[str]]:
         """What the command writes, and its options."""
-        return self.ending, options(self.form.kind, self.form.values)
+        return self.ending, command_words(self.form.kind, self.form.values)
 
     def job(self) -> Callable[[], Any]:
         """What computes what the file will hold, for the request as it is now."""

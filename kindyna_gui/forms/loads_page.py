@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QMenu, QSizePolicy, QToolButton, QVBoxLayout, QWid
 
 from core.design import Design, load_lists, row_at, with_rows_in_order
 from core.dynamics import element_at, peak_load
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.output.load_text import row_name
 from core.study import Study
 from kindyna_gui.documents.session import Session
@@ -160,7 +160,7 @@ class LoadsPage(QWidget):
             return
         try:
             found = dict(_largest_texts(self._study, self._lines))
-        except NoAnswer:
+        except NoSolution:
             found = {}
         if found != self._largest:
             self._largest = found

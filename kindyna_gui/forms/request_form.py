@@ -11,7 +11,7 @@ from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QCheckBox, QComboBox, QFormLayout, QLayout, QWidget
 
 from core.design.fields import Info, info_of, unit_of
-from core.requests import asked_of, filled, questions
+from core.requests import build_request, option_info, request_fields
 from kindyna_gui.forms.amount import Amount, fill_choices
 from kindyna_gui.labels import sentence
 
@@ -48,7 +48,7 @@ class RequestForm(QWidget):
         self.rows.setContentsMargins(0, 0, 0, 0)
         for label, field in above:
             self.rows.addRow(label, field)
-        self._fields = {each.name: each for each in questions(kind) if info_of(each) is not None}
+        self._fields = {each.name: each for each in request_fields(kind) if info_of(each) is not None}
         self._groups: dict[str, list[str]] = {}
         for name, each in self._fields.items():
             self._add(each, tuple((offered or {}).get(name, ())), (first or {}).get(name, each.default))
@@ -56,7 +56,7 @@ class RequestForm(QWidget):
             self._choose(group)
 
     def _add(self, each: Field[Any], offered: Sequence[str], value: Any) -> None:
-        info, how = info_of(each) or Info(""), asked_of(each)
+        info, how = info_of(each) or Info(""), option_info(each)
         group, way = how.one_of
         if group and group not in self.boxes:
             self._groups[group] = []
@@ -72,7 +72,7 @@ class RequestForm(QWidget):
             box = QComboBox(self)
             words = {word: how.words.get(word, word[:1].upper() + word[1:]) for word in offered or info.choices}
             usual: dict[Any, str] = (
-                {} if each.default in info.choices else {each.default: sentence(how.usual or "as usual")}
+                {} if each.default in info.choices else {each.default: sentence(how.default_text or "as usual")}
             )
             fill_choices(box, {**usual, **words})
             box.currentIndexChanged.connect(self.changed)
@@ -118,7 +118,7 @@ class RequestForm(QWidget):
     @property
     def request(self) -> Any:
         """What is wanted."""
-        return filled(self.kind, self.values)
+        return build_request(self.kind, self.values)
 
     def chosen(self, group: str) -> str:
         """The field of a group that is given."""
@@ -157,7 +157,7 @@ class RequestForm(QWidget):
 
 def _limit(box: Amount, each: Field[Any], info: Info) -> None:
     """Range, decimals and unit of a number; where nothing may be given, the lowest stands for that."""
-    usual = asked_of(each).usual
+    usual = option_info(each).default_text
     may_be_none = bool(usual) and (each.default is None or each.default == info.low)
     box.setDecimals(0 if info.whole else DECIMALS)
     least = info.low if may_be_none or not info.open_low else info.low + 10.0**-DECIMALS

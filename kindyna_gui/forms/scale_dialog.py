@@ -6,7 +6,7 @@ from PySide6.QtWidgets import QCheckBox, QDialog, QDialogButtonBox, QFormLayout,
 
 from core.commands.designs import ScaleArguments
 from core.design import scale_text
-from core.requests import known, options
+from core.requests import command_words, field_info
 from kindyna_gui.dialogs import give_help
 from kindyna_gui.documents.as_command import add_copy
 from kindyna_gui.forms.number_box import NumberBox
@@ -14,7 +14,7 @@ from kindyna_gui.labels import sentence
 from kindyna_gui.note import MessageLabel
 from kindyna_gui.pictures.style import SCREEN
 
-FACTOR, MASSES = known(ScaleArguments, "factor"), known(ScaleArguments, "masses")
+FACTOR, MASSES = field_info(ScaleArguments, "factor"), field_info(ScaleArguments, "masses")
 WIDTH = 380  # of the text, pixels
 
 
@@ -41,7 +41,7 @@ class ScaleDialog(QDialog):
             "scale",
             lambda: (
                 "scaled.toml",
-                options(ScaleArguments, {"factor": self.factor.value, "masses": self.masses.isChecked()}),
+                command_words(ScaleArguments, {"factor": self.factor.value, "masses": self.masses.isChecked()}),
             ),
         )
         give_help(self, "tour#Scale the design")

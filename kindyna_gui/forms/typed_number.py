@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 from types import MappingProxyType
 
-from core.units import Unit, accepted
+from core.units import Unit, accepted_units
 from kindyna_gui.preferences.units import symbol_of, typed
 
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d{1,3})?", re.ASCII)
@@ -47,11 +47,11 @@ def parsed(text: str, unit: Unit, *, kept: bool = False) -> float | None:
 
 def _without_unit(text: str, unit: Unit) -> tuple[str, Fraction | float]:
     """The text before a unit, and how many of the field's own it is."""
-    for symbol, factor in accepted(unit.symbol).items():
+    for symbol, factor in accepted_units(unit.symbol).items():
         rest = text.removesuffix(symbol)
         if rest != text and rest.strip() and not (rest[-1].isalpha() or rest[-1] in "/·^"):
             return rest.strip(), factor
-    return text, accepted(unit.symbol).get(symbol_of(unit.symbol), Fraction(1))
+    return text, accepted_units(unit.symbol).get(symbol_of(unit.symbol), Fraction(1))
 
 
 def _calculated(text: str) -> Fraction | None:

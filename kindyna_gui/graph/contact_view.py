@@ -58,7 +58,7 @@ class ContactView(BackgroundView):
     def refresh(self, study: Study) -> None:
         if study.design.drive.cam is None:
             raise NotHere(NO_FLIGHT)
-        if study.holds:
+        if study.is_form_closed:
             raise NotHere(HELD)
         study.contact_force  # noqa: B018 - says why, where no contact can be lost
         page = str(self.page.currentData())

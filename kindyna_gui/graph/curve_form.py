@@ -27,7 +27,7 @@ from core.output.graph import (
     Graph,
     GraphCurve,
     Source,
-    units_like,
+    compatible_units,
     words_of,
 )
 from core.units import KINDS
@@ -214,7 +214,7 @@ class CurveForm(QWidget):
         heading = named or (headings[usual] if not value and len(headings) > usual else None)
         own = heading.unit if heading is not None else ""
         unit = getattr(self._curve, f"{axis}_unit")
-        known = units_like(own) if own else [each for kind in KINDS.values() for each in kind.units]
+        known = compatible_units(own) if own else [each for kind in KINDS.values() for each in kind.units]
         units = [(each, each) for each in known if each != own]
         self.boxes[f"{axis}_unit"].show_choices([(own or "no unit", ""), *units], unit if unit != own else "")
 

@@ -44,11 +44,11 @@ from core.output.graph import (
     copy_curve,
     from_data,
     gap,
-    kind_of,
     move_curve,
     numbers_csv,
     on_path,
     plotted,
+    quantity_kind,
     ready,
     remove_curve,
     to_data,
@@ -58,7 +58,7 @@ from core.output.graph.curves import GraphPicture
 from core.output.graph.model import ENDING, load_setup, relative, save_setup
 from core.study import STAGES, Quantity, Study, quantity
 from core.study.member_quantities import gain_of
-from core.units import change
+from core.units import conversion_factor
 from kindyna_gui import dialogs
 from kindyna_gui.documents.bands import Bands
 from kindyna_gui.documents.session import Session
@@ -313,7 +313,10 @@ class CurvesView(View):
             if row.slug in found:
                 x, band = closed(found[row.slug], gain_of(self.session.study, row.name) / row.unit.factor)
                 each = self.found.series[i]
-                made[i] = x * change("°", each.x_unit), band * change(row.unit.symbol, each.y_unit)
+                made[i] = (
+                    x * conversion_factor("°", each.x_unit),
+                    band * conversion_factor(row.unit.symbol, each.y_unit),
+                )
         return made
 
     def _channels(self) -> dict[str, Quantity]:
@@ -455,7 +458,7 @@ class CurvesView(View):
         if len(self.graph.curves) < 2:
             self.status_message.emit("A difference wants two curves: add another one first")
             return
-        kinds = {each.key: kind_of(each.y_unit) for each in self.found.series}
+        kinds = {each.key: quantity_kind(each.y_unit) for each in self.found.series}
         others = [curve for curve in self.graph.curves if curve is not self.graph.curves[self.row]]
         alike = [curve for curve in others if kinds.get(curve.key) == kinds.get(self.graph.curves[self.row].key)]
         other = (alike or others)[0]

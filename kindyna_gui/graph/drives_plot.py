@@ -36,9 +36,9 @@ def curves_of_all(shaft: Camshaft[Study], usual: Sequence[str], bands: Bands) ->
             missing.append(f"{name}: {what}")
             continue
         band = bands.read(rows[:1], number).get(rows[0].slug)
-        place = shaft.places[name]
-        shade = None if band is None else (place.machine(np.deg2rad(degrees(band.shape[1]))), band)
-        found.append((place.machine(study.theta), values, SCREEN.drive(number), name, shade))
+        place = shaft.positions[name]
+        shade = None if band is None else (place.machine_angle(np.deg2rad(degrees(band.shape[1]))), band)
+        found.append((place.machine_angle(study.theta), values, SCREEN.drive(number), name, shade))
     if first is None:
         return [], "", missing
     if first.name == TORQUE and len(found) > 1 and not missing:

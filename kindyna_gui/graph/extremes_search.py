@@ -9,7 +9,7 @@ from PySide6.QtCore import QObject, QTimer, Signal
 from PySide6.QtGui import QAction
 
 from core.errors import KindynaError
-from core.motion.extremes import Range
+from core.motion.extremes import Extremes
 from core.study import Quantity, Study
 from kindyna_gui.background import Background
 from kindyna_gui.documents.session import Session
@@ -84,7 +84,7 @@ class ExtremesSearch(QObject):
         elif self._wanted is not None:
             self._background.start([(self._wanted[0], partial(channel_extremes, *self._wanted))])
 
-    def _answered(self, study: Study, made: Mapping[str, Range] | KindynaError) -> None:
+    def _answered(self, study: Study, made: Mapping[str, Extremes] | KindynaError) -> None:
         if self._wanted is not None and study is self._wanted[0] and not isinstance(made, Exception):
             self._done = True
             self.found.emit(made)

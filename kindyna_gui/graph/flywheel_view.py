@@ -27,7 +27,7 @@ _PEAKS = {
 def _whole_peaks(shaft: Camshaft[Study], floor: float) -> list[TableRow]:
     """Those of all drives together, and of the motor."""
     found = {("Shaft torque", "torque_nm"): shaft.peaks}
-    if shaft.levelled and shaft.flywheel.runs:
+    if shaft.levels_torque and shaft.flywheel.runs:
         found[_PEAKS["motor_torque"], ""] = shaft.motor_range["motor_torque"]
     return [
         _row(f"{label}, {end}", at.value, "N·m", floor=floor, name=name, theta=at.theta)

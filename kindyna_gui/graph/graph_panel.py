@@ -10,7 +10,7 @@ from PySide6.QtGui import QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QHBoxLayout, QToolButton, QWidget
 
 from core.frozen import frozen
-from core.motion.extremes import Range
+from core.motion.extremes import Extremes
 from core.study import Study
 from kindyna_gui.graph.live_plot import LivePlot, LivePolar
 from kindyna_gui.look import icon
@@ -83,7 +83,7 @@ class Panel(QWidget):
         """Whether other curves are drawn than those whose extremes were shown last."""
         return self.plot.lacks_extremes
 
-    def show_extremes(self, found: Mapping[str, Range] | None) -> None:
+    def show_extremes(self, found: Mapping[str, Extremes] | None) -> None:
         """Mark them."""
         self.plot.show_extremes(found)
 

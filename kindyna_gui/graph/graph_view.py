@@ -18,7 +18,7 @@ from PySide6.QtWidgets import (
 )
 
 from core.errors import KindynaError
-from core.motion.extremes import Range
+from core.motion.extremes import Extremes
 from core.output.channels import channels
 from core.study import Quantity, Study
 from kindyna_gui.documents.session import Session
@@ -137,7 +137,7 @@ class GraphView(MarkedView):
     def lacking(self, study: Study) -> list[Quantity]:
         return self.drawn if any(panel.lacks_extremes for panel in self.panels) else []
 
-    def show_extremes(self, found: Mapping[str, Range] | None) -> None:
+    def show_extremes(self, found: Mapping[str, Extremes] | None) -> None:
         for panel in self.panels:
             panel.show_extremes(found)
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QHideEvent
 
-from core.motion.extremes import Range
+from core.motion.extremes import Extremes
 from core.study import Quantity, Study
 from kindyna_gui.documents.bands import Bands
 from kindyna_gui.documents.session import Session
@@ -62,7 +62,7 @@ class MarkedView(View):
         """The channels whose extremes are to be found."""
         raise NotImplementedError
 
-    def show_extremes(self, found: Mapping[str, Range] | None) -> None:
+    def show_extremes(self, found: Mapping[str, Extremes] | None) -> None:
         """Mark these, by quantity; None: mark none."""
         raise NotImplementedError
 

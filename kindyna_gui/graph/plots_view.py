@@ -9,7 +9,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QKeyEvent, QPalette
 from PySide6.QtWidgets import QStackedWidget
 
-from core.motion.extremes import Range
+from core.motion.extremes import Extremes
 from core.study import Quantity, Study
 from kindyna_gui.documents.pins import Pins
 from kindyna_gui.documents.session import Session
@@ -158,7 +158,7 @@ class PlotView(MarkedView):
     def lacking(self, study: Study) -> tuple[Quantity, ...]:
         return self.rows if self.plot.lacks_extremes else ()
 
-    def show_extremes(self, found: Mapping[str, Range] | None) -> None:
+    def show_extremes(self, found: Mapping[str, Extremes] | None) -> None:
         self.plot.show_extremes(found)
 
     def follow(self, theta: float) -> None:

@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 from PySide6.QtGui import QKeyEvent, QPalette
 
-from core.motion.extremes import Range
+from core.motion.extremes import Extremes
 from core.study import Quantity, Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.live_plot import LivePlot
@@ -65,7 +65,7 @@ class StackView(MarkedView):
     def lacking(self, study: Study) -> tuple[Quantity, ...]:
         return tuple(row for name, plot in self.plots.items() if plot.lacks_extremes for row in self._drawn[name])
 
-    def show_extremes(self, found: Mapping[str, Range] | None) -> None:
+    def show_extremes(self, found: Mapping[str, Extremes] | None) -> None:
         for plot in self.plots.values():
             if found is None or plot.lacks_extremes:  # those that were found before are not among them
                 plot.show_extremes(found)

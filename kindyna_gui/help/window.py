@@ -51,9 +51,9 @@ def _materials(page: str, host: Any) -> str:
 
 def _controllers(page: str, host: Any) -> str:
     """And that of controllers, with what is open of each."""
-    from core.output.controllers.rows import shipped
+    from core.output.controllers.rows import shipped_controllers
 
-    rows = shipped().values()
+    rows = shipped_controllers().values()
     table = "\n".join(f"| {row.label} | `{row.slug}` | {', '.join(row.interpolation)} | {row.source} |" for row in rows)
     facts = "\n".join(f"- **{row.label}**: {'; '.join(row.open)}." for row in rows if row.open)
     head = "| controller | slug | between two rows | source |\n|---|---|---|---|\n"

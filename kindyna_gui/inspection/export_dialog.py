@@ -67,13 +67,13 @@ class InspectionDialog(ComputedDialog):
 
 def _computed(design: Design, request: InspectionRequest) -> Inspection:
     made = inspection(Study(design), request)
-    made.probing.findings  # noqa: B018 - here, not in the window's thread
+    made.setup.findings  # noqa: B018 - here, not in the window's thread
     return made
 
 
 def _summary(made: Inspection) -> str:
     """What the table will hold."""
-    at = made.probing
+    at = made.setup
     first = (
         f"{made.table.degrees.size} rows; largest lift {made.table.lift.max():.6g} mm. Lift 0 stands at {at.base:.6g} mm from the cam "
         "centre."

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from core.design import Design
-from core.output.files.inspection import own_direction, own_probe
+from core.output.files.inspection import follower_direction, follower_probe
 from core.output.files.probe import PROBES, InspectionRequest
 from kindyna_gui.forms.computed_dialog import flanks
 from kindyna_gui.forms.request_form import RequestForm
@@ -15,7 +15,7 @@ class ProbeForm(RequestForm):
     """Each flank begins with the probe that is its own follower; a probe without a radius is asked for none."""
 
     def __init__(self, design: Design) -> None:
-        first = {"direction_deg": own_direction(design), "radius_mm": A_RADIUS}
+        first = {"direction_deg": follower_direction(design), "radius_mm": A_RADIUS}
         super().__init__(InspectionRequest, flanks(design), first)
         self._design = design
         self.boxes["tolerance_mm"].setPrefix("± ")
@@ -25,7 +25,7 @@ class ProbeForm(RequestForm):
         self.boxes["probe"].currentIndexChanged.connect(self._offer_radius)
 
     def _begin(self) -> None:
-        name, radius = own_probe(self._design, self.boxes["flank"].currentData())
+        name, radius = follower_probe(self._design, self.boxes["flank"].currentData())
         self.show_value("probe", name)
         if radius > 0.0:
             self.show_value("radius_mm", radius)

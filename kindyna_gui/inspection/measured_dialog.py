@@ -21,10 +21,10 @@ from PySide6.QtWidgets import (
 from core.design import Design
 from core.errors import KindynaError
 from core.findings import ERROR
-from core.output.files.inspection import ProfileComparison, compare, measured_lift, probing
+from core.output.files.inspection import ProfileComparison, compare, read_lift, set_up_probe
 from core.output.files.probe import InspectionRequest
 from core.project.files import read_bytes
-from core.requests import options
+from core.requests import command_words
 from core.study import Study
 from kindyna_gui import dialogs
 from kindyna_gui.background import Background
@@ -130,7 +130,7 @@ class MeasuredCamDialog(QDialog):
         from core.commands.cams import InspectionArguments
 
         own = {"measured": self._path, "fit": self.fit.isChecked(), "samples": None}  # the table has its own angles
-        return ".csv", options(InspectionArguments, {**self.form.values, **own})
+        return ".csv", command_words(InspectionArguments, {**self.form.values, **own})
 
     # -- what comes of it ----------------------------------------------------------------------------------------
 
@@ -166,19 +166,19 @@ class MeasuredCamDialog(QDialog):
     def _show(self, made: ShownComparison) -> None:
         self.comparison = result = made.comparison
         self.picture.show_comparison(made)
-        self._tell(verdict(result), SCREEN.good if result.in_tolerance else SCREEN.limit)
+        self._tell(verdict(result), SCREEN.good if result.is_in_tolerance else SCREEN.limit)
         self.notes.setText("\n".join(notes(result)))
-        self._order = np.argsort(-np.abs(result.normal), kind="stable")[:MOST_ROWS]
+        self._order = np.argsort(-np.abs(result.normal_deviation), kind="stable")[:MOST_ROWS]
         self.rows.show_rows(
             [
                 TableRow(
                     (
                         str(result.lines[i]),
                         f"{result.table.degrees[i]:.6g}",
-                        f"{1e3 * result.normal[i]:+.3f}",
+                        f"{1e3 * result.normal_deviation[i]:+.3f}",
                         f"{1e3 * result.deviation[i]:+.3f}",
                     ),
-                    sign(ERROR) if result.out[i] else None,
+                    sign(ERROR) if result.is_outside[i] else None,
                     "Click to see it in the picture",
                 )
                 for i in self._order.tolist()
@@ -194,24 +194,27 @@ class MeasuredCamDialog(QDialog):
 
 
 def _compared(design: Design, request: InspectionRequest, data: bytes, name: str, fit: bool) -> ShownComparison:
-    measured = measured_lift(data, name)
-    return shown(compare(probing(Study(design), request), measured, fit))
+    measured = read_lift(data, name)
+    return shown(compare(set_up_probe(Study(design), request), measured, fit))
 
 
 def verdict(result: ProfileComparison) -> str:
     """In words."""
-    row, band = result.worst, 1e3 * result.probing.request.tolerance_mm
-    where = f"{1e3 * result.normal[row]:+.4g} µm normal to the profile at {result.table.degrees[row]:.5g}°, line {result.lines[row]}"
-    if result.in_tolerance:
-        return f"In tolerance, ± {band:g} µm: the largest deviation is {where}."
-    count = int(result.out.sum())
-    return f"Out of tolerance, ± {band:g} µm, in {count} of {result.lines.size} rows: the largest deviation is {where}."
+    row, band = result.worst_row, 1e3 * result.setup.request.tolerance_mm
+    deviation = f"{1e3 * result.normal_deviation[row]:+.4g} µm normal to the profile"
+    largest = f"{deviation} at {result.table.degrees[row]:.5g}°, line {result.lines[row]}"
+    if result.is_in_tolerance:
+        return f"In tolerance, ± {band:g} µm: the largest deviation is {largest}."
+    count = int(result.is_outside.sum())
+    return (
+        f"Out of tolerance, ± {band:g} µm, in {count} of {result.lines.size} rows: the largest deviation is {largest}."
+    )
 
 
 def notes(result: ProfileComparison) -> list[str]:
     """What was fitted, how the table was read, what was not measured."""
     lines = []
-    if result.fitted:
+    if result.is_fitted:
         lines.append(
             f"Fitted: cam angle = angle {result.angle_offset:+.6g}°, lift = measured {-result.lift_offset:+.6g} mm."
         )

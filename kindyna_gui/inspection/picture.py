@@ -32,7 +32,7 @@ class ShownComparison:
 
 def shown(comparison: ProfileComparison) -> ShownComparison:
     """Everything that is drawn, computed."""
-    at_probe = comparison.probing
+    at_probe = comparison.setup
     there = at_probe.exact(at_probe.study.program.angles(TURN * np.arange(DRAWN) / DRAWN))
     comparison.findings  # noqa: B018 - here, not in the window's thread
     return ShownComparison(comparison, there.z, at_probe.side * 1j * there.tangent)
@@ -40,7 +40,9 @@ def shown(comparison: ProfileComparison) -> ShownComparison:
 
 def magnified(result: ProfileComparison, factor: float) -> np.ndarray:
     """The measured rows (n,) [mm] in the cam's own frame, so many times as far from the profile as they are."""
-    return np.asarray(result.table.place + factor * result.probing.outward * result.normal * result.table.normal)
+    return np.asarray(
+        result.table.contact + factor * result.setup.outward * result.normal_deviation * result.table.normal
+    )
 
 
 class DeviationPicture(QWidget):
@@ -95,11 +97,11 @@ class DeviationPicture(QWidget):
 
     def _draw(self, painter: QPainter, made: ShownComparison) -> None:
         result, factor = made.comparison, self.factor
-        band = result.probing.request.tolerance_mm * factor
+        band = result.setup.request.tolerance_mm * factor
         sides = [made.profile + sign * band * made.normal for sign in (-1.0, 1.0)]
-        outward = result.probing.outward
+        outward = result.setup.outward
         measured = magnified(result, factor)
-        largest = max(band, factor * float(np.abs(result.normal).max()))
+        largest = max(band, factor * float(np.abs(result.normal_deviation).max()))
         outer = made.profile + outward * largest * made.normal
         mm = self._scale(outer)
         painter.setPen(SCREEN.pen(SCREEN.cam_line, THIN))
@@ -115,7 +117,7 @@ class DeviationPicture(QWidget):
             painter.drawPath(mm.map(polyline(measured[stretch].tolist())))
         painter.setPen(no_pen())
         painter.setBrush(brush(SCREEN.limit))
-        for place in measured[result.out].tolist():
+        for place in measured[result.is_outside].tolist():
             painter.drawEllipse(mm.map(at(place)), DOT, DOT)
         self._mark(painter, result, mm, measured)
         painter.setPen(SCREEN.pen(SCREEN.quiet))
@@ -129,16 +131,16 @@ class DeviationPicture(QWidget):
     def _mark(self, painter: QPainter, result: ProfileComparison, mm: QTransform, measured: np.ndarray) -> None:
         """The largest deviation with its value and angle, and the row that was pointed out."""
         painter.setBrush(Qt.BrushStyle.NoBrush)
-        if 0 <= self._chosen < measured.size and self._chosen != result.worst:
+        if 0 <= self._chosen < measured.size and self._chosen != result.worst_row:
             chosen = mm.map(at(complex(measured[self._chosen])))
             painter.strokePath(circle(RING, complex(chosen.x(), chosen.y())), SCREEN.pen(SCREEN.ink, OUTLINE))
-        row = result.worst
+        row = result.worst_row
         place, centre = mm.map(at(complex(measured[row]))), mm.map(QPointF(0.0, 0.0))
         spot = complex(place.x(), place.y())
         inwards = complex(centre.x(), centre.y()) - spot
         inwards /= abs(inwards) or 1.0
-        colour = SCREEN.limit if result.out[row] else SCREEN.ink
-        text = f"{1e3 * result.normal[row]:+.4g} µm at {result.table.degrees[row]:.4g}°"
+        colour = SCREEN.limit if result.is_outside[row] else SCREEN.ink
+        text = f"{1e3 * result.normal_deviation[row]:+.4g} µm at {result.table.degrees[row]:.4g}°"
         size = painter.fontMetrics().size(0, text)
         foot = spot + inwards * (RING + 26.0)
         painter.strokePath(circle(RING, spot), SCREEN.pen(colour, OUTLINE))
@@ -155,13 +157,13 @@ class DeviationPicture(QWidget):
     def _name_angles(self, painter: QPainter, result: ProfileComparison, mm: QTransform, outer: np.ndarray) -> None:
         """Where each cam angle is measured, just outside of all that is drawn; the cam centre with its mark."""
         centre = mm.map(QPointF(0.0, 0.0))
-        place, probing = complex(centre.x(), centre.y()), result.probing
+        place, setup = complex(centre.x(), centre.y()), result.setup
         painter.setPen(SCREEN.pen(SCREEN.quiet, THIN))
         painter.drawPath(segments([(place - CROSS, place + CROSS), (place - 1j * CROSS, place + 1j * CROSS)]))
         around = np.angle(outer)
         order = np.argsort(around)
         for degrees in range(0, 360, STEP_DEG):
-            turned = probing.direction - probing.study.sense * np.deg2rad(degrees)
+            turned = setup.direction - setup.study.sense * np.deg2rad(degrees)
             line = complex(np.cos(turned), -np.sin(turned))  # pixels run downwards
             reach = mm.m11() * float(np.interp(turned, around[order], np.abs(outer[order]), period=TURN))
             painter.setPen(SCREEN.pen(SCREEN.faint, THIN, CHAIN))

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QGraphicsPathItem
 
 from core.design import HOLDS, get, load_lists
 from core.dynamics import Torsion, element_at, row_of_element
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from kindyna_gui.linkage.canvas import Canvas
 from kindyna_gui.linkage.picking import foot, places_now
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
@@ -37,7 +37,7 @@ def row_places(geometry: Geometry, path: str, index: int) -> list[complex]:
         for hold in HOLDS[path.partition(".")[2].partition("[")[0]]:
             held = hold.read(row)
             found += [_output(geometry, index)] if held is None else list(places_now(geometry, held, index))[:1]
-    except (KeyError, NoAnswer):
+    except (KeyError, NoSolution):
         return []
     return found
 

@@ -14,7 +14,7 @@ from PySide6.QtGui import QAction, QActionGroup, QColor, QKeyEvent, QKeySequence
 from PySide6.QtWidgets import QStackedWidget, QVBoxLayout
 
 from core.design import AttachedEnd, Held, entry_at, put, split_unit, turns_on
-from core.errors import KindynaError, NoAnswer
+from core.errors import KindynaError, NoSolution
 from core.instant_centres import CHAINS
 from core.numerics.lazy import postponing
 from core.study import Study
@@ -357,7 +357,7 @@ class MechanismView(View):
     def _in_turn(self, study: Study) -> Study:
         """The study of a design so many turns later; where its links do not meet any more that of the first turn, and a note."""
         self.scene.turn = self._turn
-        later = study.of(turns_on(study.design, self._turn)) if self._turn else study
+        later = study.with_design(turns_on(study.design, self._turn)) if self._turn else study
         try:
             _ = later.linkage
         except KindynaError as error:
@@ -380,12 +380,12 @@ class MechanismView(View):
         try:
             _ = study.cam if "cam" in study.stages else None
             text = why_no_pressure(study) if self._layers_wanted["stress_colours"] and "cam" in study.stages else ""
-        except NoAnswer as error:
+        except NoSolution as error:
             text = f"No cam: {reason(study.design, error)}"
         if not text and any(self._layers_wanted[name] for name in OF_BODIES):
             try:
                 text = why_no_forces(study)
-            except NoAnswer as error:
+            except NoSolution as error:
                 text = f"No forces: {reason(study.design, error)}"
         return text or self._note_of_underlay
 

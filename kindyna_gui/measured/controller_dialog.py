@@ -12,9 +12,9 @@ from PySide6.QtWidgets import QComboBox, QFormLayout, QVBoxLayout, QWidget
 from core.design import require_motion
 from core.errors import KindynaError
 from core.motion import program
-from core.output.controllers.motion import ReadMotion, motion_of, motion_text, put_into
+from core.output.controllers.motion import ControllerMotion, motion_text, read_motion, with_controller_motion
 from core.output.controllers.rows import INTERPOLATIONS, controllers
-from core.requests import options
+from core.requests import command_words
 from kindyna_gui import dialogs
 from kindyna_gui.documents.as_command import add_copy_of, of_session, spelled
 from kindyna_gui.documents.session import Session
@@ -39,7 +39,7 @@ class ControllerTableDialog(PutDialog):
         super().__init__(session, TITLE, parent)
         self._path, self._data, self._rows = path, data, controllers()
         self._unit = require_motion(session.design).unit
-        self.found: ReadMotion | None = None
+        self.found: ControllerMotion | None = None
         self.controller, self.interpolation, self.plot = QComboBox(), QComboBox(), XYPlot("", "")
         self.form = QFormLayout()
         self.form.addRow("Controller", self.controller)
@@ -59,10 +59,10 @@ class ControllerTableDialog(PutDialog):
         self.controller.setCurrentIndex(fitting)
         self._suit_controller()
 
-    def _motion(self, slug: str, interpolation: str | None) -> tuple[ReadMotion | None, str]:
+    def _motion(self, slug: str, interpolation: str | None) -> tuple[ControllerMotion | None, str]:
         """What the file is to a controller, or why it is nothing."""
         try:
-            return motion_of(self._rows[slug], self._data, interpolation, self._unit), ""
+            return read_motion(self._rows[slug], self._data, interpolation, self._unit), ""
         except KindynaError as error:
             return None, str(error)
 
@@ -99,12 +99,12 @@ class ControllerTableDialog(PutDialog):
         from core.commands.tables import MeasuredArguments
 
         asked = {"table": self._path, "controller": self.controller.currentData(), **of_session(self._session)}
-        return spelled("measured", options(MeasuredArguments, asked))
+        return spelled("measured", command_words(MeasuredArguments, asked))
 
     def accept(self) -> None:
         """Put the motion into the design as one step."""
         if self.found is not None:
-            self.put(put_into(self._session.design, self.found), f"Import {self._path.name}")
+            self.put(with_controller_motion(self._session.design, self.found), f"Import {self._path.name}")
 
 
 def import_controller(session: Session, parent: QWidget) -> None:

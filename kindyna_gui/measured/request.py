@@ -33,8 +33,8 @@ from core.measured import (
     read_workbook,
 )
 from core.measured.columns import LETTERS
-from core.requests import options
-from core.units import unit_called
+from core.requests import command_words
+from core.units import unit_symbol
 
 _POWERS = str.maketrans("135", "¹³⁵")
 
@@ -155,7 +155,7 @@ def as_command(request: TableRequest, table: Path, into: Path, drive: str) -> st
         "no_dwells": not request.dwells,
         "switch": ",".join(f"{angle!r}={kind}" for angle, kind in request.switches) or (),
     }
-    return shlex.join(["kindyna", "--headless", "measured", *options(MeasuredArguments, values)])
+    return shlex.join(["kindyna", "--headless", "measured", *command_words(MeasuredArguments, values)])
 
 
 def _of_all_rows(table: MeasuredTable, request: TableRequest) -> MotionFit | None:
@@ -171,8 +171,8 @@ def symbol(unit: str) -> str:
     base, _, per = unit.partition("/")
     power = {"2": "²", "3": "³"}.get(per[-1:], "")
     per = per.rstrip("23")
-    own = unit_called(base) or base.replace("1e-4in", "10⁻⁴ in")
-    return f"{own}/{unit_called(per)}{power}" if per else own
+    own = unit_symbol(base) or base.replace("1e-4in", "10⁻⁴ in")
+    return f"{own}/{unit_symbol(per)}{power}" if per else own
 
 
 def spelled(text: str) -> str:

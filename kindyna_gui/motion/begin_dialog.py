@@ -13,7 +13,7 @@ from core.errors import KindynaError
 from core.frozen import frozen
 from core.motion.curves import FlyingShear, Indexer, flying_shear, indexer
 from core.output.channels import begun_text
-from core.requests import options
+from core.requests import command_words
 from kindyna_gui.forms.request_dialog import RequestDialog
 from kindyna_gui.forms.request_form import RequestForm
 
@@ -54,7 +54,7 @@ class BeginDialog(RequestDialog):
         self._allow()
 
     def asked(self) -> tuple[str, list[str]]:
-        return f"{self.command}.toml", options(self.row.kind, self.form.values)
+        return f"{self.command}.toml", command_words(self.row.kind, self.form.values)
 
     def design(self) -> Design:
         """That is asked for. Raises DesignError where it cannot be."""

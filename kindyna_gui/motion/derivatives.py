@@ -8,7 +8,7 @@ from PySide6.QtCore import Signal
 from PySide6.QtGui import QPalette, QResizeEvent
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
-from core.motion.extremes import Range
+from core.motion.extremes import Extremes
 from core.study import Quantity, Study
 from kindyna_gui.documents.bands import Bands
 from kindyna_gui.graph.live_plot import LivePlot
@@ -63,7 +63,7 @@ class DerivativePlots(QWidget):
         pairs = zip(self.plots, QUANTITIES, strict=True) if self.roomy else ()
         return tuple(row for plot, quantity in pairs if plot.lacks_extremes for row in rows_of(study, (quantity,)))
 
-    def show_extremes(self, found: Mapping[str, Range] | None) -> None:
+    def show_extremes(self, found: Mapping[str, Extremes] | None) -> None:
         """Mark the extremes of each plot, by its quantity; None: mark none."""
         for plot in self.plots:
             if found is None or plot.lacks_extremes:  # those that were found before are not among them

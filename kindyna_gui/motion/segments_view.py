@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QBoxLayout, QFrame, QLabel, QScrollArea, QSplitter
 
 from core.design import Design, is_assumed, motion_of
 from core.errors import KindynaError
-from core.motion.extremes import Range
+from core.motion.extremes import Extremes
 from core.study import Quantity, Study
 from kindyna_gui.documents.refusal import SAMPLES, Refusal
 from kindyna_gui.documents.session import Session
@@ -267,7 +267,7 @@ class SegmentsView(MarkedView):
     def lacking(self, study: Study) -> tuple[Quantity, ...]:
         return self.derivatives.lacking(study)
 
-    def show_extremes(self, found: Mapping[str, Range] | None) -> None:
+    def show_extremes(self, found: Mapping[str, Extremes] | None) -> None:
         self.derivatives.show_extremes(found)
 
     @staticmethod

@@ -126,7 +126,7 @@ def curves_file(
     marks: bool = True,
     bands: Mapping[str, np.ndarray] = NO_BANDS,
 ) -> bytes:
-    """Plots one below the other as a file, ``.png`` or ``.svg``, their extremes marked, bands shaded. Raises NoAnswer where one has no
+    """Plots one below the other as a file, ``.png`` or ``.svg``, their extremes marked, bands shaded. Raises NoSolution where one has no
     values."""
     if ending == ".svg":
         return svg(PlotStack(study, rows, LIGHT, marks=marks, bands=bands), study.design.name)

@@ -252,7 +252,7 @@ def shoot(
 ) -> bytes | None:
     """One turn as an animation that repeats for ever; None where ``go_on`` stopped it.
 
-    layers: those of ``mechanism.LAYERS`` that shall be other than usual. Raises NoAnswer where the design has no
+    layers: those of ``mechanism.LAYERS`` that shall be other than usual. Raises NoSolution where the design has no
     mechanism.
     """
     camera = Camera(design, film, layers)

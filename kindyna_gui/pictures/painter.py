@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 def paint(drawn: Drawn) -> dict[str, bytes]:
     """The pictures of a report, of a linkage at one angle, of a chart, of another figure, of a paper, of a graph: file name -> content;
-    of a report to hand on: its ending -> content. Raises NoAnswer where the design has none."""
+    of a report to hand on: its ending -> content. Raises NoSolution where the design has none."""
     from core.output.report.document import Printed
 
     ensure_app(offscreen=True)

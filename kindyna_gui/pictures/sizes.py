@@ -60,7 +60,7 @@ def torque_size(study: Study) -> float:
 
 
 def floor_of(study: Study, row: Quantity) -> float:
-    """Size below which values of a channel are zero, in its own unit. Raises NoAnswer where its stage has none."""
+    """Size below which values of a channel are zero, in its own unit. Raises NoSolution where its stage has none."""
     symbol, slash, rate = row.unit.symbol.partition("/s")
     order = _ORDERS.get(slash + rate, 0)
     natural = _motion if row.stage == "motion" else _SIZES.get(symbol, _one)

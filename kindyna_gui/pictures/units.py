@@ -12,7 +12,7 @@ from types import MappingProxyType
 import numpy as np
 
 from core.frozen import frozen
-from core.units import shown_in
+from core.units import display_units
 from kindyna_gui.preferences.units import point, size_of, symbol_of
 
 NOTHING_DRAWN = "Nothing is drawn yet"  # in the words for a plot
@@ -33,7 +33,7 @@ class DisplayUnit:
 @lru_cache(maxsize=128)
 def _rungs(symbol: str) -> tuple[DisplayUnit, ...]:
     """Those that values in this unit may be shown in, coarsest first."""
-    return tuple(DisplayUnit(*each) for each in shown_in(symbol))
+    return tuple(DisplayUnit(*each) for each in display_units(symbol))
 
 
 MOST, FINEST = 1e5, 1e-3  # a peak outside of these takes a power of ten into the unit

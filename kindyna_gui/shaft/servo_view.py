@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QSplitter
 
 from core.output.subject_files import SERVO, Asked, asked, field_plot, torque_figure
 from core.study import Study
-from core.study.study import Turn, has_servo, servo_part, servo_turn
+from core.study.drive_forces import ServoTurn, has_servo, servo_part, servo_turn
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.pictures.plots.under_mouse import CursorPlot
@@ -86,7 +86,7 @@ def _energies(given: float, braked: float) -> tuple[str, str, str]:
     return digits(given), digits(braked), digits(net if abs(net) > ROUNDING * given else 0.0)
 
 
-def _rows(study: Study, found: tuple[Asked, ...], turn: Turn) -> list[TableRow]:
+def _rows(study: Study, found: tuple[Asked, ...], turn: ServoTurn) -> list[TableRow]:
     """Each way, then the segments of the motion by the servo, then the ratio of inertias."""
     rows = []
     for each in found:

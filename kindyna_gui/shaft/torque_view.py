@@ -12,7 +12,7 @@ from PySide6.QtGui import QKeyEvent, QResizeEvent
 from PySide6.QtWidgets import QSplitter, QWidget
 
 from core.design import UNITS
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.shaft import LoadCurve, peaks, rms
 from core.study import Camshaft, Study
 from kindyna_gui.documents.bands import Band, Bands
@@ -151,12 +151,12 @@ class ShaftTorqueView(_TurnView):
             Line(
                 x,
                 shaft.drive_torque(name),
-                SCREEN.drive(shaft.number(name)),
+                SCREEN.drive(shaft.drive_number(name)),
                 name,
                 read=name == chosen,
                 band=band_in(self.bands.of_shaft(), name),
             )
-            for name in shaft.carried
+            for name in shaft.loading_drives
             if name not in shaft.failures
         ]
         lacking = ""
@@ -164,7 +164,7 @@ class ShaftTorqueView(_TurnView):
             if shaft.design.balancer is not None:
                 curves.append(Line(x, shaft.balancer_torque, BALANCE, BALANCE_CAM, read=chosen == BALANCE_CAM))
             self._draw_sums(shaft)
-        except NoAnswer as error:
+        except NoSolution as error:
             lacking = reason(shaft.design, error)
             self.sums.show_message("")
         self.note.show_message(lacking)
@@ -180,13 +180,13 @@ class ShaftTorqueView(_TurnView):
         show_turn(self.sums, "Shaft", "N·m", [*cams, whole, *motor])
 
     def draw_later(self, shaft: Camshaft[Study]) -> None:
-        if not shaft.levelled:
+        if not shaft.levels_torque:
             return
         try:
             band = band_in(self.bands.of_motor(), "motor_torque")
             motor = Line(shaft.angle_degrees, shaft.motor_torque, SCREEN.family("torque"), MOTOR, read=True, band=band)
             self._draw_sums(shaft, motor)
-        except NoAnswer as error:
+        except NoSolution as error:
             self.note.show_message(reason(shaft.design, error))
 
 
@@ -222,14 +222,14 @@ class ShaftFiguresView(_TurnView):
             self.draw_later(shaft)
 
     def draw_later(self, shaft: Camshaft[Study]) -> None:
-        self._levelled = shaft.levelled
+        self._levelled = shaft.levels_torque
         self._share()
         try:
-            if shaft.levelled:
+            if shaft.levels_torque:
                 band = band_in(self.bands.of_motor(), "camshaft_speed", RPM)
                 speed = Line(shaft.angle_degrees, shaft.speed / RPM, SCREEN.family("speed"), read=True, band=band)
                 show_turn(self.speed, "Speed", "rpm", [speed], fit=True)
-        except NoAnswer as error:
+        except NoSolution as error:
             self.speed.show_message(reason(shaft.design, error))
         self.table.show_rows(figures(shaft))
 
@@ -241,24 +241,24 @@ def figures(shaft: Camshaft[Study]) -> list[TableRow]:
             name,
             shaft.drive_load(name),
             shaft.omega,
-            SCREEN.drive(shaft.number(name)),
+            SCREEN.drive(shaft.drive_number(name)),
             f"{shaft.slugs[name]}_torque_nm",
         )
-        for name in shaft.carried
+        for name in shaft.loading_drives
         if name not in shaft.failures
     ]
     try:
         if shaft.design.balancer is not None:
             rows.append(_row(CAMS, shaft.cams_load, shaft.omega, SCREEN.quiet))
         rows.append(_row(SHAFT, shaft.load, shaft.omega, SCREEN.ink, "torque_nm"))
-        if shaft.levelled:
+        if shaft.levels_torque:
             found = shaft.motor_range
             ends = found["motor_torque"]
             peak = max((ends.low, ends.high), key=lambda end: abs(end.value))
             power = measure(*_readable("W", found["motor_power"].high.value))
             cells = (MOTOR, _torque(shaft.mean_torque), "", _torque(peak.value), _angle(peak.theta), power)
             rows.append(TableRow(cells, swatch(SCREEN.family("torque")), "with the flywheel, at the true speed"))
-    except NoAnswer as error:
+    except NoSolution as error:
         rows.append(TableRow((reason(shaft.design, error), "", "", "", "", ""), across=0))
     return rows
 

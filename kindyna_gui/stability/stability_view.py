@@ -168,7 +168,7 @@ class StabilityView(View):
         self._soon_anew.start()
 
     def _computed(self, study: Study) -> tuple[Stability, Chart, str]:
-        """What the page shows first, with the text of its head. Raises NoStability, NoAnswer."""
+        """What the page shows first, with the text of its head. Raises NoStability, NoSolution."""
         found = study.flexible_shaft()
         drawn = self._chart(found, study.design.name, COARSE, UNSEEN, coarse=True)()
         return found, drawn, machine_text(found)

@@ -100,9 +100,9 @@ def _twist(verdict: Verdict) -> str:
 
 
 def _contact_words(verdict: Verdict) -> str:
-    if verdict.lost is None:
+    if verdict.contact_lost is None:
         return ""
-    return f", {f'{verdict.leaving} ' if verdict.leaving else ''}off the cam at turn {digits(verdict.lost, 4)}"
+    return f", {f'{verdict.leaving} ' if verdict.leaving else ''}off the cam at turn {digits(verdict.contact_lost, 4)}"
 
 
 SLOW: Mapping[str, Callable[[Verdict], str]] = MappingProxyType({STEADY: _steady_words, FROM_REST: _rest_words})
@@ -122,7 +122,7 @@ def _table(head: Sequence[str], rows: Sequence[str]) -> str:
 def verdict_table(verdicts: Sequence[Verdict]) -> str:
     """All models side by side. Where one of them finds that the follower leaves the cam, none is shown in green."""
     rows = []
-    good = SCREEN.good if all(verdict.lost is None for verdict in verdicts) else ""
+    good = SCREEN.good if all(verdict.contact_lost is None for verdict in verdicts) else ""
     for verdict in verdicts:
         colour = {STABLE: good, UNSTABLE: SCREEN.limit, LOST: SCREEN.limit, UNKNOWN_VERDICT: SCREEN.quiet}[
             verdict.state
@@ -131,7 +131,7 @@ def verdict_table(verdicts: Sequence[Verdict]) -> str:
         trace = f"{verdict.trace:.4f}" if isfinite(verdict.trace) else "–"
         largest = f"{360.0 * verdict.largest:.4g}°" if isfinite(verdict.largest) else "–"
         who = f"{verdict.leaving} " if verdict.leaving else ""
-        lost = f"{who}at turn {verdict.lost:.4g}" if verdict.lost is not None else "–"
+        lost = f"{who}at turn {verdict.contact_lost:.4g}" if verdict.contact_lost is not None else "–"
         rows.append(
             _cell(verdict.label)
             + _cell(verdict.state, colour)
@@ -144,7 +144,7 @@ def bands_table(rows: Sequence[ForbiddenBand], rpm: float) -> str:
     """The forbidden bands of speed, the one that holds the machine's speed in red."""
     lines = []
     for band in rows:
-        colour = SCREEN.limit if band.holds(rpm) else ""
+        colour = SCREEN.limit if band.contains(rpm) else ""
         cells = (
             str(band.n),
             speeds(band),
@@ -161,11 +161,11 @@ def bands_table(rows: Sequence[ForbiddenBand], rpm: float) -> str:
 def shaft_text(found: Stiffness) -> str:
     """What a wanted speed asks of the shaft."""
     if found.allowed:
-        return f"{speed(found.rpm)} rpm: the present {digits(found.now, 5)} N·m/rad keeps clear of every band."
+        return f"{speed(found.rpm)} rpm: the present {digits(found.current, 5)} N·m/rad keeps clear of every band."
     softer = f" or at most {digits(found.softer, 5)}" if found.softer is not None else ""
     return (
         f"{speed(found.rpm)} rpm: at least {digits(found.stiffer, 5)} N·m/rad{softer}; "
-        f"the present {digits(found.now, 5)} stands {'in' if found.inside else 'too near'} a band."
+        f"the present {digits(found.current, 5)} stands {'in' if found.inside else 'too near'} a band."
     )
 
 

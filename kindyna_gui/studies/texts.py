@@ -9,7 +9,7 @@ from types import MappingProxyType
 from core.design import Design, Info, Unit, drive_at, entry_at, row_at, split_unit
 from core.laws import LAWS
 from core.study import TOTALS, quantity
-from core.study.quantity_requests import asked_of
+from core.study.quantity_requests import quantity_request
 from core.varying import Made, Optimum, StudyOfMany
 from core.varying.tolerances import SHARE
 from kindyna_gui import labels
@@ -87,7 +87,7 @@ def group_of(design: Design, slug: str) -> str:
     """Under which quantities are offered."""
     if slug in TOTALS:
         return WHOLE_TURN
-    asked = asked_of(design, f"{slug}:max")
+    asked = quantity_request(design, f"{slug}:max")
     if not asked.name:
         return WHOLE_TURN
     stage = _STAGES[quantity(asked.name).stage]
@@ -98,7 +98,7 @@ def label_of(design: Design, slug: str) -> str:
     """A quantity without what is asked of it."""
     if slug in _TOTALS:
         return _TOTALS[slug][0]
-    asked = asked_of(design, f"{slug}:max")
+    asked = quantity_request(design, f"{slug}:max")
     label = quantity(asked.name).label if asked.name else "Torque of the shaft"
     return label if asked.drive is None else f"{design.drives[asked.drive].name}: {in_sentence(label)}"
 
@@ -111,7 +111,7 @@ def unit_of(key: str) -> Unit:
 def measured(design: Design, key: str, least: float | None, most: float | None) -> Measured:
     """What is asked, as plots show it."""
     slug, _, of = key.partition(":")
-    asked = asked_of(design, key)
+    asked = quantity_request(design, key)
     family = _TOTALS[slug][1] if slug in _TOTALS else quantity(asked.name).family if asked.name else "torque"
     name = label_of(design, slug) + (f", {OF[of]}" if of and of != "abs" else "")
     return Measured(key, name, unit_of(key).symbol, _visible(SCREEN.family(family)), least, most)

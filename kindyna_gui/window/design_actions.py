@@ -29,7 +29,7 @@ from core.design.design import with_servo, without_servo
 from core.errors import KindynaError
 from core.output.lines import shortest
 from core.project import load, load_linked, save
-from core.requests import options
+from core.requests import command_words
 from kindyna_gui import dialogs
 from kindyna_gui.documents.as_command import of_session, spelled
 from kindyna_gui.documents.refusal import Refusal
@@ -161,7 +161,7 @@ class DesignActions(QObject):
         here = of_session(self._session)
         whose = {"design": here["into"], "drive": here["drive"]} if path is None else {"design": path, "drive": drive}
         taken = {**whose, "shift_deg": shift_deg, "into": here["into"], "into_drive": here["drive"]}
-        return spelled("motion", options(MotionArguments, taken))
+        return spelled("motion", command_words(MotionArguments, taken))
 
     def follow_files(self) -> None:
         """Ask for a table or designs, from which the motion follows from now on."""
@@ -218,7 +218,7 @@ class DesignActions(QObject):
             from core.commands.tables import MeasuredArguments
 
             how = {"as_is": taken[0], "joined": taken[1], "segment": index + 1}
-            return spelled("measured", options(MeasuredArguments, {"table": path, **how, **of_session(session)}))
+            return spelled("measured", command_words(MeasuredArguments, {"table": path, **how, **of_session(session)}))
 
         wanted = dialogs.segment_wanted(self._window, command if path is not None else None)
         if wanted is not None:
@@ -361,13 +361,13 @@ class DesignActions(QObject):
 
     def make_flexible(self) -> None:
         """Give the shaft an elasticity to begin with, all of it assumed; where it has one, bring it before the reader."""
-        from core.stability import flexible
+        from core.stability import with_flexible_shaft
 
         if self._elastic is None:
             try:
                 turned_shaft(self._session.whole_study, NO_SHAFT)
                 design, study = self._session.design, self._session.study
-                changed = flexible(design, study.linkage, study.loading, study.omega)
+                changed = with_flexible_shaft(design, study.linkage, study.loading, study.omega)
             except KindynaError as error:
                 self.status_message.emit(reason(self._session.design, error))
                 return

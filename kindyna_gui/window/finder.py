@@ -19,7 +19,7 @@ from core.design.fields import USUAL
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.study import findings_of, names_of, quantity
-from core.units import units_like
+from core.units import compatible_units
 from kindyna_gui.forms.form import rows_of
 from kindyna_gui.forms.tables import RowsModel, TableHeading, TableRow
 from kindyna_gui.forms.typed_number import parsed
@@ -343,7 +343,7 @@ class Finder(QFrame):
         entry = found.entry
         if entry is None or entry.info.choices or entry.info.flag or not is_amount(typed):
             return None
-        units = ", ".join(units_like(entry.unit.symbol))
+        units = ", ".join(compatible_units(entry.unit.symbol))
         tip = f"its units are {units}" if units else "it has no unit"
         if "," in typed and value_in(entry, typed.replace(",", ".")) is not None:
             tip = no_number(typed)

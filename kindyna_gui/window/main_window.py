@@ -468,7 +468,7 @@ class MainWindow(Window):
     def _place_drive(self) -> None:
         """The angle of the drive that is shown follows from the machine's."""
         place = self.session.place
-        self.player.show_drive(place.phase, place.sense)
+        self.player.show_drive(place.phase, place.rotation_sign)
 
     def _show_refusal(self, refusal: Refusal) -> None:
         self.status.refuse(f"{refusal.reasons[0][1]}: {refusal.reasons[0][2]}")

@@ -115,7 +115,7 @@ class PreferencesDialog(QDialog):
         """What is wrong with the logo."""
         logo = self.logo.text().strip()
         wrong = logo and not (Path(logo).is_file() and QImageReader(logo).canRead())
-        self.message.show_message(f"{logo}: is no picture that can be read; the logo is left out" if wrong else "")
+        self.message.show_message(f"{logo}: cannot be read as an image; the logo is omitted" if wrong else "")
 
     def show_units(self, units: dict[str, str]) -> None:
         """Show these units; of other kinds those of the files."""

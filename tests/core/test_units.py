@@ -5,7 +5,7 @@ from fractions import Fraction
 
 import pytest
 
-from core.units import KINDS, UNITS, accepted, change, kind_of, shown_in, split_unit
+from core.units import KINDS, UNITS, accepted_units, conversion_factor, display_units, quantity_kind, split_unit
 
 
 @pytest.mark.parametrize(
@@ -17,23 +17,23 @@ from core.units import KINDS, UNITS, accepted, change, kind_of, shown_in, split_
     ],
 )  # fmt: skip
 def test_a_change_is_rounded_once(before: str, after: str, size: float) -> None:
-    assert change(before, after) == size
-    assert kind_of(before) == kind_of(after)
+    assert conversion_factor(before, after) == size
+    assert quantity_kind(before) == quantity_kind(after)
 
 
 def test_units_that_measure_something_else_are_not_changed() -> None:
     with pytest.raises(KeyError):
-        change("mm", "N")
+        conversion_factor("mm", "N")
 
 
 def test_a_unit_is_accepted_with_and_without_its_signs() -> None:
-    inertia = accepted("kg·m²")
+    inertia = accepted_units("kg·m²")
     assert {inertia[text] for text in ("kg·m²", "kg m2", "kgm^2")} == {1}
     assert inertia["kg cm2"] == Fraction(1, 10**4)
-    assert accepted("mm")['"'] == Fraction(127, 5)
-    assert accepted("N·m/rad")["Nm/deg"] == math.degrees(1.0)
-    assert accepted("m/s²")["g"] == Fraction("9.80665")
-    assert accepted("") == {}
+    assert accepted_units("mm")['"'] == Fraction(127, 5)
+    assert accepted_units("N·m/rad")["Nm/deg"] == math.degrees(1.0)
+    assert accepted_units("m/s²")["g"] == Fraction("9.80665")
+    assert accepted_units("") == {}
 
 
 def test_a_length_per_turn_is_a_length_with_its_unit() -> None:
@@ -50,6 +50,6 @@ def test_every_kind_is_whole() -> None:
         assert {*kind.stored.values(), *kind.shown} <= {*kind.units}
         assert {*kind.typed.values()} <= {*kind.sizes}
         for symbol in kind.units:
-            rungs = shown_in(symbol)
+            rungs = display_units(symbol)
             assert [size for _, size, _ in rungs] == sorted((size for _, size, _ in rungs), reverse=True)
             assert rungs[-1][2] == 0.0

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from mechanisms import with_follower
 
 from core.design import NO_UNIT, UNITS
-from core.errors import KindynaError, NoAnswer
+from core.errors import KindynaError, NoSolution
 from core.output.lines import shortest
 from core.project import load
 from core.study import Study
@@ -70,7 +70,7 @@ def test_values_and_steps() -> None:
 
 def test_an_error_names_fields_as_the_forms_do() -> None:
     design = with_follower(LIFT, rod_mm=400.0, guide_height_mm=600.0)
-    with pytest.raises(NoAnswer) as caught:
+    with pytest.raises(NoSolution) as caught:
         _ = Study(design).linkage
     assert "guide_height_mm" in str(caught.value)
     told = reason(design, caught.value)

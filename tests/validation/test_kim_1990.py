@@ -225,7 +225,7 @@ def test_each_model_says_its_own_of_the_published_points(figure: int) -> None:
         assert approximate.trace == pytest.approx(2.0036, abs=5e-5)
     # the paper: below Q = 0.1 the follower never leaves the cam
     wanted = {11: 2.2750, 12: 3.3019}.get(figure)
-    assert rest.lost == (None if wanted is None else pytest.approx(wanted, abs=5e-5))
+    assert rest.contact_lost == (None if wanted is None else pytest.approx(wanted, abs=5e-5))
 
 
 @pytest.mark.parametrize(("figure", "y"), [(9, None), (11, 2.27504), (12, 3.30185)])
@@ -276,5 +276,5 @@ def test_averages_of_the_first_turn_fit_figures_6_and_7() -> None:
     for rows in (means.wind_up, means.slope):
         assert (np.diff(rows[:3], axis=0) > 0.0).all()
     assert means.wind_up[1, 0] > 5.0 * means.wind_up[1, -1]
-    assert means.lost is not None
-    assert means.lost.any(axis=1).tolist() == [False, False, False, True]
+    assert means.is_contact_lost is not None
+    assert means.is_contact_lost.any(axis=1).tolist() == [False, False, False, True]

@@ -21,7 +21,7 @@ from kindyna_gui.stability.texts import verdict_table, waiting_text
 
 EXAMPLE = Path(__file__).parents[2] / "resources" / "examples" / "kim_1990.toml"
 STABLE, UNSTABLE, SILENT = Verdict("steady", True), Verdict("steady", False), Verdict("steady", None)
-LEFT = Verdict("steady", True, lost=0.5)
+LEFT = Verdict("steady", True, contact_lost=0.5)
 
 
 @cache
@@ -168,7 +168,7 @@ def test_fig_12_leaves_the_cam_in_every_turn_in_the_window_in_the_command_and_in
     """Steady at (2.00, 0.05): the contact force of the turn, integrated apart, falls through zero at y = 0.0591598."""
     claim = row("η = 2.00")
     steady = claim.numbers["models"][-1]
-    assert steady.lost == pytest.approx(0.0591598, abs=1e-7)
+    assert steady.contact_lost == pytest.approx(0.0591598, abs=1e-7)
     assert "steady response contact lost, it leaves the cam at y = 0.0592 of each turn" in claim.here
     assert '">contact lost' in verdict_table((steady,))
     assert waiting_text((steady,), False).startswith("steady: contact lost, ")

@@ -1,4 +1,4 @@
-"""Files of controllers: one writer and one reader, both walk the keys of a controller's row."""
+"""Files of controllers: one writer and one reader, both driven by the keys of a controller's row."""
 
 from __future__ import annotations
 
@@ -12,8 +12,7 @@ import numpy as np
 from core.bounds import BYTES, ROWS
 from core.errors import KindynaError
 from core.frozen import frozen
-from core.output.controllers import rows
-from core.output.controllers.rows import Controller
+from core.output.controllers.rows import Controller, fill, fill_rows, placeholders
 
 LARGEST_COUNT = 2**31 - 1
 _BLANKS, _SPACE = re.compile(r"[ \t]{2,}+"), re.compile(r"\s*+")
@@ -22,13 +21,16 @@ _IDENTIFIER = re.compile(r"\W+", re.ASCII)
 
 @frozen(eq=False)
 class FileTable:
-    """What a file says.
+    """Contents of a file.
 
-    master, slave, velocity, acceleration  (n,) of its rows, in the units of the file, what is normalised multiplied out; None where
-               it has no such column. Velocity and acceleration are by the master
-    end_slopes  of a clamped spline, likewise; the first and the last velocity where the file states none
-    word       the interpolation, where the file says it
-    name       what the file calls the table
+    Attributes
+    ----------
+    master, slave : (n,) columns in the units of the file, normalised values multiplied out
+    velocity, acceleration : (n,) derivatives of the slave by the master [file units]; None without such a column
+    end_slopes : slopes of a clamped spline; the first and last velocity where the file states none [file units]
+    word : word of the interpolation, where the file states it
+    name : name of the table
+    range : first and last master value of the turn
     """
 
     master: np.ndarray
@@ -44,8 +46,14 @@ class FileTable:
 # -- numbers -----------------------------------------------------------------------------------------------
 
 
-def decimals_of(row: Controller, values: np.ndarray) -> int:
-    """Digits after the mark with which a column (n,) is written: the largest number has ``digits`` of them in all."""
+def column_decimals(row: Controller, values: np.ndarray) -> int:
+    """Decimals of a column in a file: its largest number has ``digits`` digits in all.
+
+    Parameters
+    ----------
+    row : Controller
+    values : ndarray (n,) [file units]
+    """
     if row.integer:
         return 0
     largest = float(np.abs(values).max(initial=0.0))
@@ -53,15 +61,35 @@ def decimals_of(row: Controller, values: np.ndarray) -> int:
     return max(row.digits - before, 0)
 
 
-def rounding_of(row: Controller, values: np.ndarray) -> float:
-    """By how much a column (n,) is off, at most, when it is written."""
-    return 0.5 * row.unit * 10.0 ** -decimals_of(row, values / row.unit)
+def rounding_error(row: Controller, values: np.ndarray) -> float:
+    """Largest error of a column by rounding in a file.
+
+    Parameters
+    ----------
+    row : Controller
+    values : ndarray (n,) [unit of the table]
+
+    Returns
+    -------
+    float [unit of the table]
+    """
+    return 0.5 * row.unit * 10.0 ** -column_decimals(row, values / row.unit)
 
 
-def rounded(row: Controller, values: np.ndarray) -> np.ndarray:
-    """A column (n,) as it will be read."""
+def round_column(row: Controller, values: np.ndarray) -> np.ndarray:
+    """A column as it will be read from a file.
+
+    Parameters
+    ----------
+    row : Controller
+    values : ndarray (n,) [unit of the table]
+
+    Returns
+    -------
+    ndarray (n,) [unit of the table]
+    """
     counts = values / row.unit
-    return np.asarray(np.round(counts, decimals_of(row, counts)) * row.unit)
+    return np.asarray(np.round(counts, column_decimals(row, counts)) * row.unit)
 
 
 def _text(row: Controller, value: float, decimals: int, mark: str) -> str:
@@ -79,26 +107,30 @@ def _text(row: Controller, value: float, decimals: int, mark: str) -> str:
 # -- writing -----------------------------------------------------------------------------------------------
 
 
-def written(row: Controller, table: FileTable, name: str, interpolation: str) -> bytes:
-    """The file. Raises KindynaError where a number is beyond what the controller's integers hold, or the name beyond its encoding."""
+def file_bytes(row: Controller, table: FileTable, name: str, interpolation: str) -> bytes:
+    """The file of a table.
+
+    Raises KindynaError where a number exceeds the controller's integers, the file its largest size, or the name its encoding.
+    """
     columns, header = _columns(row, table)
-    texts = {key: _texts(row, key, values) for key, values in columns.items()}
+    texts = {key: _texts(row, key, column) for key, column in columns.items()}
     word, count = row.words.get(interpolation, ""), table.slave.size
-    places = {key: _text(row, value, decimals_of(row, np.array([value])), row.decimal) for key, value in header.items()}
-    plain = _IDENTIFIER.sub("_", name).strip("_") or "cam"
-    plain = f"cam_{plain}" if plain[0].isdigit() else plain
-    places |= {
-        "rows": str(count), "last": str(count - 1), "name": plain, "Name": plain[:1].upper() + plain[1:], "sep": row.separator,
-        "interpolation": word,
-    }  # fmt: skip
+    values = {
+        key: _text(row, value, column_decimals(row, np.array([value])), row.decimal) for key, value in header.items()
+    }
+    identifier = _IDENTIFIER.sub("_", name).strip("_") or "cam"
+    identifier = f"cam_{identifier}" if identifier[0].isdigit() else identifier
     shared = {"sep": row.separator, "interpolation": word, "last": str(count - 1)}
-    lines = rows.rows(row.row, shared, texts, count)
+    values |= {
+        "rows": str(count), "name": identifier, "Name": identifier[:1].upper() + identifier[1:], **shared,
+    }  # fmt: skip
+    lines = fill_rows(row.row, shared, texts, count)
     first = next(lines)
     if count * (len(first) + len(row.between[0])) > BYTES:
         raise KindynaError(f"{row.slug}: {count} rows make more than {BYTES / 1e6:g} MB; allow fewer rows")
-    between = islice(row.gaps(), count - 1)
+    between = islice(row.separators(), count - 1)
     body = "".join(chain.from_iterable(zip(chain([first], lines), chain(between, [""]), strict=True)))
-    text = rows.filled(row.header, places) + body + rows.filled(row.footer, places)
+    text = fill(row.header, values) + body + fill(row.footer, values)
     try:
         return text.replace("\n", row.newline).encode(row.encoding)
     except UnicodeEncodeError as error:
@@ -106,7 +138,7 @@ def written(row: Controller, table: FileTable, name: str, interpolation: str) ->
 
 
 def _columns(row: Controller, table: FileTable) -> tuple[dict[str, np.ndarray], dict[str, float]]:
-    """The columns as written, and the numbers of header and footer."""
+    """Columns in the units of the file, and the numbers of header and footer."""
     master, slave = table.master, table.slave
     start, end = table.range or (float(master[0]), float(master[-1]))
     x0, x1, y0, y1 = 0.0, row.unit, 0.0, row.unit
@@ -120,11 +152,11 @@ def _columns(row: Controller, table: FileTable) -> tuple[dict[str, np.ndarray], 
                     f"{row.slug}: its last row is 1, 1, so the slave must not end where it starts; allowed: a slave that advances, "
                     "or --segment N, one that rises or falls"
                 )
-            back = np.flatnonzero(np.diff(slave) / y1 < -1e-12)
-            if back.size:
+            reversals = np.flatnonzero(np.diff(slave) / y1 < -1e-12)
+            if reversals.size:
                 raise KindynaError(
-                    f"{row.slug}: its rows ascend from 0 to 1, and the slave goes back at "
-                    f"{master[back[0]] / (end - start):.4g} of the master; allowed: --segment N, one that rises or falls throughout"
+                    f"{row.slug}: its rows ascend from 0 to 1, and the slave reverses at "
+                    f"{master[reversals[0]] / (end - start):.4g} of the master; allowed: --segment N, one that rises or falls throughout"
                 )
     columns = {
         "index": np.arange(1, slave.size + 1),
@@ -139,27 +171,35 @@ def _columns(row: Controller, table: FileTable) -> tuple[dict[str, np.ndarray], 
         "master_factor": x1, "master_offset": x0, "slave_factor": y1, "slave_offset": y0,
         "start_slope": table.end_slopes[0] * x1 / y1, "end_slope": table.end_slopes[1] * x1 / y1,
     }  # fmt: skip
-    made = {key: values for key, values in columns.items() if key in row.columns and values is not None}
-    for key, values in made.items():
+    result = {key: values for key, values in columns.items() if key in row.columns and values is not None}
+    for key, values in result.items():
         if row.integer and float(np.abs(values).max()) > LARGEST_COUNT:
             raise KindynaError(
                 f"{row.slug}: {key} reaches {float(np.abs(values).max()):.6g}; allowed: integers of 32 bits, up to +-{LARGEST_COUNT}: "
                 f"choose a smaller {'--master-per-turn' if key == 'master' else '--slave-scale'}"
             )
-    return made, header
+    return result, header
 
 
 def _texts(row: Controller, key: str, values: np.ndarray) -> list[str]:
     if key == "index":
         return [str(i) for i in values.tolist()]
-    decimals = decimals_of(row, values)
+    decimals = column_decimals(row, values)
     return [_text(row, value, decimals, row.decimal) for value in values.tolist()]
 
 
-def as_read(row: Controller, table: FileTable, turn: float) -> FileTable:
-    """What ``read`` finds in the file that ``written`` makes, without it."""
+def rounded_table(row: Controller, table: FileTable, turn: float) -> FileTable:
+    """The table that `read_file` reads from a file of `file_bytes`, without making the file.
+
+    Parameters
+    ----------
+    row : Controller
+    table : FileTable
+    turn : float
+        Master units in a turn.
+    """
     columns, header = _columns(row, table)
-    rounded_columns = {key: np.round(values, decimals_of(row, values)) for key, values in columns.items()}
+    rounded_columns = {key: np.round(values, column_decimals(row, values)) for key, values in columns.items()}
     stated = {key: repr(value) for key, value in header.items() if f"{{{key}}}" in row.header + row.footer}
     return _table(row, rounded_columns, stated, turn)
 
@@ -167,37 +207,44 @@ def as_read(row: Controller, table: FileTable, turn: float) -> FileTable:
 # -- reading -----------------------------------------------------------------------------------------------
 
 
-def read(row: Controller, data: bytes, turn: float = 360.0) -> FileTable:
-    """What a file of this controller says; turn: of its master, where the file itself does not say it.
+def read_file(row: Controller, data: bytes, turn: float = 360.0) -> FileTable:
+    """Contents of a file of this controller.
 
-    Decimal marks, blanks, blank lines, line ends and comments may be others than the writer's, where they are not what separates the
+    Decimal marks, blanks, blank lines, line ends and comments may differ from those of the writer, where they do not separate
     columns. Raises KindynaError, which names the line.
+
+    Parameters
+    ----------
+    row : Controller
+    data : bytes
+    turn : float
+        Master units in a turn, where the file does not state them.
     """
     try:
         text = data.decode(row.encoding).removeprefix("\ufeff")
     except UnicodeDecodeError as error:
-        raise KindynaError(f"{row.slug}: no {row.encoding} at byte {error.start + 1}; name another file") from error
+        raise KindynaError(f"{row.slug}: byte {error.start + 1} is not {row.encoding}; choose another file") from error
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     if row.comment:
         text = re.sub(re.escape(row.comment) + r"[^\n]*", "", text)
     text = _BLANKS.sub(lambda blanks: "\t" if "\t" in blanks[0] else " ", text)
     begin, end = _body(row, text)
-    places = _places(row, text[:begin], row.header) | _places(row, text[end:], row.footer)
-    columns = _rows(row, text, begin, end, places)
+    values = _placeholder_values(row, text[:begin], row.header) | _placeholder_values(row, text[end:], row.footer)
+    columns = _rows(row, text, begin, end, values)
     count = len(columns["slave"])
-    stated = places.get("rows") or (str(int(places["last"]) + 1) if "last" in places else "")
-    if stated and int(stated) != count:
+    row_count = values.get("rows") or (str(int(values["last"]) + 1) if "last" in values else "")
+    if row_count and int(row_count) != count:
         raise KindynaError(
-            f"{row.slug}: the file states {stated} rows and holds {count}; allowed: as many as it states"
+            f"{row.slug}: the file states {row_count} rows and holds {count}; allowed: the stated number"
         )
     if count < 2:
         raise KindynaError(f"{row.slug}: {count} rows; allowed: at least 2")
-    return _table(row, columns, places, turn)
+    return _table(row, columns, values, turn)
 
 
-def _table(row: Controller, columns: Mapping[str, np.ndarray], places: Mapping[str, str], turn: float) -> FileTable:
-    def stated(key: str, usual: float) -> float:
-        return _value(places[key]) if key in places else usual
+def _table(row: Controller, columns: Mapping[str, np.ndarray], values: Mapping[str, str], turn: float) -> FileTable:
+    def stated(key: str, default: float) -> float:
+        return _value(values[key]) if key in values else default
 
     x0, x1 = stated("master_offset", 0.0), stated("master_factor", turn if row.normalised else row.unit)
     y0, y1 = stated("slave_offset", 0.0), stated("slave_factor", 1.0 if row.normalised else row.unit)
@@ -208,11 +255,11 @@ def _table(row: Controller, columns: Mapping[str, np.ndarray], places: Mapping[s
     else:
         start = stated("master_start", x0)
         end = stated("master_end", x0 + x1 if row.normalised else start + turn)
-        master = start + (end - start) * steps(row, count)
+        master = start + (end - start) * row_positions(row, count)
     if not (np.diff(master) > 0.0).all():
-        place = int(np.argmin(np.diff(master) > 0.0)) + 2
+        number = int(np.argmin(np.diff(master) > 0.0)) + 2
         raise KindynaError(
-            f"{row.slug}: row {place}: the master does not rise, {master[place - 1]:g}; allowed: more than the row before"
+            f"{row.slug}: row {number}: the master does not rise, {master[number - 1]:g}; allowed: more than the row before"
         )
     v, a = columns.get("velocity"), columns.get("acceleration")
     first, last = (0.0, 0.0) if v is None else (float(v[0]), float(v[-1]))
@@ -220,66 +267,83 @@ def _table(row: Controller, columns: Mapping[str, np.ndarray], places: Mapping[s
     return FileTable(
         master, y0 + y1 * columns["slave"],
         None if v is None else v * y1 / x1, None if a is None else a * y1 / x1**2,
-        slopes, places.get("interpolation", ""), places.get("name") or places.get("Name", ""), (start, end),
+        slopes, values.get("interpolation", ""), values.get("name") or values.get("Name", ""), (start, end),
     )  # fmt: skip
 
 
-def steps(row: Controller, count: int) -> np.ndarray:
-    """Where equal rows stand (n,), as parts of the turn."""
+def row_positions(row: Controller, count: int) -> np.ndarray:
+    """Positions of rows at equal steps, as parts of the turn.
+
+    Parameters
+    ----------
+    row : Controller
+    count : int
+        Number of rows.
+
+    Returns
+    -------
+    ndarray (count,), dimensionless
+    """
     if row.first_row == "one-step":
         return np.arange(1, count + 1) / count
-    return np.arange(count) / (count - 1 if row.closing else count)
+    return np.arange(count) / (count - 1 if row.has_both_ends else count)
 
 
 def _value(text: str) -> float:
     return float(text.replace(",", ".").translate(str.maketrans("dD", "ee")))
 
 
-_COUNTS = {"rows": r"\d{1,18}+", "last": r"-?\d{1,18}+", "index": r"\d{1,18}+"}
-_WORDS = ("name", "Name", "interpolation")
+_COUNT_PATTERNS = {"rows": r"\d{1,18}+", "last": r"-?\d{1,18}+", "index": r"\d{1,18}+"}
+_WORD_NAMES = ("name", "Name", "interpolation")
 
 
 def _pattern(row: Controller, text: str) -> str:
-    """A template as a regular expression: blanks as many as there are, a place once by its name, numbers with either mark. What a place
-    has taken it does not give back, so that a line is read in one go."""
+    """A template as a regular expression.
+
+    Blanks match any number of blanks, numbers either decimal mark; the first placeholder of a name is a named group. Groups are
+    possessive, so that a line is read in linear time.
+    """
     parts, seen = [], set()
     separator = row.separator.replace("{", "{{").replace("}", "}}")
-    places = rows.places(text.replace("{sep}", separator))
-    for (literal, name), (behind, _) in zip(places, [*places[1:], ("", "")], strict=True):
+    template = placeholders(text.replace("{sep}", separator))
+    for (literal, name), (following, _) in zip(template, [*template[1:], ("", "")], strict=True):
         parts.append(_literal(literal.split(row.comment)[0] if row.comment else literal))
         if name:
-            kind = _COUNTS.get(name) or (_word(behind) if name in _WORDS else _number(row, behind))
+            kind = _COUNT_PATTERNS.get(name) or (_word(following) if name in _WORD_NAMES else _number(row, following))
             parts.append(kind if name in seen else f"(?P<{name}>{kind})")
             seen.add(name)
     return "".join(parts)
 
 
-def _word(behind: str) -> str:
-    """An identifier before a text, which it may run into."""
-    return r"\w{0,60}" if behind[:1].isalnum() or behind[:1] == "_" else r"\w{0,400}+"
+def _word(following: str) -> str:
+    """An identifier in front of a text, which may continue it."""
+    return r"\w{0,60}" if following[:1].isalnum() or following[:1] == "_" else r"\w{0,400}+"
 
 
-def _number(row: Controller, behind: str) -> str:
-    """A number before a text: a mark with which that begins belongs to the number only where digits follow it, or not at all where it
-    is not the controller's decimal mark."""
-    mark = behind[:1] if behind[:1] in (".", ",") else ""
+def _number(row: Controller, following: str) -> str:
+    """A number in front of a text.
+
+    A decimal mark at the start of that text belongs to the number only where digits follow, and never where it is not the
+    controller's decimal mark.
+    """
+    mark = following[:1] if following[:1] in (".", ",") else ""
     marks = "." if "," in row.separator or mark == "," != row.decimal else "," if mark == "." != row.decimal else ".,"
-    some = "{1,400}" if mark else "{0,400}"
-    return rf"(?>[-+]?(?:\d{{1,400}}(?:[{marks}]\d{some})?|[{marks}]\d{{1,400}})(?:[eEdD][-+]?\d{{1,4}})?)"
+    digits = "{1,400}" if mark else "{0,400}"
+    return rf"(?>[-+]?(?:\d{{1,400}}(?:[{marks}]\d{digits})?|[{marks}]\d{{1,400}})(?:[eEdD][-+]?\d{{1,4}})?)"
 
 
 def _literal(text: str) -> str:
-    """Blanks and tabs alike; around marks they may be or not."""
+    """A text in which blanks and tabs are equal, and optional next to marks."""
     parts = re.split(r"([ \t]+)", text)
-    made = []
+    result = []
     for i, part in enumerate(parts):
         if not part.strip(" \t"):
-            beside = parts[i - 1][-1:] + parts[i + 1][:1] if 0 < i < len(parts) - 1 else ""
-            loose = any(not (c.isalnum() or c == "_") for c in beside)
-            made.append("" if not part else r"[ \t]*" if loose else r"[ \t]+")
+            neighbours = parts[i - 1][-1:] + parts[i + 1][:1] if 0 < i < len(parts) - 1 else ""
+            is_optional = any(not (c.isalnum() or c == "_") for c in neighbours)
+            result.append("" if not part else r"[ \t]*" if is_optional else r"[ \t]+")
         else:
-            made.append(re.sub(r"(?:\\[ \t])*=(?:\\[ \t])*", "[ \\\\t]*=[ \\\\t]*", re.escape(part)))
-    return "".join(made)
+            result.append(re.sub(r"(?:\\[ \t])*=(?:\\[ \t])*", "[ \\\\t]*=[ \\\\t]*", re.escape(part)))
+    return "".join(result)
 
 
 def _template_lines(text: str) -> list[str]:
@@ -287,7 +351,7 @@ def _template_lines(text: str) -> list[str]:
 
 
 def _line(row: Controller, line: str) -> str:
-    """A line of a header; where it is a key and its value, a blank or a tab may stand for the mark between them."""
+    """A line of a header; between key and value a blank or tab may replace the mark."""
     pattern = _pattern(row, line).strip()
     if row.comment == "#":  # keys and values of the ISG kernel
         pattern = re.sub(r"\[ \\t\]\*=\[ \\t\]\*", r"[ \\t]*[= \\t][ \\t]*", pattern, count=1)
@@ -296,83 +360,92 @@ def _line(row: Controller, line: str) -> str:
 
 
 def _body(row: Controller, text: str) -> tuple[int, int]:
-    """Where the rows begin and end."""
+    """Start and end of the rows in the text."""
     begin = 0
     if lines := _template_lines(row.header):
         last = lines[-1]
-        whole = last + ("$" if row.header.endswith("\n") else "")
-        found = re.search(r"^" + _line(row, last) + (r"[ \t]*$" if whole != last else ""), text, re.MULTILINE)
-        if found is None:
-            raise KindynaError(f"{row.slug}: no line as {rows.filled(last, {})!r}; name a file of this controller")
-        begin = found.end()
+        anchored = last + ("$" if row.header.endswith("\n") else "")
+        match = re.search(r"^" + _line(row, last) + (r"[ \t]*$" if anchored != last else ""), text, re.MULTILINE)
+        if match is None:
+            raise KindynaError(f"{row.slug}: no line like {fill(last, {})!r}; choose a file of this controller")
+        begin = match.end()
     end = len(text)
     if lines := _template_lines(row.footer):
-        found = re.compile(_line(row, lines[0])).search(text, begin)
-        if found is None:
-            raise KindynaError(f"{row.slug}: no end as {rows.filled(lines[0], {})!r}; name a whole file")
-        end = found.start()
+        match = re.compile(_line(row, lines[0])).search(text, begin)
+        if match is None:
+            raise KindynaError(f"{row.slug}: no end like {fill(lines[0], {})!r}; choose a complete file")
+        end = match.start()
     return begin, end
 
 
-def _places(row: Controller, text: str, lines: str) -> dict[str, str]:
-    """What stands at the places of header or footer, as far as it is there."""
-    found: dict[str, str] = {}
+def _placeholder_values(row: Controller, text: str, lines: str) -> dict[str, str]:
+    """Placeholder -> its text in header or footer, where present."""
+    values: dict[str, str] = {}
     for line in _template_lines(lines):
         match = re.search(_line(row, line), text)
         if match is not None:
-            found |= match.groupdict()
-    return found
+            values |= match.groupdict()
+    return values
 
 
-def _rows(row: Controller, text: str, begin: int, end: int, places: dict[str, str]) -> dict[str, np.ndarray]:
-    """The columns; what else a row says goes to the places. Raises KindynaError where something else stands among the rows."""
+def _rows(row: Controller, text: str, begin: int, end: int, values: dict[str, str]) -> dict[str, np.ndarray]:
+    """Columns of the rows; texts of other placeholders go to ``values``. Raises KindynaError for text that is not a row."""
     body = text[begin:end]
     pattern = re.compile(r"\s*" + _pattern(row, row.row) + r"[ \t]*")
     if row.separator.strip() == "":
         pattern = re.compile(pattern.pattern.replace(r"\	", r"[ \t]+"))
-    found: dict[str, list[float]] = {name: [] for name in row.columns}
+    columns: dict[str, list[float]] = {name: [] for name in row.columns}
     for match in _matches(row, pattern, body, text.count("\n", 0, begin) + 1):
-        for name, values in found.items():
-            values.append(_value(match[name]))
-        places |= {name: text for name, text in match.groupdict().items() if name not in found}
-    return {name: np.array(values) for name, values in found.items()}
+        for name, column in columns.items():
+            column.append(_value(match[name]))
+        values |= {name: text for name, text in match.groupdict().items() if name not in columns}
+    return {name: np.array(column) for name, column in columns.items()}
 
 
 def _matches(row: Controller, pattern: re.Pattern[str], body: str, line: int) -> Iterator[re.Match[str]]:
-    mark = _between(row)
-    place, end, count, between = 0, len(body.rstrip()), 0, re.compile(rf"\s*+(?:{mark})")
-    while place < end:
-        match = pattern.match(body, place)
-        at = _behind(_SPACE, body, place)
+    mark = _separator(row)
+    position, end, count, between = 0, len(body.rstrip()), 0, re.compile(rf"\s*+(?:{mark})")
+    while position < end:
+        match = pattern.match(body, position)
+        start = _end_of_match(_SPACE, body, position)
         if match is None:
-            text = body[at : at + 60].split("\n", 1)[0]
+            text = body[start : start + 60].split("\n", 1)[0]
             raise KindynaError(
-                f"{row.slug}: line {line + body.count(chr(10), 0, at)}: {text!r} is no row; allowed: as in {row.row!r}"
+                f"{row.slug}: line {line + body.count(chr(10), 0, start)}: {text!r} is no row; allowed: {row.row!r}"
             )
         yield match
         count += 1
         if count > ROWS:
             raise KindynaError(f"{row.slug}: more than {ROWS} rows; allowed: at most {ROWS}")
-        place, at = match.end(), _behind(_SPACE, body, match.end())
+        position, start = match.end(), _end_of_match(_SPACE, body, match.end())
         if mark:
-            place = _behind(between, body, place)
-        elif place < end and "\n" not in body[place:at]:
-            text = body[place : place + 60].split("\n", 1)[0]
+            position = _end_of_match(between, body, position)
+        elif position < end and "\n" not in body[position:start]:
+            text = body[position : position + 60].split("\n", 1)[0]
             raise KindynaError(
-                f"{row.slug}: line {line + body.count(chr(10), 0, place)}: {text!r} is too much; allowed: as in {row.row!r}"
+                f"{row.slug}: line {line + body.count(chr(10), 0, position)}: {text!r} follows the row; allowed: {row.row!r}"
             )
 
 
-def _between(row: Controller) -> str:
-    """What stands between two rows, but for blanks, as a regular expression; empty where it is a new line."""
+def _separator(row: Controller) -> str:
+    """Text between two rows, without blanks, as a regular expression; empty for a new line."""
     texts = dict.fromkeys(text.strip() for text in (row.first_between or "", *row.between))
     return "|".join(r"\s*+".join(map(re.escape, text.split())) for text in sorted(texts, key=len, reverse=True) if text)
 
 
-def _behind(pattern: re.Pattern[str], text: str, at: int) -> int:
-    """Where a pattern that stands at a place ends; that place where it does not."""
-    match = pattern.match(text, at)
-    return at if match is None else match.end()
+def _end_of_match(pattern: re.Pattern[str], text: str, position: int) -> int:
+    """End of a pattern at this position; the position itself where it does not match."""
+    match = pattern.match(text, position)
+    return position if match is None else match.end()
 
 
-__all__ = ["FileTable", "as_read", "decimals_of", "read", "rounded", "rounding_of", "steps", "written"]
+__all__ = [
+    "FileTable",
+    "column_decimals",
+    "file_bytes",
+    "read_file",
+    "round_column",
+    "rounded_table",
+    "rounding_error",
+    "row_positions",
+]

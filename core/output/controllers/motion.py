@@ -1,4 +1,4 @@
-"""A controller's table as a motion: its pieces as polynomial segments joined as the controller joins them, pairs as a table."""
+"""A controller's table as a motion: pieces as polynomial segments, pairs as a table."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ from core.design.design import Design
 from core.design.motion_edits import without_marks
 from core.errors import KindynaError
 from core.frozen import frozen
-from core.output.controllers.layout import FileTable, read
-from core.output.controllers.rows import KINDS, Controller, Table, evaluated
+from core.output.controllers.layout import FileTable, read_file
+from core.output.controllers.rows import KINDS, Controller, Table, evaluate
 from core.output.controllers.slave import TURN
-from core.output.controllers.table import read_back
+from core.output.controllers.table import table_from_file
 
 POLYNOMIALS = frozenset({"quintic-hermite", "cubic-hermite", "zebra"})
-"""Interpolations whose pieces are quintics at most, each by what it does at its ends; others run through values alone."""
+"""Interpolations whose pieces are determined by the states at their ends; the others interpolate values only."""
 
 
 @frozen
-class ReadMotion:
-    """A controller's table, and the motion that it is; interpolation: what the controller runs between its rows."""
+class ControllerMotion:
+    """A motion from a controller's table, with the interpolation between its rows."""
 
     controller: Controller
     interpolation: str
@@ -40,17 +40,17 @@ class ReadMotion:
     motion: Motion
 
 
-def motion_of(row: Controller, data: bytes, interpolation: str | None = None, unit: str = "mm") -> ReadMotion:
-    """The motion of a file, a turn of its master being 360°. Raises KindynaError where it is none, or does not begin at 0."""
-    found = read(row, data)
+def read_motion(row: Controller, data: bytes, interpolation: str | None = None, unit: str = "mm") -> ControllerMotion:
+    """The motion of a file, one turn of its master being 360°. Raises KindynaError where it is none, or does not start at 0."""
+    contents = read_file(row, data)
     words = {word: name for name, word in row.words.items()}
-    if found.word and found.word not in words:
-        raise KindynaError(f"{row.slug}: {found.word} between its rows; allowed: {' | '.join(words)}")
-    kind = row.chosen(interpolation or words.get(found.word))
-    if kind == "zebra" and found.slave.size % 2:
-        raise KindynaError(f"{row.slug}: {found.slave.size} rows; allowed: an even number, segments in pairs")
-    per_turn = _turn(row, found)
-    table = read_back(row, found, per_turn)
+    if contents.word and contents.word not in words:
+        raise KindynaError(f"{row.slug}: interpolation {contents.word}: unknown; allowed: {' | '.join(words)}")
+    kind = row.select_interpolation(interpolation or words.get(contents.word))
+    if kind == "zebra" and contents.slave.size % 2:
+        raise KindynaError(f"{row.slug}: {contents.slave.size} rows; allowed: an even number, segments in pairs")
+    per_turn = _turn(row, contents)
+    table = table_from_file(row, contents, per_turn)
     if abs(table.x[0]) > 1e-9 or abs(table.x[-1] - TURN) > 1e-6:
         raise KindynaError(
             f"{row.slug}: the master runs from {table.x[0]:.9g} to {table.x[-1]:.9g} deg; allowed: from 0, one turn"
@@ -58,35 +58,37 @@ def motion_of(row: Controller, data: bytes, interpolation: str | None = None, un
     gain = float(table.states[0, -1] - table.states[0, 0])
     gain = gain if abs(gain) > 1e-9 else 0.0
     segments = _polynomials(kind, table, gain) if kind in POLYNOMIALS else _pairs(table, kind, gain)
-    return ReadMotion(row, kind, found.slave.size, Motion(float(table.states[0, 0]), segments, unit, gain or None))
+    return ControllerMotion(
+        row, kind, contents.slave.size, Motion(float(table.states[0, 0]), segments, unit, gain or None)
+    )
 
 
-def _turn(row: Controller, found: FileTable) -> float:
-    """Units of the master in a turn: as the file says, or as far as its rows go where both ends of the turn have one."""
-    if found.range is not None and (row.closing or "master" not in row.columns):
-        return found.range[1] - found.range[0]
+def _turn(row: Controller, contents: FileTable) -> float:
+    """Master units in a turn: as the file states, or the range of its rows where both ends of the turn have one."""
+    if contents.range is not None and (row.has_both_ends or "master" not in row.columns):
+        return contents.range[1] - contents.range[0]
     return TURN
 
 
 def _polynomials(kind: str, table: Table, gain: float) -> tuple[Segment, ...]:
     h, coefficients = np.diff(table.x), KINDS[kind].coefficients(table)
-    starts, ends = evaluated(coefficients, np.zeros(h.size)), evaluated(coefficients, h)
+    starts, ends = evaluate(coefficients, np.zeros(h.size)), evaluate(coefficients, h)
     rises = np.diff(table.states[0])
-    made = []
+    segments = []
     for span, rise, a, b in zip(
         _closing(h, TURN), _closing(rises, gain), starts.T.tolist(), ends.T.tolist(), strict=True
     ):
-        made.append(Segment(span, rise, PolynomialCurve(PolynomialEnd(a[1], a[2]), PolynomialEnd(b[1], b[2]))))
-    return tuple(made)
+        segments.append(Segment(span, rise, PolynomialCurve(PolynomialEnd(a[1], a[2]), PolynomialEnd(b[1], b[2]))))
+    return tuple(segments)
 
 
 def _closing(values: np.ndarray, total: float) -> list[float]:
-    """Values whose sum is exactly this, where rounding alone keeps it from being so."""
-    made: list[float] = values.tolist()
-    missing = fsum([total, *(-value for value in made)])
+    """Values corrected to the exact total, where they differ from it by rounding."""
+    result: list[float] = values.tolist()
+    missing = fsum([total, *(-value for value in result)])
     if abs(missing) <= 1e-9:
-        made[int(np.argmax(values))] += missing
-    return made
+        result[int(np.argmax(values))] += missing
+    return result
 
 
 def _pairs(table: Table, kind: str, rise: float) -> tuple[Segment, ...]:
@@ -100,35 +102,35 @@ def _pairs(table: Table, kind: str, rise: float) -> tuple[Segment, ...]:
     return (Segment(TURN, rise, TableCurve(tuple(points))),)
 
 
-def put_into(design: Design, found: ReadMotion) -> Design:
+def with_controller_motion(design: Design, source: ControllerMotion) -> Design:
     """The design with this motion."""
     require_motion(design)
-    return without_marks(with_motion(design, found.motion))
+    return without_marks(with_motion(design, source.motion))
 
 
-def motion_facts(found: ReadMotion) -> dict[str, Any]:
-    """As ``measured --controller --json`` prints them."""
-    begins = np.concatenate(([0.0], np.cumsum([each.span_deg for each in found.motion.segments])))
+def motion_facts(source: ControllerMotion) -> dict[str, Any]:
+    """Facts about the motion for ``measured --controller --json``."""
+    starts = np.concatenate(([0.0], np.cumsum([segment.span_deg for segment in source.motion.segments])))
     return {
-        "controller": found.controller.slug,
-        "interpolation": found.interpolation,
-        "rows": found.rows,
-        "start": found.motion.start,
+        "controller": source.controller.slug,
+        "interpolation": source.interpolation,
+        "rows": source.rows,
+        "start": source.motion.start,
         "segments": [
-            {"law": each.curve.law, "start_deg": begin, "span_deg": each.span_deg, "rise": each.rise}
-            for begin, each in zip(begins.tolist(), found.motion.segments, strict=False)
+            {"law": segment.curve.law, "start_deg": start, "span_deg": segment.span_deg, "rise": segment.rise}
+            for start, segment in zip(starts.tolist(), source.motion.segments, strict=False)
         ],
-        "open": list(found.controller.open),
+        "open": list(source.controller.open),
     }
 
 
-def motion_text(found: ReadMotion) -> str:
-    """The same for the terminal."""
-    count, law = len(found.motion.segments), found.motion.segments[0].curve.law
+def motion_text(source: ControllerMotion) -> str:
+    """Facts about the motion for the terminal."""
+    count, law = len(source.motion.segments), source.motion.segments[0].curve.law
     lines = [
-        f"{found.rows} rows of {found.controller.label}, {found.interpolation}: {count} segment{'s' * (count > 1)} {law}"
+        f"{source.rows} rows of {source.controller.label}, {source.interpolation}: {count} segment{'s' * (count > 1)} {law}"
     ]
-    return "\n".join([*lines, *(f"open: {each}" for each in found.controller.open)]) + "\n"
+    return "\n".join([*lines, *(f"open: {text}" for text in source.controller.open)]) + "\n"
 
 
-__all__ = ["ReadMotion", "motion_facts", "motion_of", "motion_text", "put_into"]
+__all__ = ["ControllerMotion", "motion_facts", "motion_text", "read_motion", "with_controller_motion"]

@@ -9,18 +9,19 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from core.errors import KindynaError, NoAnswer
+from core.errors import KindynaError, NoSolution
 from core.findings import Finding, Residual
 from core.frozen import frozen
 from core.motion.extremes import Extreme
 from core.output.channels import channels, existing
-from core.output.explain.letters import Letter, first
-from core.output.explain.shaft_workings import FIGURES, Figure, shaft_columns
-from core.output.explain.workings import working_of
+from core.output.explain.shaft import FIGURES, has_figure, shaft_columns
+from core.output.explain.workings import calculation_of
 from core.output.lines import columns, digits
 from core.study import Quantity, Study, certificate_of, extremes_of
-from core.study.extremes import exists, is_unlimited
-from core.study.quantities import member_of, shape_of
+from core.study.extremes import has_quantity, is_unlimited
+from core.study.formulas import FORMULAS
+from core.study.letters import keys_of, letters_of
+from core.study.symbols import Letter, first
 
 # -- where a number comes from ----------------------------------------------------------------------------------
 
@@ -37,7 +38,8 @@ class Explanation:
     quantity  column of its table, or name of a figure of the summary; label: in words
     value     in the unit; infinite where it grows without limit
     at_deg    cam or crank angle [deg]; None of a figure of the whole turn
-    lines     its equation first, then those of letters in it that have one of their own
+    law       the equation as the report prints it, with equations of symbols in it
+    lines     the form that is evaluated with the values of the letters
     source    paper and number, or what it follows from
     letters   with their values there; none where it grows without limit
     residual  of the certificate, the one that comes nearest to its bound among those of its stage; None where none is known
@@ -48,11 +50,17 @@ class Explanation:
     value: float
     unit: str
     at_deg: float | None
+    law: tuple[str, ...]
     lines: tuple[str, ...]
     source: str
     letters: tuple[Letter, ...]
     residual: tuple[str, Residual] | None
     why: str = ""
+
+    @property
+    def equations(self) -> tuple[str, ...]:
+        """The law, then the form that is evaluated where it is another."""
+        return tuple(dict.fromkeys((*self.law, *self.lines)))
 
     def headline(self, most: int) -> str:
         """What it is, where and how much, with so many digits; and why it is infinite where it is."""
@@ -65,15 +73,14 @@ class Explanation:
 def explained(study: Study, name: str, at_deg: float | None = None) -> Explanation:
     """The quantity of a column, or a figure of the summary; at_deg: without, at the angle of its largest absolute value.
 
-    Raises KindynaError for what this design does not have, and an angle at which it does not stand; NoAnswer as its stage does.
+    Raises KindynaError for what this design does not have, and an angle at which it does not stand; NoSolution as its stage does.
     """
-    figure = FIGURES.get(name)
-    if figure is not None and figure.exists(study):
-        return _of_figure(study, name, figure)
+    if has_figure(study, name):
+        return _figure(study, name)
     if study.design.listed:
-        return _of_shaft(study, name, at_deg)
+        return _shaft_column(study, name, at_deg)
     row = next((row for row in channels(study.design) if row.slug == name), None)
-    if row is None or not exists(study, row):
+    if row is None or not has_quantity(study, row):
         raise KindynaError(
             f"explain {name}: this design has no such quantity; allowed: {', '.join(explainable(study))}"
         )
@@ -84,19 +91,30 @@ def explained(study: Study, name: str, at_deg: float | None = None) -> Explanati
         there = study.at_theta(np.array([math.radians(angle)]))
     else:
         there = _standing(study.at_theta, row.values, largest.theta, largest.value / row.unit.factor)
-    working = working_of(there, shape_of(row.name), member_of(row.name))
+    calculation = calculation_of(there, row)
     value = float(row.values(there)[0])
     if largest is not None and not math.isfinite(largest.value):
         value = largest.value
     elif is_unlimited(study, row.name, math.radians(angle)):
         value = math.copysign(math.inf, value)
-    lines, letters, why = working.lines, working.letters, ""
+    letters, why = calculation.letters, ""
     if not math.isfinite(value):
         letters, why = (), _why_infinite(study, row)
     elif not all(math.isfinite(each.value) for each in letters):
         raise KindynaError(f"explain {name} --at {angle:g}: it has no value there; {_why_infinite(study, row)}")
+    assert row.formula is not None, row.name
     return Explanation(
-        row.slug, row.label, value, row.unit.symbol, angle, lines, row.source, letters, _proof(study, row.stage), why
+        row.slug,
+        row.label,
+        value,
+        row.unit.symbol,
+        angle,
+        row.formula.lines,
+        calculation.lines,
+        row.source,
+        letters,
+        _proof(study, row.stage),
+        why,
     )
 
 
@@ -107,7 +125,7 @@ def explainable(study: Study) -> list[str]:
         if study.design.listed
         else [row.slug for row in existing(study, channels(study.design))]
     )
-    return [*rows, *(name for name, figure in FIGURES.items() if figure.exists(study))]
+    return [*rows, *(name for name in FIGURES if has_figure(study, name))]
 
 
 def labels_of(study: Study) -> dict[str, str]:
@@ -116,7 +134,7 @@ def labels_of(study: Study) -> dict[str, str]:
     return columns | {name: figure.label for name, figure in FIGURES.items()}
 
 
-def _of_shaft(study: Study, name: str, at_deg: float | None) -> Explanation:
+def _shaft_column(study: Study, name: str, at_deg: float | None) -> Explanation:
     """The torque of all that turns on one shaft by the machine's angle, and that of one drive."""
     columns = shaft_columns(study)
     if name not in columns:
@@ -131,16 +149,17 @@ def _of_shaft(study: Study, name: str, at_deg: float | None) -> Explanation:
     else:
         _require_angle(at_deg)
         angle, there = at_deg, camshaft.at_theta(np.radians([at_deg]))
-    working = column.working(there)
+    calculation, formula = column.calculation(there), FORMULAS["torque_nm"]
     return Explanation(
         name,
         column.label,
         first(column.values(there)) / column.unit.factor,
         column.unit.symbol,
         angle,
-        working.lines,
-        "one shaft: T(θ) = Σ T_k(θ - θ_k)",
-        working.letters,
+        formula.lines,
+        calculation.lines,
+        formula.source,
+        calculation.letters,
         _proof(study, "dynamics"),
     )
 
@@ -150,18 +169,19 @@ def _require_angle(angle: float) -> None:
         raise KindynaError(f"explain --at {angle:g}: angle of the turn; allowed: 0 to 360 deg")
 
 
-def _of_figure(study: Study, name: str, figure: Figure) -> Explanation:
-    letters = figure.letters(study)
-    value = figure.value(study) / figure.unit.factor
+def _figure(study: Study, name: str) -> Explanation:
+    """The explanation of a figure of the whole turn."""
+    figure, formula = FIGURES[name], FORMULAS[name]
     return Explanation(
         name,
         figure.label,
-        value,
+        figure.value(study) / figure.unit.factor,
         figure.unit.symbol,
         None,
-        (figure.line,),
-        figure.source,
-        letters,
+        formula.lines,
+        (formula.evaluated,),
+        formula.source,
+        letters_of(study, keys_of(formula)),
         _proof(study, "dynamics"),
     )
 
@@ -200,7 +220,7 @@ def _proof(study: Study, stage: str) -> tuple[str, Residual] | None:
     """The residual of a stage that comes nearest to its bound."""
     try:
         rows = certificate_of(study, (stage,))
-    except NoAnswer:
+    except NoSolution:
         return None
     return max(rows.items(), key=lambda row: row[1].value / (row[1].bound or 1.0), default=None)
 
@@ -215,6 +235,7 @@ def as_row(made: Explanation) -> Mapping[str, Any]:
         "value": made.value,
         "unit": made.unit,
         "at_deg": made.at_deg,
+        "law": list(made.law),
         "equation": list(made.lines),
         "source": made.source,
         "symbols": [
@@ -235,7 +256,7 @@ def as_row(made: Explanation) -> Mapping[str, Any]:
 
 def as_text(made: Explanation) -> str:
     """For the terminal."""
-    head = [made.headline(9), *(f"  {line}" for line in made.lines)]
+    head = [made.headline(9), *(f"  {line}" for line in made.equations)]
     rows = [(each.symbol, digits(each.value, 9), each.unit, each.meaning, each.origin) for each in made.letters]
     proof = (
         []

@@ -1,4 +1,4 @@
-"""Dimensions of the view: a text beside the view with a leader to what it names, placed so that nothing lies over another."""
+"""Drawing of a cam: the view with its dimensions, tables of points and dimensions, and a title block."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from core.cam import form_row, keyway_unknown
 from core.frozen import frozen
 from core.materials import MATERIALS
 from core.numerics.derivatives import cross
-from core.output.files.made import touching
+from core.output.files.fitted_curve import contact_face
 from core.output.files.profile_files import LAYERS, SENSES
 from core.output.files.profile_files import LineShape as Edge
 from core.output.files.sheet import (
@@ -27,9 +27,9 @@ from core.output.files.sheet import (
     ArrowHead,
     BezierLoop,
     Box,
+    CamDimensions,
     DrawingRequest,
     DrawingSheet,
-    Figures,
     Item,
     Logo,
     PaperLayout,
@@ -38,10 +38,10 @@ from core.output.files.sheet import (
     SheetLine,
     SheetLogo,
     SheetText,
+    cam_dimensions,
     extent,
-    figures,
     layout,
-    logo_of,
+    read_logo,
     scale_for,
 )
 from core.output.lines import printable
@@ -50,26 +50,25 @@ from core.study import Study
 # -- dimensions of the view -------------------------------------------------------------------------------------
 
 
-WIDE = 0.84  # mean width of a letter, of the height of its capitals
-ROUNDS = 3  # in which every text looks for a better place
-CROSSING, COVERING, NEARNESS = (
-    1e3,
-    1e4,
-    40.0,
-)  # what is worst: texts over lines; then lines over lines; then leaders that lie close
-TIP = 0.02  # of a leader: where it may touch the outline
-ABOVE, BELOW = (2.1, 0.5), (-1.5, -3.1)  # baselines of two lines beyond a shoulder, in heights of capitals
-CLOSE = 3.0  # mm between a leader and another's tip
+WIDE = 0.84  # mean width of a character, relative to the height of capitals
+ROUNDS = 3  # in which every text may change its tip
+CROSSING, COVERING, NEARNESS = 1e3, 1e4, 40.0  # costs: lines across lines, texts over lines, leaders close together
+TIP = 0.02  # part of a leader at its tip that may cross the outline
+ABOVE, BELOW = (2.1, 0.5), (-1.5, -3.1)  # baselines of two lines above and below a shoulder, in heights of capitals
+CLOSE = 3.0  # mm between a leader and the tip of another
 
 Segment = tuple[complex, complex]
 
 
 @frozen
 class Callout:
-    """
-    lines   of text, both beyond the leader's shoulder, so that no leader runs through them
-    tips    where its arrow may point: places on the sheet [mm]
-    centre  of a radius, which is drawn from there to the tip; None where the arrow comes from outside
+    """A dimension with a leader.
+
+    Attributes
+    ----------
+    lines : both lines of text, beyond the leader's shoulder, so that no leader crosses them
+    tips : possible points of the arrow on the sheet [mm]
+    centre : start of the line of a radius [mm]; None where the arrow comes from outside
     """
 
     lines: tuple[str, ...]
@@ -77,13 +76,13 @@ class Callout:
     centre: complex | None = None
 
     def width(self, height: float) -> float:
-        """Room of its texts [mm]."""
+        """Width of the texts [mm] for a height of the capitals [mm]."""
         return WIDE * height * max(len(line) for line in self.lines) + height
 
 
 @frozen
-class _Placed:
-    """A callout at one of its tips; its leader comes from ``end`` of its shoulder."""
+class _PlacedCallout:
+    """A callout at one of its tips; its leader begins at ``end`` of its shoulder."""
 
     callout: Callout
     tip: complex
@@ -97,87 +96,97 @@ class _Placed:
 
 
 @frozen
-class Surroundings:
-    """Where callouts are placed: along the top and the foot of ``field``, on the side of ``middle`` (y) where their tips are;
-    height of their letters [mm]; ``kept``: lines that no leader shall cross; ``edge`` (n,): the closed outline of the part, which
-    none shall cross without need."""
+class CalloutField:
+    """Field in which callouts are placed, above or below the view.
+
+    Attributes
+    ----------
+    field : rectangle with the callouts along its upper and lower edge
+    middle : y that separates the tips of the upper from those of the lower callouts [mm]
+    height : height of the capitals [mm]
+    obstacles : lines that no leader may cross
+    edge : (n,) complex points of the closed outline of the part [mm], which leaders cross only where necessary
+    """
 
     field: Box
     middle: float
     height: float
-    kept: Sequence[Segment]
+    obstacles: Sequence[Segment]
     edge: np.ndarray
 
     @property
     def rows(self) -> Box:
-        """Its top and foot are where shoulders lie."""
+        """Rectangle whose upper and lower edge are the shoulders."""
         texts = 4.0 * self.height
         return Box(self.field.left, self.field.bottom + texts, self.field.right, self.field.top - texts)
 
-    def entered(self, end: complex, tip: complex) -> int:
-        """How often a leader crosses the outline, its tip aside."""
+    def crossings(self, end: complex, tip: complex) -> int:
+        """Number of crossings of a leader with the outline, its tip excluded."""
         a, along = end, (1.0 - TIP) * (tip - end)
         c, d = self.edge, np.roll(self.edge, -1)
-        apart = (cross(along, c - a) > 0.0) != (cross(along, d - a) > 0.0)
-        return int(np.count_nonzero(apart & ((cross(d - c, a - c) > 0.0) != (cross(d - c, a + along - c) > 0.0))))
+        is_separated = (cross(along, c - a) > 0.0) != (cross(along, d - a) > 0.0)
+        return int(
+            np.count_nonzero(is_separated & ((cross(d - c, a - c) > 0.0) != (cross(d - c, a + along - c) > 0.0)))
+        )
 
 
-def callouts(wanted: Sequence[Callout], around: Surroundings) -> list[Item]:
-    """All of them drawn.
+def callouts(requested: Sequence[Callout], around: CalloutField) -> list[Item]:
+    """Leaders and texts of all callouts.
 
-    Each tries its tips in turn and keeps the one with which leaders cross least, others' choices standing, until none changes.
+    For each callout in turn the tip is chosen with which leaders cross least, until no choice changes.
     """
-    chosen = [0] * len(wanted)
+    chosen = [0] * len(requested)
 
     def cost(choice: Sequence[int]) -> float:
-        return _cost(_placed_callouts(wanted, choice, around), around)
+        return _cost(_placed_callouts(requested, choice, around), around)
 
-    order = sorted(range(len(wanted)), key=lambda i: len(wanted[i].tips))
+    order = sorted(range(len(requested)), key=lambda i: len(requested[i].tips))
     for _ in range(ROUNDS):
         before = list(chosen)
         for i in order:
-            chosen[i] = min(range(len(wanted[i].tips)), key=lambda tip: cost([*chosen[:i], tip, *chosen[i + 1 :]]))
+            chosen[i] = min(range(len(requested[i].tips)), key=lambda tip: cost([*chosen[:i], tip, *chosen[i + 1 :]]))
         if chosen == before:
             break
-    return [item for each in _placed_callouts(wanted, chosen, around) for item in _drawn(each, around.height)]
+    return [item for placed in _placed_callouts(requested, chosen, around) for item in _items(placed, around.height)]
 
 
-def _placed_callouts(wanted: Sequence[Callout], choice: Sequence[int], around: Surroundings) -> list[_Placed]:
-    """Texts in their rows above and below, in the order of their tips from left to right, as near to them as there is room."""
-    made, rows, height = [], around.rows, around.height
-    for y, above in ((rows.top, True), (rows.bottom, False)):
-        here = []
-        for each, tip in zip(wanted, [each.tips[i] for each, i in zip(wanted, choice, strict=True)], strict=True):
-            if (tip.imag >= around.middle) == above:
-                end, width = _best_end(tip, each.centre, rows, y), each.width(height)
+def _placed_callouts(requested: Sequence[Callout], choice: Sequence[int], around: CalloutField) -> list[_PlacedCallout]:
+    """Texts in rows above and below the view, in the order of their tips, as near to them as possible."""
+    placed, rows, height = [], around.rows, around.height
+    for y, is_above in ((rows.top, True), (rows.bottom, False)):
+        row = []
+        for callout, i in zip(requested, choice, strict=True):
+            tip = callout.tips[i]
+            if (tip.imag >= around.middle) == is_above:
+                end, width = _best_end(tip, callout.centre, rows, y), callout.width(height)
                 begin = end - width if tip.real < rows.middle.real else end
-                here.append((end, begin, width, tip, each))
-        here.sort(key=lambda row: row[:2])
-        starts = _in_a_row([begin for _, begin, *_ in here], [width for _, _, width, *_ in here], rows, 2.0 * height)
-        for (_, _, width, tip, each), start in zip(here, starts, strict=True):
+                row.append((end, begin, width, tip, callout))
+        row.sort(key=lambda entry: entry[:2])
+        starts = _without_overlap([entry[1] for entry in row], [entry[2] for entry in row], rows, 2.0 * height)
+        for (_, _, width, tip, callout), start in zip(row, starts, strict=True):
             shoulder = complex(start, y), complex(start + width, y)
-            made.append(_Placed(each, tip, shoulder, min(shoulder, key=partial(_detour, tip, around))))
-    return made
+            placed.append(_PlacedCallout(callout, tip, shoulder, min(shoulder, key=partial(_detour, tip, around))))
+    return placed
 
 
-def _detour(tip: complex, around: Surroundings, end: complex) -> tuple[int, float]:
-    """How often a leader from that end crosses the outline, and how long it is."""
-    return around.entered(end, tip), abs(end - tip)
+def _detour(tip: complex, around: CalloutField, end: complex) -> tuple[int, float]:
+    """Number of crossings of a leader from that end with the outline, and its length."""
+    return around.crossings(end, tip), abs(end - tip)
 
 
 def _best_end(tip: complex, centre: complex | None, rows: Box, y: float) -> float:
-    """Where a leader would best reach its text: where the radius meets the row, else a little outside of the tip."""
+    """Best x for the start of a leader: where the radius meets the row, else a little outside of the tip."""
     if centre is not None and abs(tip.imag - centre.imag) > 1e-6:
         along = (tip - centre) / (tip.imag - centre.imag)
         return min(max((centre + along * (y - centre.imag)).real, rows.left), rows.right)
     return tip.real + 0.4 * (tip.real - rows.middle.real)
 
 
-def _in_a_row(wanted: Sequence[float], widths: Sequence[float], rows: Box, gap: float) -> list[float]:
-    """Left ends of texts that shall begin there, moved apart and into the row."""
+def _without_overlap(requested: Sequence[float], widths: Sequence[float], rows: Box, gap: float) -> list[float]:
+    """Left ends of texts, shifted from the requested ones until they neither overlap nor leave the row."""
     starts: list[float] = []
     edge = rows.left
-    for begin, width in zip(wanted, widths, strict=True):
+    for begin, width in zip(requested, widths, strict=True):
         starts.append(max(edge, begin))
         edge = starts[-1] + width + gap
     edge = rows.right
@@ -187,47 +196,47 @@ def _in_a_row(wanted: Sequence[float], widths: Sequence[float], rows: Box, gap: 
     return starts
 
 
-def _cost(placed: Sequence[_Placed], around: Surroundings) -> float:
+def _cost(placed: Sequence[_PlacedCallout], around: CalloutField) -> float:
     total = 0.0
-    for each in placed:
-        total += sum(abs(b - a) for a, b in each.segments)
-        total += CROSSING * sum(_crosses(segment, other) for segment in each.segments for other in around.kept)
-        total += CROSSING * around.entered(each.end, each.tip)
-        total += COVERING * max(0.0, around.field.left - each.shoulder[0].real)
-    for one, other in combinations(placed, 2):
-        total += CROSSING * sum(_crosses(a, b) for a in one.segments for b in other.segments)
-        total += NEARNESS * (_beside(one, other.tip) + _beside(other, one.tip))
-        total += COVERING * sum(_crosses(a, other.shoulder) for a in one.segments)
-        total += COVERING * sum(_crosses(b, one.shoulder) for b in other.segments)
+    for callout in placed:
+        total += sum(abs(b - a) for a, b in callout.segments)
+        total += CROSSING * sum(_crosses(segment, line) for segment in callout.segments for line in around.obstacles)
+        total += CROSSING * around.crossings(callout.end, callout.tip)
+        total += COVERING * max(0.0, around.field.left - callout.shoulder[0].real)
+    for first, second in combinations(placed, 2):
+        total += CROSSING * sum(_crosses(a, b) for a in first.segments for b in second.segments)
+        total += NEARNESS * (_is_near(first, second.tip) + _is_near(second, first.tip))
+        total += COVERING * sum(_crosses(a, second.shoulder) for a in first.segments)
+        total += COVERING * sum(_crosses(b, first.shoulder) for b in second.segments)
     return total
 
 
-def _beside(one: _Placed, tip: complex) -> bool:
-    return any(_distance(segment, tip) < CLOSE for segment in one.segments)
+def _is_near(placed: _PlacedCallout, tip: complex) -> bool:
+    return any(_distance(segment, tip) < CLOSE for segment in placed.segments)
 
 
 def _distance(segment: Segment, point: complex) -> float:
     a, b = segment
-    along, away = b - a, point - a
-    part = (away * along.conjugate()).real / max(abs(along) ** 2, 1e-12)
-    return abs(away - min(max(part, 0.0), 1.0) * along)
+    along, offset = b - a, point - a
+    part = (offset * along.conjugate()).real / max(abs(along) ** 2, 1e-12)
+    return abs(offset - min(max(part, 0.0), 1.0) * along)
 
 
-def _crosses(one: Segment, other: Segment) -> bool:
-    """Whether two segments cross inside; those that begin at the same place do not."""
-    (a, b), (c, d) = one, other
+def _crosses(first: Segment, second: Segment) -> bool:
+    """Whether two segments cross inside; segments with a common end do not."""
+    (a, b), (c, d) = first, second
     if {a, b} & {c, d}:
         return False
-    return _side(a, b, c) * _side(a, b, d) < 0.0 and _side(c, d, a) * _side(c, d, b) < 0.0
+    return _orientation(a, b, c) * _orientation(a, b, d) < 0.0 and _orientation(c, d, a) * _orientation(c, d, b) < 0.0
 
 
-def _side(a: complex, b: complex, c: complex) -> float:
-    """Positive where c is to the left of the way from a to b."""
+def _orientation(a: complex, b: complex, c: complex) -> float:
+    """Positive where c is to the left of the line from a to b."""
     return ((b - a).conjugate() * (c - a)).imag
 
 
-def _drawn(each: _Placed, height: float) -> list[Item]:
-    (left, right), end, tip, centre = each.shoulder, each.end, each.tip, each.callout.centre
+def _items(placed: _PlacedCallout, height: float) -> list[Item]:
+    (left, right), end, tip, centre = placed.shoulder, placed.end, placed.tip, placed.callout.centre
     items: list[Item] = [SheetLine((right if end == left else left, end, tip), THIN)]
     origin = end if centre is None else centre
     if centre is not None:
@@ -236,7 +245,7 @@ def _drawn(each: _Placed, height: float) -> list[Item]:
     room = (right - left).real - 0.5 * height
     middle = 0.5 * (left + right)
     heights = ABOVE if tip.imag < end.imag else BELOW
-    for line, y in zip(each.callout.lines, heights, strict=True):
+    for line, y in zip(placed.callout.lines, heights, strict=True):
         items.append(SheetText(middle + 1j * y * height, line, height, room, 0.5))
     return items
 
@@ -244,35 +253,35 @@ def _drawn(each: _Placed, height: float) -> list[Item]:
 # -- the tables of a drawing ------------------------------------------------------------------------------------
 
 
-SMALL, LETTERS = 1.7, 2.3  # mm on A4: heights of texts in tables, and of what stands alone
-ROW, GAP, PAD = 3.75, 3.0, 1.0  # mm on A4: height of a row, between tables, beside a text
-TITLE_ROW, LABEL = 7.6, 1.3  # mm on A4: of the title block, height of the names of its fields
-BASE = 0.29  # of a row: the baseline above its foot
+SMALL, LARGE = 1.7, 2.3  # mm on A4: heights of texts in tables and of other texts
+ROW, GAP, PAD = 3.75, 3.0, 1.0  # mm on A4: height of a row, between tables, left and right of a text
+TITLE_ROW, LABEL = 7.6, 1.3  # mm on A4: rows of the title block, height of the names of its fields
+BASE = 0.29  # baseline above the lower edge of a row, relative to its height
 DECIMALS = 3
-LOGO = ""  # the name of a field in which it stands
+LOGO = ""  # name of the field of the logo
 
 HALVES = (0.19, 0.405, 0.405)  # widths of the columns of a half of the table of points
 DIMENSIONS = (0.45, 0.19, 0.15, 0.21)
 
 
 def number(value: float, decimals: int = DECIMALS) -> str:
-    """A length or an angle, without zeros at its end and without minus zero."""
+    """A length or an angle without trailing zeros and without minus zero."""
     text = f"{value:.{decimals}f}".rstrip("0").rstrip(".")
     return "0" if text == "-0" else text
 
 
-def fixed(value: float) -> str:
-    """With all decimals, as in a column."""
+def fixed_decimals(value: float) -> str:
+    """A length or an angle with all decimals, for a column."""
     return f"{value:.{DECIMALS}f}"
 
 
 def _bearing(degrees: float) -> float:
-    """What rounds to 360 is 0."""
+    """An angle [deg] in which 360 after rounding becomes 0."""
     return float(round(degrees, DECIMALS) % 360.0)
 
 
 def _grid(box: Box, widths: Sequence[float], rows: int) -> Iterator[Item]:
-    """Frame, a thin line below each row and between columns; widths are parts of the box."""
+    """A frame, thin lines between rows and columns; widths are parts of the box."""
     yield SheetLine(box.corners, FRAME)
     for i in range(1, rows):
         y = box.top - box.height * i / rows
@@ -305,64 +314,70 @@ def _table(
     yield from _cells(box, widths, rows, unit, left)
 
 
-def points_table(values: Figures, layout: PaperLayout) -> tuple[float, list[Item]]:
-    """Cam angle, radius and polar angle at every 10 degrees, in two halves; and where it ends."""
+def points_table(values: CamDimensions, layout: PaperLayout) -> tuple[float, list[Item]]:
+    """Lower end of the table of points, and its items: cam angle, radius, polar angle every 10 degrees, in two halves."""
     unit, column = layout.unit, layout.column
-    head = ("cam °", "radius mm", "polar °")
-    rows = [(number(angle), fixed(radius), fixed(_bearing(polar))) for angle, radius, polar in values.table]
+    header = ("cam °", "radius mm", "polar °")
+    rows = [
+        (number(angle), fixed_decimals(radius), fixed_decimals(_bearing(polar)))
+        for angle, radius, polar in values.table
+    ]
     half = len(rows) // 2
     bottom = column.top - (half + 1) * ROW * unit
     middle = 0.5 * (column.left + column.right)
     boxes = Box(column.left, bottom, middle, column.top), Box(middle, bottom, column.right, column.top)
     items: list[Item] = []
     for box, part in zip(boxes, (rows[:half], rows[half:]), strict=True):
-        items += _table(box, HALVES, [head, *part], unit)
+        items += _table(box, HALVES, [header, *part], unit)
     return bottom, items
 
 
-def _placed_cells(label: str, place: ProfilePoint | None) -> tuple[str, ...]:
-    return (label, "none", "", "") if place is None else (label, number(place.value), number(place.cam_angle_deg), "")
+def _extreme_cells(label: str, extreme: ProfilePoint | None) -> tuple[str, ...]:
+    return (
+        (label, "none", "", "")
+        if extreme is None
+        else (label, number(extreme.value), number(extreme.cam_angle_deg), "")
+    )
 
 
-def dimension_rows(values: Figures) -> list[tuple[str, ...]]:
-    """Name, millimetres or degrees, cam angle, and an empty field for the tolerance."""
-    known = (
+def dimension_rows(values: CamDimensions) -> list[tuple[str, ...]]:
+    """Rows of name, millimetres or degrees, cam angle, and an empty field for the tolerance."""
+    labels = (
         ("base_radius_mm", "Base radius"), ("bore_mm", "Bore ⌀"), ("hub_mm", "Hub ⌀"), ("keyway_width_mm", "Keyway width"),
         ("keyway_depth_mm", "Keyway depth, from the bore"), ("keyway_angle_deg", "Keyway angle, °"), ("thickness_mm", "Thickness"),
     )  # fmt: skip
-    wanted = (*values.cam, *keyway_unknown(values.job.study.design.drive.cam))
+    present = (*values.cam, *keyway_unknown(values.job.study.design.drive.cam))
     blank = [
         (label, number(values.cam[name]) if name in values.cam else "not given", "", "")
-        for name, label in known
-        if name in wanted
+        for name, label in labels
+        if name in present
     ]
     return [
         ("Dimension", "mm", "at cam °", "Tolerance"),
-        _placed_cells("Smallest radius", values.smallest),
-        _placed_cells("Largest radius", values.largest),
-        _placed_cells("Least convex radius of curvature", values.convex),
-        _placed_cells("Least concave radius of curvature", values.concave),
+        _extreme_cells("Smallest radius", values.smallest),
+        _extreme_cells("Largest radius", values.largest),
+        _extreme_cells("Least convex radius of curvature", values.convex),
+        _extreme_cells("Least concave radius of curvature", values.concave),
         *blank,
     ]
 
 
-def dimensions_table(values: Figures, layout: PaperLayout, top: float) -> tuple[float, list[Item]]:
-    """The dimensions, below ``top``; and where the table ends."""
+def dimensions_table(values: CamDimensions, layout: PaperLayout, top: float) -> tuple[float, list[Item]]:
+    """Lower end of the table of dimensions below ``top``, and its items."""
     rows, unit = dimension_rows(values), layout.unit
     box = Box(layout.column.left, top - len(rows) * ROW * unit, layout.column.right, top)
     return box.bottom, list(_table(box, DIMENSIONS, rows, unit, left=1))
 
 
 def mechanism_text(study: Study) -> str:
-    """What the cam moves, in a few words."""
-    drive = study.design.drive
-    return drive.label
+    """The mechanism of the drive in a few words."""
+    return study.design.drive.label
 
 
-def face_text(values: Figures) -> str:
-    """What touches the flank, with its radius, of which a play is no part."""
+def face_text(values: CamDimensions) -> str:
+    """The face that touches the flank, with its radius without play."""
     job = values.job
-    face, cam = touching(job.study, job.request), job.study.design.drive.cam
+    face, cam = contact_face(job.study, job.request), job.study.design.drive.cam
     first = job.request.flank == form_row(cam.form).flanks[0]
     radius = face.radius_mm - (0.0 if first else cam.form.play_mm)
     return f"{face.noun.capitalize()}{f', radius {number(radius)} mm' if radius else ''}"
@@ -373,15 +388,15 @@ def _material(study: Study) -> str:
     return "" if slug is None else MATERIALS[slug].name
 
 
-def title_rows(values: Figures, scale: str, request: DrawingRequest) -> list[list[tuple[str, str, float]]]:
-    """Rows of fields: name, what stands there, part of the width."""
+def title_rows(values: CamDimensions, scale: str, request: DrawingRequest) -> list[list[tuple[str, str, float]]]:
+    """Rows of fields of the title block: name, entry, part of the width."""
     study = values.job.study
     thickness = f"{number(values.cam['thickness_mm'])} mm" if "thickness_mm" in values.cam else ""
     flank = f"Cam profile, {values.job.request.flank} flank"
     date, author, company = map(printable, (request.date, request.author, request.company))
-    maker = [[("Company", company, 0.64), (LOGO, "", 0.36)]] if company.strip() or request.logo else []
+    company_row = [[("Company", company, 0.64), (LOGO, "", 0.36)]] if company.strip() or request.logo else []
     return [
-        *maker,
+        *company_row,
         [("Follower", mechanism_text(study), 0.5), ("Face", face_text(values), 0.5)],
         [
             ("Material", _material(study), 0.36),
@@ -394,247 +409,252 @@ def title_rows(values: Figures, scale: str, request: DrawingRequest) -> list[lis
 
 
 def title_block(
-    values: Figures, layout: PaperLayout, scale: str, request: DrawingRequest, logo: Logo | None = None
+    values: CamDimensions, layout: PaperLayout, scale: str, request: DrawingRequest, logo: Logo | None = None
 ) -> list[Item]:
-    """The title block in the lower right corner."""
+    """Title block in the lower right corner."""
     unit, column = layout.unit, layout.column
     rows = title_rows(values, scale, request)
     height = TITLE_ROW * unit
     items: list[Item] = []
     y = column.bottom
     for row in [[("Title", printable(values.job.study.design.name), 1.0)], *reversed(rows)]:
-        x, tall = column.left, height * (1.25 if len(row) == 1 else 1.0)
+        x, row_height = column.left, height * (1.25 if len(row) == 1 else 1.0)
         for label, text, width in row:
-            box = Box(x, y, x + width * column.width, y + tall)
-            items += _field(box, label, text, unit, LETTERS if len(row) > 1 else 1.5 * LETTERS)
+            box = Box(x, y, x + width * column.width, y + row_height)
+            items += _field(box, label, text, unit, LARGE if len(row) > 1 else 1.5 * LARGE)
             if label == LOGO and logo is not None:
                 edge = 0.6 * PAD * unit * (1.0 + 1.0j)
                 items.append(SheetLogo(box.corners[0] + edge, box.corners[2] - edge, logo))
             x = box.right
-        y += tall
+        y += row_height
     items.append(SheetLine(Box(column.left, column.bottom, column.right, y).corners, FRAME))
     return items
 
 
-def _field(box: Box, label: str, text: str, unit: float, letters: float) -> Iterator[Item]:
+def _field(box: Box, label: str, text: str, unit: float, height: float) -> Iterator[Item]:
     pad = PAD * unit
     yield SheetLine(box.corners, THIN)
     if label:
         top = complex(box.left + pad, box.top - pad - LABEL * unit)
         yield SheetText(top, label, LABEL * unit, box.width - 2.0 * pad)
     if text:
-        yield SheetText(complex(box.left + pad, box.bottom + 1.3 * pad), text, letters * unit, box.width - 2.0 * pad)
+        yield SheetText(complex(box.left + pad, box.bottom + 1.3 * pad), text, height * unit, box.width - 2.0 * pad)
 
 
 # -- the view of the cam along its shaft ------------------------------------------------------------------------
 
 
-SIDE, BAND = 13.0, 23.0  # mm on A4: free beside the cam, and above and below it for texts
-TEXTS_OFF = 25.0  # mm on A4: how far above and below the cam texts are at most
-MARGIN = 3.0  # mm on A4: free along the edge of the field
-BEYOND = 4.0  # mm on A4: how far centre lines run beyond what they halve
-TURN_FROM, TURN_BY = 155.0, 50.0  # degrees: where the arrow of the rotation is
-TURN_OFF = 6.5  # mm on A4: how far it is from the cam
-STEP, OFF_AXES = 15.0, 9.0  # degrees between places at which a circle may be named, and from the centre lines
+SIDE, BAND = 13.0, 23.0  # mm on A4: margins left and right of the cam, and above and below it for texts
+TEXTS_OFF = 25.0  # mm on A4: largest distance of texts above and below the cam
+MARGIN = 3.0  # mm on A4: along the edge of the field
+BEYOND = 4.0  # mm on A4: length of centre lines beyond the cam
+TURN_FROM, TURN_BY = 155.0, 50.0  # degrees: start and length of the arrow of rotation
+TURN_OFF = 6.5  # mm on A4: its distance from the cam
+STEP, OFF_AXES = 15.0, 9.0  # degrees between possible tips on a circle, and from the centre lines
 MOST_TIPS = 12
-EDGES = 60  # of the outline that leaders shall not cross
+EDGES = 60  # of the outline that leaders should not cross
 
 
 @frozen
 class ViewPlacement:
-    """Where the cam is on the sheet: its centre [mm], millimetres of paper per millimetre."""
+    """Position of the cam on the sheet: its centre [mm], and the scale, paper : cam."""
 
     centre: complex
     scale: float
 
     def __call__(self, z: complex) -> complex:
+        """Point on the sheet [mm] of a point of the cam [mm]."""
         return self.centre + self.scale * z
 
 
-def view(values: Figures, layout: PaperLayout) -> tuple[tuple[int, int], list[Item]]:
-    """The scale, paper : cam, and everything in the field of the view. Raises KindynaError for a cam too large for any scale."""
+def draw_view(values: CamDimensions, layout: PaperLayout) -> tuple[tuple[int, int], list[Item]]:
+    """The scale, paper : cam, and the items of the view. Raises KindynaError for a cam too large for any scale."""
     unit, field = layout.unit, layout.view
     low, high = extent(values.chains)
     size = high - low
     scale = scale_for(size.real, size.imag, (field.width - 2.0 * SIDE * unit, field.height - 2.0 * BAND * unit))
     factor = scale[0] / scale[1]
-    placing = ViewPlacement(field.middle - 0.5 * factor * (low + high), factor)
-    corner, other = placing(low), placing(high)
-    bounds = Box(corner.real, corner.imag, other.real, other.imag)
-    items: list[Item] = [BezierLoop(placing.centre + factor * chain.points) for chain in values.chains]
-    items += _circles(values, placing)
-    items += _edges(values, placing)
-    items += _axes(bounds, placing, BEYOND * unit)
-    zero, label = _zero(values, bounds, placing, unit)
-    turning, chord = _rotation(values, placing, unit)
+    placement = ViewPlacement(field.middle - 0.5 * factor * (low + high), factor)
+    corner, opposite = placement(low), placement(high)
+    bounds = Box(corner.real, corner.imag, opposite.real, opposite.imag)
+    items: list[Item] = [BezierLoop(placement.centre + factor * chain.points) for chain in values.chains]
+    items += _circles(values, placement)
+    items += _edges(values, placement)
+    items += _axes(bounds, placement, BEYOND * unit)
+    zero, label = _zero(values, bounds, placement, unit)
+    arrow, chord = _rotation(values, placement, unit)
     margin, off = MARGIN * unit, TEXTS_OFF * unit
-    room = Box(
+    callout_field = Box(
         field.left + margin,
         max(field.bottom + margin, bounds.bottom - off),
         field.right - margin,
         min(field.top - margin, bounds.top + off),
     )
     outline = max((chain.vertices for chain in values.chains), key=lambda z: float(np.abs(z).max()))
-    edge = placing.centre + factor * outline[:: max(1, outline.size // EDGES)]
-    named = callouts(
-        _callouts(values, placing), Surroundings(room, placing.centre.imag, LETTERS * unit, [label, *chord], edge)
+    edge = placement.centre + factor * outline[:: max(1, outline.size // EDGES)]
+    labels = callouts(
+        _callouts(values, placement),
+        CalloutField(callout_field, placement.centre.imag, LARGE * unit, [label, *chord], edge),
     )
-    return scale, [*items, *zero, *turning, *named]
+    return scale, [*items, *zero, *arrow, *labels]
 
 
-def _circles(values: Figures, placing: ViewPlacement) -> Iterator[Item]:
-    known = values.cam
-    if "base_radius_mm" in known:
-        yield SheetCircle(placing.centre, known["base_radius_mm"] * placing.scale, DASHED)
-    if "hub_mm" in known:
-        yield SheetCircle(placing.centre, 0.5 * known["hub_mm"] * placing.scale, OUTLINE)
-    if "bore_mm" in known:
+def _circles(values: CamDimensions, placement: ViewPlacement) -> Iterator[Item]:
+    given = values.cam
+    if "base_radius_mm" in given:
+        yield SheetCircle(placement.centre, given["base_radius_mm"] * placement.scale, DASHED)
+    if "hub_mm" in given:
+        yield SheetCircle(placement.centre, 0.5 * given["hub_mm"] * placement.scale, OUTLINE)
+    if "bore_mm" in given:
         start, span = 0.0, 360.0
-        if _keyway(values):  # where it opens the bore is no edge
-            half = degrees(asin(known["keyway_width_mm"] / known["bore_mm"]))
-            start, span = known["keyway_angle_deg"] + half, 360.0 - 2.0 * half
-        yield SheetCircle(placing.centre, 0.5 * known["bore_mm"] * placing.scale, OUTLINE, start, span)
+        if _keyway(values):  # the opening of the keyway is no edge
+            half = degrees(asin(given["keyway_width_mm"] / given["bore_mm"]))
+            start, span = given["keyway_angle_deg"] + half, 360.0 - 2.0 * half
+        yield SheetCircle(placement.centre, 0.5 * given["bore_mm"] * placement.scale, OUTLINE, start, span)
 
 
-def _keyway(values: Figures) -> list[Edge]:
-    """Its two sides and the bottom, none where it is not known."""
+def _keyway(values: CamDimensions) -> list[Edge]:
+    """Its sides and the bottom; empty where its dimensions are not given."""
     return [shape for shape in LAYERS["KEYWAY"].shapes(values.job) if isinstance(shape, Edge)]
 
 
-def _edges(values: Figures, placing: ViewPlacement) -> Iterator[Item]:
+def _edges(values: CamDimensions, placement: ViewPlacement) -> Iterator[Item]:
     for edge in _keyway(values):
-        yield SheetLine((placing(edge.start), placing(edge.end)), OUTLINE)
+        yield SheetLine((placement(edge.start), placement(edge.end)), OUTLINE)
 
 
-def _axes(bounds: Box, placing: ViewPlacement, beyond: float) -> Iterator[Item]:
-    centre = placing.centre
+def _axes(bounds: Box, placement: ViewPlacement, beyond: float) -> Iterator[Item]:
+    centre = placement.centre
     yield SheetLine((complex(bounds.left - beyond, centre.imag), complex(bounds.right + beyond, centre.imag)), CENTRE)
     yield SheetLine((complex(centre.real, bounds.bottom - beyond), complex(centre.real, bounds.top + beyond)), CENTRE)
 
 
-def _zero(values: Figures, bounds: Box, placing: ViewPlacement, unit: float) -> tuple[list[Item], Segment]:
-    """The angle-zero mark with its text, and where that stands."""
+def _zero(values: CamDimensions, bounds: Box, placement: ViewPlacement, unit: float) -> tuple[list[Item], Segment]:
+    """The angle-zero mark with its text, and the line that this text covers."""
     marks = [shape for shape in LAYERS["ZERO"].shapes(values.job) if isinstance(shape, Edge)]
-    height = LETTERS * unit
-    at = complex(bounds.right + (BEYOND + 1.0) * unit, placing.centre.imag - 0.5 * height)
+    height = LARGE * unit
+    at = complex(bounds.right + (BEYOND + 1.0) * unit, placement.centre.imag - 0.5 * height)
     room = (SIDE - BEYOND - 2.0) * unit
-    lines: list[Item] = [SheetLine((placing(mark.start), placing(mark.end)), OUTLINE) for mark in marks]
+    lines: list[Item] = [SheetLine((placement(mark.start), placement(mark.end)), OUTLINE) for mark in marks]
     return [*lines, SheetText(at, "0°", height, room)], (at, at + room)
 
 
-def _rotation(values: Figures, placing: ViewPlacement, unit: float) -> tuple[list[Item], list[Segment]]:
-    """An arc beside the cam with an arrow in the sense in which it turns, and its chord."""
+def _rotation(values: CamDimensions, placement: ViewPlacement, unit: float) -> tuple[list[Item], list[Segment]]:
+    """An arc next to the cam with an arrow in the sense of rotation, and its chord."""
     z = np.concatenate([chain.vertices for chain in values.chains])
     bearing = np.mod(np.degrees(np.angle(z)), 360.0)
-    beside = np.abs(bearing - TURN_FROM - 0.5 * TURN_BY) <= 0.5 * TURN_BY
-    radius = placing.scale * float(np.abs(z[beside]).max(initial=float(values.smallest.value))) + TURN_OFF * unit
+    is_in_arc = np.abs(bearing - TURN_FROM - 0.5 * TURN_BY) <= 0.5 * TURN_BY
+    radius = placement.scale * float(np.abs(z[is_in_arc]).max(initial=float(values.smallest.value))) + TURN_OFF * unit
     first, last = (cmath.rect(1.0, radians(angle)) for angle in (TURN_FROM, TURN_FROM + TURN_BY))
-    sense = values.job.study.sense
-    end = last if sense > 0.0 else first
-    length = 1.6 * LETTERS * unit
-    back = end * cmath.exp(-0.5j * sense * length / radius)  # along the chord of its own length
-    arrow = ArrowHead(placing.centre + radius * end, 1j * sense * back, length)
-    arc = SheetCircle(placing.centre, radius, THIN, TURN_FROM, TURN_BY)
-    return [arc, arrow], [(placing.centre + radius * first, placing.centre + radius * last)]
+    rotation_sign = values.job.study.sense
+    end = last if rotation_sign > 0.0 else first
+    length = 1.6 * LARGE * unit
+    back = end * cmath.exp(-0.5j * rotation_sign * length / radius)  # direction of the chord of the arrowhead
+    arrow = ArrowHead(placement.centre + radius * end, 1j * rotation_sign * back, length)
+    arc = SheetCircle(placement.centre, radius, THIN, TURN_FROM, TURN_BY)
+    return [arc, arrow], [(placement.centre + radius * first, placement.centre + radius * last)]
 
 
 # -- dimensions ------------------------------------------------------------------------------------------------
 
 
-def _callouts(values: Figures, placing: ViewPlacement) -> list[Callout]:
-    known, centre = values.cam, placing.centre
-    base = known.get("base_radius_mm")
+def _callouts(values: CamDimensions, placement: ViewPlacement) -> list[Callout]:
+    given, centre = values.cam, placement.centre
+    base = given.get("base_radius_mm")
     least = values.smallest
     on_base = base is not None and abs(least.value - base) <= EQUAL * base
 
-    def radial(place: ProfilePoint, text: str) -> Callout:
-        return Callout((f"R {number(place.value)}", text), _tips(place.all, placing), centre)
+    def radial(extreme: ProfilePoint, text: str) -> Callout:
+        return Callout((f"R {number(extreme.value)}", text), _tips(extreme.points, placement), centre)
 
-    found = [
+    result = [
         radial(values.largest, f"largest, at {_angle(values.largest)}"),
         radial(least, "smallest = base circle" if on_base else f"smallest, at {_angle(least)}"),
     ]
-    for place, text in ((values.convex, "convex"), (values.concave, "concave")):
-        if place is not None:
-            found.append(
-                Callout((f"least {text} R {number(place.value)}", f"at {_angle(place)}"), _tips(place.all, placing))
+    for extreme, text in ((values.convex, "convex"), (values.concave, "concave")):
+        if extreme is not None:
+            result.append(
+                Callout(
+                    (f"least {text} R {number(extreme.value)}", f"at {_angle(extreme)}"),
+                    _tips(extreme.points, placement),
+                )
             )
     circles = [] if base is None or on_base else [(base, f"R {number(base)}", "base circle")]
     for name, text in (("bore_mm", "bore"), ("hub_mm", "hub")):
-        if name in known:
-            circles.append((0.5 * known[name], f"⌀ {number(known[name])}", text))
+        if name in given:
+            circles.append((0.5 * given[name], f"⌀ {number(given[name])}", text))
     for radius, size, text in circles:
-        around = _around(radius, values if text == "bore" else None)
-        found.append(Callout((size, text), _tips(around, placing)))
+        points = _circle_points(radius, values if text == "bore" else None)
+        result.append(Callout((size, text), _tips(points, placement)))
     sides = _keyway(values)
     if sides:
         width, depth, angle = (
-            number(known[name]) for name in ("keyway_width_mm", "keyway_depth_mm", "keyway_angle_deg")
+            number(given[name]) for name in ("keyway_width_mm", "keyway_depth_mm", "keyway_angle_deg")
         )
-        middles = [placing(0.5 * (side.start + side.end)) for side in (sides[0], sides[-1])]
-        found.append(Callout((f"keyway {width} × {depth}", f"at {angle}°"), tuple(middles)))
-    return found
+        middles = [placement(0.5 * (side.start + side.end)) for side in (sides[0], sides[-1])]
+        result.append(Callout((f"keyway {width} × {depth}", f"at {angle}°"), tuple(middles)))
+    return result
 
 
-def _angle(place: ProfilePoint) -> str:
-    return f"cam {number(place.cam_angle_deg, 1)}°"
+def _angle(extreme: ProfilePoint) -> str:
+    return f"cam {number(extreme.cam_angle_deg, 1)}°"
 
 
-def _around(radius: float, without: Figures | None) -> np.ndarray:
-    """Points of a circle about the cam centre, those of the keyway left out."""
+def _circle_points(radius: float, dimensions: CamDimensions | None) -> np.ndarray:
+    """Points of a circle about the cam centre, except at the keyway."""
     angles = np.arange(0.5 * STEP, 360.0, STEP)
-    if without is not None and _keyway(without):
-        known = without.cam
-        half = degrees(asin(known["keyway_width_mm"] / known["bore_mm"])) + 0.5 * STEP
-        angles = angles[np.abs(np.mod(angles - known["keyway_angle_deg"] + 180.0, 360.0) - 180.0) > half]
+    if dimensions is not None and _keyway(dimensions):
+        given = dimensions.cam
+        half = degrees(asin(given["keyway_width_mm"] / given["bore_mm"])) + 0.5 * STEP
+        angles = angles[np.abs(np.mod(angles - given["keyway_angle_deg"] + 180.0, 360.0) - 180.0) > half]
     return radius * np.exp(1j * np.radians(angles))
 
 
-def _tips(z: np.ndarray, placing: ViewPlacement) -> tuple[complex, ...]:
-    """Some of these points of the cam on the sheet, away from the centre lines where there is a choice."""
+def _tips(z: np.ndarray, placement: ViewPlacement) -> tuple[complex, ...]:
+    """Some of these points of the cam on the sheet, away from the centre lines where possible."""
     bearing = np.mod(np.degrees(np.angle(z)) + 45.0, 90.0) - 45.0
     free = z[np.abs(bearing) >= OFF_AXES]
     chosen = free if free.size else z
     chosen = chosen[np.unique(np.linspace(0, chosen.size - 1, min(chosen.size, MOST_TIPS)).round().astype(int))]
-    return tuple(placing(complex(each)) for each in chosen)
+    return tuple(placement(complex(point)) for point in chosen)
 
 
 # -- the drawing of a cam ---------------------------------------------------------------------------------------
 
 
-USUAL = DrawingRequest()
+DEFAULT_REQUEST = DrawingRequest()
 
 ENDINGS = (".pdf", ".svg")
-"""Of the files that a drawing is painted to."""
+"""Endings of files for drawings."""
 
 
-def drawing(study: Study, request: DrawingRequest = USUAL) -> DrawingSheet:
+def drawing(study: Study, request: DrawingRequest = DEFAULT_REQUEST) -> DrawingSheet:
     """The sheet of one flank of the study's cam.
 
-    Raises as ``core.output.files.files.job_of`` does, and KindynaError for a paper that is not known.
+    Raises NoSuchStage, NoCam, KindynaError as `exact_curve`, and KindynaError for an unknown paper.
     """
-    room = layout(request.paper)
-    values = figures(study, request.flank)
-    (on_paper, real), seen = view(values, room)
+    fields = layout(request.paper)
+    values = cam_dimensions(study, request.flank)
+    (on_paper, real), view_items = draw_view(values, fields)
     scale = f"{on_paper}:{real}"
     items: list[Item] = [
-        SheetLine(room.frame.corners, FRAME),
-        SheetLine((room.view.corners[1], room.view.corners[2]), FRAME),
-        *seen,
+        SheetLine(fields.frame.corners, FRAME),
+        SheetLine((fields.view.corners[1], fields.view.corners[2]), FRAME),
+        *view_items,
     ]
-    bottom, table = points_table(values, room)
-    end, dimensions = dimensions_table(values, room, bottom - GAP * room.unit)
-    logo, lacking = logo_of(request)
-    title = title_block(values, room, scale, request, logo)
-    items += [*table, *dimensions, *title, *_notes(values, room, end)]
+    bottom, table = points_table(values, fields)
+    end, dimensions = dimensions_table(values, fields, bottom - GAP * fields.unit)
+    logo, missing = read_logo(request)
+    title = title_block(values, fields, scale, request, logo)
+    items += [*table, *dimensions, *title, *_notes(values, fields, end)]
     name = printable(study.design.name)
     about = f"Cam {name}, {request.flank} flank, scale {scale}, millimetres; the cam turns {SENSES[study.sense][1]}"
-    return DrawingSheet(room.width, room.height, name, about, tuple(items), lacking)
+    return DrawingSheet(fields.width, fields.height, name, about, tuple(items), missing)
 
 
-def _notes(values: Figures, room: PaperLayout, top: float) -> list[Item]:
-    """What the tables mean, below them."""
-    unit, column = room.unit, room.column
+def _notes(values: CamDimensions, fields: PaperLayout, top: float) -> list[Item]:
+    """Explanation of the tables, below them."""
+    unit, column = fields.unit, fields.column
     lines = (
         "Table of points: distance of the profile from the cam centre at the cam angle, and",
         "its polar angle, counter-clockwise from the zero mark. Drawn at cam angle 0;",

@@ -1,6 +1,6 @@
-"""The fewest points that keep a tolerance: from cam angle 0 on always the longest span that keeps it.
+"""The fewest points that keep a tolerance: starting from cam angle 0, always the longest span that keeps it.
 
-Where a part of a span deviates no more than the whole, no other choice of points from cam angle 0 on needs fewer.
+Where a part of a span deviates no more than the full span, no other choice of points from cam angle 0 on needs fewer.
 """
 
 from __future__ import annotations
@@ -11,129 +11,158 @@ from core.numerics.lazy import checkpoint
 from core.output.files.profile_curve import ProfileCurve
 from core.output.files.profile_fit import CurveChain, FitMethod
 
-# -- how far what a file describes is from the exact curve ------------------------------------------------------
+# -- deviation of the curve in a file from the exact curve ------------------------------------------------------
 
 
-INSIDE = (np.arange(17) + 0.5) / 17  # where a span is looked at first
-CLOSER = np.linspace(0.0, 1.0, 9)  # where between neighbours of the highest
+SAMPLES = (np.arange(17) + 0.5) / 17  # positions in a span that are sampled first
+FINE_SAMPLES = np.linspace(0.0, 1.0, 9)  # between the neighbours of the sample with the largest distance
 PASSES = 5
 REFINED_AT_ONCE = 64  # spans that are refined together
-NEIGHBOURS = 8  # spans on either side which a point may be nearer to than to its own
+NEIGHBOURS = 8  # spans on either side that a point may be nearer to than to the span that it belongs to
 BLOCK = 4096  # spans that are sampled together
-ROUNDING = 1e-5  # relative: what refining may leave
+ROUNDING = 1e-5  # relative error that refining may leave
 
 
-def of_spans(curve: ProfileCurve, fit: FitMethod, begin: np.ndarray, length: np.ndarray) -> np.ndarray:
-    """Largest distance (m,) [mm] between the curve over spans (m,) that begin so far along it [mm] and are so long, and the
-    pieces that the fit puts there: of samples, and of the parabola through the highest."""
+def span_deviation(curve: ProfileCurve, fit: FitMethod, begin: np.ndarray, length: np.ndarray) -> np.ndarray:
+    """Largest distance between the curve and the pieces that a fit puts over given spans of it.
+
+    The largest of samples, and of the parabola through the sample with the largest distance.
+
+    Parameters
+    ----------
+    curve : ProfileCurve
+    fit : FitMethod
+    begin : ndarray (m,) [mm]
+        Arc lengths at which the spans begin.
+    length : ndarray (m,) [mm]
+        Lengths of the spans.
+
+    Returns
+    -------
+    ndarray (m,) [mm]
+    """
     pieces = fit.pieces(curve.ends(begin), curve.ends(begin + length))
-    return _own(curve, pieces, np.arange(begin.size), begin, length)
+    return _piece_deviation(curve, pieces, np.arange(begin.size), begin, length)
 
 
-def _own(curve: ProfileCurve, chain: CurveChain, span: np.ndarray, begin: np.ndarray, length: np.ndarray) -> np.ndarray:
-    """The same of spans (m,) of a chain: of samples, of samples about the highest, of the parabola through the highest."""
+def _piece_deviation(
+    curve: ProfileCurve, chain: CurveChain, span: np.ndarray, begin: np.ndarray, length: np.ndarray
+) -> np.ndarray:
+    """Largest distance (m,) [mm] of the spans (m,) of a chain from their pieces: sampled twice, then by a parabola."""
     rows = np.arange(span.size)
-    part, highest = np.broadcast_to(INSIDE, (span.size, INSIDE.size)), np.zeros(span.size)
+    part, highest = np.broadcast_to(SAMPLES, (span.size, SAMPLES.size)), np.zeros(span.size)
     for _ in range(2):
-        off = chain.distance(span, curve.at(begin[:, None] + part * length[:, None]), part)
-        top = np.argmax(off, axis=1)
-        highest = np.maximum(highest, off[rows, top])
-        part = _around(part, top)
-    return np.maximum(highest, _vertex(off, np.clip(top, 1, CLOSER.size - 2)))
+        distance = chain.distance(span, curve.at(begin[:, None] + part * length[:, None]), part)
+        peak = np.argmax(distance, axis=1)
+        highest = np.maximum(highest, distance[rows, peak])
+        part = _refine(part, peak)
+    return np.maximum(highest, _parabola_top(distance, np.clip(peak, 1, FINE_SAMPLES.size - 2)))
 
 
-def _around(part: np.ndarray, top: np.ndarray) -> np.ndarray:
-    """Places closer together, up to the neighbours of the highest of each row (m, k)."""
-    place, step = part[np.arange(top.size), top], part[:, 1] - part[:, 0]
-    low, high = np.clip(place - step, 0.0, 1.0), np.clip(place + step, 0.0, 1.0)
-    return np.asarray(low[:, None] + (high - low)[:, None] * CLOSER)
+def _refine(part: np.ndarray, peak: np.ndarray) -> np.ndarray:
+    """Positions in a span, closer together, between the neighbours of the peak (m,) of each row (m, k)."""
+    position, step = part[np.arange(peak.size), peak], part[:, 1] - part[:, 0]
+    low, high = np.clip(position - step, 0.0, 1.0), np.clip(position + step, 0.0, 1.0)
+    return np.asarray(low[:, None] + (high - low)[:, None] * FINE_SAMPLES)
 
 
-def _vertex(value: np.ndarray, top: np.ndarray) -> np.ndarray:
-    """Of the parabola through the sample at ``top`` of each row and its neighbours (m,); the sample's own where it has none
-    between them."""
-    rows = np.arange(top.size)
-    left, middle, right = value[rows, top - 1], value[rows, top], value[rows, top + 1]
-    bend, slope = left - 2.0 * middle + right, right - left
+def _parabola_top(value: np.ndarray, peak: np.ndarray) -> np.ndarray:
+    """Largest value (m,) of the parabola through the sample at ``peak`` and its neighbours; else that of the sample."""
+    rows = np.arange(peak.size)
+    left, middle, right = value[rows, peak - 1], value[rows, peak], value[rows, peak + 1]
+    curvature, slope = left - 2.0 * middle + right, right - left
     with np.errstate(divide="ignore", invalid="ignore"):
-        rise = np.where((bend < 0.0) & (np.abs(slope) <= -2.0 * bend), -0.125 * slope * slope / bend, 0.0)
+        rise = np.where(
+            (curvature < 0.0) & (np.abs(slope) <= -2.0 * curvature), -0.125 * slope * slope / curvature, 0.0
+        )
     return np.asarray(middle + rise)
 
 
-def largest(curve: ProfileCurve, chain: CurveChain, nodes: np.ndarray) -> tuple[float, float]:
-    """The largest distance [mm] of any point of the curve from the whole chain, whose n spans begin at the arc lengths
-    ``nodes`` (n,) [mm] and end at the next: true to within ``ROUNDING``, and never less than it is; and its arc length [mm].
+def largest_deviation(curve: ProfileCurve, chain: CurveChain, nodes: np.ndarray) -> tuple[float, float]:
+    """Largest distance of any point of the curve from a chain, and where it is.
 
-    The spans are refined in the order of what their own pieces say, which is never too little, as long as that may be the
-    largest; where points are few, other spans' pieces may be nearer than a point's own.
+    It is exact to within ``ROUNDING`` and never too small. The spans are refined in the order of the distance from the
+    pieces over them, which is an upper bound, as long as that bound exceeds the largest distance so far; where points are
+    few, the piece of a neighbouring span may be nearer.
+
+    Parameters
+    ----------
+    curve : ProfileCurve
+    chain : CurveChain
+        Its n pieces, one a span.
+    nodes : ndarray (n,) [mm]
+        Arc lengths at which the spans begin; each ends where the next begins.
+
+    Returns
+    -------
+    deviation, arc_length : float [mm]
     """
     count = nodes.size
     length = np.diff(np.append(nodes, nodes[0] + curve.length))
-    own = np.empty(count)
+    bound = np.empty(count)
     for first in range(0, count, BLOCK):
         checkpoint()
         span = np.arange(first, min(first + BLOCK, count))
-        own[span] = _own(curve, chain, span, nodes[span], length[span])
-    best = (0.0, 0.0)
-    order = np.argsort(-own, kind="stable")
+        bound[span] = _piece_deviation(curve, chain, span, nodes[span], length[span])
+    worst = (0.0, 0.0)
+    order = np.argsort(-bound, kind="stable")
     for first in range(0, count, REFINED_AT_ONCE):
         span = order[first : first + REFINED_AT_ONCE]
-        if own[span[0]] <= best[0]:
+        if bound[span[0]] <= worst[0]:
             break
         checkpoint()
-        best = max(best, _refined(curve, chain, nodes, length, span))
-    return best[0] * (1.0 + ROUNDING) + curve.error, best[1]
+        worst = max(worst, _refined_deviation(curve, chain, nodes, length, span))
+    return worst[0] * (1.0 + ROUNDING) + curve.error, worst[1]
 
 
-def _refined(
+def _refined_deviation(
     curve: ProfileCurve, chain: CurveChain, nodes: np.ndarray, length: np.ndarray, span: np.ndarray
 ) -> tuple[float, float]:
-    """The largest distance of points of the spans (m,) from the chain, and the arc length where it is."""
+    """The largest distance of points of the spans (m,) from the chain [mm], and the arc length where it is [mm]."""
     count = nodes.size
     reach = min(NEIGHBOURS, count // 2)
-    others = np.mod(span[:, None] + np.arange(-reach, reach + 1), count)
-    part = np.broadcast_to(INSIDE, (span.size, INSIDE.size))
+    neighbours = np.mod(span[:, None] + np.arange(-reach, reach + 1), count)
+    part = np.broadcast_to(SAMPLES, (span.size, SAMPLES.size))
     rows = np.arange(span.size)
-    best, place = np.zeros(span.size), np.zeros(span.size)
+    largest, position = np.zeros(span.size), np.zeros(span.size)
     for _ in range(PASSES):
         z = curve.at(nodes[span, None] + part * length[span, None])
-        off = np.full(z.shape, np.inf)
-        for other in others.T:
-            # a point before its own span is nearest to another's end, one behind it to another's start
-            guess = np.where((other == span)[:, None], part, 0.5)
-            np.minimum(off, chain.distance(other, z, guess), out=off)
-        top = np.argmax(off, axis=1)
-        place = np.where(off[rows, top] > best, part[rows, top], place)
-        np.maximum(best, off[rows, top], out=best)
-        part = _around(part, top)
-    row = int(np.argmax(best))
-    return float(best[row]), float(nodes[span[row]] + place[row] * length[span[row]])
+        distance = np.full(z.shape, np.inf)
+        for neighbour in neighbours.T:
+            guess = np.where((neighbour == span)[:, None], part, 0.5)
+            np.minimum(distance, chain.distance(neighbour, z, guess), out=distance)
+        peak = np.argmax(distance, axis=1)
+        position = np.where(distance[rows, peak] > largest, part[rows, peak], position)
+        np.maximum(largest, distance[rows, peak], out=largest)
+        part = _refine(part, peak)
+    row = int(np.argmax(largest))
+    return float(largest[row]), float(nodes[span[row]] + position[row] * length[span[row]])
 
 
 # -- the fewest points that keep a tolerance --------------------------------------------------------------------
 
 
-GRID = 64  # places from which spans are first tried
-TRIED = np.linspace(0.0, 1.0, 25)[1:]  # lengths of spans, parts of the longest, that are tried first
+GRID = 64  # starts from which spans are first searched
+TRIAL_LENGTHS = np.linspace(0.0, 1.0, 25)[1:]  # parts of the longest possible span that are tried first
 STEPS = 60  # of a search for the longest span, at most
-WINDOW = 2e-5  # relative: a deviation so little below the tolerance is at it
-SLIVER = 1e-9  # of the curve: the last span is not left so short
+WINDOW = 2e-5  # relative: a deviation so little below the tolerance counts as equal to it
+SLIVER = 1e-9  # relative to the curve: the last span is longer
 NARROW = 1e-7  # relative width of the bracket at which a search ends
-SINGLY = 100  # so few spans are searched one after the other
-ROUNDS = 4  # of points from spans that begin near them
+SINGLY = 100  # up to this number spans are searched one after the other
+ROUNDS = 4  # in which the starts of spans are replaced by the points that follow from them
 SPANS_AT_ONCE = 2048  # spans that are searched together
-CHECKED = 128  # spans that are checked together
+CHECKED_AT_ONCE = 128  # spans that are checked together
 
 
-class TooMany(Exception):
-    """The tolerance takes about so many points."""
+class TooManyPoints(Exception):
+    """The tolerance requires about ``count`` points, more than allowed."""
 
     def __init__(self, count: int) -> None:
         super().__init__(count)
         self.count = count
 
 
-def longest(
+def longest_spans(
     curve: ProfileCurve,
     fit: FitMethod,
     begin: np.ndarray,
@@ -141,35 +170,54 @@ def longest(
     guess: np.ndarray | None = None,
     end: float = np.inf,
 ) -> np.ndarray:
-    """Longest spans (m,) [mm] from arc lengths ``begin`` (m,) [mm], not beyond ``end``, that keep the tolerance [mm], searched from
-    a guess; without one spans of all lengths are tried first, for a longer one may deviate less than a shorter one.
+    """Longest spans that keep a tolerance, none beyond ``end``.
 
-    The deviation grows as a power of the span; a bracket is kept beside that. What is returned has been tried.
+    The deviation grows as a power of the span's length, and a bracket is narrowed as well. Every returned length has been
+    tried. Without a guess, spans of all lengths are tried first: a longer one may deviate less than a shorter one.
+
+    Parameters
+    ----------
+    curve : ProfileCurve
+    fit : FitMethod
+    begin : ndarray (m,) [mm]
+        Arc lengths at which the spans begin.
+    tolerance : float [mm]
+    guess : ndarray (m,) [mm], optional
+        Lengths from which the search starts.
+    end : float [mm]
+        Arc length that no span exceeds.
+
+    Returns
+    -------
+    ndarray (m,) [mm]
+        Lengths of the spans.
     """
-    most = np.minimum(curve.turned(begin, fit.most_turning), end) - begin
+    limit = np.minimum(curve.end_of_turning(begin, fit.most_turning), end) - begin
     low, high = np.zeros(begin.size), np.full(begin.size, np.inf)
     if guess is None:
-        lengths = most[:, None] * TRIED
-        off = of_spans(curve, fit, np.repeat(begin, TRIED.size), lengths.ravel()).reshape(lengths.shape)
-        last = np.where(off <= tolerance, np.arange(1, TRIED.size + 1), 0).max(axis=1)
+        lengths = limit[:, None] * TRIAL_LENGTHS
+        deviation = span_deviation(curve, fit, np.repeat(begin, TRIAL_LENGTHS.size), lengths.ravel()).reshape(
+            lengths.shape
+        )
+        last = np.where(deviation <= tolerance, np.arange(1, TRIAL_LENGTHS.size + 1), 0).max(axis=1)
         rows = np.arange(begin.size)
         low = np.where(last > 0, lengths[rows, last - 1], 0.0)
-        high = np.where(last < TRIED.size, lengths[rows, np.minimum(last, TRIED.size - 1)], np.inf)
-        guess = np.where(np.isfinite(high), 0.5 * (low + high), most)
-    span = np.minimum(guess, most)
+        high = np.where(last < TRIAL_LENGTHS.size, lengths[rows, np.minimum(last, TRIAL_LENGTHS.size - 1)], np.inf)
+        guess = np.where(np.isfinite(high), 0.5 * (low + high), limit)
+    span = np.minimum(guess, limit)
     active = np.arange(begin.size)
     for step in range(STEPS):
         checkpoint()
         tried = span[active]
-        off = of_spans(curve, fit, begin[active], tried)
-        fits = off <= tolerance
-        low[active] = np.where(fits, tried, low[active])
-        high[active] = np.where(fits, high[active], tried)
-        done = fits & ((off >= tolerance * (1.0 - WINDOW)) | (tried >= most[active]))
+        deviation = span_deviation(curve, fit, begin[active], tried)
+        is_within = deviation <= tolerance
+        low[active] = np.where(is_within, tried, low[active])
+        high[active] = np.where(is_within, high[active], tried)
+        done = is_within & ((deviation >= tolerance * (1.0 - WINDOW)) | (tried >= limit[active]))
         done |= high[active] - low[active] <= NARROW * high[active]
         with np.errstate(divide="ignore"):
-            factor = (tolerance * (1.0 - 0.5 * WINDOW) / off) ** (1.0 / fit.order)
-        tried = np.minimum(tried * np.clip(factor, 0.25, 4.0), most[active])
+            factor = (tolerance * (1.0 - 0.5 * WINDOW) / deviation) ** (1.0 / fit.order)
+        tried = np.minimum(tried * np.clip(factor, 0.25, 4.0), limit[active])
         a, b = low[active], high[active]
         halve = np.isfinite(b) & ((tried <= a) | (tried >= b) | (step % 4 == 3))
         span[active] = np.where(halve, 0.5 * (a + b), tried)
@@ -179,86 +227,108 @@ def longest(
     return low
 
 
-def _longest(curve: ProfileCurve, fit: FitMethod, begin: np.ndarray, tolerance: float, guess: np.ndarray) -> np.ndarray:
-    """The same for any number of spans."""
+def _longest_in_blocks(
+    curve: ProfileCurve, fit: FitMethod, begin: np.ndarray, tolerance: float, guess: np.ndarray
+) -> np.ndarray:
+    """Longest spans (m,) [mm] for any number of starts, computed in blocks."""
     parts = range(0, begin.size, SPANS_AT_ONCE)
     return np.concatenate(
-        [longest(curve, fit, begin[i : i + SPANS_AT_ONCE], tolerance, guess[i : i + SPANS_AT_ONCE]) for i in parts]
+        [
+            longest_spans(curve, fit, begin[i : i + SPANS_AT_ONCE], tolerance, guess[i : i + SPANS_AT_ONCE])
+            for i in parts
+        ]
     )
 
 
-def _walk(places: np.ndarray, spans: np.ndarray, begin: float, end: float) -> list[float]:
-    """Points from ``begin`` on to below ``end``, each a span behind the one before; spans are known at places (m,)."""
-    x, y = np.append(places, end), np.append(spans, spans[0])
-    s, found = begin, []
+def _points_along(starts: np.ndarray, spans: np.ndarray, begin: float, end: float) -> list[float]:
+    """Points from ``begin`` to below ``end``, each one span behind the last; spans (m,) are given at ``starts`` (m,)."""
+    x, y = np.append(starts, end), np.append(spans, spans[0])
+    s, points = begin, []
     while s < end * (1.0 - SLIVER):
-        found.append(s)
+        points.append(s)
         s += float(np.interp(s, x, y))
-        if len(found) % 1000 == 0:
+        if len(points) % 1000 == 0:
             checkpoint()
-    return found
+    return points
 
 
-def _singly(curve: ProfileCurve, fit: FitMethod, tolerance: float) -> list[float]:
-    """Each span searched from the end of the one before."""
-    s, found = 0.0, []
+def _search_singly(curve: ProfileCurve, fit: FitMethod, tolerance: float) -> list[float]:
+    """Points of which each is the end of the longest span from the last."""
+    s, points = 0.0, []
     while s < curve.length * (1.0 - SLIVER):
-        found.append(s)
-        s += float(longest(curve, fit, np.array([s]), tolerance, end=curve.length)[0])
-    return found
+        points.append(s)
+        s += float(longest_spans(curve, fit, np.array([s]), tolerance, end=curve.length)[0])
+    return points
 
 
-def fewest(curve: ProfileCurve, fit: FitMethod, tolerance: float, most: int) -> np.ndarray:
-    """Arc lengths (n,) [mm] of the fewest points, the first at cam angle 0, between which the fit keeps the tolerance [mm].
+def fewest_points(curve: ProfileCurve, fit: FitMethod, tolerance: float, most: int) -> np.ndarray:
+    """Arc lengths of the fewest points, the first at cam angle 0, between which a fit keeps a tolerance.
 
-    Few are searched one after the other. Of many the longest spans are searched for many places at once; points taken from them are
-    places for the next round, until they stand where the spans were searched. Spans that still exceed the tolerance, over joins,
-    are then searched singly.
-    Raises TooMany where it takes more than ``most``.
+    Up to ``SINGLY`` spans are searched one after the other. For more, the longest spans are searched from many starts at
+    once; points interpolated from them are the starts of the next round, until starts and points agree. Spans that still
+    exceed the tolerance, at joins of the motion, are then searched singly.
+
+    Parameters
+    ----------
+    curve : ProfileCurve
+    fit : FitMethod
+    tolerance : float [mm]
+    most : int
+        Largest number of points allowed.
+
+    Returns
+    -------
+    ndarray (n,) [mm]
+
+    Raises
+    ------
+    TooManyPoints
+        The tolerance requires more than ``most`` points.
     """
     allowed = tolerance / (1.0 + 3.0 * ROUNDING) - curve.error
-    kept = allowed / (1.0 + 4.0 * WINDOW)  # by spans between which others are interpolated
+    safe = allowed / (1.0 + 4.0 * WINDOW)  # for spans between which others are interpolated
     end = curve.length
-    places = np.linspace(0.0, end, GRID, endpoint=False)
-    spans = longest(curve, fit, places, kept)
+    starts = np.linspace(0.0, end, GRID, endpoint=False)
+    spans = longest_spans(curve, fit, starts, safe)
     with np.errstate(divide="ignore"):
         count = float((end / GRID / spans).sum())
     if not count <= most:
-        raise TooMany(int(min(count, 1e12)))
+        raise TooManyPoints(int(min(count, 1e12)))
     if count <= SINGLY:
-        return np.array(_singly(curve, fit, kept))
+        return np.array(_search_singly(curve, fit, safe))
     for _ in range(ROUNDS):
-        points = np.array(_walk(places, spans, 0.0, end))
-        spans = _longest(
-            curve, fit, points, kept, np.interp(points, np.append(places, end), np.append(spans, spans[0]))
-        )
-        places = points
-    found = _walk(places, spans, 0.0, end)
-    good = 0  # so many spans have been checked
-    while good < len(found):
+        nodes = np.array(_points_along(starts, spans, 0.0, end))
+        guess = np.interp(nodes, np.append(starts, end), np.append(spans, spans[0]))
+        starts, spans = nodes, _longest_in_blocks(curve, fit, nodes, safe, guess)
+    points = _points_along(starts, spans, 0.0, end)
+    checked = 0  # number of spans
+    while checked < len(points):
         nodes = np.array(
-            found[good : good + CHECKED] + ([end] if good + CHECKED >= len(found) else found[good + CHECKED :][:1])
+            points[checked : checked + CHECKED_AT_ONCE]
+            + ([end] if checked + CHECKED_AT_ONCE >= len(points) else points[checked + CHECKED_AT_ONCE :][:1])
         )
-        bad = np.flatnonzero(of_spans(curve, fit, nodes[:-1], np.diff(nodes)) > allowed)
+        bad = np.flatnonzero(span_deviation(curve, fit, nodes[:-1], np.diff(nodes)) > allowed)
         if not bad.size:
-            good += nodes.size - 1
+            checked += nodes.size - 1
             continue
-        good += int(bad[0]) + 1
-        span = longest(curve, fit, np.array(found[good - 1 : good]), kept, end=end)
-        begin = found[good - 1] + float(span[0])
-        places, spans = _anew(curve, fit, places, spans, begin, kept)
-        found = [*found[:good], *_walk(places, spans, begin, end)]
-    return np.array(found)
+        checked += int(bad[0]) + 1
+        span = longest_spans(curve, fit, np.array(points[checked - 1 : checked]), safe, end=end)
+        begin = points[checked - 1] + float(span[0])
+        starts, spans = _search_again(curve, fit, starts, spans, begin, safe)
+        points = [*points[:checked], *_points_along(starts, spans, begin, end)]
+    return np.array(points)
 
 
-def _anew(
-    curve: ProfileCurve, fit: FitMethod, places: np.ndarray, spans: np.ndarray, begin: float, tolerance: float
+def _search_again(
+    curve: ProfileCurve, fit: FitMethod, starts: np.ndarray, spans: np.ndarray, begin: float, tolerance: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Places and their spans, from ``begin`` on some of them replaced by those where points from there would stand."""
-    points = np.array(_walk(places, spans, begin, curve.length)[:CHECKED])
+    """Starts and their spans; from ``begin`` on, some are replaced by searched spans at the points that follow."""
+    points = np.array(_points_along(starts, spans, begin, curve.length)[:CHECKED_AT_ONCE])
     if not points.size:
-        return places, spans
-    guess = np.interp(points, np.append(places, curve.length), np.append(spans, spans[0]))
-    before, after = places < points[0], places > points[-1]
-    found = longest(curve, fit, points, tolerance, guess)
-    return np.concatenate((places[before], points, places[after])), np.concatenate((spans[before], found, spans[after]))
+        return starts, spans
+    guess = np.interp(points, np.append(starts, curve.length), np.append(spans, spans[0]))
+    before, after = starts < points[0], starts > points[-1]
+    longest = longest_spans(curve, fit, points, tolerance, guess)
+    return np.concatenate((starts[before], points, starts[after])), np.concatenate(
+        (spans[before], longest, spans[after])
+    )

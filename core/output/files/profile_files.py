@@ -1,4 +1,4 @@
-"""What a drawing of the profile holds, layer by layer; written by ``dxf`` and ``svg``. One row a layer."""
+"""Drawings of a profile as DXF and SVG, layer by layer, and the path of a cutter as G-code."""
 
 from __future__ import annotations
 
@@ -23,20 +23,26 @@ from core.cam import OUTER, SECOND, faces_of, form_row, keyway_corners, keyway_u
 from core.errors import KindynaError, NoCam
 from core.frozen import frozen
 from core.numerics.derivatives import cross
-from core.output.files.made import FittedCurve, beside, cutting_side, exact_curve, fitted, flank_number, touching
-from core.output.files.profile_curve import MM, profile
+from core.output.files.fitted_curve import (
+    FittedCurve,
+    contact_face,
+    cutting_side,
+    exact_curve,
+    fit_curve,
+    flank_number,
+    parallel_curve,
+)
+from core.output.files.profile_curve import MM, exact_profile
 from core.output.files.profile_fit import FITS, Arcs, Cubics
 from core.output.files.profile_request import SAMPLINGS, ProfileRequest, rounded_up
-from core.requests import require as in_range
+from core.requests import require_in_range as in_range
 from core.study import Study
 
-# -- what a drawing of the profile holds, layer by layer --------------------------------------------------------
+# -- layers of a drawing ----------------------------------------------------------------------------------------
 
 
-ZERO = (
-    0.75,
-    0.95,
-)  # of the way from the centre to the profile: the angle-zero mark, which ends on no curve, or CAD would chain them
+ZERO = 0.75, 0.95
+"""Ends of the angle-zero mark, parts of the distance from centre to profile: it touches no curve, or CAD would join them."""
 SENSES: Mapping[float, tuple[str, str]] = MappingProxyType(
     {1.0: ("ccw", "counter-clockwise"), -1.0: ("cw", "clockwise")}
 )
@@ -44,14 +50,14 @@ SENSES: Mapping[float, tuple[str, str]] = MappingProxyType(
 
 @frozen
 class CircleShape:
-    """About the cam centre [mm]."""
+    """Circle about the cam centre [mm]."""
 
     radius: float
 
 
 @frozen
 class LineShape:
-    """From point to point [mm]."""
+    """Straight line from point to point [mm]."""
 
     start: complex
     end: complex
@@ -62,8 +68,15 @@ Shape: TypeAlias = "Arcs | Cubics | CircleShape | LineShape"
 
 @frozen(eq=False)
 class ProfileDrawing:
-    """The study, what was asked of it, and the curve that came of it; profiles: flank -> its profile, of all flanks of the cam, where
-    a drawing is to be made."""
+    """A profile or a cutter's path for a file.
+
+    Attributes
+    ----------
+    study : the study of the design
+    request : the requested curve
+    main : the curve as the file describes it
+    profiles : flank -> its profile, for every flank of the cam; empty where the format is no drawing
+    """
 
     study: Study
     request: ProfileRequest
@@ -72,23 +85,23 @@ class ProfileDrawing:
 
     @property
     def profile(self) -> np.ndarray:
-        """Points (n,) complex [mm] of the profile, at the angles of the study."""
+        """Points of the profile (n,), complex [mm], at the cam angles of the study."""
         return self.study.cam.only(self.request.flank).flank.profile * MM
 
 
 def drawn_profiles(study: Study, request: ProfileRequest, main: FittedCurve, least_mm: float) -> dict[str, FittedCurve]:
-    """The profiles of ``ProfileDrawing``, sampled and fitted as its curve. Raises NoCam, which names the flank, KindynaError."""
+    """Flank -> its profile, sampled and fitted like ``main``. Raises KindynaError; NoCam, which names the flank."""
 
-    def made(flank: str) -> FittedCurve:
+    def profile(flank: str) -> FittedCurve:
         if flank == request.flank and not request.cutter_mm:
             return main
-        alone = replace(request, flank=flank, cutter_mm=0.0)
+        flank_request = replace(request, flank=flank, cutter_mm=0.0)
         try:
-            return fitted(study, exact_curve(study, alone), alone, least_mm)
+            return fit_curve(study, exact_curve(study, flank_request), flank_request, least_mm)
         except NoCam as error:
             raise NoCam(f"{flank} flank: {error.problem}", error.field, error.hint, error.cam_angles) from None
 
-    return {flank: made(flank) for flank in _flanks(study)}
+    return {flank: profile(flank) for flank in _flanks(study)}
 
 
 def _flanks(study: Study) -> tuple[str, ...]:
@@ -96,13 +109,21 @@ def _flanks(study: Study) -> tuple[str, ...]:
 
 
 def _layer(study: Study, flank: str) -> str:
-    """Where its profile stands: the walls of a groove have their names, of a pair the second cam has."""
+    """Layer of a profile: named by the flank in a groove and for the second cam of a pair, else PROFILE."""
     return "PROFILE" if flank == _flanks(study)[0] and OUTER not in _flanks(study) else f"PROFILE_{flank.upper()}"
 
 
 @frozen
 class DrawingLayer:
-    """One row: its DXF colour, its colour in SVG, its line type, and what stands on it, which may be nothing."""
+    """One row of ``LAYERS``.
+
+    Attributes
+    ----------
+    colour : colour number in DXF
+    stroke : colour in SVG
+    line : line type
+    shapes : the shapes of a job on this layer; may be empty
+    """
 
     colour: int
     stroke: str
@@ -111,7 +132,7 @@ class DrawingLayer:
 
 
 def _profile(layer: str, job: ProfileDrawing) -> Iterator[Shape]:
-    """Beside a cutter's path it is drawn for comparison."""
+    """Profiles; next to the path of a cutter they are drawn for comparison."""
     yield from (drawn.chain for flank, drawn in job.profiles.items() if _layer(job.study, flank) == layer)
 
 
@@ -121,19 +142,17 @@ def _cutter(job: ProfileDrawing) -> Iterator[Shape]:
 
 
 def _pitch(second: bool, job: ProfileDrawing) -> Iterator[Shape]:
-    """Both walls of a groove have one, each cam of a pair its own."""
+    """Pitch curves: one for both walls of a groove, one for each cam of a pair."""
     if second and SECOND not in _flanks(job.study):
         return
     request = replace(job.request, flank=SECOND if second else _flanks(job.study)[0])
-    radius = touching(job.study, request).radius_mm
+    radius = contact_face(job.study, request).radius_mm
     if radius:
-        yield beside(job.study, request, radius)
+        yield parallel_curve(job.study, request, radius)
 
 
 def _base(job: ProfileDrawing) -> Iterator[Shape]:
-    radius: float | None = getattr(
-        job.study.design.drive.cam, "base_radius_mm", None
-    )  # a linkage gives its cam the size
+    radius = getattr(job.study.design.drive.cam, "base_radius_mm", None)  # none where a linkage determines the size
     if radius is not None:
         yield CircleShape(radius)
 
@@ -145,22 +164,22 @@ def _bore(job: ProfileDrawing) -> Iterator[Shape]:
 
 
 def _keyway(job: ProfileDrawing) -> Iterator[Shape]:
-    """The sides and the bottom of the keyway, from the bore outwards."""
+    """Sides and bottom of the keyway, from the bore outwards."""
     yield from (LineShape(start, end) for start, end in pairwise(keyway_corners(job.study.design.drive.cam)))
 
 
 def _zero(job: ProfileDrawing) -> Iterator[Shape]:
-    """A radial line towards the nearest profile, along the cam's own x axis, which is the global one at cam angle 0."""
+    """Angle-zero mark: a radial line towards the nearest profile along the cam's x axis, the global one at cam angle 0."""
     edge = min(_edge(flank.profile * MM) for flank in job.study.cam.flanks)
     yield LineShape(complex(ZERO[0] * edge), complex(ZERO[1] * edge))
 
 
 def _edge(z: np.ndarray) -> float:
-    """Where the x axis leaves a closed curve through points (n,)."""
-    after = np.roll(z, -1)
-    cut = np.flatnonzero((z.imag <= 0.0) != (after.imag <= 0.0))
-    one, other = z[cut], after[cut]
-    return float((one.real - one.imag * (other.real - one.real) / (other.imag - one.imag)).max())
+    """Largest x [mm] at which the x axis crosses a closed curve through points (n,)."""
+    following = np.roll(z, -1)
+    cut = np.flatnonzero((z.imag <= 0.0) != (following.imag <= 0.0))
+    start, end = z[cut], following[cut]
+    return float((start.real - start.imag * (end.real - start.real) / (end.imag - start.imag)).max())
 
 
 PROFILES = ("PROFILE", "PROFILE_INNER", "PROFILE_OUTER", "PROFILE_SECOND")
@@ -179,13 +198,13 @@ LAYERS: Mapping[str, DrawingLayer] = MappingProxyType(
 
 
 def layers(job: ProfileDrawing) -> dict[str, list[Shape]]:
-    """Name -> what stands on it; those with nothing on them are left out."""
+    """Layer -> its shapes; empty layers are omitted."""
     drawn = {name: list(row.shapes(job)) for name, row in LAYERS.items()}
     return {name: shapes for name, shapes in drawn.items() if shapes}
 
 
 def reach(drawn: Mapping[str, Sequence[Shape]]) -> float:
-    """Largest distance of anything drawn from the cam centre [mm]; of curves that of their points."""
+    """Largest distance [mm] of any shape from the cam centre; for curves that of their points."""
     return max(_reach(shape) for shapes in drawn.values() for shape in shapes)
 
 
@@ -196,9 +215,9 @@ def _reach(shape: Shape) -> float:
 
 
 def facts(job: ProfileDrawing) -> dict[str, Any]:
-    """What the file is, as JSON says it: on the terminal, and beside the file."""
+    """Facts about the file for its JSON summary and for the terminal."""
     request, main = job.request, job.main
-    several = {_layer(job.study, flank): {"flank": flank, **_figures(drawn)} for flank, drawn in job.profiles.items()}
+    by_layer = {_layer(job.study, flank): {"flank": flank, **_figures(drawn)} for flank, drawn in job.profiles.items()}
     return {
         "design": job.study.design.name,
         "curve": "path of the cutter's centre" if request.cutter_mm else "profile",
@@ -211,7 +230,7 @@ def facts(job: ProfileDrawing) -> dict[str, Any]:
         "fit": FITS[request.fit].label,
         **_figures(main),
         "tolerance_mm": request.tolerance_mm,
-        **({"layers": several} if len(several) > 1 else {}),
+        **({"layers": by_layer} if len(by_layer) > 1 else {}),
     }
 
 
@@ -220,41 +239,41 @@ def _figures(drawn: FittedCurve) -> dict[str, Any]:
 
 
 def _one_line(text: str) -> str:
-    """Without what ends a line, and what no drawing may hold."""
+    """Text in one line, without characters that cannot be printed."""
     return "".join(c if c.isprintable() else "?" for c in " ".join(text.split()))
 
 
 def comment(job: ProfileDrawing) -> list[str]:
-    """The same in lines, for a drawing."""
-    stated = facts(job)
+    """Facts about the file in lines, for a comment in it."""
+    values = facts(job)
     radius = f", radius {job.request.cutter_mm!r} mm" if job.request.cutter_mm else ""
-    allowed = "" if stated["tolerance_mm"] is None else f", tolerance {stated['tolerance_mm']!r} mm"
+    allowed = "" if values["tolerance_mm"] is None else f", tolerance {values['tolerance_mm']!r} mm"
     missing = ", ".join(f"cam.{name}" for name in keyway_unknown(job.study.design.drive.cam))
-    keyway = [f"Keyway: not drawn, as not given: {missing}"] if missing else []
+    keyway = [f"Keyway: not drawn, not given: {missing}"] if missing else []
     return [
-        f"Design: {_one_line(stated['design'])}",
-        f"Curve: {stated['curve']}{radius}, {stated['flank']} flank",
-        f"Cam turns {SENSES[job.study.sense][1]} ({stated['rotation']}) as drawn",
-        f"Units: mm; origin: {stated['origin']}",
-        f"Points: {stated['points']}, {stated['sampling']}; {stated['fit']}",
-        f"Length: {stated['length_mm']:.9g} mm",
-        f"Deviation from the exact curve: at most {rounded_up(stated['deviation_mm'], 4)!r} mm{allowed}",
+        f"Design: {_one_line(values['design'])}",
+        f"Curve: {values['curve']}{radius}, {values['flank']} flank",
+        f"Cam turns {SENSES[job.study.sense][1]} ({values['rotation']}) as drawn",
+        f"Units: mm; origin: {values['origin']}",
+        f"Points: {values['points']}, {values['sampling']}; {values['fit']}",
+        f"Length: {values['length_mm']:.9g} mm",
+        f"Deviation from the exact curve: at most {rounded_up(values['deviation_mm'], 4)!r} mm{allowed}",
         *(
             f"Layer {name}: profile, {row['flank']} flank, {row['points']} points, at most {rounded_up(row['deviation_mm'], 4)!r} mm"
-            for name, row in stated.get("layers", {}).items()
+            for name, row in values.get("layers", {}).items()
         ),
         *keyway,
     ]
 
 
-# -- A drawing as DXF, written by ezdxf -------------------------------------------------------------------------
+# -- DXF, written by ezdxf --------------------------------------------------------------------------------------
 
 
 VERSION = "R2010"
 COMMENT = 999  # group code
-MILLIMETRES, METRIC = 4, 1  # of $INSUNITS, $MEASUREMENT
-PLANAR = 8  # flag of a spline; ends that meet close it: the flag for that makes some programs move its control points
-VIEW = 2.2  # height of what is seen first, times the drawing's reach
+MILLIMETRES, METRIC = 4, 1  # values of $INSUNITS, $MEASUREMENT
+PLANAR = 8  # flag of a spline; its ends meet, as the flag of a closed one makes some programs move control points
+VIEW = 2.2  # height of the initial view, relative to the drawing's reach
 LINES: Mapping[str, tuple[str, list[float]]] = MappingProxyType(
     {"CENTER": ("Center ____ _ ____", [12.0, 8.0, -1.5, 1.0, -1.5]), "DASHED": ("Dashed __ __", [4.0, 2.5, -1.5])}
 )
@@ -263,19 +282,19 @@ LINES: Mapping[str, tuple[str, list[float]]] = MappingProxyType(
 
 @contextmanager
 def without_clock() -> Iterator[None]:
-    """Files name neither a time nor a random number."""
+    """Context in which ezdxf writes neither the time nor random numbers."""
     import ezdxf
 
-    before = ezdxf.options.write_fixed_meta_data_for_testing
+    saved = ezdxf.options.write_fixed_meta_data_for_testing
     ezdxf.options.write_fixed_meta_data_for_testing = True
     try:
         yield
     finally:
-        ezdxf.options.write_fixed_meta_data_for_testing = before
+        ezdxf.options.write_fixed_meta_data_for_testing = saved
 
 
 def dxf_bytes(comment: Sequence[str], layers: Mapping[str, Sequence[Shape]]) -> bytes:
-    """The file: comments, then a header with units and origin, then the shapes on their layers."""
+    """A drawing as DXF: comments, a header with units and origin, the shapes on their layers."""
     import ezdxf
     from ezdxf.tools.juliandate import juliandate
 
@@ -296,12 +315,12 @@ def dxf_bytes(comment: Sequence[str], layers: Mapping[str, Sequence[Shape]]) -> 
             drawing.layers.add(name, color=LAYERS[name].colour, linetype=LAYERS[name].line)
             for shape in shapes:
                 DXF_SHAPES[type(shape)](space, shape, {"layer": name})
-        for kind in sorted(drawing.entitydb.dxf_types_in_use()):  # else in the order of a set, which changes
+        for kind in sorted(drawing.entitydb.dxf_types_in_use()):  # the order of a set varies
             drawing.classes.add_class(kind)
         stream = io.StringIO()
         drawing.write(stream)
-    head = "".join(f"{COMMENT}\n{line}\n" for line in comment)
-    return (head + stream.getvalue()).encode("utf-8", "replace")
+    remarks = "".join(f"{COMMENT}\n{line}\n" for line in comment)
+    return (remarks + stream.getvalue()).encode("utf-8", "replace")
 
 
 def _polyline(space: Any, shape: Arcs, attributes: dict[str, Any]) -> None:
@@ -310,14 +329,14 @@ def _polyline(space: Any, shape: Arcs, attributes: dict[str, Any]) -> None:
 
 
 def _spline(space: Any, shape: Cubics, attributes: dict[str, Any]) -> None:
-    """One cubic B-spline with double knots, whose control points are those of the Bézier pieces without the common ones."""
+    """One cubic B-spline with double knots; its control points are the inner Bézier points."""
     inner = shape.points[:, 1:3].ravel()
     points = np.concatenate((shape.points[:1, 0], inner, shape.points[:1, 0]))
     ends = np.append(0.0, np.cumsum(shape.lengths))
     knots = np.concatenate(([0.0, 0.0], np.repeat(ends, 2), [ends[-1]] * 2))
-    made = space.add_spline(dxfattribs={**attributes, "degree": 3, "flags": PLANAR, "extrusion": (0.0, 0.0, 1.0)})
-    made.knots = knots.tolist()
-    made.control_points = [(z.real, z.imag, 0.0) for z in points.tolist()]
+    entity = space.add_spline(dxfattribs={**attributes, "degree": 3, "flags": PLANAR, "extrusion": (0.0, 0.0, 1.0)})
+    entity.knots = knots.tolist()
+    entity.control_points = [(z.real, z.imag, 0.0) for z in points.tolist()]
 
 
 def _dxf_circle(space: Any, shape: CircleShape, attributes: dict[str, Any]) -> None:
@@ -333,88 +352,87 @@ DXF_SHAPES: Mapping[type, Callable[[Any, Any, dict[str, Any]], None]] = MappingP
 )
 
 
-# -- the path of a cutter's centre as G-code (ISO 6983) ---------------------------------------------------------
+# -- G-code (ISO 6983): the path of a cutter's centre -----------------------------------------------------------
 
 
-DIGITS = 4  # behind the point of a coordinate, mm
-_POINT = 0.5 * 2.0**0.5 * 10.0**-DIGITS  # by which a rounded point is off, at most, mm
+DIGITS = 4  # decimals of a coordinate in mm
+_POINT = 0.5 * 2.0**0.5 * 10.0**-DIGITS  # largest error of a rounded point, mm
 ROUNDING: Mapping[str, float] = MappingProxyType({"polyline": _POINT, "arcs": (2.0 + 2.0**0.5) * _POINT})
-"""By which the moves of a fit are off, at most [mm]. Rounded ends take an arc of up to half a turn along by √2 times as much; its
-rounded centre is nearer to one end than to the other by up to twice as much, which machines spread over the arc, or make at an end."""
-MOST_RADIUS = 9999.0  # mm: a flatter arc, whose centre machines of few digits lose, is made of straight moves
-DEPTH = 10.0  # mm, of a cam whose thickness is not given
-LEAD = 1.0  # of the cutter's radius: how far beside the path it goes down, where there is room
-CLEAR = 1e-3  # of the cutter's radius: by which it may be nearer to the profile beside the path than on it
-LOOKED_AT = 8192  # points of the profile
+"""Fit -> largest error [mm] of its moves by rounding. Rounded ends move an arc of up to half a turn by √2 times the error of a point.
+A rounded centre is nearer to one end by up to twice that error, which machines spread over the arc or correct at an end."""
+MOST_RADIUS = 9999.0  # mm: flatter arcs become straight moves, as machines with few digits cannot represent the centre
+DEPTH = 10.0  # mm, for a cam without a thickness
+LEAD = 1.0  # distance from the path at which the cutter plunges, where there is room, in cutter radii
+CLEAR = 1e-3  # tolerance of its distance from the profile there, in cutter radii
+PROFILE_POINTS = 8192
 
 
 def require(study: Study, request: ProfileRequest) -> None:
-    """Raises KindynaError for what no path can be made of."""
+    """Raises KindynaError for a request that cannot be written as G-code."""
     if not request.cutter_mm:
-        raise KindynaError(
-            "cutter: G-code leads the centre of a cutter, and none is given; allowed: a radius above 0 mm"
-        )
+        raise KindynaError("cutter: G-code needs the radius of a cutter, and none is given; allowed: above 0 mm")
     in_range(request.machining)
 
 
 def gcode_bytes(job: ProfileDrawing) -> bytes:
-    """The program, in ASCII."""
+    """The G-code program of a job, in ASCII."""
     return ("\n".join(_gcode_lines(job)) + "\n").encode("ascii")
 
 
 def _gcode_lines(job: ProfileDrawing) -> Iterator[str]:
-    how, ring, depths, down = job.request.machining, _ring(job), _depths(job), _down(job)
-    up = f"G0 Z{_number(how.safe_mm)}"
+    machining, path, depths, plunge_point = job.request.machining, _cutting_path(job), _depths(job), _plunge_point(job)
+    up = f"G0 Z{_number(machining.safe_mm)}"
     yield "%"
-    yield from (_remark(line) for line in (*comment(job), *_head(job, ring, depths, down)))
+    yield from (_remark(line) for line in (*comment(job), *_header(job, path, depths, plunge_point)))
     yield "G21 G17 G90 G94 G40 G80"
     yield up
     yield f"M0 {_remark('Start spindle and coolant')}"
-    yield f"G0 {_gcode_point(ring[0][0] if down is None else down)}"
+    yield f"G0 {_gcode_point(path[0][0] if plunge_point is None else plunge_point)}"
     for number, depth in enumerate(depths, 1):
         if len(depths) > 1:
             yield _remark(f"Pass {number} of {len(depths)}")
-        yield f"G1 Z{_number(-depth)} F{_number(how.plunge_mm_min)}"
-        moves = list(_around(ring))
-        if down is not None:
-            moves = [f"G1 {_gcode_point(ring[0][0])}", *moves, f"G1 {_gcode_point(down)}"]
-        first, *others = moves
-        yield f"{first} F{_number(how.feed_mm_min)}"
-        yield from others
+        yield f"G1 Z{_number(-depth)} F{_number(machining.plunge_mm_min)}"
+        moves = list(_moves(path))
+        if plunge_point is not None:
+            moves = [f"G1 {_gcode_point(path[0][0])}", *moves, f"G1 {_gcode_point(plunge_point)}"]
+        first, *following = moves
+        yield f"{first} F{_number(machining.feed_mm_min)}"
+        yield from following
     yield up
     yield f"M0 {_remark('Stop spindle and coolant')}"
     yield "M30"
     yield "%"
 
 
-def _head(job: ProfileDrawing, ring: Sequence[_Arc], depths: Sequence[float], down: complex | None) -> list[str]:
-    how, radius = job.request.machining, job.request.cutter_mm
-    path = np.array(
-        [z for p, q, b in ring for z in (p, 0.5 * (p + q - 1j * b * (q - p)))]
-    )  # and the middle of each move
-    around = "counter-clockwise" if float(cross(path, np.roll(path, -1)).sum()) > 0.0 else "clockwise"
+def _header(
+    job: ProfileDrawing, path: Sequence[_Arc], depths: Sequence[float], plunge_point: complex | None
+) -> list[str]:
+    machining, radius = job.request.machining, job.request.cutter_mm
+    z = np.array([point for p, q, b in path for point in (p, 0.5 * (p + q - 1j * b * (q - p)))])  # ends and middles
+    direction = "counter-clockwise" if float(cross(z, np.roll(z, -1)).sum()) > 0.0 else "clockwise"
     where = (
-        "on the path: there is no room beside it"
-        if down is None
-        else "beside the path, and comes to it at right angles"
+        "on the path: there is no room next to it"
+        if plunge_point is None
+        else "next to the path, and approaches it at right angles"
     )
-    bent = any(bulge for _, _, bulge in ring)
+    has_arcs = any(bulge for _, _, bulge in path)
     return [
         "ISO 6983, absolute; zero point of the active offset: X0 Y0 the cam centre, Z0 the face of the blank",
-        f"Cutter: radius {radius!r} mm; the path is that of its centre, without compensation",
-        f"Direction: {around} around the cam seen from above, {'conventional' if how.conventional else 'climb'} milling with M3",
-        f"Feed {_number(how.feed_mm_min)} mm/min, plunge {_number(how.plunge_mm_min)} mm/min, rapid moves at Z{_number(how.safe_mm)}",
-        f"Depth {_number(depths[-1])} mm in {len(depths)} pass{'es' * (len(depths) > 1)}; the cutter goes down {where}",
-        *(["Arcs: G2 and G3, with I and J from the start of an arc to its centre"] if bent else []),
+        f"Cutter: radius {radius!r} mm; path of its centre, without compensation",
+        f"Direction: {direction} around the cam seen from above, {'conventional' if machining.conventional else 'climb'} milling with M3",
+        f"Feed {_number(machining.feed_mm_min)} mm/min, plunge {_number(machining.plunge_mm_min)} mm/min, "
+        f"rapid moves at Z{_number(machining.safe_mm)}",
+        f"Depth {_number(depths[-1])} mm in {len(depths)} pass{'es' * (len(depths) > 1)}; the cutter plunges {where}",
+        *(["Arcs: G2 and G3, with I and J from the start of an arc to its centre"] if has_arcs else []),
         "Tool, spindle and coolant are left to the machinist: the program stops for them",
     ]
 
 
 def _depths(job: ProfileDrawing) -> list[float]:
-    """Below the face [mm]: equal steps, none larger than the one asked for."""
-    how = job.request.machining
-    depth = how.depth_mm or job.study.design.drive.cam.thickness_mm or DEPTH
-    count = ceil(depth / how.step_mm * (1.0 - 1e-9)) if how.step_mm else 1
+    """Depths below the face [mm]: equal steps, none larger than requested."""
+    machining = job.request.machining
+    depth = machining.depth_mm or job.study.design.drive.cam.thickness_mm or DEPTH
+    count = ceil(depth / machining.step_mm * (1.0 - 1e-9)) if machining.step_mm else 1
     return [depth * number / count for number in range(1, count + 1)]
 
 
@@ -422,92 +440,91 @@ _Arc = tuple[complex, complex, float]
 """Start, end [mm] and bulge of a move; bulge 0 is straight."""
 
 
-def _ring(job: ProfileDrawing) -> list[_Arc]:
-    """Once around from cam angle 0, in the direction in which it is cut."""
+def _cutting_path(job: ProfileDrawing) -> list[_Arc]:
+    """The full path from cam angle 0, in the direction of cutting."""
     chain, side = job.main.chain, cutting_side(job.study, job.request)
     assert isinstance(chain, Arcs)
     p = chain.vertices
-    ring = list(zip(p.tolist(), np.roll(p, -1).tolist(), chain.b.ravel().tolist(), strict=True))
-    if (side > 0.0) == job.request.machining.conventional:  # with M3 a cutter on the left of its way climbs
-        ring = [(end, start, -bulge) for start, end, bulge in reversed(ring)]
-    return ring
+    path = list(zip(p.tolist(), np.roll(p, -1).tolist(), chain.b.ravel().tolist(), strict=True))
+    if (side > 0.0) == job.request.machining.conventional:  # with M3, a cutter left of the profile climbs
+        path = [(end, start, -bulge) for start, end, bulge in reversed(path)]
+    return path
 
 
-def _around(ring: Sequence[_Arc]) -> Iterator[str]:
-    """The moves along it. Ends that round to one point need none, and an arc between them would be a whole turn."""
-    here = _rounded(ring[0][0])
-    for start, end, bulge in ring:
-        for there, bend in _held(start, end, bulge):
-            after = _rounded(there)
-            if after == here:
+def _moves(path: Sequence[_Arc]) -> Iterator[str]:
+    """Moves along the path. Ends that round to one point need no move: an arc between them would be a full turn."""
+    position = _rounded(path[0][0])
+    for start, end, bulge in path:
+        for target, move_bulge in _split_arc(start, end, bulge):
+            rounded = _rounded(target)
+            if rounded == position:
                 continue
-            if bend:
-                middle = 0.5 * (here + after) + 0.25j * (after - here) * (1.0 / bend - bend)
-                centre = middle - here
-                yield f"G{3 if bend > 0.0 else 2} {_gcode_point(after)} I{_number(centre.real)} J{_number(centre.imag)}"
+            if move_bulge:
+                middle = 0.5 * (position + rounded) + 0.25j * (rounded - position) * (1.0 / move_bulge - move_bulge)
+                centre = middle - position
+                yield f"G{3 if move_bulge > 0.0 else 2} {_gcode_point(rounded)} I{_number(centre.real)} J{_number(centre.imag)}"
             else:
-                yield f"G1 {_gcode_point(after)}"
-            here = after
+                yield f"G1 {_gcode_point(rounded)}"
+            position = rounded
 
 
-def _held(start: complex, end: complex, bulge: float) -> Iterator[tuple[complex, float]]:
-    """Ends and bulges of the moves that an arc is made of: itself, or chords of an arc that is too flat."""
+def _split_arc(start: complex, end: complex, bulge: float) -> Iterator[tuple[complex, float]]:
+    """Ends and bulges of the moves of an arc: one, or chords where the arc is too flat."""
     chord = end - start
     if not bulge or abs(chord) * (1.0 + bulge * bulge) <= 4.0 * abs(bulge) * MOST_RADIUS:
         yield end, bulge
         return
-    half = 2.0 * atan(bulge)  # of the turn
-    count = ceil(sqrt(0.5 * abs(chord * bulge) / _POINT))  # so that none is more than rounding off
+    half = 2.0 * atan(bulge)  # half of the turn
+    count = ceil(sqrt(0.5 * abs(chord * bulge) / _POINT))  # chords within the rounding
     for i in range(1, count + 1):
         yield start + chord * sin(half * i / count) / sin(half) * rect(1.0, half * (i / count - 1.0)), 0.0
 
 
-def _down(job: ProfileDrawing) -> complex | None:
-    """The place beside the path where the cutter goes down [mm], where there is one."""
+def _plunge_point(job: ProfileDrawing) -> complex | None:
+    """Point next to the path where the cutter plunges [mm]; None where it plunges on the path."""
     ends, side = job.main.points.ends, cutting_side(job.study, job.request)
     lead = _lead(job, side)
     return complex(ends.z[0] + lead * side * 1j * ends.tangent[0]) if lead else None
 
 
 def _lead(job: ProfileDrawing, side: float) -> float:
-    """How far beside its path, away from the profile, the cutter goes down [mm]: 0 in a groove, and where another part of the profile is
-    in the way."""
+    """Distance of that point from the path [mm]: 0 in a groove, and where another part of the profile is too near."""
     study, radius = job.study, job.request.cutter_mm
     if OUTER in faces_of(study.design.drive.face, study.design.drive.cam):
         return 0.0
-    edge = profile(study, flank_number(study, job.request))
-    z = edge(study.program.angles(np.arange(LOOKED_AT) * 2.0 * np.pi / LOOKED_AT)).z
+    exact = exact_profile(study, flank_number(study, job.request))
+    z = exact(study.program.angles(np.arange(PROFILE_POINTS) * 2.0 * np.pi / PROFILE_POINTS)).z
     ends = job.main.points.ends
     for part in (0.25, 0.5, 0.75, 1.0):
-        place = ends.z[0] + part * LEAD * radius * side * 1j * ends.tangent[0]
-        if float(np.abs(z - place).min()) < radius * (1.0 - CLEAR):
+        point = ends.z[0] + part * LEAD * radius * side * 1j * ends.tangent[0]
+        if float(np.abs(z - point).min()) < radius * (1.0 - CLEAR):
             return 0.0
     return LEAD * radius
 
 
 def _remark(text: str) -> str:
-    """A comment: in ASCII, without what ends it or the program on some machine, or is obeyed there."""
-    return f"({''.join(map(_letter, text))})"
+    """A comment in ASCII, without characters that end it or that a machine executes."""
+    return f"({''.join(map(_ascii, text))})"
 
 
-_INSTEAD: Mapping[str, str] = MappingProxyType(
+_REPLACEMENTS: Mapping[str, str] = MappingProxyType(
     {"(": "[", ")": "]", ";": ",", "%": " percent", "°": " deg", **dict.fromkeys('!?~$"\\`^{}|', "_")}
-)  # ! ? ~ are obeyed by Grbl wherever they stand
+)  # Grbl executes ! ? ~ everywhere
 
 
-def _letter(c: str) -> str:
-    """A character as ASCII: without its accents, else by its name, as 캠 is HANGUL SYLLABLE KAEM; a sign that has no letter is _."""
-    if c in _INSTEAD or c.isascii():
-        return _INSTEAD.get(c, c)
-    plain = "".join(_INSTEAD.get(each, each) for each in normalize("NFKD", c) if each.isascii())
+def _ascii(c: str) -> str:
+    """A character in ASCII: without accents, or by its name (캠: HANGUL SYLLABLE KAEM), or _."""
+    if c in _REPLACEMENTS or c.isascii():
+        return _REPLACEMENTS.get(c, c)
+    plain = "".join(_REPLACEMENTS.get(part, part) for part in normalize("NFKD", c) if part.isascii())
     if plain:
         return plain
-    called = re.search(r"(?: LETTER| SYLLABLE| IDEOGRAPH-)(.+?)(?: WITH .*)?$", name(c, ""))
-    return called[1].strip().replace(" ", "-") if called else "-" if name(c, "").endswith(" DASH") else "_"
+    match = re.search(r"(?: LETTER| SYLLABLE| IDEOGRAPH-)(.+?)(?: WITH .*)?$", name(c, ""))
+    return match[1].strip().replace(" ", "-") if match else "-" if name(c, "").endswith(" DASH") else "_"
 
 
 def _number(value: float) -> str:
-    """With a point, without zeros behind its digits, and without minus zero."""
+    """A number with a decimal point, without trailing zeros and minus zero."""
     text = f"{value:.{DIGITS}f}".rstrip("0")
     return "0." if text == "-0." else text
 
@@ -520,22 +537,22 @@ def _gcode_point(z: complex) -> str:
     return f"X{_number(z.real)} Y{_number(z.imag)}"
 
 
-# -- A drawing as SVG to scale ----------------------------------------------------------------------------------
+# -- SVG to scale -----------------------------------------------------------------------------------------------
 
 
-MARGIN = 0.05  # of the drawing's size, around it
+MARGIN = 0.05  # around the drawing, relative to its size
 STROKE = 0.25  # mm
 DASHES: Mapping[str, str] = MappingProxyType({"CENTER": "8 1.5 1 1.5", "DASHED": "2.5 1.5"})
-"""Of a line type."""
+"""Line type -> its dashes."""
 
 
 def _svg_point(z: complex) -> str:
-    """A point; no minus zero."""
+    """Coordinates of a point, without minus zero."""
     return f"{z.real + 0.0!r} {0.0 - z.imag!r}"
 
 
 def _arcs(shape: Arcs) -> str:
-    """Chords are lines; an arc that turns left runs clockwise on paper whose y axis points down, of sweep 0."""
+    """Path of arcs. The y axis of paper points down: an arc that turns left runs clockwise, sweep 0."""
     vertices, ends = shape.vertices.tolist(), np.roll(shape.vertices, -1).tolist()
     parts = [f"M {_svg_point(vertices[0])}"]
     for start, end, bulge in zip(vertices, ends, shape.b.ravel().tolist(), strict=True):
@@ -572,7 +589,7 @@ SVG_SHAPES: Mapping[type, Callable[[Any], str]] = MappingProxyType(
 
 
 def svg_bytes(comment: Sequence[str], layers: Mapping[str, Sequence[Shape]]) -> bytes:
-    """The file: a comment, a title, a group for each layer."""
+    """A drawing as SVG: a comment, a title, a group for each layer."""
     return "\n".join(_svg_lines(comment, layers)).encode("utf-8", "replace")
 
 

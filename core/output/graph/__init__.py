@@ -59,14 +59,14 @@ from core.output.graph.sources import (
     ready,
     words_of,
 )
-from core.units import kind_of, units_like
+from core.units import compatible_units, quantity_kind
 
 __all__ = [
-    "ALL", "ANGLES", "AUTO", "DASHES", "LEAST_WIDTH", "LEFT", "MACHINE", "MARKS", "MOST_WIDTH", "RIGHT", "SIDES",
-    "TIME", "WHOLE", "AxisOf", "ColumnHeading", "DesignSource", "Graph", "GraphAxis", "GraphCurve", "GraphPoint",
-    "NumberTable", "Plotted", "PointDistance", "PointValue", "Progress", "ReadyGraph", "Series", "Source",
-    "TableSource", "add_curve", "angle_at", "angle_marks", "columns_of", "copy_curve", "difference", "from_data", "gap",
-    "is_colour", "kind_of", "move_curve", "numbers_csv", "on_path", "plotted", "point_at", "read_numbers",
-    "read_source", "read_table_file", "ready", "remove_curve", "series_of", "to_data", "unit_of_column", "units_like",
-    "with_curve", "words_of",
+    "ALL", "ANGLES", "AUTO", "DASHES", "LEAST_WIDTH", "LEFT", "MACHINE", "MARKS", "MOST_WIDTH", "RIGHT",
+    "SIDES", "TIME", "WHOLE", "AxisOf", "ColumnHeading", "DesignSource", "Graph", "GraphAxis", "GraphCurve",
+    "GraphPoint", "NumberTable", "Plotted", "PointDistance", "PointValue", "Progress", "ReadyGraph", "Series",
+    "Source", "TableSource", "add_curve", "angle_at", "angle_marks", "columns_of", "compatible_units",
+    "copy_curve", "difference", "from_data", "gap", "is_colour", "move_curve", "numbers_csv", "on_path",
+    "plotted", "point_at", "quantity_kind", "read_numbers", "read_source", "read_table_file", "ready",
+    "remove_curve", "series_of", "to_data", "unit_of_column", "with_curve", "words_of",
 ]  # fmt: skip

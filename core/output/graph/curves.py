@@ -18,7 +18,7 @@ from core.numerics.lazy import checkpoint
 from core.output.graph.model import ALL, AUTO, LEFT, RIGHT, Graph, GraphAxis, GraphCurve, require_no_ring
 from core.output.graph.sources import ColumnHeading, MissingColumn, Source, words_of
 from core.output.lines import text_cell
-from core.units import change, kind_of
+from core.units import conversion_factor, quantity_kind
 
 # -- the rows of a graph as numbers -----------------------------------------------------------------------------
 
@@ -201,21 +201,21 @@ def _plain(curve: GraphCurve, source: Source, part: str, number: int, missing: l
 def _changed(values: np.ndarray, heading: ColumnHeading, unit: str, which: str) -> np.ndarray:
     if unit == heading.unit or not heading.unit:  # what says no unit has the one that is chosen
         return values
-    if kind_of(unit) != kind_of(heading.unit):
+    if quantity_kind(unit) != quantity_kind(heading.unit):
         raise KindynaError(
             f"{which}: {heading.label} is in {heading.unit}, which is no measure in {unit}; choose another unit"
         )
-    return values * change(heading.unit, unit)
+    return values * conversion_factor(heading.unit, unit)
 
 
 def _along(first: Series, series: Series) -> Series:
     """Over the x of the first curve; what has no unit is taken as it is."""
     if series.x_unit == first.x_unit or not (series.x_unit and first.x_unit):
         return replace(series, x_unit=first.x_unit)
-    if kind_of(series.x_unit) != kind_of(first.x_unit):
+    if quantity_kind(series.x_unit) != quantity_kind(first.x_unit):
         units = f"{series.x_unit}, that of the first curve in {first.x_unit}"
         raise KindynaError(f"{series.name}: x is in {units}; choose another column or unit for x")
-    return replace(series, x=series.x * change(series.x_unit, first.x_unit), x_unit=first.x_unit)
+    return replace(series, x=series.x * conversion_factor(series.x_unit, first.x_unit), x_unit=first.x_unit)
 
 
 def difference(one: Series, less: Series, name: str = "") -> Series:
@@ -229,10 +229,10 @@ def difference(one: Series, less: Series, name: str = "") -> Series:
                 f"{each.name}: x goes back, so that nothing can be subtracted at the same x; choose another column for x"
             )
     for which, a, b in (("x", one.x_unit, less.x_unit), ("y", one.y_unit, less.y_unit)):
-        if kind_of(a) != kind_of(b) and (which == "y" or (a and b)):  # x without a unit is taken as it is
+        if quantity_kind(a) != quantity_kind(b) and (which == "y" or (a and b)):  # x without a unit is taken as it is
             units = f"{a or 'no unit'} and in {b or 'no unit'}"
             raise KindynaError(f"{one.name} - {less.name}: {which} is in {units}; only like can be subtracted")
-    x = less.x * (change(less.x_unit, one.x_unit) if less.x_unit and one.x_unit else 1.0)
+    x = less.x * (conversion_factor(less.x_unit, one.x_unit) if less.x_unit and one.x_unit else 1.0)
     low, high = max(one.x[0], x[0]), min(one.x[-1], x[-1])
     union = one.x if np.array_equal(one.x, x) else np.union1d(one.x, x)
     union = union[(union >= low) & (union <= high)]
@@ -243,7 +243,7 @@ def difference(one: Series, less: Series, name: str = "") -> Series:
         )
     of_one = one.y if union is one.x else np.interp(union, one.x, one.y)
     other = np.interp(union, x, less.y) if union is not one.x else less.y
-    y = of_one - other * change(less.y_unit, one.y_unit)
+    y = of_one - other * conversion_factor(less.y_unit, one.y_unit)
     return replace(one, x=union, y=y, name=name or f"{one.name} − {less.name}", family="", angles=NO_ANGLES)
 
 
@@ -253,7 +253,7 @@ def _axes(graph: Graph, found: list[Series]) -> tuple[tuple[AxisOf, ...], list[S
     sides = {curve.key: curve.side for curve in graph.curves}
     places: dict[tuple[str, str], list[int]] = {}
     for i, each in enumerate(found):
-        kind, side = kind_of(each.y_unit), sides[each.key]
+        kind, side = quantity_kind(each.y_unit), sides[each.key]
         if side == AUTO:
             side = next((s for s, k in places if k == kind), RIGHT if any(s == LEFT for s, _ in places) else LEFT)
         places.setdefault((side, kind), []).append(i)
@@ -262,7 +262,7 @@ def _axes(graph: Graph, found: list[Series]) -> tuple[tuple[AxisOf, ...], list[S
     for (side, _), members in sorted(places.items(), key=lambda row: (row[0][0] != LEFT, row[1][0])):
         unit = found[members[0]].y_unit
         for i in members:
-            series[i] = replace(found[i], y=found[i].y * change(found[i].y_unit, unit), y_unit=unit)
+            series[i] = replace(found[i], y=found[i].y * conversion_factor(found[i].y_unit, unit), y_unit=unit)
         scale = first.pop(side, GraphAxis())
         title = scale.title or _common([found[i].y_label for i in members])
         axes.append(AxisOf(side, unit, title, scale, tuple(members)))

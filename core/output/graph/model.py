@@ -17,7 +17,7 @@ from core.errors import KindynaError
 from core.frozen import frozen
 from core.measured.units import LONGEST, unit_in
 from core.project.files import read_text, write
-from core.units import split_unit, unit_called
+from core.units import split_unit, unit_symbol
 
 # -- what a graph is --------------------------------------------------------------------------------------------
 
@@ -274,12 +274,12 @@ def unit_of_column(name: str) -> str:
     name = name.strip()[-LONGEST:]
     inside = _AT_END.search(name)
     if inside:
-        return unit_called(inside[1]) or inside[1].strip()
+        return unit_symbol(inside[1]) or inside[1].strip()
     own = split_unit(name)[1].symbol
     if own:
         return own
     tail = re.split(r",\s*|_", name)
-    return unit_called(unit_in(name)) or (unit_called(tail[-1]) if len(tail) > 1 else "")
+    return unit_symbol(unit_in(name)) or (unit_symbol(tail[-1]) if len(tail) > 1 else "")
 
 
 def without_unit(name: str) -> str:
@@ -289,6 +289,6 @@ def without_unit(name: str) -> str:
     if not unit.symbol and unit_of_column(text):
         short = re.sub(r"(_|,\s*+)[^_,]*+$", "", text)
         words = short.rsplit(None, 1)  # "Hub mm", "Hub in mm"
-        if short == text and len(words) == 2 and unit_called(words[1]):
+        if short == text and len(words) == 2 and unit_symbol(words[1]):
             short = re.sub(r"\s+in$", "", words[0][-LONGEST:])
     return short.replace("_", " ").strip()

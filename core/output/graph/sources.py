@@ -49,8 +49,8 @@ from core.project import load
 from core.project.files import read_bytes
 from core.study import Camshaft, Study
 from core.study.quantities import label_of
-from core.study.quantity_requests import leads
-from core.units import kind_of
+from core.study.quantity_requests import path_drives
+from core.units import quantity_kind
 
 # -- all columns of a text table as numbers, however long it is -------------------------------------------------
 
@@ -235,7 +235,7 @@ _FAMILIES = ("velocity", "acceleration", "jerk", "force", "torque", "stress", "c
 def _heading(name: str) -> ColumnHeading:
     """Of a column of which no more than the name is known."""
     label, unit = without_unit(name), unit_of_column(name)
-    kind = kind_of(unit).removeprefix("angular ")
+    kind = quantity_kind(unit).removeprefix("angular ")
     return ColumnHeading(
         name,
         label[:1].upper() + label[1:],
@@ -384,7 +384,7 @@ class DesignSource:
         own = {
             study.angle_column: lambda: study.angle_degrees,
             TIME: lambda: np.deg2rad(study.angle_degrees) / abs(study.omega),
-            MACHINE: lambda: np.mod(np.degrees(self.shaft.places[drive].machine(study.theta)), 360.0),
+            MACHINE: lambda: np.mod(np.degrees(self.shaft.positions[drive].machine_angle(study.theta)), 360.0),
         }
         return tuple(own[name]() if name in own else rows[name].values(study) for name in names)
 
@@ -423,7 +423,7 @@ def _graph(title: str, *curves: GraphCurve, across: str = "", left: str = "") ->
 
 def _of_shaft(source: DesignSource) -> Iterator[ReadyGraph]:
     """The first drive across, those behind it upwards."""
-    names = leads(source.shaft) if source.drives else ()
+    names = path_drives(source.shaft) if source.drives else ()
     if not names:
         return
     first, *others = (travel_column(source.shaft, name) for name in names)
@@ -485,7 +485,9 @@ def on_path(source: Source, curve: GraphCurve, angle: float) -> tuple[PointValue
         return ()
     part = source.parts(curve.drive)[0]
     point = curve.x.removesuffix("_x_mm")
-    if part == WHOLE and {curve.x, curve.y} <= {travel_column(source.shaft, name) for name in leads(source.shaft)}:
+    if part == WHOLE and {curve.x, curve.y} <= {
+        travel_column(source.shaft, name) for name in path_drives(source.shaft)
+    }:
         columns: tuple[str, ...] = (SPEED, ACCELERATION)
     elif part != WHOLE and (curve.x, curve.y) == (f"{point}_x_mm", f"{point}_y_mm") and point:
         columns = tuple(f"{point}_{what}" for what in ("speed_mm_s", "ax_mm_s2", "ay_mm_s2"))

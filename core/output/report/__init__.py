@@ -29,7 +29,7 @@ def point_text(shaft: Stability, eta: float, q: float, verdicts: Sequence[Verdic
 
 
 def report(study: Study) -> str:
-    """The whole report as plain text; of drives that are listed what they do together, then what is each drive's own. Raises NoAnswer
+    """The whole report as plain text; of drives that are listed what they do together, then what is each drive's own. Raises NoSolution
     where the design has none."""
     whole = subject_of(study)
     of_each = (whole, *whole.drives(OF_SHAFT | _TORQUE))

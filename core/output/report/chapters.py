@@ -30,8 +30,9 @@ from core.output.report.parts import (
     table,
 )
 from core.output.report.sections import of_papers
-from core.output.summary import answers, extremes, flywheel, torque
+from core.output.summary import extremes, flywheel, torque
 from core.study import Quantity, Study, names_of
+from core.study.camshaft import is_complete
 
 ALONE, SHAFT, DRIVE = "alone", "shaft", "drive"
 WHOLE, ONE, EVERY = (ALONE, SHAFT), (ALONE, DRIVE), (ALONE, SHAFT, DRIVE)
@@ -72,7 +73,7 @@ class Subject:
     def drives(self, without: frozenset[str] = OF_SHAFT) -> Iterator[Subject]:
         """Each drive of a shaft that has an answer."""
         if self.of == SHAFT:
-            yield from (self.drive(each, (), without) for each in self.study.answering.values())
+            yield from (self.drive(each, (), without) for each in self.study.solved_drives.values())
 
     def drive(self, study: Study, less: Sequence[str], without: frozenset[str] = OF_SHAFT) -> Subject:
         """One drive of the shaft; less: tables that are left out besides the shaft's."""
@@ -156,7 +157,7 @@ def _untitled(sections: Iterable[Section]) -> list[Section]:
 def _glance(subject: Subject) -> list[Section]:
     """The machine, the figures that a reader asks for first, and what is wrong with it: the first page."""
     study = subject.study
-    drawn = answers(study.camshaft) if subject.of == SHAFT else "linkage" in study.stages
+    drawn = is_complete(study.camshaft) if subject.of == SHAFT else "linkage" in study.stages
     pictures = subject.pictures({GLANCE: "The machine, to scale."}) if drawn else ()
     rows = [
         (label, value, unit, Number(angle) if angle is not None else "") for label, value, unit, angle in _five(subject)
@@ -174,7 +175,7 @@ def _five(subject: Subject) -> list[tuple[str, Number, str, float | None]]:
         if value is not None
     ]
     if subject.of == SHAFT:
-        if not answers(study.camshaft):
+        if not is_complete(study.camshaft):
             return []
         found = torque(study.camshaft)
         return [
@@ -285,7 +286,7 @@ def _forces(subject: Subject) -> list[Section]:
 
 
 def _torque(subject: Subject) -> list[Section]:
-    if not answers(subject.study.camshaft):
+    if not is_complete(subject.study.camshaft):
         return []
     caption = "Torque of each drive and of all together over the machine angle, and the speed of the shaft."
     torque = of_camshaft.torque(subject.study.camshaft)
@@ -309,7 +310,7 @@ def _each_drive(subject: Subject) -> list[Section]:
     """A chapter of each drive by its own angle, then of the balance cam; what belongs to the shaft is left out."""
     camshaft = subject.study.camshaft
     there = [(f"Drive {printable(each.study.design.name)}", each) for each in subject.drives()]
-    if subject.study.design.balancer is not None and answers(camshaft) and camshaft.balancer is not None:
+    if subject.study.design.balancer is not None and is_complete(camshaft) and camshaft.balancer is not None:
         there.append(("Balance cam", subject.drive(camshaft.balancer, _BALANCE_CAM)))
     return [
         part

@@ -14,13 +14,13 @@ from core.design.fields import choice
 from core.findings import ERROR, NOTE, WARNING
 from core.frozen import frozen
 from core.output.files.cam_drawing import mechanism_text
-from core.output.files.sheet import Letterhead, Logo, logo_of
+from core.output.files.sheet import Letterhead, Logo, read_logo
 from core.output.lines import printable
 from core.output.report import sections as of_study
 from core.output.report.chapters import CHAPTERS, SHAFT, Subject, sections_of, subject_of
 from core.output.report.parts import Block, Number, ReportEquations, ReportPicture, ReportTable, Section, Sentences
 from core.process import resources
-from core.requests import typed
+from core.requests import text_option
 from core.study import Study, certificate_of, findings_of
 
 if TYPE_CHECKING:
@@ -55,9 +55,9 @@ PAPERS: Mapping[str, tuple[float, float]] = MappingProxyType({"A4": (210.0, 297.
 class Cover(Letterhead):
     """What stands on the first page besides what is computed: for whom, by whom, which revision and which day, as text; the paper."""
 
-    customer: str = typed("for whom, on the first page", default="", metavar="TEXT")
-    revision: str = typed("of the design, on the first page", default="", metavar="TEXT")
-    date: str = typed("as it shall stand on the first page; without, none does", default="", metavar="TEXT")
+    customer: str = text_option("for whom, on the first page", default="", metavar="TEXT")
+    revision: str = text_option("of the design, on the first page", default="", metavar="TEXT")
+    date: str = text_option("as it shall stand on the first page; without, none does", default="", metavar="TEXT")
     paper: str = choice("Paper", tuple(PAPERS), default="A4", help="of a PDF")
 
     @property
@@ -98,11 +98,11 @@ ENDINGS = (".html", ".pdf")
 
 
 def document(study: Study, parts: Collection[str] = tuple(PARTS), cover: Cover = Cover()) -> Document:  # noqa: B008, frozen
-    """The report of a design or of a shaft with several drives. Raises NoAnswer where it has none."""
+    """The report of a design or of a shaft with several drives. Raises NoSolution where it has none."""
     whole = subject_of(study, parts)
     sections = sections_of(CHAPTERS, whole)
     rows = (*cover.rows, *_title_rows(whole))
-    return Document(printable(study.design.name), rows, tuple(sections), cover.paper, *logo_of(cover))
+    return Document(printable(study.design.name), rows, tuple(sections), cover.paper, *read_logo(cover))
 
 
 # -- title block --------------------------------------------------------------------------------------------

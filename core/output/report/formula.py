@@ -12,7 +12,7 @@ import unicodedata
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple
-from xml.sax.saxutils import escape
+from xml.sax.saxutils import escape, quoteattr
 
 ACCENTS: Mapping[str, str] = MappingProxyType(
     {"\u0307": "˙", "\u0308": "¨", "\u20db": "⃛", "\u0304": "¯", "\u0302": "^", "\u20d7": "→"}
@@ -182,9 +182,10 @@ class _Reader:
 
 
 def mathml(line: str) -> str:
-    """The line as a MathML element. Raises ValueError where it cannot be read."""
-    reader = _Reader(line)
-    return f'<math xmlns="http://www.w3.org/1998/Math/MathML" display="block"><mrow>{reader.row()}</mrow></math>'
+    """The line as a MathML element, with the line itself as its alternative text. Raises ValueError where it cannot be read."""
+    row = _Reader(line).row()
+    text = f'xmlns="http://www.w3.org/1998/Math/MathML" display="block" alttext={quoteattr(line)}'
+    return f"<math {text}><mrow>{row}</mrow></math>"
 
 
 __all__ = ["mathml"]

@@ -20,7 +20,7 @@ from core.output.load_text import ROW, row_title
 from core.output.report.equations import equations_of
 from core.output.report.parts import Block, Cell, Number, ReportTable, Section, Sentences, section, table
 from core.output.subject_files import elastic_lines, lift_off_lines
-from core.output.summary import extremes, joins, mechanism, shaft_in_chart, stability
+from core.output.summary import extremes, joins, mechanism, stability
 from core.output.summary import flywheel as flywheel_of
 from core.output.summary import torque as torque_of
 from core.output.timing import event_rows
@@ -28,6 +28,7 @@ from core.project.reading_faults import reason, reasons_of
 from core.shaft import levels, peaks
 from core.study import Camshaft, Quantity, Study, certificate_of, findings_of, quantity_requests, roller_lives
 from core.study.cam_checks import limit_rows, pressure_angles
+from core.study.study import shaft_in_chart
 
 if TYPE_CHECKING:
     from core.stability import SteadyTurn
@@ -139,7 +140,7 @@ SOURCES: Mapping[str, str] = MappingProxyType(
 
 def conventions(study: Study) -> list[Section]:
     """What holds of every number, and the sources that equations and limits of this design name."""
-    rows_of_all = (row for each in study.answering.values() for row in limit_rows(each, each.stages))
+    rows_of_all = (row for each in study.solved_drives.values() for row in limit_rows(each, each.stages))
     named = " ".join([*(row.source for row in equations_of(study)), *(row.source for row in rows_of_all)])
     rows = [(name, text) for name, text in SOURCES.items() if name in named]
     corrected = (
@@ -148,7 +149,7 @@ def conventions(study: Study) -> list[Section]:
         else ""
     )
     remark = Sentences((corrected,), mark=True) if corrected else None
-    moves = any("linkage" in each.stages for each in study.answering.values())
+    moves = any("linkage" in each.stages for each in study.solved_drives.values())
     texts = tuple(text for text, of_mechanism in CONVENTIONS.items() if moves or not of_mechanism)
     return [Section("", (Sentences(texts),)), *section("Sources", table((), rows, left=2), remark)]
 
@@ -460,14 +461,14 @@ def elsewhere(study: Study) -> frozenset[str]:
     """Quantities whose extremes stand in another section: among the limits of the cam, beside flywheel or flexible shaft; and speed and
     motor's torque that no flywheel changes, which are those of shaft and cam."""
     found = set(pressure_angles(study)) if "cam" in study.stages else set()
-    if "dynamics" in study.stages and (pressed := quantity_requests.worst(study)):
+    if "dynamics" in study.stages and (pressed := quantity_requests.peak_pressures(study)):
         found.add(
             "second_contact_pressure"
             if max(pressed, key=lambda name: pressed[name].value) == SECOND
             else "contact_pressure"
         )
     if flywheel_of(study):
-        found |= {"camshaft_speed"} if study.levelled else {"camshaft_speed", "motor_torque"}
+        found |= {"camshaft_speed"} if study.levels_torque else {"camshaft_speed", "motor_torque"}
     if shaft_in_chart(study) is not None:
         found |= {"wind_up", "shaft_torque", "follower_error"}
     return frozenset(found)

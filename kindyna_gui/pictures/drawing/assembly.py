@@ -13,7 +13,7 @@ from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QColor, QPainterPath, QTransform
 from PySide6.QtWidgets import QGraphicsEllipseItem, QGraphicsItem, QGraphicsPathItem, QGraphicsScene
 
-from core.errors import KindynaError, NoAnswer
+from core.errors import KindynaError, NoSolution
 from core.motion import TURN
 from core.motion.program import ShaftPosition
 from core.numerics.derivatives import ISOMETRIC, seen_from
@@ -133,7 +133,7 @@ class DriveFigure:
 
     def move(self, machine: float) -> None:
         """To the sample nearest to where it stands at a machine angle [rad]."""
-        self.index = self.geometry.nearest(float(self.place.own(np.array([machine]))[0]))
+        self.index = self.geometry.nearest(float(self.place.drive_angle(np.array([machine]))[0]))
         for part in self.parts:
             if part.move is not None:
                 part.move(self.index)
@@ -263,7 +263,7 @@ class Assembly(QGraphicsScene):
     def _show_carried(self, shaft: Camshaft[Study]) -> None:
         """What the drives carry together stands beside them; about their common shaft there is no room for it."""
         try:
-            path = shaft.carried_path * 1e3 if shaft.carries and not self.about_shaft else None
+            path = shaft.transfer_path * 1e3 if shaft.has_transfer_path and not self.about_shaft else None
         except KindynaError:
             path = None
         if path is not None and self.carried is not None and np.array_equal(path, self.carried.path):
@@ -444,15 +444,15 @@ def _rows(shaft: Camshaft[Study], theme: Theme) -> Iterator[tuple[int, str, Stud
         there: Study | None = study
         try:
             _ = study.linkage
-        except NoAnswer:
+        except NoSolution:
             there = None
-        yield number, name, there, shaft.places[name], drive.mirrored, theme.drive(number)
+        yield number, name, there, shaft.positions[name], drive.mirrored, theme.drive(number)
     if shaft.design.balancer is None:
         return
     try:
         cam = shaft.balancer
-        yield len(shaft.drives), BALANCER, cam, shaft.balancer_place, False, theme.seen(BALANCE)
-    except NoAnswer:
+        yield len(shaft.drives), BALANCER, cam, shaft.balancer_position, False, theme.seen(BALANCE)
+    except NoSolution:
         yield len(shaft.drives), BALANCER, None, ShaftPosition(), False, theme.seen(BALANCE)
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from core.cam import CamShape, FaceOutline, Flank, keyway_corners, row_of
 from core.dynamics import Element, OutputForce, Spring
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.followers import FACE_PLACE
 from core.frozen import frozen
 from core.mechanism import body_name
@@ -110,7 +110,7 @@ def _joint(name: str, pair: Pair, bodies: Mapping[str, Body]) -> Joint:
 class Geometry:
     """A study as places in mm at its n cam angles.
 
-    Raises NoAnswer where the linkage has none; where only the cam has none, ``shape`` is None.
+    Raises NoSolution where the linkage has none; where only the cam has none, ``shape`` is None.
     """
 
     def __init__(self, study: Study) -> None:
@@ -216,7 +216,7 @@ class Geometry:
     def face_held(self) -> complex:
         """From where the follower holds its face, in the frame of the follower's body [mm]: its reference point, of a face
         without a round the middle of its back."""
-        return 0j if self._face is None or self.face_radius else self._face.held * MM
+        return 0j if self._face is None or self.face_radius else self._face.attachment * MM
 
     def handles(self, index: int) -> dict[str, complex]:
         """Where what may be drawn elsewhere stands at a sample [mm]: the points of bodies by their names, the middle of a
@@ -362,7 +362,7 @@ class Geometry:
         """The force elements besides the masses; none where the loads have no answer."""
         try:
             return tuple(element for element in self.study.loading.others if element.acts)
-        except NoAnswer:
+        except NoSolution:
             return ()
 
     @cached_property
@@ -409,6 +409,6 @@ def _shape(study: Study) -> CamShape | None:
         return None
     try:
         shape: CamShape = study.cam
-    except NoAnswer:
+    except NoSolution:
         return None
     return shape

@@ -23,7 +23,7 @@ from core.dynamics import (
     acting_of,
     masses_of,
 )
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.drawing.spring_parts import HALF_WIDTH, LAYER, OUTER, closing, spirals, spring, torsion
 from kindyna_gui.pictures.items import Arrow, DrawnPart, Outline, Tag, pinned
@@ -49,7 +49,7 @@ def masses(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """The textbook's quartered circle at the centre of each body that has a mass, with the mass."""
     try:
         bodies = masses_of(geometry.study.loading)
-    except NoAnswer:
+    except NoSolution:
         return
     for body, inertia in bodies.items():
         if not inertia.mass:

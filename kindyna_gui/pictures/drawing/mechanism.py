@@ -73,7 +73,7 @@ class MechanismScene(QGraphicsScene):
     """A study's mechanism in mm, y upwards: whoever shows it turns y over.
 
     ``set_index``, ``set_fraction`` and ``set_angle`` move it; ``show_region`` must be called with what is visible and at which
-    scale, for all that is measured in pixels. Raises NoAnswer where the linkage of the study has no position.
+    scale, for all that is measured in pixels. Raises NoSolution where the linkage of the study has no position.
 
     closest: by how much the picture may be enlarged with its curves still smooth
     still: it will not move, so that labels need to suit one angle alone

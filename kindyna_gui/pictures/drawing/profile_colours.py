@@ -15,7 +15,7 @@ from core.cam import PRESSURE_LIMITS, Flank
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE
-from core.study.extremes import fits
+from core.study.extremes import has_undercut
 from core.study.limits import limit_of
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.items import DrawnPart, text_size, turning
@@ -100,7 +100,7 @@ def _stress_scale(geometry: Geometry, theme: Theme) -> ColourScale | None:
     """From 0 to what the user or the materials allow, beyond which is the colour of limits; to the highest where none is known."""
     study = geometry.study
     try:
-        if not study.stress or not fits(study) or study.jam is not None:
+        if not study.stress or has_undercut(study) or study.jam is not None:
             return None
         highest = max((float(np.max(each.pressure)) for each in study.stress.values()), default=0.0) / MPA
     except KindynaError:

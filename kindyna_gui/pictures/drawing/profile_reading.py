@@ -10,9 +10,9 @@ from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QPolygonF
 
 from core.cam import INNER, OUTER, SECOND
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.frozen import frozen
-from core.study.extremes import fits
+from core.study.extremes import has_undercut
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.units import readable, short, with_unit
 
@@ -99,8 +99,8 @@ def _loads_at(geometry: Geometry, flank: str, i: int) -> tuple[float | None, flo
     assert shape is not None
     try:
         force = next(c.force[i] for f, c in zip(shape.flanks, study.dynamics.contacts, strict=True) if f.name == flank)
-        stress = study.stress.get(flank) if study.jam is None and fits(study) else None
-    except NoAnswer:
+        stress = study.stress.get(flank) if study.jam is None and not has_undercut(study) else None
+    except NoSolution:
         return None, None
     pressure = None if stress is None else float(stress.pressure[i]) / MPA
     return float(force) if np.isfinite(force) else None, pressure

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from PySide6.QtGui import QPainterPath
 
-from core.errors import NoAnswer, NotYet
+from core.errors import NoSolution, ResultPending
 from kindyna_gui.pictures.drawing.cam_parts import edge_radius
 from kindyna_gui.pictures.drawing.geometry import Geometry
 from kindyna_gui.pictures.drawing.layers import TWIST
@@ -91,9 +91,9 @@ def _steady(geometry: Geometry) -> tuple[SteadyTurn | None, str]:
     if geometry.profile.size:
         try:
             return geometry.study.steady_turn, ""
-        except NotYet as error:
+        except ResultPending as error:
             return None, f"{error.problem[:1].upper()}{error.problem[1:]}"
-        except NoAnswer:
+        except NoSolution:
             pass
     return None, "The flexible shaft has no steady response to be drawn"
 

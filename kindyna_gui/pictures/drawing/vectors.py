@@ -9,7 +9,7 @@ from types import MappingProxyType
 import numpy as np
 
 from core.dynamics import BEARING, CONTACT, OF_MASSES, REACTION, SPRING, ForceOnBody
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.frozen import frozen
 from core.mechanism.kinematics import CAM
 from kindyna_gui.pictures.drawing.cam_parts import centre_within_reach
@@ -84,7 +84,7 @@ def _acting(geometry: Geometry, wanted: Callable[[ForceOnBody], bool]) -> Field:
     """Those forces on the bodies that are wanted: of a pair by ``on`` on ``body``, of the cam on the follower."""
     try:
         bodies = geometry.study.free_bodies
-    except NoAnswer:
+    except NoSolution:
         return Field("force", "N", ())
     pairs = geometry.kinematics.pairs
     carried = {name: pair.body if pair.body in bodies else pair.on for name, pair in pairs.items()}

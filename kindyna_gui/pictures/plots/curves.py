@@ -13,11 +13,11 @@ from core.cam import PRESSURE_LIMITS
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE
-from core.motion.extremes import Range
+from core.motion.extremes import Extremes
 from core.study import Quantity, Study, extremes_of
 from core.study.limits import OWN_BOUNDS, bounded
 from core.study.member_quantities import gain_of
-from core.study.quantity_requests import borne
+from core.study.quantity_requests import allowable_pressure
 from core.units import split_unit
 from kindyna_gui.pictures.sizes import floor_of, without_noise
 from kindyna_gui.pictures.style import Theme, shade
@@ -54,7 +54,7 @@ def _own(study: Study, quantity: str) -> Iterator[Limit]:
 
 def _borne(study: Study) -> float:
     """The least pressure that a material of the contact bears [Pa]; infinite where none is known."""
-    least = borne(study)[0]
+    least = allowable_pressure(study)[0]
     return np.inf if least is None else least
 
 
@@ -63,7 +63,11 @@ _USUAL: Mapping[str, tuple[tuple[str, str, Callable[[Study], float]], ...]] = Ma
         "pressure_angle": (("usual limit {}", "limits.pressure_angle_rise_deg", _pressure_angle),),
         "pitch_curvature": (("undercut from {}", "cam.base_radius_mm", _undercut),),
         "contact_force": (
-            ("lifts off below {}", "loads.least_contact_force_n", lambda study: np.inf if study.holds else 0.0),
+            (
+                "lifts off below {}",
+                "loads.least_contact_force_n",
+                lambda study: np.inf if study.is_form_closed else 0.0,
+            ),
         ),
         **dict.fromkeys(
             ("contact_pressure", "second_contact_pressure"), (("material bears {}", "cam.material", _borne),)
@@ -96,7 +100,7 @@ class Curve:
     floor: float = 0.0
     gain: float = 0.0
 
-    def ends(self, found: Range) -> list[tuple[float, float]]:
+    def ends(self, found: Extremes) -> list[tuple[float, float]]:
         """Lowest and highest value of the channel, each as (cam angle [deg], value in its unit), of extremes in SI."""
         return [(float(np.rad2deg(end.theta)), end.value / self.channel.unit.factor) for end in (found.low, found.high)]
 
@@ -107,7 +111,7 @@ class Curve:
 
 
 def read_curves(study: Study, channels: Sequence[Quantity], theme: Theme) -> list[Curve]:
-    """The curves of these channels, those of one family in different shades. Raises NoAnswer where one has none."""
+    """The curves of these channels, those of one family in different shades. Raises NoSolution where one has none."""
     seen: dict[str, int] = {}
     curves: list[Curve] = []
     for row in channels:
@@ -129,9 +133,9 @@ def moving(study: Study) -> np.ndarray:
     return moves if moves.any() else ~moves
 
 
-def channel_extremes(study: Study, channels: Sequence[Quantity]) -> dict[str, Range]:
+def channel_extremes(study: Study, channels: Sequence[Quantity]) -> dict[str, Extremes]:
     """Refined extremes of these channels by quantity, of those that have any; in SI."""
-    found: dict[str, Range] = {}
+    found: dict[str, Extremes] = {}
     for stage in dict.fromkeys(row.stage for row in channels):
         names = tuple(row.name for row in channels if row.stage == stage and not row.beside)
         with suppress(KindynaError):

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from core.frozen import frozen
-from core.output.graph import AxisOf, GraphAxis, Plotted, kind_of
-from core.units import change
+from core.output.graph import AxisOf, GraphAxis, Plotted, quantity_kind
+from core.units import conversion_factor
 from kindyna_gui.pictures.plots.background import ANGLE_STEPS, LEAST_ACROSS, LEAST_VALUE_PIXELS, value_ticks
 from kindyna_gui.pictures.units import MINUS, DisplayUnit, nice_step, number, readable, short
 from kindyna_gui.preferences.units import sized
@@ -59,7 +59,11 @@ def whole(found: Plotted, x: GraphAxis, sizes: Sequence[DisplayUnit]) -> Shown:
 
 def is_outline(found: Plotted, x: GraphAxis) -> bool:
     """Whether lengths stand over lengths, and the curves go back: an outline, which wants one scale for both."""
-    lengths = kind_of(found.x_unit) == "length" and len(found.axes) == 1 and kind_of(found.axes[0].unit) == "length"
+    lengths = (
+        quantity_kind(found.x_unit) == "length"
+        and len(found.axes) == 1
+        and quantity_kind(found.axes[0].unit) == "length"
+    )
     scales = (x, found.axes[0].scale) if lengths else ()
     free = all(s.low is None and s.high is None and not s.log for s in scales)
     return lengths and free and any(not each.ordered for each in found.series)
@@ -68,7 +72,7 @@ def is_outline(found: Plotted, x: GraphAxis) -> bool:
 def evenly(shown: Shown, found: Plotted, size: float, width: float, height: float) -> Shown:
     """The same and more, with one scale along both axes of an outline; size: of the rung of its values."""
     (ends,) = shown.values
-    up = size * change(found.axes[0].unit, found.x_unit)
+    up = size * conversion_factor(found.axes[0].unit, found.x_unit)
     per = max((shown.x[1] - shown.x[0]) / width, up * (ends[1] - ends[0]) / height)
     return Shown(_about(shown.x, per * width), (_about(ends, per * height / up),))
 

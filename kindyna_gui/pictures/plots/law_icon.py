@@ -12,7 +12,7 @@ from PySide6.QtGui import QPainter, QPolygonF
 
 from core.design import Curve, PolynomialCurve, PolynomialEnd, Segment, SplineCurve, SplinePoint, TableCurve, curve_of
 from core.laws import PieceTable, find_law
-from core.motion.curves import shape_of
+from core.motion.curves import segment_shape
 from kindyna_gui.pictures.style import THIN, Theme
 
 SAMPLES = 49  # angles on each piece of a law
@@ -39,7 +39,7 @@ def _segment(slug: str) -> Segment:
 def curves_of(slug: str) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
     """Displacement and acceleration of a law over u = 0 ... 1, each (n,) places and (n,) values scaled to -1 ... 1:
     the displacement begins at 0, or ends there where the law is a return; the acceleration breaks where it jumps."""
-    shape = shape_of(_segment(slug), False, slug)
+    shape = segment_shape(_segment(slug), False, slug)
     table, starts = PieceTable(shape.pieces), [piece.start for piece in shape.pieces]
     places, rows = [], []
     for i, (start, end) in enumerate(zip(starts, [*starts[1:], 1.0], strict=True)):

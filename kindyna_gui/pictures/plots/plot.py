@@ -13,7 +13,7 @@ from PySide6.QtGui import QAccessible, QPen
 from PySide6.QtWidgets import QWidget
 
 from core.design import motion_of
-from core.motion.extremes import Range
+from core.motion.extremes import Extremes
 from core.study import Quantity, Study
 from core.study.quantities import TRANSMISSION, shape_of
 from kindyna_gui.pictures.items import Outline, text_size
@@ -75,7 +75,7 @@ class CurvePlot(FixedPlot):
         self._asked: tuple[Study, tuple[Quantity, ...], Study | None, Mapping[str, np.ndarray]] | None = None
         self._core: tuple[float, float] | None = None  # what the axis must show at least
         self._whole = self._spiked = False
-        self._ranges: Mapping[str, Range] | None = None
+        self._ranges: Mapping[str, Extremes] | None = None
         self._extremes: list[Extreme] = []
         self._extreme_marks: list[ExtremeMark] = []
         self._boxes: list[QRectF] = []
@@ -110,7 +110,7 @@ class CurvePlot(FixedPlot):
         bands: Mapping[str, np.ndarray] = NO_BANDS,
     ) -> None:
         """Draw these channels of the study; reference: a second study, dashed; bands: column -> percentiles (5, n), evenly over the turn,
-        within which machines lie, shaded. Raises NoAnswer where one has none.
+        within which machines lie, shaded. Raises NoSolution where one has none.
 
         Where all would be drawn as it is nothing is touched, and so nothing painted. read: False where ``set_angle``
         follows at once, so that no value is written twice.
@@ -201,7 +201,7 @@ class CurvePlot(FixedPlot):
 
     # -- extremes -------------------------------------------------------------------------------------------
 
-    def show_extremes(self, found: Mapping[str, Range] | None) -> None:
+    def show_extremes(self, found: Mapping[str, Extremes] | None) -> None:
         """Mark the highest and lowest value of each curve; found: by quantity, in SI. None: only where a spike is cut off."""
         self._ranges = found
         self._find_extremes()

@@ -21,7 +21,7 @@ from PySide6.QtGui import (
 from PySide6.QtWidgets import QWidget
 
 from core.design import motion_of
-from core.motion.extremes import Range
+from core.motion.extremes import Extremes
 from core.study import Quantity, Study
 from kindyna_gui.pictures.detail import needed
 from kindyna_gui.pictures.items import text_size
@@ -69,7 +69,7 @@ class PolarPlot(QWidget):
         self._angle = 0.0
         self._values: list[float] = []
         self._curves: list[Curve] = []
-        self._ranges: Mapping[str, Range] | None = None
+        self._ranges: Mapping[str, Extremes] | None = None
         self._marks: list[PolarMark] | None = None
         self._with_cursor = True
         self.rung = DisplayUnit("", 1.0, 0.0)
@@ -85,7 +85,7 @@ class PolarPlot(QWidget):
         self, study: Study, channels: Sequence[Quantity], *, bands: Mapping[str, np.ndarray] = NO_BANDS
     ) -> None:
         """Draw these channels of the study; bands: column -> percentiles (5, n), evenly over the turn, within which machines lie, shaded.
-        Raises NoAnswer where one has none."""
+        Raises NoSolution where one has none."""
         self._curves = read_curves(study, channels, self._theme)
         shaded = [(curve, bands[curve.channel.slug]) for curve in self._curves if curve.channel.slug in bands]
         values = [*(curve.values for curve in self._curves), *(band[i] for _, band in shaded for i in (0, -1))]
@@ -117,7 +117,7 @@ class PolarPlot(QWidget):
         self._ranges = self._marks = self._paths = self._kept = None
         self.update()
 
-    def show_extremes(self, found: Mapping[str, Range] | None) -> None:
+    def show_extremes(self, found: Mapping[str, Extremes] | None) -> None:
         """Mark the highest and lowest value of each curve; found: by quantity, in SI. None: mark none."""
         self._ranges = found
         self._marks = self._kept = None

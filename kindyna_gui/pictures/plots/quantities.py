@@ -158,7 +158,7 @@ def split(study: Study, rows: Sequence[Quantity]) -> tuple[list[Quantity], list[
     """Those rows that can be drawn, without any that equals one before it; and a line for each that is left out, but for
     what only stands beside another for comparison.
 
-    Raises NoAnswer where a stage that all of them need has none.
+    Raises NoSolution where a stage that all of them need has none.
     """
     available = existing(study, rows)
     drawn = different(study, available)

@@ -62,7 +62,7 @@ def polar_file(
     marks: bool = True,
     bands: Mapping[str, np.ndarray] = NO_BANDS,
 ) -> bytes:
-    """Polar plots as a file, ``.png`` or ``.svg``, their extremes marked, bands shaded. Raises NoAnswer where one has no values."""
+    """Polar plots as a file, ``.png`` or ``.svg``, their extremes marked, bands shaded. Raises NoSolution where one has no values."""
     if ending == ".svg":
         return svg(PolarSheet(study, rows, LIGHT, marks=marks, bands=bands), study.design.name)
     return png(PolarSheet(study, rows, replace(LIGHT, ratio=RATIO), UNSEEN / RATIO, marks, bands))

@@ -36,7 +36,7 @@ assert tuple(KINDS) == ENDINGS
 
 
 def report_file(document: Document, ending: str, go_on: GoOn = lambda done: True) -> bytes | None:
-    """The file of a row of ``KINDS``; None where it was not to go on. Raises NoAnswer where a picture has none."""
+    """The file of a row of ``KINDS``; None where it was not to go on. Raises NoSolution where a picture has none."""
     ensure_app(offscreen=True)
     kind, drawn = KINDS[ending], {}
     for done, picture in enumerate(document.pictures):

@@ -16,8 +16,8 @@ from PySide6.QtWidgets import QGraphicsView, QVBoxLayout, QWidget
 from core.design import UNITS
 from core.frozen import frozen
 from core.output.report.parts import ReportPicture
-from core.output.summary import runs
 from core.study import Study
+from core.study.camshaft import has_speed
 from core.study.quantities import member_of
 from kindyna_gui.pictures.drawing.assembly import Assembly
 from kindyna_gui.pictures.files import CAM, FORCES, MOTION, MechanismSheet, PlotStack, plot_rows, report_scene
@@ -58,7 +58,7 @@ class Vector:
 
 def vector(picture: ReportPicture, scale: float = 1.0, part: float = 1.0) -> Vector:
     """A picture of a report, to be painted on a device of which so many dots are a pixel; part: of its usual height, its letters as
-    large. Raises NoAnswer where its design has none."""
+    large. Raises NoSolution where its design has none."""
     return VECTORS[picture.name](picture.of, replace(LIGHT, ratio=scale), part)
 
 
@@ -151,12 +151,12 @@ def _timing(study: Study, theme: Theme, part: float) -> Vector:
 def _torque(study: Study, theme: Theme, part: float) -> Vector:
     """Torque of the drives, of the whole, and the speed where a flywheel levels it."""
     shaft = study.camshaft
-    angle, there = shaft.angle_degrees, [name for name in shaft.carried if name not in shaft.failures]
-    drives = [(name, shaft.drive_torque(name), LIGHT.drive(shaft.number(name))) for name in there]
+    angle, there = shaft.angle_degrees, [name for name in shaft.loading_drives if name not in shaft.failures]
+    drives = [(name, shaft.drive_torque(name), LIGHT.drive(shaft.drive_number(name))) for name in there]
     sums = [("Shaft", shaft.torque, theme.ink)]
     if shaft.design.balancer is not None:
         drives.append(("Balance cam", shaft.balancer_torque, BALANCE))
-    running = shaft.levelled and runs(shaft)
+    running = shaft.levels_torque and has_speed(shaft)
     if running:
         sums.append(("Motor", shaft.motor_torque, FAMILIES["torque"]))
     plots = [("Drives, N·m", drives), ("Shaft, N·m", sums)]

@@ -24,7 +24,7 @@ from blends import Motion, check_joins, free_motion, same
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from core.blend import SETTINGS, Request, SettingRange, blend, feasible_ranges, openings
+from core.blend import SETTINGS, Request, SettingRange, blend, feasible_ranges, open_settings
 
 
 def check_motion(got: Motion, case: Case) -> None:
@@ -205,7 +205,7 @@ def told_ranges(text: str) -> list[tuple[float, float]]:
 
 def new_settings(wish: Request) -> list[str]:
     """Those that some sequence still takes."""
-    named = {n for opening in openings(wish) for n in opening.settings}
+    named = {n for opening in open_settings(wish) for n in opening.settings}
     return [n for n in SETTINGS if n in named]
 
 
@@ -221,7 +221,7 @@ def test_whatever_is_typed_within_the_ranges_shown_is_blended(case: Case, order:
     pick, usual = random.Random(order), measurable(drawn(case), kind)
     wish = asked_for(kind, constant, name, numbers, {})
     sizes = {}
-    while {o.missing for o in openings(wish)} != {0}:
+    while {o.missing for o in open_settings(wish)} != {0}:
         setting = pick.choice([n for n in new_settings(wish) if n != "acceleration" or pick.random() < 0.3])
         ranges = feasible_ranges(wish, setting)
         assert ranges, (wish.settings, setting)

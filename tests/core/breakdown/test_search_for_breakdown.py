@@ -19,7 +19,7 @@ from sampled import spread
 from stress_cases import CASES, Sample, cam, forces, linkage, motion
 
 from core.design import Design, with_drive
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.study import Study
 
 SECONDS = float(os.environ.get("KINDYNA_STRESS_SECONDS", "600"))
@@ -74,10 +74,10 @@ def any_forces(design: Design, theta: float) -> None:
         kept(forces(design, theta))
 
 
-def refusal(study: Study) -> NoAnswer | None:
+def refusal(study: Study) -> NoSolution | None:
     try:
         _ = study.linkage
-    except NoAnswer as error:
+    except NoSolution as error:
         return error
     return None
 

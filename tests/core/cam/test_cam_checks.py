@@ -34,7 +34,7 @@ from core.design import (
     get,
     with_drive,
 )
-from core.errors import DesignError, NoAnswer
+from core.errors import DesignError, NoSolution
 from core.findings import WARNING, Finding
 from core.output.export import files
 from core.output.report import report
@@ -170,7 +170,7 @@ def test_the_usual_limit_stands_beside_the_users_own() -> None:
     assert {f.code for f in findings_of(Study(strict), ("cam",))} == codes | {"pressure-angle-rise"}
     tilted = with_values(TAPPET, follower__face_tilt_deg=-20.0, limits__pressure_angle_return_deg=15.0)
     (own,) = found(tilted, "pressure-angle-return")
-    assert (own.field, own.values["remedy"]) == ("follower.face_tilt_deg", "lessen the tilt of the face")
+    assert (own.field, own.values["remedy"]) == ("follower.face_tilt_deg", "reduce the tilt of the face")
 
 
 def test_a_limit_of_the_user_computes_nothing_anew() -> None:
@@ -341,7 +341,7 @@ def check_crossing(design: Design, points: int = 1200) -> str:
     study = Study(design, points)
     try:
         profile = study.cam.flank.profile
-    except NoAnswer:
+    except NoSolution:
         return "none"
     findings = findings_of(study, ("cam",))
     if any(finding.code == "undercut" for finding in findings):
@@ -432,7 +432,7 @@ BAD = [
         "tappet_flat",
         {"follower.face_half_width_mm": 3.0},
         1,
-        r"leaves the flat face at [0-9.]+ deg.* its half width is 3 mm",
+        r"leaves the flat face at [0-9.]+ deg.* half the face's width is 3 mm",
     ),
     ("rocker_cam", {"follower.pivot_x_mm": 300.0}, 2, r"cannot reach the base circle"),
     ("rocker_flat", {"follower.pivot_x_mm": 10.0, "follower.pivot_y_mm": 5.0}, 2, r"cannot lie on the base circle"),
@@ -440,7 +440,7 @@ BAD = [
         "groove",
         {"cam.roller_radius_mm": 20.0, "cam.base_radius_mm": 20.0, "cam.hub_mm": None, "cam.bore_mm": None},
         1,
-        r"two stretches of the groove run into each other at [0-9.]+ deg and at [0-9.]+ deg",
+        r"two sections of the groove overlap at [0-9.]+ deg and at [0-9.]+ deg",
     ),
     ("tappet_knife", {"follower.offset_mm": 90.0}, 2, r"cannot reach the base circle: offset 90 mm"),
 ]

@@ -104,11 +104,11 @@ def test_the_relative_motion_is_the_pitch_curves_own_derivatives(name: str) -> N
     theta = 2.5
     study = Study(design).at_theta(np.array([theta]))
 
-    def turned_back(design: Design, there: Solved) -> list[object]:
+    def cam_frame_rotation(design: Design, there: Solved) -> list[object]:
         pitch = cam_shape(design, there).pitch
         return [pitch.derivative(k) * MP.expj(sense_of(design) * there.theta) for k in (1, 2, 3)]
 
-    exact, size = sensitivity(turned_back, design, theta, study.motion.y[:, 0])
+    exact, size = sensitivity(cam_frame_rotation, design, theta, study.motion.y[:, 0])
     for got, reference, reach in zip(
         relative_motion(study.linkage, study.design.shaft.sense).all[1:], exact, size, strict=True
     ):

@@ -36,7 +36,7 @@ from core.design import (
     get,
     with_drive,
 )
-from core.errors import DesignError, NoAnswer, NoAssembly, NoCam
+from core.errors import DesignError, NoAssembly, NoCam, NoSolution
 from core.followers import built
 from core.followers.dragging import joints_of, move_joint
 from core.mechanism import solve_mechanism
@@ -62,7 +62,7 @@ def check(design: Design, positions: int = 24, points: int = 1080) -> str:
     study = Study(design, points)
     try:
         profile = study.cam.flank.profile * 1e3
-    except NoAnswer:
+    except NoSolution:
         return "none"
     step = points // positions
     where = placed(study.at_theta(study.theta[::step]))
@@ -320,7 +320,7 @@ def test_power_and_momentum_balance_with_sliding_friction(follower: str, face: s
         study = Study(design, 120)
         try:
             forces = study.dynamics
-        except NoAnswer:
+        except NoSolution:
             continue
         if study.jam is not None:
             continue
@@ -349,7 +349,7 @@ def test_a_steep_shoe_jams_on_its_friction() -> None:
             assert finding.field == "loads.contact_friction"
             assert finding.values["factor"] == pytest.approx(factor, rel=1e-9)
             endless = replace(finding, values={"factor": math.inf}).message
-            assert "the cam's force has no lever at" in endless
+            assert "the cam's force has no lever arm at" in endless
             assert "inf" not in endless
 
 
@@ -411,7 +411,7 @@ def test_the_pressure_angle_of_a_flat_face_is_its_own_doing() -> None:
     tilted = edited(TAPPET, "follower.face_tilt_deg", -32.0)
     (finding,) = [f for f in findings_of(Study(tilted), ("cam",)) if f.code == "pressure-angle"]
     assert (finding.field, finding.values["value"]) == ("follower.face_tilt_deg", pytest.approx(32.0, rel=1e-12))
-    assert finding.message.endswith("limit 30 deg: lessen the tilt of the face")
+    assert finding.message.endswith("limit 30 deg: reduce the tilt of the face")
     offset = edited(edited(ROCKER, "follower.face_offset_mm", -110.0), "follower.pivot_x_mm", 190.0)
     (finding,) = [f for f in findings_of(Study(offset), ("cam",)) if f.code == "pressure-angle"]
     assert finding.field == "follower.face_offset_mm"
@@ -460,7 +460,7 @@ def test_a_face_that_turns_as_fast_as_the_cam_and_one_that_passes_its_centre_are
     ):
         _ = Study(turned).cam
     low = with_drive(TAPPET, motion=levels(-45.0, (90.0, -30.0, "cycloidal"), (270.0, -45.0, "cycloidal")))
-    with pytest.raises(NoCam, match=r"cam\.base_radius_mm: the flat face passes the cam centre, by 5 mm"):
+    with pytest.raises(NoCam, match=r"cam\.base_radius_mm: the flat face passes the cam centre by 5 mm"):
         _ = Study(low).cam
 
 

@@ -41,7 +41,7 @@ from core.design import (
     with_drive,
 )
 from core.dynamics import momentum_residual, power_residual
-from core.errors import DesignError, NoAnswer, NoCam
+from core.errors import DesignError, NoCam, NoSolution
 from core.followers import SECOND_ROLLER, built
 from core.followers.dragging import joints_of, move_joint
 from core.mechanism import solve_mechanism
@@ -141,7 +141,7 @@ def check(design: Design, positions: int = 20, points: int = 720) -> str:
     study = Study(design, points)
     try:
         shape = study.cam
-    except NoAnswer:
+    except NoSolution:
         return "none"
     profiles = {flank.name: flank.profile * 1e3 for flank in shape.flanks}
     size = max(float(np.abs(profile).max()) for profile in profiles.values())
@@ -259,7 +259,7 @@ def test_power_and_momentum_balance_while_the_contact_changes_flanks(follower: s
         study = Study(fast(rng, follower, sense, form), 360)
         try:
             shape, forces = study.cam, study.dynamics
-        except NoAnswer:
+        except NoSolution:
             continue
         first, other = (contact.force for contact in forces.contacts)
         assert first.min() >= 0.0
@@ -499,7 +499,7 @@ def test_a_second_roller_farther_away_has_a_smaller_pressure_angle() -> None:
 
 def test_a_second_roller_on_the_cam_centre_is_named() -> None:
     with pytest.raises(
-        NoAnswer, match=r"cam\.second\.roller_radius_mm: the second roller covers the cam centre.*farther out"
+        NoSolution, match=r"cam\.second\.roller_radius_mm: the second roller covers the cam centre.*farther out"
     ):
         _ = Study(edited(PAIR, "cam.second.roller_radius_mm", 95.0), 72).cam
 

@@ -21,7 +21,7 @@ from mechanisms import LIFT, PUSHER, with_drive
 from core import project
 from core.__main__ import main
 from core.blend import GOALS, Request, best, blend
-from core.blend.best import in_place, into_design, over_the_turn
+from core.blend.best import with_blend, with_blend_as_motion, with_blend_between
 from core.design import Design, Motion, Segment, faults, with_assumed
 from core.errors import DesignError
 from core.laws import LAWS, find_law
@@ -488,18 +488,18 @@ def test_what_moves_otherwise_in_the_design_is_told(run: Run, tmp_path: Path) ->
 
 
 def test_dwells_are_cut_where_a_blend_begins_and_ends() -> None:
-    made = in_place(LIFT, blend(drd(start=250.0, end=330.0))).drive.motion
+    made = with_blend_between(LIFT, blend(drd(start=250.0, end=330.0))).drive.motion
     assert [s.curve.law for s in made.segments] == ["dwell", "modified-sine", "dwell", "c5", "dwell"]
     assert [s.span_deg for s in made.segments] == [35.0, 41.5, 173.5, 80.0, 30.0]
     inside = blend(Request("DRRD", 20.0, 100.0, 200.0))
-    made = in_place(LIFT, inside).drive.motion
+    made = with_blend_between(LIFT, inside).drive.motion
     assert [s.curve.law for s in made.segments][2:6] == ["dwell", "p1", "p2", "dwell"]
     assert [s.span_deg for s in made.segments] == pytest.approx([35.0, 41.5, 23.5, 50.0, 50.0, 83.5, 41.5, 35.0])
     assert not any(jumps(made))
 
 
 def test_another_stroke_is_brought_back_by_the_next_segment_that_moves() -> None:
-    made = in_place(LIFT, blend(drd(stroke=120.0))).drive.motion
+    made = with_blend_between(LIFT, blend(drd(stroke=120.0))).drive.motion
     assert [s.rise for s in made.segments] == [0.0, -120.0, 0.0, 120.0, 0.0]
     assert [s.curve.law for s in made.segments] == ["dwell", "modified-sine", "dwell", "c5", "dwell"]
 
@@ -507,7 +507,7 @@ def test_another_stroke_is_brought_back_by_the_next_segment_that_moves() -> None
 def test_a_segment_that_moves_is_not_cut() -> None:
     for start, end in ((300.0, 325.0), (283.5, 300.0), (60.0, 340.0)):
         with pytest.raises(DesignError, match=r"moves, and would be cut.*a join, or an angle in a dwell"):
-            in_place(LIFT, blend(drd(start=start, end=end)))
+            with_blend_between(LIFT, blend(drd(start=start, end=end)))
 
 
 STANDING = with_drive(PUSHER, motion=Motion(0.0, (Segment(360.0, 0.0),)))
@@ -526,7 +526,7 @@ STANDING = with_drive(PUSHER, motion=Motion(0.0, (Segment(360.0, 0.0),)))
 def test_a_rise_into_a_motion_that_stands_still_comes_back_mirrored(
     kind: str, start: float, end: float, laws: list[str], spans_deg: list[float], first: float
 ) -> None:
-    made = into_design(STANDING, blend(Request(kind, 20.0, start, end)))
+    made = with_blend(STANDING, blend(Request(kind, 20.0, start, end)))
     assert faults(made) == []
     motion = made.drive.motion
     assert [s.curve.law for s in motion.segments] == laws
@@ -537,7 +537,7 @@ def test_a_rise_into_a_motion_that_stands_still_comes_back_mirrored(
 
 def test_the_way_back_of_several_curves_is_smooth_too() -> None:
     wish = Request("DRD", 20.0, 30.0, 250.0, "rise", {"h1": 2.0, "h3": 7.0})
-    motion = into_design(STANDING, blend(wish)).drive.motion
+    motion = with_blend(STANDING, blend(wish)).drive.motion
     assert [s.curve.law for s in motion.segments] == ["dwell", "c1", "cv1", "c2", "c3", "cv2", "c4"]
     assert [s.rise for s in motion.segments[4:]] == pytest.approx([-7.0, -11.0, -2.0], abs=1e-9)
     assert not any(jumps(motion))
@@ -545,12 +545,12 @@ def test_the_way_back_of_several_curves_is_smooth_too() -> None:
 
 def test_no_way_back_is_left_of_a_whole_turn() -> None:
     with pytest.raises(DesignError, match="leaves no room for the way back"):
-        into_design(STANDING, blend(Request("DRD", 20.0, 0.0, 360.0)))
+        with_blend(STANDING, blend(Request("DRD", 20.0, 0.0, 360.0)))
 
 
 def test_a_rise_alone_is_no_whole_turn() -> None:
     with pytest.raises(DesignError, match=r"rises add up to 20 mm.*DRRD \| RRR"):
-        over_the_turn(STANDING, blend(Request("DRD", 20.0, 30.0, 120.0)))
+        with_blend_as_motion(STANDING, blend(Request("DRD", 20.0, 30.0, 120.0)))
 
 
 def test_every_law_of_a_blend_is_one_of_the_table() -> None:

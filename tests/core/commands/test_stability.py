@@ -234,7 +234,7 @@ def test_a_machine_in_a_forbidden_band_is_exit_code_one_and_all_is_written(
     stiffness = KIM.shaft.elastic.camshaft_inertia_kg_m2 * (0.5 * Study(KIM, 4).omega) ** 2
     path = saved(tmp_path, with_elastic(KIM, stiffness_nm_per_rad=stiffness))
     assert main(["stability", str(path), "--out", str(tmp_path / "o"), "--periods", "1"]) == 1
-    assert "error: 1500 rpm lies in a forbidden band of speed" in capsys.readouterr().out
+    assert "error: 1500 rpm is in a forbidden band of speed" in capsys.readouterr().out
     assert {p.name for p in (tmp_path / "o").iterdir()} == FILES
     assert main(["check", str(path)]) == 1
     assert main(["export", str(path), "--out", str(tmp_path / "e"), "--samples", "8", "--only", "motion"]) == 0
@@ -251,7 +251,7 @@ def test_damping_leaves_closed_tongues_out(tmp_path: Path, capsys: pytest.Captur
 
 
 NO_SHAFT = {
-    "rigid": (PUSHER, "shaft: the camshaft is rigid; give camshaft_inertia_kg_m2 and stiffness_nm_per_rad"),
+    "rigid": (PUSHER, "shaft: the camshaft is rigid; enter camshaft_inertia_kg_m2 and stiffness_nm_per_rad"),
     "soft": (
         with_elastic(KIM, spring="fixed", stiffness_nm_per_rad=1e-3),
         "shaft.stiffness_nm_per_rad: at Q = 0.05 the load",

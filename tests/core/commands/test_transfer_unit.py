@@ -138,7 +138,7 @@ def test_the_part_goes_round_in_space_as_its_drives_carry_it(tmp_path: Path) -> 
     """Feed along x at the end of its arm, clamp along y, lift along z: each by its own motion, turned by its phase."""
     unit = load(FILE)
     assert [drive.carries for drive in unit.drives] == [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), ()]
-    path = Study(unit, 360).camshaft.carried_path * 1e3
+    path = Study(unit, 360).camshaft.transfer_path * 1e3
     for axis, (name, lever) in enumerate((("Feed", 500.0), ("Clamp", 1e3), ("Lift", 1e3))):
         number = next(i for i, drive in enumerate(unit.drives) if drive.name == name)
         alone = Study(only(unit, number), 360)

@@ -43,7 +43,7 @@ from core.design import (
     with_only,
     with_phase,
 )
-from core.errors import DesignError, NoAnswer
+from core.errors import DesignError, NoSolution
 from core.output.export import camshaft_columns
 from core.project import dumps, load, loads, save, to_table
 from core.shaft import value
@@ -432,7 +432,7 @@ def test_a_drive_that_cannot_be_assembled_takes_no_other_with_it(
     study = Study(broken, 360)
     assert list(study.camshaft.failures) == ["Feed"]
     assert study.camshaft.drive_torque("Lift").size == 360
-    with pytest.raises(NoAnswer, match=r"^drives\[0\]\.follower.*lacks the drive Feed"):
+    with pytest.raises(NoSolution, match=r"^drives\[0\]\.follower.*lacks the drive Feed"):
         assert study.camshaft.torque is None
     out = exported(broken, tmp_path / "broken", expected=1)
     assert set(table(out / "shaft.csv")) == {
@@ -447,11 +447,13 @@ def test_a_drive_that_cannot_be_assembled_takes_no_other_with_it(
     assert found["field"].startswith("drives[0].follower.")
     capsys.readouterr()
     assert main(["check", str(tmp_path / "broken" / "design.toml")]) == 1
-    assert capsys.readouterr().out.startswith("error: Feed: no answer, and the other drives go on without it:")
+    assert capsys.readouterr().out.startswith(
+        "error: Feed: no solution, the other drives are computed without this one:"
+    )
     assert main(["find", str(tmp_path / "broken" / "design.toml"), "flywheel"]) == 2
     assert capsys.readouterr().err.startswith("drives[0].follower.arm_mm: the shaft's torque lacks the drive Feed:")
     assert main(["report", str(tmp_path / "broken" / "design.toml"), "--samples", "360"]) == 1
-    assert "Feed: no answer, and the other drives go on without it:" in capsys.readouterr().out
+    assert "Feed: no solution, the other drives are computed without this one:" in capsys.readouterr().out
 
 
 def test_findings_name_the_drive_and_its_field() -> None:
@@ -596,4 +598,4 @@ def test_a_wind_up_that_lifts_a_follower_off_its_cam_is_found_for_each_drive() -
     turned = Study(UNIT).camshaft.at_theta(np.mod(2.0 * np.pi * (y - rest.at(y)[0]), 2.0 * np.pi))
     newtons = rest.forces(y) * rest.contact.unit * still.machine.omega_at(rest.eta) ** 2
     for name, force in zip(rest.contact.names, newtons, strict=True):
-        assert np.allclose(force, turned.there(name).dynamics.contact, rtol=0.05)
+        assert np.allclose(force, turned.drive_study(name).dynamics.contact, rtol=0.05)

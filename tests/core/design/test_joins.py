@@ -23,7 +23,7 @@ from core.design import (
     part_faults,
     with_join_moved,
 )
-from core.motion import Program
+from core.motion import CompiledMotion
 
 SINE, DWELL = NamedCurve("modified-sine"), NamedCurve("dwell")
 LIFT = Motion(
@@ -194,7 +194,7 @@ BENT = Motion(
 
 
 def position(motion: Motion, angle: float) -> float:
-    program = Program(motion)
+    program = CompiledMotion(motion)
     return float(program.state(program.angles(np.array([math.radians(angle)]))).y[0, 0]) / motion.scale
 
 

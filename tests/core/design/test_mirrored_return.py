@@ -33,7 +33,7 @@ from core.design import (
     with_drive,
 )
 from core.laws import LAWS
-from core.motion import Program
+from core.motion import CompiledMotion
 from core.project import load
 
 LIFT: Design = load(Path(__file__).parents[3] / "resources" / "examples" / "transfer_lift.toml")
@@ -54,7 +54,7 @@ def rows(of: Motion) -> list[tuple[float, float, str]]:
 
 def state(of: Motion, angles: np.ndarray) -> np.ndarray:
     """s, v, a, j (4, n), per degree."""
-    program = Program(of)
+    program = CompiledMotion(of)
     y = program.state(program.angles(np.deg2rad(angles))).y / of.scale
     return y * (math.pi / 180.0) ** np.arange(4)[:, None]
 
@@ -129,7 +129,7 @@ def test_a_blend_is_one_stroke() -> None:
     made = with_image(motion((60, 0, "dwell"), *blend, (100, 0, "dwell"), (125, -20, SINE)), 2)
     assert rows(made)[5:] == [(25, -5, "c3"), (20, -10, "cv2"), (30, -5, "c4")]
     assert rows(made)[4] == (150, 0, "dwell")
-    assert not any(join.jumps[:1].any() for join in Program(made).joins)
+    assert not any(join.jumps[:1].any() for join in CompiledMotion(made).joins)
 
 
 def test_rise_and_return_alone_share_the_turn() -> None:

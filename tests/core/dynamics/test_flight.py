@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 from core.__main__ import main
 from core.design import Design, Motion, Process, Segment, edited, with_drive
 from core.dynamics import flights
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.motion import Angles
 from core.project import load, save
 from core.study import Study, extremes_of
@@ -188,9 +188,9 @@ def test_what_never_flies_and_what_never_rests() -> None:
     still = Study(valve(1500.0)).flights()
     assert still.flights == ()
     assert still.steady
-    with pytest.raises(NoAnswer, match="nowhere"):
+    with pytest.raises(NoSolution, match="nowhere"):
         Study(valve(1500.0, preload_n=-500.0)).flights()
-    with pytest.raises(NoAnswer, match="out of its reach at cam angle"):
+    with pytest.raises(NoSolution, match="out of its reach at cam angle"):
         Study(valve(6000.0, spring_rate_n_per_mm=0.0, preload_n=0.1, gravity_m_s2=0.0)).flights()
 
 

@@ -53,7 +53,7 @@ from core.dynamics import (
     power_residual,
 )
 from core.dynamics.forces import Contact
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.findings import ERROR, NOTE
 from core.study import Study, certificate_of, findings_of
 
@@ -479,7 +479,7 @@ def test_where_the_guide_jams_the_forces_are_infinite_and_no_motor_torque_exists
     assert (study.dynamics.contact[jams] > 0.0).all()
     assert np.isfinite(study.dynamics.torque[~jams]).all()
     assert not np.isfinite(study.dynamics.torque[jams]).any()
-    with pytest.raises(NoAnswer) as caught:
+    with pytest.raises(NoSolution) as caught:
         _ = study.flywheel
     ((worst, same),) = caught.value.cam_angles
     assert worst == same

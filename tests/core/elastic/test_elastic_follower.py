@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 
 from core.__main__ import main
 from core.design import Design, Motion, NamedCurve, PolynomialCurve, Segment, edited, only, with_drive
-from core.errors import DesignError, NoAnswer
+from core.errors import DesignError, NoSolution
 from core.output.export import files
 from core.output.report import report
 from core.project import from_table, load, save, to_table
@@ -191,7 +191,7 @@ def test_a_dwell_that_passes_360_is_one_and_further_springs_and_dampers_count() 
 def test_what_has_no_answer_says_what_to_do() -> None:
     rigid = Study(edited(tappet("cycloidal"), STIFFNESS, 0.0))
     assert "elastic_error" not in quantities_of(rigid)
-    with pytest.raises(NoAnswer, match="the follower is rigid; give its stiffness"):
+    with pytest.raises(NoSolution, match="the follower is rigid; enter its stiffness"):
         _ = rigid.elasticity
     ringing = Study(tappet("cycloidal", rpm=NATURAL / 7.0 * 30.0 / math.pi))
     assert not ringing.vibrates
@@ -204,10 +204,12 @@ def test_what_has_no_answer_says_what_to_do() -> None:
     table["loads"]["springs"] = [
         over | {"rate_n_per_mm": 200.0}
     ]  # pressed together across the guide: it wants to get away
-    with pytest.raises(NoAnswer, match=r"push the follower's mass away .* times as strongly as its stiffness holds it"):
+    with pytest.raises(
+        NoSolution, match=r"push the follower's mass away .* times as strongly as its stiffness holds it"
+    ):
         _ = Study(from_table(table)).elasticity
     weightless = Study(edited(tappet("cycloidal"), "loads.follower_mass_kg", 0.0))
-    with pytest.raises(NoAnswer, match="without a mass does not vibrate"):
+    with pytest.raises(NoSolution, match="without a mass does not vibrate"):
         _ = weightless.elasticity
     with pytest.raises(DesignError, match=r"follower_damping_ratio = 1\.2: .*allowed: 0 \.\.\. 0\.99"):
         from_table(
@@ -260,7 +262,7 @@ def test_the_command_writes_the_spectrum_that_the_study_has(tmp_path: Path, caps
 def test_the_command_refuses_a_rigid_follower_and_wrong_speeds(capsys: pytest.CaptureFixture[str]) -> None:
     rigid = str(EXAMPLES / "rocker_cam.toml")
     assert main(["vibration", rigid]) == 2
-    assert capsys.readouterr().err == "loads.follower_stiffness_n_per_mm: the follower is rigid; give its stiffness\n"
+    assert capsys.readouterr().err == "loads.follower_stiffness_n_per_mm: the follower is rigid; enter its stiffness\n"
     assert main(["vibration", rigid, "--speeds", "300:100"]) == 2
     assert "'300:100': range of speeds; allowed: A:B in rpm" in capsys.readouterr().err
 

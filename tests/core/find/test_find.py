@@ -392,7 +392,7 @@ def test_what_check_would_find_holds_an_answer_as_a_limit_does(tmp_path: Path) -
     data = found(EXAMPLES / "groove.toml", "base-radius", "polar_radius_mm=none", "cam.base_radius_mm_min=none")
     assert data["answer"]["cam.base_radius_mm"] == pytest.approx(35.0, rel=1e-8)
     assert data["answer"]["cam.base_radius_mm"] > 35.0
-    assert data["held_by"][0].startswith("the profile comes as near as")
+    assert data["held_by"][0].startswith("the profile's least distance from the cam centre")
 
 
 def test_segments_that_go_on_into_each_other_change_their_spans_together(tmp_path: Path) -> None:

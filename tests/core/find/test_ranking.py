@@ -11,7 +11,7 @@ from mechanisms import with_loads
 
 from core.__main__ import main
 from core.blend import Request, blend
-from core.blend.best import into_design
+from core.blend.best import with_blend
 from core.design import Design, edited
 from core.find import FIGURES, blend_candidates, figures_of, in_order, law_candidates, moving_segments, ranked, ranking
 from core.project import load
@@ -130,7 +130,7 @@ def test_an_elastic_shaft_winds_up_and_the_laws_are_sorted_by_it() -> None:
 def test_blends_stand_beside_other_sequences_and_laws_for_their_strokes() -> None:
     design = load(EXAMPLES / "card_picker.toml")
     blended = blend(Request("DRRD", 30.0, 60.0, 260.0, settings={"h1": 10.0, "h4": 12.0}))
-    candidates = blend_candidates(blended, lambda other: into_design(design, other))
+    candidates = blend_candidates(blended, lambda other: with_blend(design, other))
     assert next(iter(candidates)) == "-".join(blended.curves)
     figures = figures_of(design)
     wanted = ("-".join(blended.curves), "P1-P2", "cycloidal")
@@ -143,7 +143,7 @@ def test_blends_stand_beside_other_sequences_and_laws_for_their_strokes() -> Non
     assert [segment.curve.law for segment in strokes] == ["cycloidal", "cycloidal"]
     assert [segment.rise for segment in strokes] == pytest.approx([30.0, -30.0])
     assert [segment.span_deg for segment in strokes] == pytest.approx(spans)
-    torque = extremes_of(Study(into_design(design, blended)), "dynamics", ("drive_torque",))["drive_torque"]
+    torque = extremes_of(Study(with_blend(design, blended)), "dynamics", ("drive_torque",))["drive_torque"]
     assert rows[wanted[0]].figures[0] == pytest.approx(max(-torque.low.value, torque.high.value), rel=1e-9)
 
 

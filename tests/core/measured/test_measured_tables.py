@@ -37,7 +37,7 @@ from core.measured import (
     value_units,
 )
 from core.motion import program
-from core.motion.curves import shape_of
+from core.motion.curves import segment_shape
 from core.output.export import table as exported
 from core.output.measured_text import fit_data, fit_text, notes, suspicions
 from core.study import Study
@@ -447,7 +447,7 @@ def test_lambda_weighs_rows_against_jerk_as_it_says(order: int, seed: int) -> No
     table = taken(written(angles, moved(angles, order) + error * chance.normal(size=60), HEADERS[order]))
     found = spline(table, error, keep_all=True)
     (segment,) = found.motion.segments
-    pieces = shape_of(segment, True, "").pieces
+    pieces = segment_shape(segment, True, "").pieces
     starts = np.array([p.start for p in pieces])
     c4, c5 = (np.array([p.polynomial[k] for p in pieces]) for k in (4, 5))
     before = (120.0 * c5, 24.0 * c4 + 120.0 * c5 * np.diff(np.append(starts, 1.0)))[order]

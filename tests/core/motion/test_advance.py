@@ -233,7 +233,7 @@ def test_an_indexer_and_a_flying_shear_are_commands(tmp_path: Path, capsys: pyte
     assert findings(program(design.drive.motion)) == []
     assert "synchronous" not in capsys.readouterr().err
     assert main(["flying-shear", "--window", "200", "--return", "160", "--out", str(file)]) == 2
-    assert "leaves 0 deg to speed up" in capsys.readouterr().err
+    assert "leaves 0 deg to accelerate" in capsys.readouterr().err
 
 
 def test_the_largest_position_of_a_motion_that_goes_on_stands_at_the_end_of_the_turn(tmp_path: Path) -> None:

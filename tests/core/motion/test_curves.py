@@ -29,7 +29,7 @@ from core.design import (
 )
 from core.errors import DesignError
 from core.laws import LAWS
-from core.motion import Angles, Program, findings, program
+from core.motion import Angles, CompiledMotion, findings, program
 from core.motion.split import split_segment
 from core.project import dumps, loads
 
@@ -233,7 +233,7 @@ def test_the_way_changes_where_a_curve_turns() -> None:
     """A rise of nothing that goes out and back turns once: at its middle."""
     curve = SplineCurve((SplinePoint(50.0, value=10.0),))
     motion = Motion(0.0, (Segment(100.0, 0.0, curve), Segment(260.0, 0.0)))
-    compiled = Program(motion)
+    compiled = CompiledMotion(motion)
     state = compiled.state(compiled.angles(np.deg2rad(np.array([1.0, 49.9, 50.1, 99.0, 200.0]))))
     assert list(state.velocity_sign) == [1.0, 1.0, -1.0, -1.0, 0.0]
     assert np.all(np.sign(state.y[1, :4]) == state.velocity_sign[:4])
@@ -250,7 +250,7 @@ def test_the_way_changes_where_a_curve_turns() -> None:
 def test_the_sign_of_the_velocity_is_the_way(points: list[tuple[float, float]]) -> None:
     curve = SplineCurve(tuple(SplinePoint(120.0 * at, value=value) for at, value in sorted(points)))
     motion = Motion(0.0, (Segment(120.0, 5.0, curve), Segment(240.0, -5.0, NamedCurve("cycloidal"))))
-    compiled = Program(motion)
+    compiled = CompiledMotion(motion)
     theta = np.linspace(0.0, np.deg2rad(120.0), 400)[1:-1]
     state = compiled.state(compiled.angles(theta))
     fast = np.abs(state.y[1]) > 1e-6 * np.abs(state.y[1]).max()

@@ -12,17 +12,17 @@ from references import EPS, MP, Series, cam_shape, motion_series, placed, solved
 from sampled import spread, stressed
 
 from core.design import Motion, PolynomialCurve, PolynomialEnd, Segment, SplineCurve, SplinePoint, edited, with_stroke
-from core.motion import TURN, Angles, Program
-from core.motion.extremes import Range, find_extremes, piecewise_angles, true_stroke
+from core.motion import TURN, Angles, CompiledMotion
+from core.motion.extremes import Extremes, find_extremes, piecewise_angles, true_stroke
 from core.study import Study, extremes_of, quantities_of
 
-ONE = Program(levels(0.0, (360.0, 0.0, "dwell")))
-HALVES = Program(levels(0.0, (180.0, 10.0, "cycloidal"), (180.0, 0.0, "cycloidal")))
-UNEVEN = Program(levels(0.0, (1e-3, 0.0, "dwell"), (120.0, 10.0, "modified-sine"), (239.999, 0.0, "cycloidal")))
+ONE = CompiledMotion(levels(0.0, (360.0, 0.0, "dwell")))
+HALVES = CompiledMotion(levels(0.0, (180.0, 10.0, "cycloidal"), (180.0, 0.0, "cycloidal")))
+UNEVEN = CompiledMotion(levels(0.0, (1e-3, 0.0, "dwell"), (120.0, 10.0, "modified-sine"), (239.999, 0.0, "cycloidal")))
 PROGRAMS = {"one": ONE, "halves": HALVES, "uneven": UNEVEN}
 
 
-def extremes(quantity: Callable[[Angles], np.ndarray], program: Program = ONE) -> Range:
+def extremes(quantity: Callable[[Angles], np.ndarray], program: CompiledMotion = ONE) -> Extremes:
     return find_extremes(lambda angles: {"q": quantity(angles)}, program)["q"]
 
 
@@ -31,7 +31,7 @@ def extremes(quantity: Callable[[Angles], np.ndarray], program: Program = ONE) -
 
 @pytest.mark.parametrize("program", PROGRAMS.values(), ids=PROGRAMS)
 @pytest.mark.parametrize("phase", [0.1, 1.0, 2.5, 4.0, 6.0])
-def test_a_waves_top_and_bottom_are_found_to_rounding(program: Program, phase: float) -> None:
+def test_a_waves_top_and_bottom_are_found_to_rounding(program: CompiledMotion, phase: float) -> None:
     """3 cos(θ - phase): the value to a few eps, the angle to what five points 5e-6 apart tell of its slope."""
     found = extremes(lambda a: 3.0 * np.cos(a.theta - phase), program)
     assert found.high.value == pytest.approx(3.0, rel=8 * EPS)
@@ -126,7 +126,7 @@ def test_a_plateau_is_named_by_its_smallest_cam_angle() -> None:
 
 @pytest.mark.parametrize("place", [0.2, 1.0, math.pi / 180 * 90, 3.3, 6.2])
 @pytest.mark.parametrize("program", PROGRAMS.values(), ids=PROGRAMS)
-def test_a_kink_is_narrowed_down(program: Program, place: float) -> None:
+def test_a_kink_is_narrowed_down(program: CompiledMotion, place: float) -> None:
     """|sin((θ - place)/2)| touches 0 there; 1 - |...| is highest there. A slope of 1/2 over 1e-13 rad remains."""
     found = extremes(lambda a: np.abs(np.sin((a.theta - place) / 2)), program)
     assert found.low.value == pytest.approx(0.0, abs=2e-13)
@@ -344,7 +344,7 @@ def test_the_stroke_of_a_spline_lies_between_its_ends() -> None:
     """Through 0, 10, 0, -10 a quarter turn apart the periodic spline of least jerk is 10 sin θ but for its harmonics."""
     points = (SplinePoint(0.0, 0.0), SplinePoint(90.0, 10.0), SplinePoint(180.0, 0.0), SplinePoint(270.0, -10.0))
     motion = Motion(3.0, (Segment(360.0, 0.0, SplineCurve(points)),))
-    y = Program(motion).state(Program(motion).angles(np.linspace(0.0, TURN, 200_001))).y[0] * 1e3
+    y = CompiledMotion(motion).state(CompiledMotion(motion).angles(np.linspace(0.0, TURN, 200_001))).y[0] * 1e3
     assert true_stroke(motion) == pytest.approx(np.ptp(y), rel=1e-9)
     assert true_stroke(motion) == pytest.approx(20.0, rel=1e-3)
     assert true_stroke(with_stroke(motion, 50.0, true_stroke(motion))) == pytest.approx(50.0, rel=1e-11)
@@ -360,12 +360,12 @@ def test_the_stroke_of_a_polynomial_that_overshoots_counts_the_overshoot() -> No
             Segment(270.0, -10.0, PolynomialCurve(PolynomialEnd(velocity=-1.0), PolynomialEnd())),
         ),
     )
-    y = Program(motion).state(Program(motion).angles(np.linspace(0.0, TURN, 200_001))).y[0] * 1e3
+    y = CompiledMotion(motion).state(CompiledMotion(motion).angles(np.linspace(0.0, TURN, 200_001))).y[0] * 1e3
     assert true_stroke(motion) == pytest.approx(np.ptp(y), rel=1e-8)
     assert true_stroke(motion) > 11.0
     twice = with_stroke(motion, 2.0 * true_stroke(motion), true_stroke(motion))
-    assert Program(twice).state(Program(twice).angles(np.array([1.0]))).y == pytest.approx(
-        2.0 * Program(motion).state(Program(motion).angles(np.array([1.0]))).y, rel=1e-11
+    assert CompiledMotion(twice).state(CompiledMotion(twice).angles(np.array([1.0]))).y == pytest.approx(
+        2.0 * CompiledMotion(motion).state(CompiledMotion(motion).angles(np.array([1.0]))).y, rel=1e-11
     )
 
 

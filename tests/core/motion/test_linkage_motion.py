@@ -10,7 +10,7 @@ from mechanisms import LIFT
 
 from core.__main__ import main
 from core.blend import Request, blend
-from core.blend.best import in_place, into_design, over_the_turn
+from core.blend.best import with_blend, with_blend_as_motion, with_blend_between
 from core.design import (
     Design,
     edited,
@@ -92,7 +92,7 @@ def test_the_speed_is_that_of_the_shaft_either_way_round() -> None:
 
 def test_a_blend_goes_into_a_linkage_and_its_cam_follows() -> None:
     blended = blend(Request(type="DRD", stroke=10.0, start=60.0, end=160.0, unit="deg"))
-    changed = in_place(COUPLER, blended)
+    changed = with_blend_between(COUPLER, blended)
     assert [s.curve.law for s in require_motion(changed).segments] == [
         "dwell",
         *(c.lower() for c in blended.curves),
@@ -104,10 +104,10 @@ def test_a_blend_goes_into_a_linkage_and_its_cam_follows() -> None:
     assert np.abs(study.cam.flank.profile - before.cam.flank.profile).max() > 1e-5
     assert all(r.kept for r in certificate_of(study).values())
     with pytest.raises(DesignError, match="unit"):
-        into_design(COUPLER, replace(blended, request=replace(blended.request, unit="mm")))
+        with_blend(COUPLER, replace(blended, request=replace(blended.request, unit="mm")))
     whole = blend(Request(type="DRRD", stroke=10.0, start=30.0, end=330.0, unit="deg"))
     lifted = edited(COUPLER, "motion.start_deg", 5.0)  # the link swings from 5 to 17 degrees
-    motion = require_motion(over_the_turn(lifted, whole))
+    motion = require_motion(with_blend_as_motion(lifted, whole))
     assert len(motion.segments) == len(whole.segments) + 2
     assert motion.start == 5.0, "a link goes on from its own angle; only a cam has a base circle at 0"
     assert Study(with_motion(lifted, motion), 72).linkage.residual.max() < 1e-12

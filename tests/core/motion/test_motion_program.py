@@ -17,7 +17,7 @@ from core.design import Motion, NamedCurve, SccaCurve, Segment
 from core.design.edits import with_rise, with_span
 from core.errors import DesignError
 from core.findings import ERROR, WARNING
-from core.motion import TURN, Angles, Program, degrees, findings, going_on, program
+from core.motion import TURN, Angles, CompiledMotion, connected_segments, degrees, findings, program
 from core.numerics.lazy import column
 
 # See test_laws; besides, the place inside the segment comes of: start of the segment, difference, span, quotient, start
@@ -37,7 +37,7 @@ def bounds(motion: Motion, theta: float, segment: int) -> np.ndarray:
 
 
 def check_state(motion: Motion, theta: float) -> None:
-    compiled = Program(motion)
+    compiled = CompiledMotion(motion)
     state = compiled.state(compiled.angles(np.array([theta])))
     segment = int(compiled.segment[state.angles.piece[0]])
     exact = motion_series(motion, theta, segment).derivatives
@@ -92,7 +92,7 @@ SPREAD = ((1e-6, 0.0, "dwell"), (1e-3, 0.0, "dwell"), (0.1, 0.1, "3-4-5"), (359.
 )
 def test_segments_begin_at_the_sum_of_the_spans_before_them(motion: Motion) -> None:
     """Correctly rounded sums, whatever stands before: the error does not grow with the number of segments."""
-    compiled = Program(motion)
+    compiled = CompiledMotion(motion)
     first = np.flatnonzero(np.diff(compiled.segment, prepend=-1))
     sums = [Fraction(0)]
     heights = [Fraction(0)]
@@ -119,7 +119,7 @@ def test_short_and_long_segments_keep_to_their_laws() -> None:
 
 def test_at_a_join_the_right_hand_limit_is_taken_and_a_rounding_below_it_too() -> None:
     motion = levels(0.0, (90.0, 30.0, "constant-velocity"), (90.0, 30.0, "dwell"), (180.0, 0.0, "simple-harmonic"))
-    compiled = Program(motion)
+    compiled = CompiledMotion(motion)
     for i, join in enumerate(compiled.starts[1:], start=1):
         for theta in (join, math.nextafter(join, 0.0), math.nextafter(join, 9.0)):
             right = compiled.state(compiled.angles(np.array([theta])))
@@ -134,7 +134,7 @@ def test_at_a_join_the_right_hand_limit_is_taken_and_a_rounding_below_it_too() -
 @pytest.mark.parametrize("theta", [0.0, -0.0, TURN, -1e-20, math.nextafter(TURN, 0.0), -TURN, 3 * TURN, 5e-324])
 def test_the_end_of_the_turn_is_its_beginning(theta: float) -> None:
     motion = levels(0.0, (180.0, 30.0, "constant-velocity"), (180.0, 0.0, "constant-velocity"))
-    compiled = Program(motion)
+    compiled = CompiledMotion(motion)
     state = compiled.state(compiled.angles(np.array([theta])))
     assert state.angles.piece[0] == 0
     assert state.y[1, 0] == pytest.approx(0.030 / math.pi, rel=4 * EPS)
@@ -144,7 +144,7 @@ def test_the_end_of_the_turn_is_its_beginning(theta: float) -> None:
 @pytest.mark.parametrize("theta", [-1.0, 7.0, 100.0, -1000.0])
 def test_cam_angles_beyond_one_turn_count_from_its_beginning(theta: float) -> None:
     motion = levels(0.0, (180.0, 30.0, "cycloidal"), (180.0, 0.0, "3-4-5"))
-    compiled = Program(motion)
+    compiled = CompiledMotion(motion)
     exact = MP.mpf(theta) % (2 * MP.pi)
     y = motion_series(motion, exact, segment_at(motion, exact)).c[0]
     got = compiled.state(compiled.angles(np.array([theta]))).y[0, 0]
@@ -166,7 +166,7 @@ IN_ORDER = {"lift": LIFT.drive.motion, "pusher": PUSHER.drive.motion, "many": Mo
 @pytest.mark.parametrize("name", IN_ORDER)
 def test_in_turn_or_in_any_order_the_motion_is_the_same_to_the_last_bit(name: str) -> None:
     """A grid is walked piece by piece, angles in disorder are looked up one by one: of each angle the same is told."""
-    compiled = Program(IN_ORDER[name])
+    compiled = CompiledMotion(IN_ORDER[name])
     theta = np.linspace(0.0, TURN, 3600, endpoint=False)
     order = np.random.default_rng(5).permutation(theta.size)
     grid = compiled.state(compiled.angles(theta))
@@ -223,7 +223,7 @@ def test_spans_that_miss_the_turn_by_as_much_as_a_file_may_make_no_jump(miss: fl
     missed = replace(
         motion, segments=tuple(replace(s, span_deg=span) for s, span in zip(motion.segments, spans, strict=True))
     )
-    compiled = Program(missed)
+    compiled = CompiledMotion(missed)
     assert findings(compiled) == []
     assert compiled.ends[-1] == TURN
 
@@ -234,7 +234,7 @@ def test_segments_that_go_on_into_each_other_without_rest() -> None:
     smooth = ("cycloidal", 90.0, 9.0), ("cycloidal", 90.0, -9.0), ("dwell", 180.0, 0.0)
     for rows, groups in ((harmonic, [(0, 1), (0, 1), (2,)]), (smooth, [(0,), (1,), (2,)])):
         motion = Motion(0.0, tuple(Segment(span, rise, NamedCurve(law)) for law, span, rise in rows))
-        assert [going_on(motion, i) for i in range(len(rows))] == groups
+        assert [connected_segments(motion, i) for i in range(len(rows))] == groups
 
 
 def test_two_halves_of_one_velocity_do_not_jump() -> None:
@@ -291,7 +291,7 @@ def test_a_true_jump_is_always_told(motion: Motion, which: int, power: float) ->
 def test_an_unknown_law_is_named_with_its_place() -> None:
     motion = Motion(0.0, (Segment(180.0, 0.0), Segment(180.0, 0.0, NamedCurve("cycloidial"))))
     with pytest.raises(DesignError) as caught:
-        Program(motion)
+        CompiledMotion(motion)
     assert "motion.segments[1].law" in str(caught.value)
 
 
@@ -313,13 +313,13 @@ def test_many_motions_in_one_table_are_those_of_each_to_the_last_bit(seed: int) 
     columns = motion
     for i, row in typed.items():
         columns = with_span(columns, i, column(row), typed)
-    programs = Program.of_columns(with_rise(columns, 2, column(rise)), count)
+    programs = CompiledMotion.from_columns(with_rise(columns, 2, column(rise)), count)
     pieces = programs.starts.size // count
     for k in range(count):
         own = motion
         for i, row in typed.items():
             own = with_span(own, i, float(row[k]), typed)
-        one = Program(with_rise(own, 2, float(rise[k])))
+        one = CompiledMotion(with_rise(own, 2, float(rise[k])))
         mine = np.repeat(np.arange(pieces), 3)
         theta = one.starts[mine] + np.tile([0.0, 0.3, 1.0], pieces) * (one.ends - one.starts)[mine]
         there = programs.state(Angles(theta, k * pieces + mine))

@@ -45,7 +45,7 @@ def test_what_goes_on_is_shifted_with_its_advance() -> None:
 
 
 def test_a_law_that_has_no_parts_is_not_cut(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(DesignError, match="within segment 2, whose law has no parts"):
+    with pytest.raises(DesignError, match="inside segment 2, whose law cannot be split"):
         shift_motion(LIFT, -50.0)
     assert (
         main(["motion", str(EXAMPLES / "transfer_lift.toml"), "--shift", "-50", "--out", str(tmp_path / "m.toml")]) == 2

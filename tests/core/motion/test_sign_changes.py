@@ -9,14 +9,14 @@ from hypothesis import strategies as st
 from mechanisms import levels
 from references import EPS
 
-from core.motion import TURN, Angles, Program
+from core.motion import TURN, Angles, CompiledMotion
 from core.motion.extremes import crossings, piecewise_angles
 
-ONE = Program(levels(0.0, (360.0, 0.0, "dwell")))
-HALVES = Program(levels(0.0, (180.0, 10.0, "cycloidal"), (180.0, 0.0, "cycloidal")))
+ONE = CompiledMotion(levels(0.0, (360.0, 0.0, "dwell")))
+HALVES = CompiledMotion(levels(0.0, (180.0, 10.0, "cycloidal"), (180.0, 0.0, "cycloidal")))
 
 
-def found(quantity, program: Program = ONE) -> Angles:
+def found(quantity, program: CompiledMotion = ONE) -> Angles:
     angles = piecewise_angles(program)
     return crossings(quantity, angles, quantity(angles))
 

@@ -24,7 +24,7 @@ from core.design import (
     with_assumed,
     with_drive,
 )
-from core.motion import Program
+from core.motion import CompiledMotion
 from core.motion.split import add_point, copy_segment, cut_at, split_segment, with_segment_copied, with_segment_split
 from core.project import load
 
@@ -39,7 +39,7 @@ def rows(of: Motion) -> list[tuple[float, float, str]]:
 
 def state(of: Motion, angles: np.ndarray) -> np.ndarray:
     """s, v, a, j by cam angle (4, n), per degree."""
-    program = Program(of)
+    program = CompiledMotion(of)
     y = program.state(program.angles(np.deg2rad(angles))).y / of.scale
     return y * (math.pi / 180.0) ** np.arange(4)[:, None]
 
@@ -107,7 +107,7 @@ def test_what_can_go_on_goes_on(curve: PolynomialCurve, at: float) -> None:
     angles = np.linspace(0.5, 99.5, 67)
     size = np.abs(state(whole, angles)).max(axis=1)[:, None]
     assert (np.abs(state(parts, angles) - state(whole, angles)) <= 1e-9 * size).all()
-    assert not Program(parts).joins[0].jumps[:3].any()
+    assert not CompiledMotion(parts).joins[0].jumps[:3].any()
 
 
 def test_a_periodic_spline_becomes_two_of_half_a_turn() -> None:
@@ -119,7 +119,7 @@ def test_a_periodic_spline_becomes_two_of_half_a_turn() -> None:
     assert part_faults(parts, "motion") == []
     angles = np.linspace(0.0, 359.0, 360)
     assert state(parts, angles)[:3] == pytest.approx(state(whole, angles)[:3], abs=1e-8)
-    for join in Program(parts).joins:
+    for join in CompiledMotion(parts).joins:
         assert np.abs(join.jump[:3]).max() < 1e-8
 
 

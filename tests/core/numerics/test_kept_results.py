@@ -61,13 +61,13 @@ def test_a_field_that_is_not_given_is_made_from_the_others() -> None:
 def test_locking_reaches_every_array_and_makes_none() -> None:
     calls, make = counted()
     plain = np.zeros(2)
-    kept = locked(Part("a", make))
+    cached = locked(Part("a", make))
     assert calls == []
     locked({"x": (plain, Part("b", plain))})
     with pytest.raises(ValueError, match="read-only"):
         plain[0] = 1.0
     with pytest.raises(ValueError, match="read-only"):
-        kept.rows[0] = 1.0
+        cached.rows[0] = 1.0
 
 
 @pytest.mark.parametrize("design", [LIFT, PUSHER], ids=["lift", "pusher"])
@@ -148,7 +148,7 @@ def test_a_study_fetches_no_memory_anew() -> None:
     """Without, 66 pages of linkage and profile come anew from the system each time."""
     keep_freed_memory()  # as every command and every window does
     angles = Study(LIFT, 3600).angles
-    there = replace(angles, kept=False)
+    there = replace(angles, cached=False)
 
     def run() -> None:
         study = Study(LIFT, 3600, there)

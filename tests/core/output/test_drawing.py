@@ -215,14 +215,14 @@ def test_a_full_page_has_room_for_all(tmp_path: Path) -> None:
     (logo,) = [item for item in sheet.items if isinstance(item, SheetLogo)]
     corners = logo.low.real, logo.low.imag, logo.high.real, logo.high.imag
     assert not any(overlap(room(text), corners) for text in texts(sheet))
-    assert sheet.lacking == ""
+    assert sheet.missing == ""
 
 
 def test_a_logo_that_is_no_picture_is_left_out_and_said(tmp_path: Path) -> None:
     (tmp_path / "logo.png").write_bytes(b"\x89PNG\r\n\x1a\n broken")
-    for name, why in (("logo.png", "is no picture that can be read"), ("none.png", "no such file")):
+    for name, why in (("logo.png", "cannot be read as an image"), ("none.png", "no such file")):
         sheet = drawing(Study(HOLLOW), DrawingRequest(logo=str(tmp_path / name)))
-        assert why in sheet.lacking
+        assert why in sheet.missing
         assert not any(isinstance(item, SheetLogo) for item in sheet.items)
 
 
@@ -253,5 +253,5 @@ def test_what_cannot_be_drawn_is_refused_as_its_profile_is() -> None:
         drawing(Study(load(EXAMPLES / "four_bar.toml")))
     with pytest.raises(KindynaError, match="flank 'outer': this cam has none of that name; allowed: inner"):
         drawing(Study(HOLLOW), DrawingRequest(flank="outer"))
-    with pytest.raises(KindynaError, match="paper 'A5': not known; allowed: A4, A3"):
+    with pytest.raises(KindynaError, match="paper 'A5': unknown; allowed: A4, A3"):
         drawing(Study(HOLLOW), DrawingRequest(paper="A5"))

@@ -246,7 +246,7 @@ def test_tables_that_cover_a_part_or_have_few_rows(bench: Path) -> None:
     assert code == 0
     assert "5 rows; largest deviation" in said
     assert "in tolerance, ± 0.02 mm" in said
-    assert faults == "note: no measured rows from 6 to 1 deg: nothing is said of the cam there [inspection.measured]\n"
+    assert faults == "note: no measured rows from 6 to 1 deg: the cam is not assessed there [inspection.measured]\n"
 
 
 BAD = {

@@ -348,7 +348,7 @@ def test_bore_and_keyway_are_drawn_where_they_are_known(tmp_path: Path) -> None:
     design = saved(tmp_path, with_cam(PUSHER, bore_mm=20.0, keyway_width_mm=6.0, keyway_depth_mm=2.8))
     written(design, tmp_path / "cam.dxf", "--samples", 36)
     assert "KEYWAY" not in {entity.layer for entity in drawings.entities(tmp_path / "cam.dxf")}, "nobody knows where"
-    assert "Keyway: not drawn, as not given: cam.keyway_angle_deg" in drawings.comments(tmp_path / "cam.dxf")
+    assert "Keyway: not drawn, not given: cam.keyway_angle_deg" in drawings.comments(tmp_path / "cam.dxf")
     design = saved(
         tmp_path, with_cam(PUSHER, bore_mm=20.0, keyway_width_mm=6.0, keyway_depth_mm=2.8, keyway_angle_deg=90.0)
     )
@@ -472,7 +472,7 @@ CUSP = with_drive(
 @pytest.mark.parametrize(
     ("design", "words", "says"),
     [
-        (PUSHER, ("cam.dxf", "--tolerance", 1e-12), "tolerance 1e-12 mm: below the certain digits"),
+        (PUSHER, ("cam.dxf", "--tolerance", 1e-12), "tolerance 1e-12 mm: below the accuracy"),
         (PUSHER, ("cam.svg", "--tolerance", 1e-8), "allowed: 1e-06 mm and more"),
         (PUSHER, ("cam.csv", "--tolerance", 1e-9), "choose a larger tolerance"),
         (PUSHER, ("cam.csv", "--as", "arcs"), "allowed: polyline"),
@@ -649,9 +649,9 @@ def test_in_a_groove_the_cutter_goes_down_on_its_path(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        ((), "cutter: G-code leads the centre of a cutter, and none is given; allowed: a radius above 0 mm"),
-        (("--cutter", 200), "cutter: a radius of 200 mm does not get into the profile"),
-        (("--cutter", 5, "--tolerance", 1e-5), "below the certain digits of such a file"),
+        ((), "cutter: G-code needs the radius of a cutter, and none is given; allowed: above 0 mm"),
+        (("--cutter", 200), "cutter: a radius of 200 mm does not reach all of the profile"),
+        (("--cutter", 5, "--tolerance", 1e-5), "below the accuracy of such a file"),
         (("--cutter", 5, "--as", "spline"), "allowed: polyline, arcs"),
         (("--cutter", 5, "--as", "arcs", "--tolerance", 3e-4), "allowed: 0.0005 mm and more"),
     ],

@@ -19,13 +19,14 @@ from core.laws import LAWS
 from core.output.export import OF_SHAFT
 from core.output.report import report
 from core.output.report.document import PARTS, document, html, inline_svg
-from core.output.report.equations import EQUATIONS, equations_of
+from core.output.report.equations import equations, equations_of
 from core.output.report.formula import mathml
 from core.output.summary import summary
 from core.papers import claims
 from core.project import load, loads
 from core.project.reading_faults import reason
 from core.study import Study
+from core.study.formulas import FORMULAS
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
 LIFT, UNIT = EXAMPLES / "transfer_lift.toml", EXAMPLES / "transfer_unit.toml"
@@ -260,9 +261,9 @@ def test_the_formula_that_is_typeset_is_the_laws_curve(slug: str) -> None:
 
 def test_every_equation_is_mathml_of_its_line() -> None:
     """Nothing of a line is lost but its brackets, and its letters stay in their order."""
-    for row in EQUATIONS:
+    for row in equations(FORMULAS.values()):
         assert row.source, row.name
-        assert row.needs, row.name
+        assert row.where, row.name
         for line, typeset in zip(row.lines, row.mathml, strict=True):
             root = ElementTree.fromstring(typeset)
             letters = re.sub(r"[^A-Za-zα-ω]", "", "".join(root.itertext()))

@@ -9,13 +9,13 @@ from mechanisms import LIFT, levels
 from sampled import spread
 
 from core.design import Balancer, Design, Shaft, part_faults
-from core.errors import NoAnswer
-from core.motion import TURN, Angles, Program, degrees
+from core.errors import NoSolution
+from core.motion import TURN, Angles, CompiledMotion, degrees
 from core.shaft import LoadCurve, balance_drive, balance_drives, load_curve
 from core.study import Study
 
 SPRING = Balancer(spring_rate_n_per_mm=100.0, preload_n=2000.0, base_radius_mm=150.0, roller_radius_mm=30.0)
-HALVES = Program(levels(0.0, (180.0, 10.0, "cycloidal"), (180.0, 0.0, "cycloidal")))
+HALVES = CompiledMotion(levels(0.0, (180.0, 10.0, "cycloidal"), (180.0, 0.0, "cycloidal")))
 
 
 def curve_of(torque: object) -> LoadCurve:
@@ -59,14 +59,14 @@ def test_a_torque_that_jumps_is_refused_at_its_angles() -> None:
     def step(angles: Angles) -> np.ndarray:
         return np.where(angles.piece == 0, 5.0, -5.0)
 
-    with pytest.raises(NoAnswer, match="jumps, by up to 10 N m, at cam angle 0, 180 deg"):
+    with pytest.raises(NoSolution, match="jumps, by up to 10 N m, at cam angle 0, 180 deg"):
         balance_drive(curve_of(step), SPRING, 6.0)
 
 
 def test_a_spring_without_preload_is_refused_by_its_field() -> None:
     (fault,) = part_faults(replace(SPRING, preload_n=0.0), "balancer")
     assert str(fault) == "balancer.preload_n = 0.0: outside its range; allowed: > 0 N"
-    with pytest.raises(NoAnswer, match=r"balancer.preload_n: with 1e-30 N .* kink .*; enlarge it, to 0.00632 N"):
+    with pytest.raises(NoSolution, match=r"balancer.preload_n: with 1e-30 N .* kink .*; enlarge it, to 0.00632 N"):
         balance_drive(curve_of(lambda angles: np.sin(angles.theta)), replace(SPRING, preload_n=1e-30), 6.0)
 
 
@@ -84,7 +84,7 @@ def test_a_follower_with_a_mass_takes_part(mass: float) -> None:
 
 
 def test_a_follower_too_heavy_for_its_spring_is_refused() -> None:
-    with pytest.raises(NoAnswer, match=r"balancer.follower_mass_kg: the follower is too heavy .* at cam angle"):
+    with pytest.raises(NoSolution, match=r"balancer.follower_mass_kg: the follower is too heavy .* at cam angle"):
         balance_drive(
             curve_of(lambda angles: 40.0 * np.sin(angles.theta)),
             replace(SPRING, preload_n=10.0, follower_mass_kg=1e4),

@@ -25,7 +25,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import bisect
 
 from core.design import Design, Shaft
-from core.motion import TURN, Angles, Program
+from core.motion import TURN, Angles, CompiledMotion
 from core.output.channels import channels, existing
 from core.shaft import Flywheel, LoadCurve, filtered, load_curve, panel_angles
 from core.shaft.flywheel import phi
@@ -38,9 +38,9 @@ PANEL = (2 * 10 * 2.5 + 200) * EPS
 
 FREE_PUSHER = with_loads(PUSHER, friction=0.0)
 
-EVEN = Program(levels(0.0, *[(45.0, 10.0 * (i % 2), "cycloidal") for i in range(7)], (45.0, 0.0, "cycloidal")))
-HALVES = Program(levels(0.0, (180.0, 10.0, "cycloidal"), (180.0, 0.0, "cycloidal")))
-UNEVEN = Program(
+EVEN = CompiledMotion(levels(0.0, *[(45.0, 10.0 * (i % 2), "cycloidal") for i in range(7)], (45.0, 0.0, "cycloidal")))
+HALVES = CompiledMotion(levels(0.0, (180.0, 10.0, "cycloidal"), (180.0, 0.0, "cycloidal")))
+UNEVEN = CompiledMotion(
     levels(0.0, (1e-3, 0.0, "dwell"), (120.0, 10.0, "3-4-5"), (0.5, 10.0, "dwell"), (239.499, 0.0, "cycloidal"))
 )
 
@@ -55,12 +55,14 @@ def wave(n: int, cosine: float, sine: float, level: float = 0.0) -> Torque:
     return lambda a: level + cosine * np.cos(n * a.theta) + sine * np.sin(n * a.theta)
 
 
-def torque_curve(torque: Torque, program: Program, switch: Torque | None = None, inertia: float = 0.0) -> LoadCurve:
+def torque_curve(
+    torque: Torque, program: CompiledMotion, switch: Torque | None = None, inertia: float = 0.0
+) -> LoadCurve:
     """Of a load that is worth the same inertia all round."""
     return load_curve(lambda a: np.array([torque(a), np.full(a.theta.size, inertia)]), program, switch)
 
 
-def every(program: Program, count: int = 500) -> Angles:
+def every(program: CompiledMotion, count: int = 500) -> Angles:
     return program.angles(np.arange(count) * (TURN / count))
 
 
@@ -69,7 +71,7 @@ def every(program: Program, count: int = 500) -> Angles:
 
 @pytest.mark.parametrize("program", [EVEN, HALVES, UNEVEN], ids=["even", "halves", "uneven"])
 @pytest.mark.parametrize("n", [1, 2, 7, 25])
-def test_a_wave_has_its_mean_and_swings_by_twice_its_integral(n: int, program: Program) -> None:
+def test_a_wave_has_its_mean_and_swings_by_twice_its_integral(n: int, program: CompiledMotion) -> None:
     """A cos nθ + B sin nθ: the energy goes up and down by hypot(A, B)/n either way."""
     curve = torque_curve(wave(n, 3.0, -4.0, level=11.0), program)
     assert curve.mean == pytest.approx(11.0, abs=PANEL * 16.0)
@@ -89,7 +91,7 @@ def test_a_step_swings_by_its_area_however_the_steps_stand() -> None:
     steps = torque_curve(lambda a: np.where(a.piece == 0, 5.0, -5.0), HALVES)
     assert steps.mean == pytest.approx(0.0, abs=PANEL * 5.0)
     assert Flywheel(wave(1, 0, 0), steps, shaft()).energy_swing == pytest.approx(5.0 * math.pi, rel=PANEL)
-    thirds = Program(levels(0.0, (120.0, 10.0, "cycloidal"), (240.0, 0.0, "cycloidal")))
+    thirds = CompiledMotion(levels(0.0, (120.0, 10.0, "cycloidal"), (240.0, 0.0, "cycloidal")))
     pulse = torque_curve(lambda a: np.where(a.piece == 0, 7.0, 0.0), thirds)
     assert pulse.mean == pytest.approx(7.0 / 3.0, rel=PANEL)
     assert Flywheel(wave(1, 0, 0), pulse, shaft()).energy_swing == pytest.approx(7.0 * (2 / 3) * TURN / 3, rel=PANEL)
@@ -212,7 +214,7 @@ def test_a_kink_ends_a_panel_and_costs_nothing(place: float, shift: float) -> No
 def test_friction_that_rests_or_never_turns_cuts_no_panel() -> None:
     """No friction, no cut; in a dwell the guide's force may change sides without any rubbing."""
 
-    def uncut(program: Program) -> int:
+    def uncut(program: CompiledMotion) -> int:
         return load_curve(lambda a: np.ones((2, a.theta.size)), program, even_at_rest=True).start.size
 
     panels = uncut(Study(PUSHER).program)
@@ -239,7 +241,7 @@ def test_the_estimated_inertia_keeps_the_speed_within_the_share_by_the_energy() 
 @pytest.mark.parametrize("n", [1, 3, 12])
 @pytest.mark.parametrize("inertia", [1e-9, 1e-3, 0.5, 20.0, 1e4, 1e12])
 @pytest.mark.parametrize("program", [EVEN, UNEVEN], ids=["even", "uneven"])
-def test_a_wave_of_torque_comes_to_the_motor_smaller_and_later(program: Program, inertia: float, n: int) -> None:
+def test_a_wave_of_torque_comes_to_the_motor_smaller_and_later(program: CompiledMotion, inertia: float, n: int) -> None:
     """T_n/(1 + i n I ω̄/k): of 5 cos(nθ - 0.7) about a mean of 8."""
     torque = wave(n, 5.0 * math.cos(0.7), 5.0 * math.sin(0.7), level=8.0)
     s = shaft(inertia, slope=50.0, speed=60.0)
@@ -382,7 +384,7 @@ def test_the_motor_torque_does_not_jump_where_the_cams_torque_does() -> None:
 @pytest.mark.parametrize(
     "program", [EVEN, HALVES, UNEVEN, Study(LIFT).program], ids=["even", "halves", "uneven", "lift"]
 )
-def test_panels_tile_the_turn_and_never_cross_a_join(program: Program) -> None:
+def test_panels_tile_the_turn_and_never_cross_a_join(program: CompiledMotion) -> None:
     start, width, angles = panel_angles(program)
     assert start[0] == 0.0
     assert start[1:] == pytest.approx(start[:-1] + width[:-1], rel=4 * EPS)

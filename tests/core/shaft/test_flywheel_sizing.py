@@ -10,11 +10,11 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from core.design import Shaft
-from core.motion import TURN, Program
+from core.motion import TURN, CompiledMotion
 from core.shaft import LoadCurve, against_speed, inertia_for, load_curve, reached_with, separated
 from core.study import Study
 
-HALVES = Program(levels(0.0, (180.0, 10.0, "cycloidal"), (180.0, 0.0, "cycloidal")))
+HALVES = CompiledMotion(levels(0.0, (180.0, 10.0, "cycloidal"), (180.0, 0.0, "cycloidal")))
 SHAFT = Shaft("ccw", 60.0, 0.0, 0.02, 30.0)
 
 

@@ -16,9 +16,9 @@ from scipy.optimize import brentq
 
 from core.__main__ import main
 from core.design import Design, si
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.findings import ERROR
-from core.motion import TURN, Angles, Program
+from core.motion import TURN, Angles, CompiledMotion
 from core.output.export import files
 from core.output.report import report
 from core.output.summary import summary
@@ -28,13 +28,13 @@ from core.study import Study, extremes_of, findings_of
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
 FREE_LIFT = with_loads(LIFT, friction=0.0)
-EVEN = Program(levels(0.0, *[(45.0, 10.0 * (i % 2), "cycloidal") for i in range(7)], (45.0, 0.0, "cycloidal")))
-HALVES = Program(levels(0.0, (180.0, 10.0, "cycloidal"), (180.0, 0.0, "cycloidal")))
+EVEN = CompiledMotion(levels(0.0, *[(45.0, 10.0 * (i % 2), "cycloidal") for i in range(7)], (45.0, 0.0, "cycloidal")))
+HALVES = CompiledMotion(levels(0.0, (180.0, 10.0, "cycloidal"), (180.0, 0.0, "cycloidal")))
 
 Curve = Callable[[np.ndarray], np.ndarray]
 
 
-def of(torque: Curve, inertia: Curve, program: Program = EVEN) -> LoadCurve:
+def of(torque: Curve, inertia: Curve, program: CompiledMotion = EVEN) -> LoadCurve:
     """A load by its torque at constant speed and its inertia at the camshaft."""
     return load_curve(lambda a: np.array([torque(a.theta), inertia(a.theta)]), program)
 
@@ -274,7 +274,7 @@ def test_a_motor_that_stalls_is_an_error_that_names_the_flywheel_it_takes() -> N
     assert f"{least:.3g} kg·m²" in stalls.message
     assert Study(with_shaft(LIFT, flywheel_inertia_kg_m2=least)).flywheel.runs
     assert not Study(with_shaft(LIFT, flywheel_inertia_kg_m2=0.985 * least)).flywheel.runs
-    with pytest.raises(NoAnswer, match=r"shaft\.flywheel_inertia_kg_m2: the motor stalls"):
+    with pytest.raises(NoSolution, match=r"shaft\.flywheel_inertia_kg_m2: the motor stalls"):
         study.flywheel.motor_torque(study.angles)
 
 
@@ -335,7 +335,7 @@ def test_report_summary_finding_and_search_name_one_flywheel(
     lines = [line.split() for line in report(study).splitlines()]
     assert [line[-2] for line in lines if line[:3] == ["Flywheel", "for", "2"]] == ["0.329825"]
     assert [line[-2] for line in lines if line[:3] == ["Estimate", "of", "it,"]] == ["0.297343"]
-    assert "a flywheel of 0.329825 kg·m² keeps it so even" in note["message"]
+    assert "a flywheel of 0.329825 kg·m² keeps it within the limit" in note["message"]
 
 
 def test_where_no_flywheel_is_needed_what_is_reached_without_one_is_said(capsys: pytest.CaptureFixture[str]) -> None:
@@ -376,5 +376,5 @@ def test_a_motor_slope_that_nobody_gave_is_assumed_wherever_it_enters(
 def test_a_pusher_that_jams_has_no_speed_either() -> None:
     study = Study(with_shaft(with_loads(PUSHER, friction=3.5), flywheel_inertia_kg_m2=1.0), 72)
     assert "motor-stalls" not in [f.code for f in findings_of(study)]
-    with pytest.raises(NoAnswer, match="jams"):
+    with pytest.raises(NoSolution, match="jams"):
         _ = study.flywheel

@@ -168,7 +168,7 @@ def test_what_acceleration_adds_to_the_contact_force_turns_the_mechanism(name: s
     assert found.contact is not None
     force = found.contact.panels.at(theta, 3)[2] * found.contact.unit
     reference, normal = there.cam.reference, there.cam.flank.normal
-    torque = -there.cam.sense * (reference.conjugate() * (force * normal)).imag
+    torque = -there.cam.rotation_sign * (reference.conjugate() * (force * normal)).imag
     expected = there.loading.inertia(there.linkage)[0]
     assert np.abs(torque - expected).max() <= 1e-11 * expected.max()
 

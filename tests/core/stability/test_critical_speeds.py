@@ -68,7 +68,7 @@ def test_bands_are_tongues_as_speeds_with_their_largest_growth(name: str) -> Non
         assert seen.max() <= band.growth * (1.0 + 1e-4)
         assert band.growth <= seen.max() * (1.0 + 1e-4)
         assert band.rate == pytest.approx(band.growth * band.worst_rpm / 60.0)
-        assert band.holds(band.worst_rpm)
+        assert band.contains(band.worst_rpm)
         assert band.distance(band.worst_rpm) == 0.0
         assert band.distance(2.0 * band.rpm_hi) == pytest.approx(0.5)
 
@@ -90,11 +90,11 @@ def test_the_stiffness_that_is_told_keeps_clear_and_what_is_forbidden_grows(spri
     needed = stiffness_for(found.coefficients, found.machine, 1500.0, 6)
     assert not needed.allowed
     assert needed.softer is not None
-    assert needed.softer < needed.now < needed.stiffer
-    for stiffness, grows in ((needed.stiffer, False), (needed.softer, False), (needed.now, True)):
+    assert needed.softer < needed.current < needed.stiffer
+    for stiffness, grows in ((needed.stiffer, False), (needed.softer, False), (needed.current, True)):
         there = of(with_elastic(at_eta(1.005, spring=spring), stiffness_nm_per_rad=stiffness))
         assert (there.linear[-1].growth > 1e-3) is grows
-    n, low, high = next(f for f in needed.forbidden if f[1] < needed.now < f[2])
+    n, low, high = next(f for f in needed.forbidden if f[1] < needed.current < f[2])
     assert n == 2
     for edge in (low, high):
         there = of(with_elastic(at_eta(1.005, spring=spring), stiffness_nm_per_rad=edge))
@@ -105,7 +105,7 @@ def test_a_shaft_that_is_clear_may_stay() -> None:
     found = of(KIM)
     needed = found.stiffness_for(1500.0)
     assert needed.allowed
-    assert needed.stiffer == needed.softer == needed.now == 85.0
+    assert needed.stiffer == needed.softer == needed.current == 85.0
     assert not found.stiffness_for(1500.0 * found.machine.eta / 1.005).allowed
 
 
@@ -153,7 +153,7 @@ def test_verdicts_stand_side_by_side() -> None:
     assert told[0].trace == pytest.approx(1.6224, abs=1e-4)
     assert told[1].trace == pytest.approx(1.7083, abs=1e-4)
     assert told[2].trace == pytest.approx(1.6957, abs=1e-4)
-    assert told[3].lost == pytest.approx(2.2750, abs=1e-4)
+    assert told[3].contact_lost == pytest.approx(2.2750, abs=1e-4)
     assert told[3].largest > told[2].largest > 0.01
     assert found.own_verdicts[:2] == found.linear
 
@@ -290,7 +290,7 @@ def test_the_report_and_the_summary_tell_of_the_shaft_where_it_bends() -> None:
     assert re.search(r"tongue 1 +14\d\d\.\d+ +15\d\d\.\d+", section)
     assert "unstable" in section
     assert "a stiffness from" in section
-    assert "error: 1500 rpm lies in a forbidden band" in text
+    assert "error: 1500 rpm is in a forbidden band" in text
     told = summary(Study(KIM, 36), ("stability",))["stability"]
     assert told["q"] == pytest.approx(0.05)
     assert [b["n"] for b in told["bands"]] == list(range(1, 12))

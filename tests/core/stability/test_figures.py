@@ -31,13 +31,13 @@ def test_means_are_those_of_each_history() -> None:
     found = of(KIM)
     means = mean_wind_up(found.coefficients, (0.05, 0.5), FEW[:5], 0.01, found.contact, periods=2.0)
     assert means.wind_up.shape == means.slope.shape == (2, 5)
-    assert means.lost is not None
+    assert means.is_contact_lost is not None
     for row, column in ((0, 3), (1, 0), (1, 2)):
         one = history(found.coefficients, means.eta[column], means.q[row], 0.01, 2.0, contact=found.contact)
         assert (means.wind_up[row, column], means.slope[row, column]) == pytest.approx(one.averages(), rel=1e-9)
-        assert means.lost[row, column] == (one.contact_lost is not None)
-    assert means.lost.any()
-    assert not means.lost.all()
+        assert means.is_contact_lost[row, column] == (one.contact_lost is not None)
+    assert means.is_contact_lost.any()
+    assert not means.is_contact_lost.all()
 
 
 def test_a_far_chart_has_no_more_means_than_a_near_one() -> None:
@@ -57,7 +57,7 @@ def test_the_rows_of_a_machine_are_kims_where_its_q_is_kims() -> None:
 def test_means_are_solid_where_contact_is_kept_and_dashed_where_it_is_lost() -> None:
     found = of(KIM)
     means = mean_wind_up(found.coefficients, (0.05, 0.5), FEW, contact=found.contact)
-    assert means.lost is not None
+    assert means.is_contact_lost is not None
     wind_up, slope = averages_plots(means)
     for plot, rows in ((wind_up, means.wind_up), (slope, means.slope)):
         kept, solid, dashed = plot.curves
@@ -65,7 +65,7 @@ def test_means_are_solid_where_contact_is_kept_and_dashed_where_it_is_lost() -> 
         assert [c.row for c in plot.curves] == [0, 1, 1]
         assert [c.dashed for c in plot.curves] == [False, False, True]
         assert np.array_equal(kept.y, rows[0])
-        assert np.array_equal(np.isnan(solid.y), means.lost[1])
+        assert np.array_equal(np.isnan(solid.y), means.is_contact_lost[1])
         assert np.array_equal(np.where(np.isnan(solid.y), dashed.y, solid.y), rows[1]), "no piece is missing"
         overlap = np.isfinite(solid.y) & np.isfinite(dashed.y)
         assert 1 <= overlap.sum() <= 2, "they meet"

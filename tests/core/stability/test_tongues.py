@@ -25,7 +25,7 @@ from core.stability import (
     tongues_of_order,
 )
 from core.stability.coefficients import LOAD_SLOPE, fourier
-from core.stability.critical_speeds import loads_at
+from core.stability.critical_speeds import coefficients_at_speed
 from core.study import Study, certificate_of, findings_of
 
 MODELS = (APPROXIMATE, EXACT)
@@ -209,7 +209,7 @@ def test_a_fixed_spring_is_the_retuned_one_at_the_speed_it_was_tuned_for() -> No
     same, and so is what a stiffer shaft would do."""
     found = of(HARD["layout c"])
     eta = found.machine.eta
-    held = loads_at(found.coefficients, eta)
+    held = coefficients_at_speed(found.coefficients, eta)
     q = np.array([found.machine.q])
     assert held.spring == "retuned"
     one, other = (monodromy(c, np.array([eta]), q) for c in (found.coefficients, held))
@@ -325,7 +325,7 @@ def test_an_approximation_at_the_largest_q_is_answered() -> None:
 
 
 def test_a_refusal_names_the_row_that_asks_too_much() -> None:
-    with pytest.raises(NoStability, match=r"at Q = 20 the load is stiffer than the shaft.* or Q smaller"):
+    with pytest.raises(NoStability, match=r"at Q = 20 the load is stiffer than the shaft.* or decrease Q"):
         tongues(coefficients(HARD["fixed"]), np.array([0.05, 20.0]), 4)
 
 

@@ -235,7 +235,7 @@ def test_the_averages_are_those_of_many_samples() -> None:
         assert mean == pytest.approx(np.trapezoid(np.abs(values), y), rel=1e-6)
     many = mean_wind_up(coefficients(KIM), [0.1, 0.05], np.array([1.3, 2.0]))
     assert [many.wind_up[1, 1], many.slope[1, 1]] == pytest.approx(one.averages(), rel=1e-9)
-    assert many.lost is None
+    assert many.is_contact_lost is None
 
 
 def test_the_contact_force_is_that_of_the_followers_own_motion() -> None:

@@ -221,7 +221,7 @@ def test_a_pressure_beyond_the_users_limit_or_what_a_material_bears_is_a_finding
     heavy = with_values(pressed, loads__preload_n=1.001 * load)
     said = found(heavy)["material-pressure"]
     assert (said.field, said.severity, said.values["limit"]) == ("cam.material", WARNING, 1500.0)
-    assert "the cam's 16MnCr5, case-hardened bears 1500 MPa (ISO 6336-5" in said.message
+    assert "the cam's 16MnCr5, case-hardened allows 1500 MPa (ISO 6336-5" in said.message
     (row,) = [
         row
         for row in json.loads(files(Study(heavy, 8))["summary.json"])["limits"]

@@ -16,12 +16,12 @@ from sampled import spread, stressed
 from core.design import ELEMENT_LISTS, FOLLOWER_KINDS, Design, edited, entries, get, put, row_at
 from core.design.edits import with_face, with_form
 from core.design.load_edits import load_lists, with_new_row
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.output.channels import channels
 from core.project import load
 from core.study import Study, extremes_of, findings_of, many
 from core.study.batch import together
-from core.study.quantity_requests import asked_of
+from core.study.quantity_requests import quantity_request
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
 EXAMPLE = {"cam-slider": "transfer_lift", "translating": "dwell_rise_dwell", "oscillating": "rocker_cam"}
@@ -81,7 +81,7 @@ def test_every_quantity_of_linkages_of_dyads_is_that_of_each_design(name: str) -
     values = varied(design, 3, 0.005, 7)
     keys = ("linkage.links[1].points.A.x_mm", "linkage.driver.speed_rpm")
     assert all(
-        together(design, list(values), asked_of(design, f"{row.slug}:max"))
+        together(design, list(values), quantity_request(design, f"{row.slug}:max"))
         for row in channels(design, ("dynamics",))[:3]
     )
     assert set(keys) <= values.keys()
@@ -133,7 +133,7 @@ def assert_as_one_by_one(design: Design, values: Mapping[str, np.ndarray]) -> No
 def test_lengths_speeds_masses_and_friction_of_a_follower_are_taken_at_once() -> None:
     design = example("transfer_lift")
     paths = list(varied(design, 1, 0.0, 0))
-    assert all(together(design, paths, asked_of(design, key)) for key in ASKED)
+    assert all(together(design, paths, quantity_request(design, key)) for key in ASKED)
 
 
 @pytest.mark.parametrize("name", spread(["transfer_lift", "tappet_flat", "groove", "four_bar_coupler_cam"], 2))
@@ -218,7 +218,7 @@ def test_a_design_without_an_answer_leaves_the_others_theirs() -> None:
     assert found.reason.tolist() == ["", "no-assembly", "jamming", "undercut", "out-of-range", "out-of-range"]
     assert np.isfinite(found.value["pressure_angle_deg:max"]).tolist() == [True, False, True, True, False, False]
     assert np.isfinite(found.value["drive_torque_nm:abs"]).tolist() == [True, False, False, True, False, False]
-    with pytest.raises(NoAnswer):
+    with pytest.raises(NoSolution):
         _ = Study(one_of(design, values, 1)).cam
     assert "jamming" in {each.code for each in findings_of(Study(one_of(design, values, 2)), ("dynamics",))}
     assert "undercut" in {each.code for each in findings_of(Study(one_of(design, values, 3)), ("cam",))}
@@ -240,7 +240,7 @@ def test_without_polish_extremes_are_near_and_means_the_same() -> None:
     [
         ({"cam.no_such_mm": [1.0]}, ["radius_mm:max"], "cam.no_such_mm: no such number"),
         ({"cam.base_radius_mm": [1.0]}, ["no_such:max"], "no_such:max: this design has no such column"),
-        ({"cam.base_radius_mm": [1.0]}, ["radius_mm:largest"], "radius_mm:largest: asked is"),
+        ({"cam.base_radius_mm": [1.0]}, ["radius_mm:largest"], "radius_mm:largest: allowed are"),
         ({"cam.base_radius_mm": [1.0, 2.0], "shaft.speed_rpm": [1.0]}, ["radius_mm:max"], "shaft.speed_rpm: 1 values"),
         ({"cam.base_radius_mm": []}, ["radius_mm:max"], "cam.base_radius_mm: a list of numbers"),
         ({"cam.base_radius_mm": ["wide"]}, ["radius_mm:max"], "cam.base_radius_mm: numbers are needed"),
@@ -270,7 +270,7 @@ def test_spans_and_rises_are_varied_as_they_are_typed(name: str) -> None:
     path = f"motion.segments[{segments[0]}].rise_{unit}"
     values[path] = rng.uniform(0.9, 1.0, 3) * design.drive.motion.segments[segments[0]].rise
     values["shaft.speed_rpm"] = rng.uniform(60.0, 90.0, 3)
-    assert all(together(design, list(values), asked_of(design, key)) for key in ASKED)
+    assert all(together(design, list(values), quantity_request(design, key)) for key in ASKED)
     assert_as_one_by_one(design, values)
     found = many(design, values, ASKED)
     for k in range(3):

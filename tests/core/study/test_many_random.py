@@ -13,7 +13,7 @@ from face_cases import CASES, random_design
 from linkages import KINDS, assembly
 
 from core.design import Design, edited, entries, get, row_at
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.motion.extremes import piecewise_angles
 from core.output.channels import channels
 from core.study import Quantity, Study, extremes_of, findings_of, many
@@ -64,7 +64,7 @@ def assert_each_is_that_of_its_study(design: Design, values: Mapping[str, np.nda
             ends = [found.value[f"{row.slug}:{of}"][k] * row.unit.factor for of in ("min", "max")]
             try:
                 own = extremes_of(study, row.stage, (row.name,))[row.name]
-            except NoAnswer as none:
+            except NoSolution as none:
                 lost = none.code
             except KeyError:  # a link that goes round in this design, and not in the first
                 lost = "no-value"
@@ -92,7 +92,7 @@ def assert_stands_there(study: Study, row: Quantity, angle_deg: float, value: fl
         return
     values = []
     for beside in np.mod(np.deg2rad(angle_deg) + np.array([-1e-10, 0.0, 1e-10]), 2.0 * np.pi):
-        with suppress(NoAnswer):  # beyond a dead centre
+        with suppress(NoSolution):  # beyond a dead centre
             values.append(float(np.ravel(row.value(study.at_theta(np.array([beside]))))[0]))
     if len(values) < 3 or np.isnan(values).any():  # at a dead centre rounding decides
         return

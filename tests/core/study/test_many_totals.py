@@ -15,7 +15,7 @@ from core.design.camshaft import drive_at
 from core.project import load
 from core.study import Study, extremes_of, many, roller_lives
 from core.study.batch import together
-from core.study.quantity_requests import asked_of
+from core.study.quantity_requests import quantity_request
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
 TOTALS = ("energy_j", "flywheel_inertia_kg_m2")
@@ -57,7 +57,7 @@ def test_energy_and_flywheel_are_those_of_each_study(name: str, paths: tuple[str
     if name == "dwell_rise_dwell":
         design = put(design, "loads.friction", 0.1)
     values = near(design, paths, 3, 4)
-    assert all(together(design, paths, asked_of(design, key)) for key in TOTALS)
+    assert all(together(design, paths, quantity_request(design, key)) for key in TOTALS)
     found = many(design, values, TOTALS)
     assert set(found.reason) == {""}
     for k in range(3):
@@ -105,7 +105,7 @@ def test_drives_on_a_shaft_are_taken_at_once_and_summed() -> None:
         "energy_j",
         "drives[0].pressure_angle_deg:max",
     ]
-    assert all(together(design, paths, asked_of(design, key)) for key in keys)
+    assert all(together(design, paths, quantity_request(design, key)) for key in keys)
     with ThreadPoolExecutor(2) as threads:
         found = many(design, values, keys, executor=threads)
     for k in range(3):
@@ -130,7 +130,7 @@ def test_a_drive_that_cannot_be_built_takes_the_sum_with_it_and_nothing_else() -
     )
     assert found.reason.tolist() == ["", "no-assembly"]
     assert [np.isfinite(row).tolist() for row in found.value.values()] == [[True, False], [True, False], [True, True]]
-    with pytest.raises(ValueError, match=r"drives\[9\].pressure_angle_deg:max: asked is torque_nm:max"):
+    with pytest.raises(ValueError, match=r"drives\[9\].pressure_angle_deg:max: allowed are torque_nm:max"):
         many(design, {"shaft.speed_rpm": [60.0]}, ["drives[9].pressure_angle_deg:max"])
 
 

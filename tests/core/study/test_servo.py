@@ -11,7 +11,7 @@ from core.errors import DesignError
 from core.process import resources
 from core.project import loads
 from core.study import Study, findings_of
-from core.study.study import servo_power, servo_turn
+from core.study.drive_forces import servo_power, servo_turn
 
 TURN = 1.0  # s, at 60 rpm
 HEAD = 'format = 1\nname = "Servo"\n'

@@ -266,9 +266,9 @@ def test_each_cam_of_a_shaft_has_waves_of_its_own() -> None:
     unit = replace(load(example("transfer_unit")), waviness=Waviness(amplitude_mm=0.01, lobes_from=20, lobes_to=20))
     found = shaft_bands(unit, samples=360, machines=400)
     width = {name: found[name][3] - found[name][1] for name in found}
-    for number, (name, place) in enumerate(Study(unit).camshaft.places.items()):
+    for number, (name, place) in enumerate(Study(unit).camshaft.positions.items()):
         own = drive_bands(unit, number, ["drive_torque_nm"], quick=True)["drive_torque_nm"]
-        angles = np.rad2deg(place.own(np.deg2rad(np.arange(360.0)))) % 360.0
+        angles = np.rad2deg(place.drive_angle(np.deg2rad(np.arange(360.0)))) % 360.0
         alone = np.interp(angles, np.arange(361.0), np.append(*((own[3] - own[1]), own[3, 0] - own[1, 0])))
         assert width[name] == pytest.approx(alone, abs=0.2 * alone.max())
         assert alone.max() > 0.1

@@ -16,7 +16,7 @@ from sampled import spread
 from window_user import Open, User, settle, wait_for
 
 from core.blend import BlendError, Request, SettingRange, best, blend, feasible_ranges
-from core.blend.best import into_design
+from core.blend.best import with_blend
 from core.design import Design, Motion, NamedCurve, Segment, edited, faults
 from core.project import load
 from core.study import Study
@@ -204,7 +204,7 @@ def test_every_kind_of_blend_is_asked_for_as_it_is(
 ) -> None:
     whole = (0.0, 360.0) if kind == "RRR" else (30.0, 300.0)
     made = blend(Request(kind, 20.0, *whole, constant, given, mirrored=mirrored))
-    design = into_design(STANDING, made)
+    design = with_blend(STANDING, made)
     first = next(i for i, s in enumerate(design.drive.motion.segments) if s in made.segments)
     asked = first_request(design.drive.motion, first)
     assert (asked.type, asked.constant, asked.start, asked.end) == (kind, constant, *whole)

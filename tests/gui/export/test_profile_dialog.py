@@ -102,7 +102,7 @@ def test_formats_points_and_cutters_are_chosen_and_refused(user: User, tmp_path:
         pick(dialog.form.boxes["Points"], "At equal cam angles")
         assert chosen(dialog).value() == 90, "each keeps its value"
         type_number(dialog.form.boxes["cutter_mm"], "2000")
-        assert "cutter: a radius of 2000 mm does not get into the profile" in computed(dialog)
+        assert "cutter: a radius of 2000 mm does not reach all of the profile" in computed(dialog)
         assert LIGHT.limit.lower() in dialog.result.palette().windowText().color().name()
         assert not dialog.export.isEnabled()
         type_number(dialog.form.boxes["cutter_mm"], "30")
@@ -117,7 +117,7 @@ def test_formats_points_and_cutters_are_chosen_and_refused(user: User, tmp_path:
         assert "at most 0.01 mm from the exact curve" in computed(dialog)
         assert b"F450.\n" in files(dialog.made.job, Path("cam.nc"))["cam.nc"]
         type_number(dialog.form.boxes["cutter_mm"], "0")
-        assert "G-code leads the centre of a cutter" in computed(dialog)
+        assert "G-code needs the radius of a cutter" in computed(dialog)
         dialog.grab()
         QTest.keyClick(dialog, Qt.Key.Key_Escape)
 

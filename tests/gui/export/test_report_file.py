@@ -154,7 +154,7 @@ def test_company_and_logo_stand_on_the_first_page_and_a_broken_logo_stops_nothin
             made[name, ending] = out.read_bytes()
     said = capsys.readouterr().err.splitlines()
     assert len(said) == 2
-    assert all("logo.jpg: is no picture that can be read" in line for line in said)
+    assert all("logo.jpg: cannot be read as an image" in line for line in said)
     assert b"/Subtype /Image" in made["logo.png", ".pdf"]
     assert made["logo.svg", ".pdf"] != made["logo.jpg", ".pdf"]
     for name, kind in (("logo.svg", b"image/svg+xml"), ("logo.png", b"image/png")):

@@ -18,7 +18,7 @@ from core.output.export import Film
 from core.output.files.probe import InspectionRequest
 from core.output.files.profile_request import Machining
 from core.output.files.sheet import DrawingRequest
-from core.requests import asked
+from core.requests import option
 from kindyna_gui.forms.request_form import RequestForm
 from kindyna_gui.inspection.export_dialog import InspectionDialog
 from kindyna_gui.places import example
@@ -34,8 +34,8 @@ def open_user(same_window: Open) -> Open:
 class Strange(InspectionRequest):
     """An inspection for which a stranger wants to know more."""
 
-    pace_mm_min: float = asked(number("Pace of the probe", 1.0, 500.0, default=60.0, help="along the profile"))
-    side: str = asked(choice("Side", ("near", "far"), default="near", help="of the cam"), words={"far": "Far side"})
+    pace_mm_min: float = option(number("Pace of the probe", 1.0, 500.0, default=60.0, help="along the profile"))
+    side: str = option(choice("Side", ("near", "far"), default="near", help="of the cam"), words={"far": "Far side"})
     dry: bool = flag("Without oil", help="wipe the cam first")
 
 
@@ -83,7 +83,7 @@ def test_a_field_of_a_stranger_is_an_option_and_stands_in_the_dialog(
         QTest.keyClick(side, Qt.Key.Key_Down)
         dry.click()
         wait_for(lambda: dialog.made is not None)
-        taken.append(dialog.made.probing.request)
+        taken.append(dialog.made.setup.request)
         dialog.reject()
 
     with answering(InspectionDialog, act):

@@ -17,7 +17,7 @@ from PySide6.QtWidgets import QApplication
 from window_user import Alone, Open, User, settle, wait_for
 
 from core.design import edited
-from core.motion.extremes import Range
+from core.motion.extremes import Extremes
 from core.output.channels import channels
 from core.project import load
 from core.study import Quantity, Study
@@ -188,7 +188,7 @@ def test_extremes_are_refined_for_plots_in_sight_alone_and_never_by_a_frame_or_a
 ) -> None:
     asked: Counter[str] = Counter()
 
-    def counted(study: Study, rows: Sequence[Quantity]) -> dict[str, Range]:
+    def counted(study: Study, rows: Sequence[Quantity]) -> dict[str, Extremes]:
         asked.update(row.name for row in rows)
         return channel_extremes(study, rows)
 

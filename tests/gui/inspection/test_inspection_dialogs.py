@@ -126,14 +126,14 @@ def test_a_bump_is_shown_with_its_place_and_verdict(
     """Then in tolerance, magnified otherwise, its zero marks fitted; what cannot be read is one line, and mended goes on."""
     text = opened.verdict.text()
     assert text.startswith("Out of tolerance, ± 20 µm, in ")
-    worst = opened.comparison.worst
-    assert f"{1e3 * opened.comparison.normal[worst]:+.4g} µm normal to the profile at 120°, line 62" in text
+    worst = opened.comparison.worst_row
+    assert f"{1e3 * opened.comparison.normal_deviation[worst]:+.4g} µm normal to the profile at 120°, line 62" in text
     assert opened.verdict.palette().windowText().color().name() == LIGHT.limit.lower()
     first = opened.rows.rows.rows[0].cells
     assert (first[0], first[1], first[3]) == ("62", "120", "+50.000")
     drawn, place = (magnified(opened.comparison, by)[worst] for by in (100.0, 0.0))
     assert abs(drawn) > abs(place) + 3.0, "metal too much stands outside"
-    assert abs(drawn - place) == pytest.approx(100.0 * opened.comparison.normal[worst])
+    assert abs(drawn - place) == pytest.approx(100.0 * opened.comparison.normal_deviation[worst])
     out = opened.picture.grab().toImage()
     assert count(out, LIGHT.limit) > 20
     QTest.mouseClick(
@@ -183,7 +183,7 @@ def test_what_cannot_be_read_is_one_line_and_nothing_is_lost(opened: MeasuredCam
     path.write_bytes(b"\n".join(whole.split(b"\n")[:100]))
     QTest.mouseClick(opened.again, Qt.MouseButton.LeftButton)
     assert computed(opened).startswith("Out of tolerance")
-    assert opened.notes.text() == "No measured rows from 196 to 360°: nothing is said of the cam there."
+    assert opened.notes.text() == "No measured rows from 196 to 360°: the cam is not assessed there."
 
 
 def test_a_file_that_is_not_there_and_a_design_without_a_cam(

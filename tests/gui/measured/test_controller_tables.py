@@ -68,7 +68,7 @@ def test_a_file_that_is_none_of_the_chosen_controller_says_so(
     assert np.ptp(lines[0][1]) == pytest.approx(40.0, rel=0.5)
     dialog.controller.setFocus()
     QTest.keyClick(dialog.controller, Qt.Key.Key_Home)
-    assert "name a file of this controller" in dialog.message.text()
+    assert "choose a file of this controller" in dialog.message.text()
     assert not dialog.put_button.isEnabled()
     assert not dialog.plot.lines
     QTest.keyClick(dialog, Qt.Key.Key_Escape)

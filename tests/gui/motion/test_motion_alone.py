@@ -97,7 +97,7 @@ def test_an_indexer_is_begun(user: User) -> None:
         dialog.form.boxes["dwell_deg"].setValue(100.0)
         assert not dialog.accept_button.isEnabled()
         assert "whole" not in dialog.told.text()
-        assert "index angle and dwell make 370" in dialog.told.text()
+        assert "index angle and dwell add up to 370" in dialog.told.text()
         dialog.form.boxes["index_deg"].setValue(260.0)
         assert "advance 45" in dialog.told.text()
         next(b for b in dialog.findChildren(QPushButton) if b.text() == "Copy as command").click()
@@ -115,7 +115,7 @@ def test_an_indexer_is_begun(user: User) -> None:
 def test_a_flying_shear_runs_with_its_material(user: User) -> None:
     with answering(BeginDialog, lambda dialog: dialog.accept_button.click()):
         user.choose("File", "New of a kind", "Flying shear...")
-    study = user.session.study.whole
+    study = user.session.study.full_turn
     theta = np.rad2deg(study.theta)
     window = (theta > 71.0) & (theta < 129.0)
     assert study.motion.y[1][window] * 2.0 * np.pi == pytest.approx(0.5, rel=1e-12)  # 500 mm a turn

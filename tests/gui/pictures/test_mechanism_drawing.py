@@ -16,7 +16,7 @@ from sampled import spread, stressed
 
 from core.design import Design, Motion, Translating, edited
 from core.dynamics import Loading
-from core.errors import NoAnswer
+from core.errors import NoSolution
 from core.instant_centres import Centres
 from core.mechanism.kinematics import FRAME, REVOLUTE, SLIDING, Kinematics, Pair, Pose
 from core.motion import Angles, MotionState
@@ -269,7 +269,7 @@ def test_a_label_that_was_out_of_reach_comes_back() -> None:
 def test_a_study_without_position_is_refused_and_the_old_drawing_stays() -> None:
     scene = scene_of(LIFT)
     parts = dict(scene.parts)
-    with pytest.raises(NoAnswer):
+    with pytest.raises(NoSolution):
         scene.update_study(Study(with_follower(LIFT, rod_mm=1.0), SAMPLES))
     assert scene.parts == parts
 
@@ -278,7 +278,7 @@ def test_a_study_without_position_is_refused_and_the_old_drawing_stays() -> None
 def test_a_linkage_without_cam_is_still_drawn() -> None:
     motion = replace(LIFT.drive.motion, start=0.0)
     design = with_cam(with_drive(LIFT, motion=motion), base_radius_mm=0.5, roller_radius_mm=549.5)
-    with pytest.raises(NoAnswer):
+    with pytest.raises(NoSolution):
         _ = Study(design, SAMPLES).cam
     scene = scene_of(design)
     for layer in LAYERS:
@@ -615,7 +615,7 @@ class Quick:
 
     @property
     def cam(self) -> None:
-        raise NoAnswer("no cam", "cam", "")
+        raise NoSolution("no cam", "cam", "")
 
     def _pose(self, z: np.ndarray | complex, angle: np.ndarray, points: dict[str, complex]) -> Pose:
         where, turn = np.zeros((4, SAMPLES), dtype=complex), np.zeros((4, SAMPLES))

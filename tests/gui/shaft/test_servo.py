@@ -9,7 +9,7 @@ from window_user import Open
 
 from core.output.channels import channels
 from core.study import Study
-from core.study.study import servo_speed, servo_torque, servo_turn
+from core.study.drive_forces import servo_speed, servo_torque, servo_turn
 from kindyna_gui.places import example
 from kindyna_gui.shaft.servo_view import ServoView
 from kindyna_gui.view import ReasonPage

@@ -116,7 +116,7 @@ def test_the_words_for_each_verdict() -> None:
     assert waiting_text((Verdict("steady", None),), False) == "steady: no response found"
     left = Verdict("steady", True, -0.01, 1.9, 0.1, 2.275)
     assert waiting_text((left,), False) == "steady: contact lost, 36.0°, off the cam at turn 2.275"
-    rest = Verdict("from_rest", None, largest=0.01, lost=3.3)
+    rest = Verdict("from_rest", None, largest=0.01, contact_lost=3.3)
     assert waiting_text((rest, steady), False).endswith("\nfrom rest: 3.60°, not settled, off the cam at turn 3.300")
     assert waiting_text((), True) == "nonlinear models: computing …"
 

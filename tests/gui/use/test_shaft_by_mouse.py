@@ -213,7 +213,9 @@ def test_the_transfer_unit_is_worked_through_with_the_mouse(open_user: Open) -> 
     assert {each.field for each in findings.findings} == {"balancer.base_radius_mm"}
     assert [each.code for each in findings.findings] == ["pressure-angle", "convex-radius"]
     hand.take_over("balancer")
-    sharpest = min(each.smallest.value for each in radii(session.shaft.balancer) if each.of_profile and not each.hollow)
+    sharpest = min(
+        each.smallest.value for each in radii(session.shaft.balancer) if each.is_on_profile and not each.is_concave
+    )
     assert 1e3 * sharpest == pytest.approx(0.5 * session.whole.balancer.roller_radius_mm, rel=1e-6)
     findings = user.see("findings")
     assert isinstance(findings, FindingsView)

@@ -125,7 +125,7 @@ def test_a_design_of_each_kind_can_be_begun(user: User) -> None:
         assert kind_of(user.design.drive.mechanism) == slug
         assert user.design.name.lower() == f"new {row.label.lower()}"
         assert faults(user.design) == []
-        levels = user.session.study.whole.motion.y[0]
+        levels = user.session.study.full_turn.motion.y[0]
         assert levels[0] == levels.min() == 0.0
         assert levels.max() == pytest.approx(
             stroke(user.design.drive.motion) * user.design.drive.motion.scale, rel=1e-15

@@ -217,7 +217,7 @@ def test_broken_settings_and_a_logo_that_is_no_picture_stop_nothing(
 
     def name_logo(dialog: PreferencesDialog) -> None:
         dialog.logo.setText(str(tmp_path / "logo.png"))
-        assert "is no picture" in dialog.message.text()
+        assert "cannot be read as an image" in dialog.message.text()
 
     prefer(user, name_logo)
 

@@ -162,12 +162,12 @@ def test_the_least_error_of_equal_steps_is_the_least_of_all_their_numbers(tmp_pa
     code, said, _ = ecam(tmp_path, capsys, design, *options, "1e-6")
     assert code == 2
     found = re.fullmatch(
-        r"--error 1e-06: small cannot keep it; the least error of the position is (\S+) mm, at \S+ deg, held by (.+); "
+        r"--error 1e-06: small cannot keep it; the least error of the position is (\S+) mm, at \S+ deg, limited by (.+); "
         r"allowed: at least \1 mm\n",
         said,
     )
     assert found, said
-    jump = r"the jump of the velocity by 0\.2389 mm/deg at \S+ deg, which at the step \S+ deg leaves up to about \S+ h\|Δv\|"
+    jump = r"the jump of the velocity by 0\.2389 mm/deg at \S+ deg, which at the step \S+ deg causes up to about \S+ h\|Δv\|"
     assert found[2] == "its 90 rows" if kind == LINES else re.fullmatch(jump, found[2])
     counts = np.arange(1, 90)
     errors = equal_errors(str(design), kind, counts)
@@ -195,7 +195,7 @@ def test_what_a_jump_holds_is_said_with_the_least_and_its_unit(tmp_path, capsys,
     code, said, text = ecam(tmp_path, capsys, design, "--controller", "codesys-xyva", *options)
     assert (code, text) == (2, "")
     assert len(said.splitlines()) == 1
-    assert "held by the jump of the velocity by 0.2389 mm/deg" in said
+    assert "limited by the jump of the velocity by 0.2389 mm/deg" in said
     least = float(re.search(rf"allowed: at least (\S+) {re.escape(unit)}\n", said)[1])
     if unit == "mm/deg":  # a path without a jump is half of it off on one side at least
         assert 0.5 <= least / (20.0 / 83.7) <= 0.6
@@ -209,7 +209,7 @@ def test_a_controller_of_few_rows_names_the_least_that_they_reach(tmp_path, caps
     for slug, rows in (("sew-tab", 1024), ("beckhoff-zebra", 360)):
         code, said, _ = ecam(tmp_path, capsys, design, "--controller", slug, "--error", "1e-4")
         assert code == 2
-        assert f"held by its {rows} rows" in said
+        assert f"limited by its {rows} rows" in said
         least = float(re.search(r"allowed: at least (\S+) mm\n", said)[1])
         assert ecam(tmp_path, capsys, design, "--controller", slug, "--error", least)[0] == 0
         assert ecam(tmp_path, capsys, design, "--controller", slug, "--error", 0.75 * least)[0] == 2
@@ -248,7 +248,7 @@ def test_a_segment_alone_rises_from_0_to_1(tmp_path, capsys, number, reverse):
         assert says in said
     code, said, _ = ecam(tmp_path, capsys, design, "--controller", "codesys-x", "--segment", number)
     assert code == 2
-    assert f"--segment {number}: codesys-x takes the whole turn" in said
+    assert f"--segment {number}: codesys-x requires the full turn" in said
 
 
 def test_a_segment_that_overshoots_is_no_inventor_file(tmp_path, capsys):
@@ -261,7 +261,7 @@ def test_a_segment_that_overshoots_is_no_inventor_file(tmp_path, capsys):
     )
     code, said, text = ecam(tmp_path, capsys, design, "--controller", "inventor", "--segment", "1", "--points", "50")
     assert (code, text) == (2, "")
-    assert "its rows ascend from 0 to 1, and the slave goes back" in said
+    assert "its rows ascend from 0 to 1, and the slave reverses" in said
 
 
 # -- read again --------------------------------------------------------------------------------------------

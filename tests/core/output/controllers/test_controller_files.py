@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from core.errors import KindynaError
-from core.output.controllers.layout import FileTable, read, steps, written
+from core.output.controllers.layout import FileTable, file_bytes, read_file, row_positions
 from core.output.controllers.rows import controller, controllers
 
 A = np.array
@@ -50,13 +50,13 @@ EXAMPLES = {
 def test_the_small_example_is_written_character_by_character(slug):
     row = controller(slug)
     table, name, text = EXAMPLES[slug]
-    assert written(row, table, name, row.interpolation[0]).decode() == text
+    assert file_bytes(row, table, name, row.interpolation[0]).decode() == text
 
 
 @pytest.mark.parametrize("slug", [slug for slug in EXAMPLES if slug != "inventor"])
 def test_the_small_example_is_read(slug):
     table, name, text = EXAMPLES[slug]
-    found = read(controller(slug), text.encode(), 360.0)
+    found = read_file(controller(slug), text.encode(), 360.0)
     assert found.master.tolist() == table.master.tolist()
     assert found.slave.tolist() == table.slave.tolist()
     assert found.name == name
@@ -84,7 +84,7 @@ def test_the_small_example_is_read(slug):
     ],
 )
 def test_line_ends_marks_blanks_and_comments_may_be_others(slug, text, master, slave):
-    found = read(controller(slug), text.encode(), 360.0)
+    found = read_file(controller(slug), text.encode(), 360.0)
     assert found.master.tolist() == master
     assert found.slave.tolist() == slave
 
@@ -95,23 +95,23 @@ def test_line_ends_marks_blanks_and_comments_may_be_others(slug, text, master, s
         ("sew-tab", "3\n0\t0\n90\t5\n", "states 3 rows and holds 2"),
         ("sew-tab", "2\n0\t0\n90\tfive\n", "line 3: '90\\tfive' is no row"),
         ("lenze-loader", "0 0\n90 5\n80 0\n", "row 3: the master does not rise, 80"),
-        ("codesys-xyva", "VAR\nEND_VAR\n", "name a file of this controller"),
-        ("beckhoff-ascii", ISG.replace("EndTable", ""), "no end as 'EndTable'"),
-        ("lenze-loader", "0 0\n90 5 7 8\n", "line 2: '7 8' is too much"),
+        ("codesys-xyva", "VAR\nEND_VAR\n", "choose a file of this controller"),
+        ("beckhoff-ascii", ISG.replace("EndTable", ""), "no end like 'EndTable'"),
+        ("lenze-loader", "0 0\n90 5 7 8\n", "line 2: '7 8' follows the row"),
     ],
 )
 def test_what_is_no_such_file_is_said_with_its_line(slug, text, says):
     with pytest.raises(KindynaError, match=says.replace("\\", r"\\")):
-        read(controller(slug), text.encode(), 360.0)
+        read_file(controller(slug), text.encode(), 360.0)
 
 
 @pytest.mark.parametrize("slug", [slug for slug in controllers() if slug not in ("inventor", "technosoft")])
 def test_every_row_reads_what_it_writes(slug):
     row = controller(slug)
-    x = 360.0 * steps(row, 8)
+    x = 360.0 * row_positions(row, 8)
     y = 20.0 + np.round(10.0 * np.sin(np.deg2rad(x)), 6)
     table = FileTable(x, y, 0.01 * y, 0.001 * y, (0.5, -0.25), range=(0.0, 360.0))
-    found = read(row, written(row, table, "Main feed", row.interpolation[-1]), 360.0)
+    found = read_file(row, file_bytes(row, table, "Main feed", row.interpolation[-1]), 360.0)
     last = row.unit if row.integer else 10.0 ** (3 - row.digits)
     assert np.abs(found.master - x).max() <= 0.51 * last
     assert np.abs(found.slave - y).max() <= 0.51 * last
@@ -125,6 +125,6 @@ def test_integers_beyond_32_bits_and_a_normalised_slave_that_returns_are_refused
     with pytest.raises(
         KindynaError, match=r"allowed: integers of 32 bits, up to .-2147483647: choose a smaller --slave-scale"
     ):
-        written(controller("technosoft"), FileTable(A([0.0, 1.0]), A([0.0, 2.0**31])), "", "linear")
+        file_bytes(controller("technosoft"), FileTable(A([0.0, 1.0]), A([0.0, 2.0**31])), "", "linear")
     with pytest.raises(KindynaError, match="the slave must not end where it starts"):
-        written(controller("inventor"), PAIRS, "", "unknown")
+        file_bytes(controller("inventor"), PAIRS, "", "unknown")

@@ -5,8 +5,8 @@ import json
 import pytest
 
 from core.errors import KindynaError
-from core.output.controllers.layout import FileTable, written
-from core.output.controllers.rows import controller, controllers, rows_of, settings_folder
+from core.output.controllers.layout import FileTable, file_bytes
+from core.output.controllers.rows import controller, controllers, parse_rows, settings_folder
 from kindyna_gui.__main__ import main
 from kindyna_gui.places import example
 
@@ -43,7 +43,7 @@ def test_twelve_lines_beside_the_settings_are_a_controller_more():
     import numpy as np
 
     table = FileTable(np.array([0.0, 120.0, 360.0]), np.array([0.0, 1.23456789, 0.0]))
-    assert written(controller("shop"), table, "", "linear") == b"N=3\n0 0\n1,23457 120\n0 360\nEND\n"
+    assert file_bytes(controller("shop"), table, "", "linear") == b"N=3\n0 0\n1,23457 120\n0 360\nEND\n"
     assert tuple(controllers()) == (*SHIPPED, "shop")
     (folder / "controllers.toml").write_text(OWN.replace('"shop"', '"sew-tab"'), "utf-8")
     assert controller("sew-tab").label == "The shop's drive"
@@ -65,10 +65,10 @@ def test_twelve_lines_beside_the_settings_are_a_controller_more():
         (
             '["linear"]',
             '["quintic-hermite"]',
-            "controllers[0].interpolation = 'quintic-hermite': needs the column velocity",
+            "controllers[0].interpolation = 'quintic-hermite': requires the column velocity",
         ),
         ("digits = 6", "rows = [1, 9]", "controllers[0].rows = [1, 9]: not allowed; allowed: [least, most], from 2 on"),
-        ('["master", "slave"]', '["slave"]', "controllers[0].columns = ['slave']: lacks master, which stands in row"),
+        ('["master", "slave"]', '["slave"]', "controllers[0].columns = ['slave']: lacks master, which is in row"),
         ("digits = 6", "digits = ", "not TOML"),
         ("digits = 6", "digits = 0", "controllers[0].digits = 0: not allowed"),
         ("digits = 6", "digits = true", "controllers[0].digits = True: not allowed"),
@@ -79,7 +79,7 @@ def test_twelve_lines_beside_the_settings_are_a_controller_more():
 )
 def test_a_wrong_row_is_told_by_its_field(before, after, says):
     with pytest.raises(KindynaError) as raised:
-        rows_of(OWN.replace(before, after, 1), "own.toml")
+        parse_rows(OWN.replace(before, after, 1), "own.toml")
     assert str(raised.value).startswith("own.toml: ")
     assert says in str(raised.value)
 
@@ -93,14 +93,14 @@ NAMES = (
 @pytest.mark.parametrize("extension", NAMES)
 def test_an_extension_is_the_end_of_a_name_and_never_a_path(extension):
     with pytest.raises(KindynaError) as raised:
-        rows_of(OWN + f"extension = {json.dumps(extension)}\n", "own.toml")
+        parse_rows(OWN + f"extension = {json.dumps(extension)}\n", "own.toml")
     assert str(raised.value).startswith("own.toml: shop: controllers[0].extension = ")
     assert "a dot, then 1 ... 16 letters, digits, dots, _ or -" in str(raised.value)
 
 
 @pytest.mark.parametrize("extension", [".txt", ".1234567890abcdef", ".tar.gz", ".a_b-c", ".S7"])
 def test_an_extension_of_a_dot_and_some_letters_is_taken(extension):
-    assert rows_of(OWN + f'extension = "{extension}"\n', "own.toml")["shop"].extension == extension
+    assert parse_rows(OWN + f'extension = "{extension}"\n', "own.toml")["shop"].extension == extension
 
 
 def test_a_handover_with_an_extension_that_leads_elsewhere_writes_nothing(tmp_path, capsys):

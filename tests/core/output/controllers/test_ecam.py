@@ -106,7 +106,7 @@ def test_the_rounding_of_integers_belongs_to_the_error(tmp_path, capsys):
     says = capsys.readouterr().err
     assert code == 2
     assert (
-        "the least error of the position is 0.004965 mm, at 307.266 deg, held by the digits of its numbers: choose a larger"
+        "the least error of the position is 0.004965 mm, at 307.266 deg, limited by the digits of its numbers: choose a larger"
         in says
     )
     assert not (tmp_path / "no").exists()
@@ -116,19 +116,19 @@ def test_the_rounding_of_integers_belongs_to_the_error(tmp_path, capsys):
     ("options", "says"),
     [
         (("--controller", "sew-tab", "--error", "1e-5"), "cannot keep it; the least error of the position is 0.0002351 mm, at"),
-        (("--controller", "sew-tab", "--error", "1e-15"), "held by its 1024 rows; allowed: at least 0.0002351 mm"),
+        (("--controller", "sew-tab", "--error", "1e-15"), "limited by its 1024 rows; allowed: at least 0.0002351 mm"),
         (("--controller", "codesys-xyva", "--master-per-turn", "0"), "allowed: > 0"),
-        (("--controller", "codesys-xyva", "--master", "counts"), "needs --master-per-turn, the counts that make a turn"),
+        (("--controller", "codesys-xyva", "--master", "counts"), "needs --master-per-turn, the counts in a turn"),
         (("--controller", "technosoft", "--slave-scale", "1e9"), "integers of 32 bits"),
         (("--controller", "technosoft", "--master", "counts", "--master-per-turn", "1.5", "--slave-scale", "1e5"), "no whole number of"),
-        (("--controller", "general"), "--interpolation is needed; allowed: linear | cubic-hermite"),
-        (("--controller", "sew-tab", "--interpolation", "zebra"), "sew-tab does not run it; allowed: linear | unknown"),
+        (("--controller", "general"), "--interpolation is required; allowed: linear | cubic-hermite"),
+        (("--controller", "sew-tab", "--interpolation", "zebra"), "sew-tab does not support it; allowed: linear | unknown"),
         (("--controller", "kollmorgen-csv", "--error", "1"), "not certified: how this controller interpolates is not published"),
-        (("--controller", "codesys-x", "--as", "placed"), "takes equal steps only"),
+        (("--controller", "codesys-x", "--as", "placed"), "requires equal steps"),
         (("--controller", "sew-tab", "--acceleration-error", "1"), "straight lines have no acceleration"),
         (("--controller", "codesys-xyva", "--of", "torque"), "no position of that name; allowed: motion | displacement_mm"),
         (("--controller", "codesys-xyva", "--points", "3"), "the joins of this motion need"),
-        (("--controller", "codesys-xyva", "--slave-scale", "0"), "all rows would be alike"),
+        (("--controller", "codesys-xyva", "--slave-scale", "0"), "all rows would be equal"),
         (("--controller", "inventor",), "the slave must not end where it starts"),
     ],
 )  # fmt: skip
