@@ -168,7 +168,7 @@ class DriveStudy:
 
     @cached_property
     def program(self) -> Any:
-        """Pieces and joins of the driver over one turn, a CompiledMotion or a CrankProgram.
+        """Pieces and joins of the driver over one turn, a CompiledMotion or a CrankMotion.
 
         Pieces also end where a process force switches and where the friction in a pin reverses.
         """

@@ -46,7 +46,7 @@ def fit_load_curve(
     torque : callable
         Torque on the shaft, ndarray (n,) [N m], of these forces.
     loading : Loading
-    program : CompiledMotion or CrankProgram
+    program : CompiledMotion or CrankMotion
         Pieces of the turn.
     slides : sequence of Friction
         Friction of the sliding pairs.
@@ -205,7 +205,7 @@ def torque_breaks(
     loading : Loading
     driver : Motion or DriverRanges
         The motion, or the ranges of a crank: key of the cache.
-    uncut : CompiledMotion or CrankProgram
+    uncut : CompiledMotion or CrankMotion
         The program of the driver without these angles.
     mechanism : Mechanism
     driver_ranges : callable

@@ -289,7 +289,7 @@ class Together:
         for designs in self._ranges(count):
             there = self._mechanism_at(repeated(designs, count), {})
             y = every[designs]
-            q = there.start + there.sense * y.ravel()
+            q = there.start + there.driver_sign * y.ravel()
             yield designs, y, solve(there.plan, at_driver(np.asarray(q)), Branch(0.0))
 
     @cached_property
