@@ -13,7 +13,7 @@ from core.errors import KindynaError
 from core.output.export import texts
 from core.project import load, save
 from core.study import clear_caches, extremes_of
-from kindyna_gui.export.exports import tables_of, write_tables
+from kindyna_gui.export import tables_of, write_tables
 from kindyna_gui.places import examples
 from kindyna_gui.player import TURN
 from kindyna_gui.screenshots import dismiss, hidden_window, rest

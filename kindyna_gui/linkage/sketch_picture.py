@@ -16,7 +16,7 @@ from core.design.topology import driver_turns, input_slides
 from core.frozen import frozen
 from core.mechanism.drawn import PointPositions, edges_of, frame_link, input_pin, link_pose, slider_line
 from core.mechanism.drivers import wheel_pairs
-from kindyna_gui.linkage.snapping import (
+from kindyna_gui.linkage.draw_tools import (
     ANGLE,
     GRID,
     LINE,

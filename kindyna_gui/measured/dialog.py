@@ -31,18 +31,23 @@ from core.output.measured_text import figures
 from core.project.files import read_bytes
 from kindyna_gui import dialogs
 from kindyna_gui.background import Background
-from kindyna_gui.documents.as_command import UNSAVED, add_copy_of
 from kindyna_gui.documents.session import Session
+from kindyna_gui.documents.texts import UNSAVED, add_copy_of
 from kindyna_gui.forms.number_box import NameBox, NumberBox, WordBox
-from kindyna_gui.forms.put_dialog import PutDialog
+from kindyna_gui.forms.request_form import PutDialog
 from kindyna_gui.labels import sentence
-from kindyna_gui.measured.entries import EntryTable, counted, fault_entries, fit_entries
-from kindyna_gui.measured.form import ReadingForm
-from kindyna_gui.measured.plot import show_residuals, show_rows
-from kindyna_gui.measured.request import TableAnswer, TableReader, TableRequest, as_command, spelled, symbol
-from kindyna_gui.measured.segments import SegmentTable
+from kindyna_gui.look import bold_label
+from kindyna_gui.measured.form import ReadingForm, TableAnswer, TableReader, TableRequest, as_command, spelled, symbol
+from kindyna_gui.measured.segments import (
+    EntryTable,
+    SegmentTable,
+    counted,
+    fault_entries,
+    fit_entries,
+    show_residuals,
+    show_rows,
+)
 from kindyna_gui.measured.sheet import SheetTable, fault_marks, fit_marks
-from kindyna_gui.note import bold_label
 from kindyna_gui.pictures.plots.xy import XYPlot
 
 AT_ONCE = 0.15  # seconds that an answer is waited for before the dialog says that it is being computed

@@ -19,7 +19,7 @@ from core.mechanism import body_name
 from core.mechanism.drivers import Wheel, WheelPair, wheel_pairs
 from core.mechanism.kinematics import FRAME, SLIDING, Kinematics, Pair
 from core.study import Study
-from kindyna_gui.pictures.turn import nearest
+from kindyna_gui.pictures.units import nearest
 from kindyna_gui.requirements import lists_links
 
 MM = 1e3  # mm in a metre

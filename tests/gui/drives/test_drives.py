@@ -21,18 +21,17 @@ from core.output.export import Film, streams, texts
 from core.project import load
 from core.study import Study
 from core.study.stages import memory
-from kindyna_gui import dialogs
+from kindyna_gui import dialogs, export_dialogs, profile_dialogs
 from kindyna_gui.dialogs import OnShaft
-from kindyna_gui.drives.drives_view import NAME, PHASE, TORQUE, DrivesView
-from kindyna_gui.drives.strip import BESIDE, ON_SHAFT
-from kindyna_gui.export import export_dialogs, profile_dialog
-from kindyna_gui.export.export_dialogs import TablesWanted
+from kindyna_gui.drives import BESIDE, ON_SHAFT
+from kindyna_gui.drives_view import NAME, PHASE, TORQUE, DrivesView
+from kindyna_gui.export_dialogs import TablesWanted
 from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.linkage.mechanism_view import MechanismView
 from kindyna_gui.pictures.drawing.assembly import DriveFigure
 from kindyna_gui.pictures.film import shoot
 from kindyna_gui.places import example
-from kindyna_gui.touched import BesideMouse
+from kindyna_gui.touch_targets import BesideMouse
 
 UNIT = example("transfer_unit")
 ROD = "follower.rod_mm"
@@ -455,6 +454,6 @@ def test_tables_of_the_shaft_and_the_profile_of_the_chosen_drive(
     assert unit.faults == []
     click_drive(unit, 2)
     asked: list[object] = []
-    monkeypatch.setattr(profile_dialog, "profile_wanted", lambda _, design: asked.append(design))
+    monkeypatch.setattr(profile_dialogs, "profile_wanted", lambda _, design: asked.append(design))
     unit.choose("File", "Export", "Profile...")
     assert asked == [replace(only(load(UNIT), 2), name="Transfer unit, drive Lift")]

@@ -31,9 +31,9 @@ from core.measured import MotionFit
 from core.numerics.lazy import checkpoint
 from core.project import load
 from kindyna_gui import dialogs
-from kindyna_gui.measured import request
+from kindyna_gui.measured import form
 from kindyna_gui.measured.dialog import COMPUTING, MeasuredDialog
-from kindyna_gui.measured.request import spelled, symbol
+from kindyna_gui.measured.form import spelled, symbol
 from kindyna_gui.places import example
 
 CHANCE = np.random.default_rng(8)
@@ -569,7 +569,7 @@ def test_what_takes_long_is_computed_beside_the_window_and_given_up_by_cancel(
     dialog = imports(table())
     fit, curve = dialog.answer.fit, dialog.rows_plot.lines[0][1]
     with monkeypatch.context() as patch:
-        patch.setattr(request, "fit", endless)
+        patch.setattr(form, "fit", endless)
         QTest.mouseClick(dialog.keep_all, Qt.MouseButton.LeftButton)
         wait_for(lambda: dialog.message.text() == COMPUTING)
         assert dialog.rows_plot.lines[0][1] is curve, "the last curve stays"
@@ -583,7 +583,7 @@ def test_what_takes_long_is_computed_beside_the_window_and_given_up_by_cancel(
     assert len(ended) == 2
     assert dialog.answer.fit is not fit
     assert dialog.put_button.isEnabled()
-    monkeypatch.setattr(request, "fit", endless)
+    monkeypatch.setattr(form, "fit", endless)
     QTest.mouseClick(dialog.keep_all, Qt.MouseButton.LeftButton)
     wait_for(lambda: len(begun) == 3)
     click(dialog.buttons.button(dialog.buttons.StandardButton.Cancel))

@@ -14,7 +14,7 @@ from core.design import Attachment, get
 from core.output.load_text import held_text
 from core.project import dumps, loads
 from core.study import Study
-from kindyna_gui.documents.refusal import SAMPLES
+from kindyna_gui.documents.edits import SAMPLES
 from kindyna_gui.forms.loads_page import LoadsPage
 from kindyna_gui.places import example
 
