@@ -12,7 +12,7 @@ import numpy as np
 
 from core.design import UNITS, Design, Motion, join_angles, join_levels, motion_of, stroke
 from core.design.edits import is_dwell
-from core.dynamics import power_given
+from core.dynamics import input_power
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.motion import TURN
@@ -136,7 +136,7 @@ def _work(study: Study) -> Work | None:
 
 
 def _power(study: Study) -> np.ndarray:
-    return spread(power_given(study.linkage, study.dynamics), study.theta.size)
+    return spread(input_power(study.linkage, study.dynamics), study.theta.size)
 
 
 def _over_turn(study: Study) -> Work:

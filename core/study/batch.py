@@ -527,7 +527,7 @@ OF_LOAD: dict[str, Callable[[LoadCurve, Shaft], tuple[float, float]]] = {
 
 def lives(one: Together) -> np.ndarray:
     """L10 [h] of the shortest-lived roller of each design (m,), as ``roller_lives`` has them, of an open cam; NaN where none is rated."""
-    rated = {} if one.loading.empty else load_ratings(Study(one.design))
+    rated = {} if one.loading.is_empty else load_ratings(Study(one.design))
     if not rated:
         return np.full(one.count, np.nan)
 

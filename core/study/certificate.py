@@ -14,6 +14,7 @@ from core.errors import NoStability
 from core.findings import LEAST_BOUND, Residual
 from core.instant_centres import moving_collinearity
 from core.mechanism import unit_speed_kinematics
+from core.mechanism.groups import CONSISTENT
 from core.motion import EPS
 from core.study.camshaft import Camshaft
 from core.study.extremes import undercut_on

@@ -547,7 +547,7 @@ class Together:
 
     def _further(self, stages: set[str], loads: bool) -> list[tuple[str, float]]:
         """What tells of errors: whether friction jams, whether a flank is undercut."""
-        found = [(JAM, 1.0)] if (loads or "dynamics" in stages) and self.loading.rubs else []
+        found = [(JAM, 1.0)] if (loads or "dynamics" in stages) and self.loading.has_friction else []
         if stages & {"cam", "dynamics"}:
             drive, reads = self.plain.drive, _Reads()
             for flank in self._flanks():

@@ -346,9 +346,9 @@ class WhenRow(QWidget):
         self._put(with_table_row(self._session.typed, self._path, more), "one row more" if more else "one row less")
 
     def _copy(self) -> None:
-        from core.measured import as_text
+        from core.measured import load_table_text
 
-        QApplication.clipboard().setText(as_text(get(self._session.typed, self._path).points))
+        QApplication.clipboard().setText(load_table_text(get(self._session.typed, self._path).points))
 
     def _paste(self) -> None:
         from core.measured import load_points

@@ -26,7 +26,7 @@ from core.design import (
     load_lists,
     places_for,
 )
-from core.dynamics import Torsion, element_at, pairs_named, place_at, row_of_element
+from core.dynamics import Torsion, attachment_point, element_at, pairs_named, row_of_element
 from core.errors import NoSolution
 from core.frozen import frozen
 from core.output.load_text import held_text
@@ -198,7 +198,7 @@ class Picker(QObject):
         held, geometry = candidate.held, self._geometry
         assert isinstance(held, Attachment)
         assert geometry is not None
-        place = place_at(held, geometry.study.mechanism)
+        place = attachment_point(held, geometry.study.mechanism)
         return PickCandidate(self._at(held.link, place.at * MM), candidate.at)
 
     def _at(self, link: int, local: complex) -> Attachment:
@@ -329,7 +329,7 @@ def places_now(geometry: Geometry, held: Held, index: int) -> Iterator[complex]:
         if nodes:
             yield sum(nodes) / len(nodes)
         return
-    place = place_at(held, built)
+    place = attachment_point(held, built)
     body = geometry.bodies.get(place.body)
     yield place.at * MM if body is None else complex(body.track(place.at * MM)[index])
 

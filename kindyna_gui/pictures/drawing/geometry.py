@@ -361,7 +361,7 @@ class Geometry:
     def elements(self) -> tuple[Element, ...]:
         """The force elements besides the masses; none where the loads have no answer."""
         try:
-            return tuple(element for element in self.study.loading.others if element.acts)
+            return tuple(element for element in self.study.loading.others if element.is_active)
         except NoSolution:
             return ()
 

@@ -20,8 +20,8 @@ from core.dynamics import (
     ScheduledForce,
     Spring,
     Torsion,
-    acting_of,
-    masses_of,
+    body_inertias,
+    element_forces,
 )
 from core.errors import NoSolution
 from core.mechanism.kinematics import REVOLUTE, SLIDING
@@ -212,7 +212,7 @@ def loads(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
 def masses(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """The textbook's quartered circle at the centre of each body that has a mass, with the mass."""
     try:
-        bodies = masses_of(geometry.study.loading)
+        bodies = body_inertias(geometry.study.loading)
     except NoSolution:
         return
     for body, inertia in bodies.items():
@@ -242,7 +242,7 @@ def strokes(geometry: Geometry, shown: Callable[[str], bool]) -> list[tuple[np.n
     unit = geometry.unit
     for element in geometry.elements if shown("loads") else ():
         if isinstance(element, PointForce | ScheduledForce | OutputForce):
-            rows = acting_of(element, geometry.kinematics, geometry.study.omega)
+            rows = element_forces(element, geometry.kinematics, geometry.study.omega)
             found += [_arrow(row, geometry)[1:] for row in rows if np.abs(row.force).any()]
         for track in spirals(element, geometry):
             corners = OUTER * unit * np.exp(2j * np.pi * np.arange(9) / 8)
@@ -251,7 +251,7 @@ def strokes(geometry: Geometry, shown: Callable[[str], bool]) -> list[tuple[np.n
         along = other - one
         wide = HALF_WIDTH * unit * along * 1j / np.where(along == 0.0, 1.0, np.abs(along))
         found += [(one + beside, other + beside) for beside in (-wide, wide)]
-    for body, inertia in masses_of(geometry.study.loading).items() if shown("masses") else ():
+    for body, inertia in body_inertias(geometry.study.loading).items() if shown("masses") else ():
         if inertia.mass:
             track = geometry.bodies[body].track(inertia.centre * MM)
             found += [
@@ -279,7 +279,7 @@ def _value(size: float, unit: str) -> str:
 
 def external(element: Any, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """A force as an arrow that ends where it acts, a torque as an arc about there; gone while it is nothing."""
-    for row in acting_of(element, geometry.kinematics, geometry.study.omega):
+    for row in element_forces(element, geometry.kinematics, geometry.study.omega):
         yield from _force(row, geometry, theme)
         yield from _torque(row, geometry, theme)
 
@@ -354,7 +354,7 @@ def output_force(element: OutputForce, geometry: Geometry, theme: Theme) -> Iter
     if geometry.closes(element):
         yield from closing(element, geometry, theme)
     if geometry.external:
-        yield from external(OutputForce(geometry.external, 0.0, element.sense, element.name), geometry, theme)
+        yield from external(OutputForce(geometry.external, 0.0, element.sign, element.name), geometry, theme)
 
 
 DRAWN: Mapping[type, Callable[[Any, Geometry, Theme], Iterator[DrawnPart]]] = MappingProxyType(

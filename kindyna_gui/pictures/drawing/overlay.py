@@ -14,7 +14,7 @@ from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QBrush, QPainterPath
 from PySide6.QtWidgets import QGraphicsItem
 
-from core.dynamics import BEARING, CONTACT, OF_MASSES, REACTION, SPRING, ForceOnBody
+from core.dynamics import BEARING, CONTACT, MASS_KINDS, REACTION, SPRING, ForceOnBody
 from core.errors import NoSolution
 from core.followers.dimensions import ANGLE, LENGTH, RADIUS, Dimension, dimensions_of
 from core.frozen import frozen
@@ -492,12 +492,12 @@ def velocities(geometry: Geometry) -> Field:
 
 def forces(geometry: Geometry) -> Field:
     """What pairs and cam answer with, friction, springs and other loads; to the scale of all that acts."""
-    return _acting(geometry, lambda row: row.kind not in OF_MASSES)
+    return _acting(geometry, lambda row: row.kind not in MASS_KINDS)
 
 
 def inertia(geometry: Geometry) -> Field:
     """Weight and inertia force of every body, at its centre of mass; to the same scale."""
-    return _acting(geometry, lambda row: row.kind in OF_MASSES)
+    return _acting(geometry, lambda row: row.kind in MASS_KINDS)
 
 
 def _acting(geometry: Geometry, wanted: Callable[[ForceOnBody], bool]) -> Field:

@@ -20,12 +20,12 @@ from core.dynamics import (
     FRICTION,
     INERTIA,
     LOAD,
-    OF_MASSES,
+    MASS_KINDS,
     REACTION,
     SPRING,
     WEIGHT,
     ForceOnBody,
-    unbalanced,
+    imbalance,
 )
 from core.frozen import frozen
 from core.instant_centres import ABSOLUTE, POLE, TURNING, Corner, PolygonSide, VelocityPolygon
@@ -548,10 +548,10 @@ def force_diagram(rows: Sequence[ForceOnBody], largest: float) -> PolygonDiagram
         force = complex(row.force[0])
         if abs(force) > NO_FORCE * largest:
             strokes.append(
-                PolygonVector(*force_name(row), place, force, dashed=row.kind in OF_MASSES, value=amount(abs(force)))
+                PolygonVector(*force_name(row), place, force, dashed=row.kind in MASS_KINDS, value=amount(abs(force)))
             )
             place += force
-    left, _ = unbalanced(tuple(rows))
+    left, _ = imbalance(tuple(rows))
     closed = "closed" if left[0] == 0.0 else f"closed to {float(left[0]):.0e} N"
     text = f"{len(strokes)} forces, {closed}" if strokes else ""
     return PolygonDiagram(FORCES, tuple(strokes), lines=(text, _couples(rows), ""))
