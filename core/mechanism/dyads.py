@@ -22,18 +22,18 @@ from core.numerics.derivatives import (
     Chain,
     Derivatives,
     Rows,
+    body_vector,
     cross,
     difference,
     dot,
-    earlier,
+    lower_order_terms,
     product,
     scaled,
     sum_of,
-    turned,
-    turning,
+    vector_derivative,
 )
 from core.numerics.lazy import Lazy
-from core.numerics.roots import square_of, squares_of, two_sum
+from core.numerics.roots import double_square, double_sum_of_squares, two_sum
 
 # -- points, lines and loops ------------------------------------------------------------------------------------
 
@@ -98,7 +98,7 @@ def pose_through(at: Derivatives, local: complex, heading: Callable[[], np.ndarr
     if not local:
         return Pose(at, angle, unit=heading)
     along = heading()
-    spin = turning(along, angle)
+    spin = body_vector(along, angle)
     return Pose(difference(at, scaled(spin, local)), angle, unit=along, spin=spin)
 
 
@@ -299,8 +299,8 @@ def _near_dead_centre(x: np.ndarray, y: np.ndarray, a: np.ndarray, b: np.ndarray
 
     Near a dead centre a bracket is a small difference of large squares, and would lose (S/K)² eps otherwise.
     """
-    square, rest = squares_of(x, y)
-    (longest, more), (shortest, less) = square_of(*two_sum(a, b)), square_of(*two_sum(a, -b))
+    square, rest = double_sum_of_squares(x, y)
+    (longest, more), (shortest, less) = double_square(*two_sum(a, b)), double_square(*two_sum(a, -b))
     stretched, folded = longest - square, square - shortest
     stretched += more - rest
     folded += rest - less
@@ -487,7 +487,7 @@ def _rpr(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> DyadSolution
         turn, slide = both.part(0), both.part(1)
         left = d[order] - centripetal(d[0], turn, order)
         for k in range(1, order):
-            left = left - BINOMIAL[order][k] * slide[k] * turned(along, turn, order - k)
+            left = left - BINOMIAL[order][k] * slide[k] * vector_derivative(along, turn, order - k)
         return left
 
     both = loop(1j * d[0], along, -s, known)

@@ -20,7 +20,7 @@ from core.mechanism.groups import GroupSolution, group_solution, newton
 from core.mechanism.kinematics import FRAME, FRAME_POSE, REVOLUTE, SLIDING, Dyad, Pair, Pose
 from core.mechanism.linkage import Joint, JointEnd, SolutionPlan, new_plan, plan_of
 from core.motion import MotionState, largest_rate, motion_at, program
-from core.numerics.derivatives import Derivatives, constant, cross, heading, product, scaled, sum_of, turning, unit
+from core.numerics.derivatives import Derivatives, body_vector, constant, cross, heading, product, scaled, sum_of, unit
 
 # -- solution of all links, step by step ------------------------------------------------------------------------
 
