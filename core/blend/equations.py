@@ -1,5 +1,8 @@
-"""Heights and speeds of a family as sums of terms c t^e x_j: polynomials in one number t, linear in all others; and the
-points (t, x1, ...) where such are 0: polynomials in t, or at the values of t that they pin."""
+"""Heights and speeds of a family of motions as sums of terms c t^e x_j, and the points where such sums are 0.
+
+The terms are polynomials in one variable t and linear in x1, x2, ...; the points (t, x1, ...) where they vanish are
+rational functions of t, or isolated values of t.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,19 @@ from math import inf, pi, sqrt
 
 import numpy as np
 
-from core.blend.polynomials import ONE, UNIT, ZERO, Polynomial, at, roots, rounded, shortened, size_at, vanishes, whole
+from core.blend.polynomials import (
+    ONE,
+    UNIT,
+    ZERO,
+    Polynomial,
+    evaluate,
+    is_negligible,
+    roots,
+    size_at,
+    to_floats,
+    to_integer,
+    without_common_factor,
+)
 from core.blend.sequences import CONSTANT, ELEMENTS, KAPPA, CurveSequence
 from core.frozen import frozen
 
@@ -18,36 +33,38 @@ from core.frozen import frozen
 
 POWERS = (-2, -1, 0, 1, 2)
 Form = np.ndarray
-"""Coefficients of t^e x_j, e in ``POWERS``, x_0 = 1: (powers, 1 + numbers)."""
+"""Coefficients (powers, 1 + numbers) of t^e x_j, e in ``POWERS``, x_0 = 1; dimensionless."""
 Row = tuple[Polynomial, ...]
-"""An equation p0(t) + p1(t) x1 + ... = 0."""
-VANISHING = 1e-9  # what is left of an equation, as a share of its terms, where it is met
-SINGULAR = 1e-11  # a pivot of equations of size 1 that counts as 0
+"""Coefficients p0(t), p1(t), ... of an equation p0(t) + p1(t) x1 + ... = 0."""
+VANISHING = 1e-9  # residual of an equation relative to its terms, at which it is satisfied
+SINGULAR = 1e-11  # a smaller pivot is 0; the equations have size 1
 
 
 def term(numbers: int, j: int = 0, e: int = 0) -> Form:
-    """t^e x_j beside so many numbers."""
+    """Form of the single term t^e x_j, for a given count of variables x."""
     form = np.zeros((len(POWERS), 1 + numbers))
     form[POWERS.index(e), j] = 1.0
     return form
 
 
 def times_t(form: Form, powers: int) -> Form:
-    """A form times t to so many powers, which stay within ``POWERS``."""
+    """Product of a form and a power of t; the result must stay within ``POWERS``."""
     return np.roll(form, powers, axis=0)
 
 
 class FamilyEquations:
     """Forms by name, for a stroke of the rise and a span of 1.
 
-    numbers    names of x_1, x_2, ...
-    top, tops  t lies between 0 and top, x_j between 0 and tops[j - 1]
+    Attributes
+    ----------
+    numbers : names of x_1, x_2, ...
+    top, tops : upper limits of t, and of each x_j; the lower limits are 0
+    row_index : name of a form -> its row in the result of ``evaluate``
     """
 
     def __init__(self, forms: Mapping[str, Form], numbers: Sequence[str], top: float, tops: Sequence[float]) -> None:
         self.numbers, self.top, self.tops = tuple(numbers), top, tuple(tops)
-        self.place = {name: i for i, name in enumerate(forms)}
-        """Of each form its row in what ``evaluated`` returns."""
+        self.row_index = {name: i for i, name in enumerate(forms)}
         self._forms = {**forms, "": term(len(self.numbers))}
         used = np.any(list(self._forms.values()), axis=(0, 2))
         self._powers = np.array(POWERS[int(used.argmax()) :], dtype=float)
@@ -55,15 +72,27 @@ class FamilyEquations:
 
     @cached_property
     def exact(self) -> Mapping[str, Row]:
-        """Of each form, and of 1 under an empty name, the polynomials by 1, x_1, ...: all times the same power of t."""
+        """Name of a form -> its polynomials by 1, x_1, ..., all times the same power of t; the empty name is the form 1."""
         width, count = len(self.numbers) + 1, self._powers.size
         columns = [column for form in self._forms.values() for column in form[-count:].T.tolist()]
-        short = shortened(Polynomial(map(whole, column)) for column in columns)
-        return {name: tuple(short[i * width :][:width]) for i, name in enumerate(self._forms)}
+        reduced = without_common_factor(Polynomial(map(to_integer, column)) for column in columns)
+        return {name: tuple(reduced[i * width :][:width]) for i, name in enumerate(self._forms)}
 
-    def evaluated(self, t: np.ndarray, x: np.ndarray, slopes: bool = False) -> np.ndarray:
-        """All forms at t (n,) and x (numbers, n): (forms, 1, n); with their derivatives by t, x_1, ... behind the value:
-        (forms, 2 + numbers, n)."""
+    def evaluate(self, t: np.ndarray, x: np.ndarray, slopes: bool = False) -> np.ndarray:
+        """Values of all forms, with or without derivatives by t, x_1, ....
+
+        Parameters
+        ----------
+        t : ndarray (n,), dimensionless
+        x : ndarray (numbers, n), dimensionless
+        slopes : bool
+            Also compute the derivatives.
+
+        Returns
+        -------
+        ndarray (forms, 1, n) or (forms, 2 + numbers, n), dimensionless
+            Value, then the derivatives.
+        """
         with_one = np.concatenate((np.ones((1, t.size)), x))
         with np.errstate(all="ignore"):
             powers = t ** self._powers[:, None]
@@ -75,16 +104,17 @@ class FamilyEquations:
         return np.concatenate((values, by_t, columns[:, 1:]), axis=1)
 
 
-# -- where forms are 0 ------------------------------------------------------------------------------------
+# -- zeros of forms ---------------------------------------------------------------------------------------
 
 
 @frozen
 class SolutionSpace:
-    """Points over some of the free numbers: x_j = (x[j][0] + x[j][1] y1 + ...)/below, polynomials in t, or numbers where
-    the equations pin t.
+    """Points x_j = (x[j][0] + x[j][1] y1 + ...)/below over the free variables y; polynomials in t, or numbers at one t.
 
-    t     its value where the equations pin it, None where it is free
-    free  the j of the x_j that stay free: y1, y2, ...
+    Attributes
+    ----------
+    t : value of t that the equations determine; None where t is free
+    free : the j of the free x_j, which are y1, y2, ...
     """
 
     equations: FamilyEquations
@@ -95,29 +125,31 @@ class SolutionSpace:
 
     @property
     def freedom(self) -> int:
-        """How many numbers are free in it."""
+        """Number of free variables."""
         return len(self.free) + (self.t is None)
 
     @property
     def only(self) -> tuple[float, ...]:
-        """The x_j where nothing is free."""
-        *rows, below = rounded([*(r[0] for r in self.x), self.below])
+        """The x_j where no variable is free."""
+        *rows, below = to_floats([*(r[0] for r in self.x), self.below])
         return tuple([row[0] / below[0] if row else 0.0 for row in rows])
 
-    def along(self, first: int = 0) -> Parametrised:
-        """The same over one number p, which is t where that is free, else y_first, and the other free numbers."""
+    def along(self, first: int = 0) -> PointFamily:
+        """The same points over one variable p, which is t where t is free, else the free variable ``first``."""
         if self.t is None:
-            return Parametrised(self.equations, None, self.x, self.below, self.equations.top)
+            return PointFamily(self.equations, None, self.x, self.below, self.equations.top)
         others = [i for i in range(len(self.free)) if i != first]
-        rows = tuple([(r[0] + r[1 + first].shifted(1), *(r[1 + i] for i in others)) for r in self.x])
-        return Parametrised(self.equations, self.t, rows, self.below, self.equations.tops[self.free[first] - 1])
+        rows = tuple([(r[0] + r[1 + first].times_power(1), *(r[1 + i] for i in others)) for r in self.x])
+        return PointFamily(self.equations, self.t, rows, self.below, self.equations.tops[self.free[first] - 1])
 
 
 @frozen
-class Parametrised:
-    """Points over a number p, 0 < p < top, and others: x_j = (x[j-1][0](p) + x[j-1][1](p) y1 + ...)/below(p).
+class PointFamily:
+    """Points over a variable p, 0 < p < top, and others: x_j = (x[j-1][0](p) + x[j-1][1](p) y1 + ...)/below(p).
 
-    t  its value; None where p is t
+    Attributes
+    ----------
+    t : value of t; None where p is t
     """
 
     equations: FamilyEquations
@@ -127,47 +159,62 @@ class Parametrised:
     top: float
 
     def form(self, name: str) -> Row:
-        """A form, or 1 for an empty name, by 1, y1, ...: polynomials in p, all forms times the same one."""
+        """A form by 1, y1, ... as polynomials in p, all forms times the same polynomial; the empty name is the form 1."""
         row = self.equations.exact[name]
         if self.t is not None:
-            powers = [whole(self.t**e) for e in range(max(map(len, row)))]
+            powers = [to_integer(self.t**e) for e in range(max(map(len, row)))]
             row = tuple([Polynomial([sum(c * p for c, p in zip(r.coefficients, powers, strict=False))]) for r in row])
-        made = [row[0] * self.below, *[ZERO] * (len(self.x[0]) - 1 if self.x else 0)]
+        result = [row[0] * self.below, *[ZERO] * (len(self.x[0]) - 1 if self.x else 0)]
         for factor, numerators in zip(row[1:], self.x, strict=True):
             if factor:
-                made = [m + factor * n if n else m for m, n in zip(made, numerators, strict=True)]
-        return tuple(made)
+                result = [m + factor * n if n else m for m, n in zip(result, numerators, strict=True)]
+        return tuple(result)
 
     def t_at(self, p: np.ndarray) -> np.ndarray:
-        """t (n,) at p (n,)."""
+        """Values of t.
+
+        Parameters
+        ----------
+        p : ndarray (n,), dimensionless
+
+        Returns
+        -------
+        ndarray (n,), dimensionless
+        """
         return p if self.t is None else np.full_like(p, self.t)
 
 
 def solution_spaces(equations: FamilyEquations, rows: Iterable[Row]) -> list[SolutionSpace]:
-    """All points that meet the equations."""
+    """All points that satisfy the equations."""
     rows = [_lowered(row) for row in rows]
-    pivots, below, rest = _eliminated(rows, len(equations.numbers))
-    pins = [row[0] for row in rest if row[0]]
-    if pins:
-        first, *others = sorted(pins, key=len)
-        shown = [rounded([p])[0] for p in others]
-        values = [t for t in roots(first, 0.0, equations.top) if all(vanishes(p, t, VANISHING) for p in shown)]
+    pivots, below, remaining = _eliminated(rows, len(equations.numbers))
+    conditions = [row[0] for row in remaining if row[0]]
+    if conditions:
+        first, *others = sorted(conditions, key=len)
+        float_coefficients = [to_floats([p])[0] for p in others]
+        values = [
+            t
+            for t in roots(first, 0.0, equations.top)
+            if all(is_negligible(p, t, VANISHING) for p in float_coefficients)
+        ]
         return [space for t in values for space in _at_one_t(equations, rows, t)]
     result = [_space(equations, None, pivots, below)]
-    for t in roots(below, 0.0, equations.top):  # a whole line may meet the equations there
+    for t in roots(below, 0.0, equations.top):  # a line of solutions may exist at such t
         result += [s for s in _at_one_t(equations, rows, t) if len(s.free) > len(result[0].free)]
     return result
 
 
 def _lowered(row: Row) -> Row:
-    """Without a common power of t."""
+    """An equation without a common power of t."""
     lowest = min([p.lowest_power for p in row if p], default=0)
-    return tuple([p.shifted(-lowest) for p in row]) if lowest else row
+    return tuple([p.times_power(-lowest) for p in row]) if lowest else row
 
 
 def _eliminated(rows: list[Row], k: int) -> tuple[dict[int, Row], Polynomial, list[Row]]:
-    """Rows that each give one x_j, which stands in no other row, all with the same factor; that factor; and the rows in
-    which no x is left. Bareiss' elimination: every division comes out even, so that no factor is left over."""
+    """Rows that each give one x_j and share one factor; that factor; and the remaining rows without any x.
+
+    Fraction-free elimination (Bareiss 1968): every division is exact.
+    """
     waiting, columns = list(rows), set(range(1, k + 1))
     done: dict[int, Row] = {}
     factor = ONE
@@ -182,7 +229,7 @@ def _eliminated(rows: list[Row], k: int) -> tuple[dict[int, Row], Polynomial, li
 
 
 def _cost(pivot: Polynomial) -> tuple[int, int]:
-    """A pivot of one term keeps the degrees low."""
+    """Cost of a pivot: the number of its missing powers, then its length; a pivot of one term keeps the degrees low."""
     return len(pivot) - pivot.coefficients.count(0), len(pivot)
 
 
@@ -191,24 +238,24 @@ def _without(row: Row, pivot: Row, j: int, last: Polynomial) -> Row:
 
 
 def _space(equations: FamilyEquations, t: float | None, pivots: Mapping[int, Row], below: Polynomial) -> SolutionSpace:
-    """The points where below x_j + pivots[j][0] + Σ pivots[j][n] x_n = 0, n the numbers without a pivot."""
+    """The points where below x_j + pivots[j][0] + Σ pivots[j][n] x_n = 0, n the variables without a pivot."""
     columns = range(1, len(equations.numbers) + 1)
     free = tuple([j for j in columns if j not in pivots])
     alone = {j: (ZERO, *(below if n == j else ZERO for n in free)) for j in free}
     rows = [alone[j] if j in alone else tuple([-1 * pivots[j][n] for n in (0, *free)]) for j in columns]
-    tidied = _lowered(tuple(shortened((below, *(p for row in rows for p in row)))))
+    reduced = _lowered(tuple(without_common_factor((below, *(p for row in rows for p in row)))))
     width = len(free) + 1
     return SolutionSpace(
-        equations, t, free, tuple(tidied[1 + i * width :][:width] for i in range(len(rows))), tidied[0]
+        equations, t, free, tuple(reduced[1 + i * width :][:width] for i in range(len(rows))), reduced[0]
     )
 
 
 def _at_one_t(equations: FamilyEquations, rows: list[Row], t: float) -> list[SolutionSpace]:
-    """The rows at one t, eliminated with the greatest pivot; none where they contradict each other."""
+    """Solutions at one t by elimination with the largest pivot; none where the rows contradict each other."""
     k = len(equations.numbers)
-    polynomials = [rounded(row) for row in rows]
+    polynomials = [to_floats(row) for row in rows]
     sizes = [max(size_at(p, t) for p in row) or 1.0 for row in polynomials]
-    waiting = [np.array([at(p, t) / size for p in row]) for row, size in zip(polynomials, sizes, strict=True)]
+    waiting = [np.array([evaluate(p, t) / size for p in row]) for row, size in zip(polynomials, sizes, strict=True)]
     solved: dict[int, np.ndarray] = {}
     while waiting:
         size, i, j = max(
@@ -222,24 +269,24 @@ def _at_one_t(equations: FamilyEquations, rows: list[Row], t: float) -> list[Sol
         solved = {**{n: r - r[j] * pivot for n, r in solved.items()}, j: pivot}
     if any(abs(r[0]) > VANISHING for r in waiting):
         return []
-    exact = {j: tuple([Polynomial([whole(c)]) for c in row.tolist()]) for j, row in solved.items()}
+    exact = {j: tuple([Polynomial([to_integer(c)]) for c in row.tolist()]) for j, row in solved.items()}
     return [_space(equations, t, exact, Polynomial([UNIT]))]
 
 
-# -- one sequence of curves as a family of motions --------------------------------------------------------------
+# -- sequence of curves as a family of motions ------------------------------------------------------------------
 
 
 RISE, RETURN = ("h1", "h2", "h3"), ("h4", "h5", "h6")
 MIRRORED = dict(zip(RISE, reversed(RETURN), strict=True))
 SPEEDS = {name: row.speed for name, row in ELEMENTS.items()}
-"""c of span = c h/V of the curves that reach the speed V at an end."""
+"""Factor c in span = c h/V of a curve with speed V at one end."""
 _SINGLE = {"P2": KAPPA, "H6": pi / sqrt(2.0)}
-"""c of span = c √(g h3)/V of a return of one curve: its acceleration at the top is that of H2."""
+"""Factor c in span = c √(g h3)/V of a return of one curve, whose acceleration at the top equals that of H2."""
 
 
 @frozen
 class BlendTask:
-    """Strokes of rise and return [mm or deg] and the total span [deg]; 0 for a stroke the motion lacks."""
+    """Strokes of rise and return [mm or deg], 0 where the motion has none, and the total span [deg]."""
 
     rise: float
     back: float
@@ -248,8 +295,15 @@ class BlendTask:
 
 @frozen
 class BlendSolution:
-    """heights (all positive magnitudes) and spans [deg] curve by curve, in the order of the sequence; speeds of rise
-    and return [per deg], 0 where the motion has none."""
+    """A blended motion, curve by curve in the order of the sequence.
+
+    Attributes
+    ----------
+    heights : magnitudes of the heights [mm or deg]
+    spans : spans [deg]
+    speed, back_speed : speeds of rise and return [per deg], 0 where the motion has none
+    flats : spans of constant acceleration [deg] inside the curves; empty where there are none
+    """
 
     sequence: CurveSequence
     heights: tuple[float, ...]
@@ -257,7 +311,6 @@ class BlendSolution:
     speed: float
     back_speed: float
     flats: tuple[float, ...] = ()
-    """Of each curve the span of its constant acceleration [deg]; none of them has one where this is empty."""
 
     @property
     def peak_acceleration(self) -> float:
@@ -269,15 +322,19 @@ class BlendSolution:
 
 
 def peak_of(curve: str, flat: float) -> float:
-    """c of the largest |a| = c h/β² of a curve that keeps its acceleration constant over a fraction of its span: the area under
-    it is the velocity 2h/β, under a quarter sine 2/π of its peak."""
+    """Factor c of the largest acceleration |a| = c h/β² of a curve with constant acceleration over a fraction of its span.
+
+    The area under the acceleration is the velocity 2h/β; under a quarter sine it is 2/π of the peak.
+    """
     return 2.0 / (flat + (1.0 - flat) * 2.0 / pi) if flat else ELEMENTS[curve].peak
 
 
 @frozen
 class PeakAcceleration:
-    """Largest |a| of a curve: factor S²/height with S its speed ``W`` or ``R``, for a stroke and a span of 1. Where the curve
-    has a constant acceleration over a span λ, its height stands with what that adds: h + λ (π - 2)/4 S."""
+    """Largest acceleration of a curve, factor S²/height, S its speed form ``W`` or ``R``, for a stroke and a span of 1.
+
+    For a curve with constant acceleration over a span λ, height is h + λ (π - 2)/4 S.
+    """
 
     speed: str
     height: str
@@ -286,11 +343,13 @@ class PeakAcceleration:
 
 @frozen
 class Family:
-    """A sequence whose rise is made of several curves, or that has no free number at all.
+    """All motions of a sequence for one ratio of the strokes.
 
-    mirrored: the return is the rise run backwards.
-    flats: heights of half cycloids with a constant acceleration, and its span as a share of the whole; of a mirrored family
-    those of the rise.
+    Attributes
+    ----------
+    mirrored : the return is the rise run backwards
+    flats : heights of half cycloids with constant acceleration, and its fraction of the total span; of a mirrored family
+        those of the rise
     """
 
     sequence: CurveSequence
@@ -299,17 +358,17 @@ class Family:
 
     @cached_property
     def has_constant_rise(self) -> bool:
-        """True where the rise has a stretch of constant velocity."""
+        """Whether the rise contains a curve of constant velocity."""
         return any(name in CONSTANT for name in self.sequence.rise)
 
     @cached_property
     def has_constant_return(self) -> bool:
-        """Whether the return holds a curve of constant velocity."""
+        """Whether the return contains a curve of constant velocity."""
         return any(name in CONSTANT for name in self.sequence.back)
 
     @cached_property
     def positive(self) -> tuple[str, ...]:
-        """Heights that must be above 0, and what a constant acceleration leaves of its curve."""
+        """Forms that must be positive: heights, and the ramps of a curve with constant acceleration."""
         if len(self.sequence.rise) == 1:
             return ()
         ramps = tuple(_ramps(height) for height, _ in self.flats)
@@ -322,23 +381,23 @@ class Family:
 
     @cached_property
     def heights(self) -> tuple[str, ...]:
-        """Names of the heights of the curves, but for that of a single one."""
+        """Names of the heights of the curves, without that of a single curve of a stroke."""
         rise, back = self.sequence.rise, self.sequence.back
         return (*(named(rise, RISE) if len(rise) > 1 else ()), *(named(back, RETURN) if len(back) > 1 else ()))
 
     @cached_property
     def single_back(self) -> str:
-        """The one curve of the return, where it has only one."""
+        """The only curve of the return, empty where it has several."""
         return self.sequence.back[0] if len(self.sequence.back) == 1 else ""
 
     @cached_property
     def harmonic(self) -> bool:
-        """The motion that never dwells: bottoms match in acceleration too."""
+        """Whether the motion never dwells: accelerations at the bottom are equal, too."""
         return self.sequence.curves[0] == "H1"
 
     @cached_property
     def parameter(self) -> str:
-        """What the number t is, in which the family is not linear; empty where nothing is free."""
+        """Meaning of the variable t, in which the family is not linear; empty where nothing is free."""
         if len(self.sequence.rise) == 1:
             return ""
         if self.single_back:
@@ -350,79 +409,83 @@ class Family:
 
     @cached_property
     def linear(self) -> tuple[str, ...]:
-        """The other free numbers: with t given, every height and W are linear in them."""
+        """The other free variables: at given t, every height and W are linear in them."""
         if self.parameter == "r":
             h3 = self.has_constant_return or not self.harmonic
             h6 = self.has_constant_return and not self.harmonic
             rows = (("h1", self.has_constant_rise), ("h3", h3), ("h6", h6))
             return tuple([name for name, free in rows if free])
-        alone = self.parameter == "h3" or self.single_back == "P2"
-        return ("h1",) if alone and self.has_constant_rise else ()
+        is_single = self.parameter == "h3" or self.single_back == "P2"
+        return ("h1",) if is_single and self.has_constant_rise else ()
 
     @cached_property
     def freedom(self) -> int:
-        """How many numbers are free."""
+        """Number of free variables."""
         return (1 if self.parameter else 0) + len(self.linear)
 
     @cached_property
     def accelerations(self) -> tuple[PeakAcceleration, ...]:
-        """Those of which one is the largest: C π h/β², H π²/4 h/β² with β = c h/V. A curve whose acceleration another one
-        must match is left out."""
+        """Accelerations that may be the largest: half cycloid π h/β², half harmonic π²/4 h/β², β = c h/V.
+
+        Curves whose acceleration equals that of another curve are omitted.
+        """
         first, last = (ELEMENTS[name] for name in (self.sequence.rise[0], self.sequence.rise[-1]))
         rows = [
-            PeakAcceleration("W", self._bent("h1"), first.peak / first.speed**2),
-            PeakAcceleration("W", self._bent("h3"), last.peak / last.speed**2),
+            PeakAcceleration("W", self._effective_height("h1"), first.peak / first.speed**2),
+            PeakAcceleration("W", self._effective_height("h3"), last.peak / last.speed**2),
         ]
         if len(self.sequence.back) > 1 and not self.mirrored and not self.harmonic:
             row = ELEMENTS[self.sequence.back[-1]]
-            rows.append(PeakAcceleration("R", self._bent("h6"), row.peak / row.speed**2))
+            rows.append(PeakAcceleration("R", self._effective_height("h6"), row.peak / row.speed**2))
         return tuple(rows)
 
-    def _bent(self, height: str) -> str:
-        """The form that stands for a height under its peak acceleration."""
-        return f"{height} bent" if height in dict(self.flats) else height
+    def _effective_height(self, height: str) -> str:
+        """Name of the form that replaces a height in its peak acceleration."""
+        return f"{height} effective" if height in dict(self.flats) else height
 
     def acceleration_of(self, height: str) -> int:
-        """Which of ``accelerations`` is that of the curve of a height."""
-        return next(i for i, row in enumerate(self.accelerations) if row.height == self._bent(height))
+        """Index in ``accelerations`` of the curve of a height."""
+        return next(i for i, row in enumerate(self.accelerations) if row.height == self._effective_height(height))
 
     def equations(self, task: BlendTask) -> FamilyEquations:
-        """For the ratio of the strokes of a task."""
+        """Equations for the ratio of the strokes of a task."""
         return _equations(self, task.back / task.rise)
 
     def solution(
         self, task: BlendTask, t: float, heights: Iterable[float], given: Mapping[str, float]
     ) -> BlendSolution:
-        """The motion from its t and its ``heights`` for a stroke of 1; those that were given and that it meets but for
-        rounding are taken as they were given."""
+        """Motion from t and its ``heights`` for a stroke of 1.
+
+        Heights that equal the ``given`` ones to rounding receive the given values.
+        """
         if not self.heights:
             return BlendSolution(self.sequence, *_without_freedom(self.sequence, task), 0.0, 0.0)
-        at = {name: max(h * task.rise, 0.0) for name, h in zip(self.heights, heights, strict=True)}
+        height_by_name = {name: max(h * task.rise, 0.0) for name, h in zip(self.heights, heights, strict=True)}
         if self.parameter == "r":
-            at.update(self._return_heights(task, at, t * t))
+            height_by_name.update(self._return_heights(task, height_by_name, t * t))
         for name, value in given.items():
-            if abs(value - at[name]) <= min(1e-14 * task.rise, 1e-13 * value):
-                at[name] = value
-        return self._with_speeds(task, at, self._speed_ratio(task, t))
+            if abs(value - height_by_name[name]) <= min(1e-14 * task.rise, 1e-13 * value):
+                height_by_name[name] = value
+        return self._with_speeds(task, height_by_name, self._speed_ratio(task, t))
 
-    def _return_heights(self, task: BlendTask, at: Mapping[str, float], square: float) -> dict[str, float]:
-        """From those of the rise, so that the accelerations at the joins are the same to the last bit; square = r²."""
-        h4 = square * at["h3"]
-        h6 = square * at["h1"] if self.harmonic else at["h6"] if self.has_constant_return else task.back - h4
+    def _return_heights(self, task: BlendTask, rise: Mapping[str, float], square: float) -> dict[str, float]:
+        """Heights of the return from those of the rise, so that accelerations at the joins are equal to the last bit; square = r²."""
+        h4 = square * rise["h3"]
+        h6 = square * rise["h1"] if self.harmonic else rise["h6"] if self.has_constant_return else task.back - h4
         middle = {"h5": max(task.back - h4 - h6, 0.0)} if self.has_constant_return else {}
         return {"h4": h4, **middle, "h6": h6}
 
     def _speed_ratio(self, task: BlendTask, t: float) -> float:
-        """r, speed of the return over that of the rise."""
+        """Ratio r of the speed of the return to that of the rise."""
         return t if self.parameter == "r" else sqrt(task.back / task.rise) if self.parameter == "h1" else 1.0
 
-    def _with_speeds(self, task: BlendTask, at: Mapping[str, float], ratio: float) -> BlendSolution:
-        """Speeds from the heights: spans add up, and joins are continuous, but for the last bit."""
-        rises, heights = len(self.sequence.rise), tuple([at[name] for name in self.heights])
+    def _with_speeds(self, task: BlendTask, height_by_name: Mapping[str, float], ratio: float) -> BlendSolution:
+        """Solution with speeds from the heights; spans add up and joins are continuous to rounding."""
+        rises, heights = len(self.sequence.rise), tuple([height_by_name[name] for name in self.heights])
         works = [SPEEDS[curve] * h for curve, h in zip(self.sequence.curves, heights, strict=not self.single_back)]
         if self.single_back:
             heights += (task.back,)
-            works.append(_SINGLE[self.single_back] * sqrt(task.back * at["h3"]))
+            works.append(_SINGLE[self.single_back] * sqrt(task.back * height_by_name["h3"]))
         works[rises:] = [work / ratio for work in works[rises:]]
         speed = sum(works) / task.span
         back_speed = ratio * speed if len(self.sequence.back) > 1 else 0.0
@@ -430,7 +493,7 @@ class Family:
         return BlendSolution(self.sequence, heights, tuple([work / speed for work in works]), speed, back_speed, flats)
 
     def _flat_spans(self, task: BlendTask) -> tuple[float, ...]:
-        """Of each curve the span of its constant acceleration [deg]."""
+        """Span of the constant acceleration [deg] of each curve."""
         rise, back = self.sequence.rise, self.sequence.back
         names = (*(named(rise, RISE) if len(rise) > 1 else rise), *(named(back, RETURN) if len(back) > 1 else back))
         spans = {name: share * task.span for name, share in self.flats}
@@ -443,24 +506,24 @@ def _ramps(height: str) -> str:
 
 
 def named(curves: tuple[str, ...], names: tuple[str, str, str]) -> tuple[str, ...]:
-    """The names of the heights of the curves of one stroke."""
+    """Names of the heights of the curves of one stroke."""
     return names if len(curves) == 3 else names[::2]
 
 
 def _without_freedom(sequence: CurveSequence, task: BlendTask) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """C5; C6; P1-P2 and H5-H6, whose spans make the accelerations at the top equal: β1/β2 = √(h/g)."""
+    """Heights and spans of C5; C6; P1-P2 and H5-H6, whose accelerations at the top are equal: β1/β2 = √(h/g)."""
     if not sequence.back:
         return (task.rise,), (task.span,)
     first = task.span * sqrt(task.rise) / (sqrt(task.rise) + sqrt(task.back))
     return (task.rise, task.back), (first, task.span - first)
 
 
-# -- the equations ----------------------------------------------------------------------------------------
+# -- equations of a family --------------------------------------------------------------------------------
 
 
 @lru_cache(maxsize=256)
 def _equations(family: Family, g: float) -> FamilyEquations:
-    """All heights, W, R where there is one, and ``up``, the span of the rise times its speed."""
+    """Forms of all heights, of W and R, and of ``up``, the span of the rise times its speed; g: ratio of the strokes."""
     numbers = family.linear
     free = {name: term(len(numbers), j) for j, name in enumerate(("", *numbers))}
     one = free[""]
@@ -480,22 +543,22 @@ def _equations(family: Family, g: float) -> FamilyEquations:
             forms["W"], forms["R"] = forms["up"] + down / r, forms["up"] * r + down
     else:
         forms["W"] = forms["up"]
-    for height, share in family.flats:  # where 2h/S is above λ, and h + λ (π - 2)/4 S
+    for height, share in family.flats:  # 2h/S must exceed λ; effective height h + λ (π - 2)/4 S
         speed = forms["W" if height in RISE else "R"]
         forms[_ramps(height)] = 2.0 * forms[height] - share * speed
-        forms[f"{height} bent"] = forms[height] + share * (pi - 2.0) / 4.0 * speed
+        forms[f"{height} effective"] = forms[height] + share * (pi - 2.0) / 4.0 * speed
     tops = [g if name == "h6" else 1.0 for name in numbers]
     return FamilyEquations(forms, numbers, inf if family.parameter == "r" else 1.0, tops)
 
 
 def _work(curves: tuple[str, ...], forms: Mapping[str, Form], names: tuple[str, str, str]) -> Form:
-    """Span times speed of one stroke: Σ c h."""
+    """Span times speed of one stroke, Σ c h."""
     rows = zip(curves, named(curves, names), strict=True)
     return np.sum([SPEEDS[curve] * forms[name] for curve, name in rows], axis=0)
 
 
 def _rise(family: Family, free: Mapping[str, Form], g: float) -> dict[str, Form]:
-    """h1, h2, h3; free: the free numbers but t, and 1 under an empty name."""
+    """Forms of h1, h2, h3; ``free``: the free variables x by name, and 1 under an empty name."""
     parameter, one = family.parameter, free[""]
     if family.single_back == "H6":
         h1 = h3 = times_t(one, 2) if parameter else 0.5 * one
@@ -514,7 +577,7 @@ def _rise(family: Family, free: Mapping[str, Form], g: float) -> dict[str, Form]
 
 
 def _back(family: Family, rise: Mapping[str, Form], free: Mapping[str, Form], g: float) -> dict[str, Form]:
-    """Equal acceleration at the top: h4 = r² h3; for a motion that never dwells also h6 = r² h1."""
+    """Forms of h4, h5, h6: equal acceleration at the top, h4 = r² h3; where the motion never dwells also h6 = r² h1."""
     stroke = g * free[""]
     if family.mirrored:
         h4, h6 = rise["h3"], rise["h1"]

@@ -1,7 +1,7 @@
-"""Settings of the motions of a family at points (t, x1, ...), with their derivatives by these numbers.
+"""Settings of the motions of a family at points (t, x1, ...), with their derivatives by these variables.
 
-Quantities are arrays (rows, n) for n points: the value, and below it, where derivatives are wanted, one row for each of
-t, x1, ... Everything is for a stroke of the rise and a span of 1.
+Quantities are arrays (rows, n) for n points: the value and, where derivatives are requested, one row for each of
+t, x1, .... Everything is for a stroke of the rise and a span of 1, and so dimensionless.
 """
 
 from __future__ import annotations
@@ -12,29 +12,29 @@ from functools import cached_property
 import numpy as np
 
 from core.blend.equations import RETURN, RISE, SPEEDS, BlendTask, Family, SolutionSpace, named, solution_spaces
-from core.blend.polynomials import UNIT, whole
+from core.blend.polynomials import UNIT, to_integer
 from core.blend.request import POINT, SIZES, Constraint, height_of, ratio
 from core.blend.sequences import ELEMENTS
 from core.laws import LAWS, Law
 from core.numerics.lazy import checkpoint
 
 STEPS = 100
-SHORTEST = 0.01  # part of a step
-MET = 1e-11  # how well a constraint is met: share of its size ...
-EPS = 16 * 2.0**-53  # ... or as well as the rounding of the numbers lets it
-ALONE = 1e-11  # directions in which constraints grow that differ by less are the same
-ROUNDING = 1e-13  # a height of constant velocity that misses 0 by less is 0
-Place = tuple[float, tuple[float, ...]]
-"""A point of a family: t and x1, x2, ..."""
+SHORTEST = 0.01  # shortest fraction of a Newton step
+MET = 1e-11  # residual of a satisfied constraint relative to its size
+EPS = 16 * 2.0**-53  # rounding of the variables, which is added to it
+INDEPENDENT = 1e-11  # least singular value of independent constraints
+ROUNDING = 1e-13  # a smaller height of constant velocity is 0
+Point = tuple[float, tuple[float, ...]]
+"""A point of a family: t and (x1, x2, ...)."""
 
 
 def law_of(curve: str) -> Law:
-    """The law of a curve of Yang's Table 1: ``C1`` -> row ``c1``. Raises KeyError for any other name."""
+    """Law of a curve of Yang's Table 1, ``C1`` -> row ``c1``. Raises KeyError for any other name."""
     return LAWS[curve.lower()]
 
 
 class Evaluator:
-    """The quantities of a family for the strokes of a task: settings, heights and spans at points (t, x1, ...)."""
+    """Settings, heights and spans of a family at points (t, x1, ...), for the strokes of a task."""
 
     def __init__(self, family: Family, task: BlendTask) -> None:
         self.family, self.equations = family, family.equations(task)
@@ -42,38 +42,74 @@ class Evaluator:
 
     @cached_property
     def curves(self) -> list[tuple[str, str, str]]:
-        """Curve, name of its height, name of its speed; the one curve of a return has no speed."""
+        """Curve, name of its height, name of its speed form; the single curve of a return has no speed."""
         rise, back = self.family.sequence.rise, self.family.sequence.back
-        rows = [(c, n, "W") for c, n in zip(rise, named(rise, RISE), strict=True)]
+        rows = [(c, height, "W") for c, height in zip(rise, named(rise, RISE), strict=True)]
         if self.family.single_back:
             return [*rows, (back[0], "h4", "")]
-        return rows + [(c, n, "R") for c, n in zip(back, named(back, RETURN) if back else (), strict=True)]
+        return rows + [(c, height, "R") for c, height in zip(back, named(back, RETURN) if back else (), strict=True)]
 
     def spaces(self, constraints: Iterable[Constraint]) -> list[SolutionSpace]:
-        """All points, feasible or not, that meet the linear ones among constraints, which become equations without any
-        rounding: form - value · other form = 0."""
+        """All points, feasible or not, that satisfy the linear ones among the constraints.
+
+        These become exact equations: numerator - value · denominator = 0.
+        """
         rows = []
         for constraint in constraints:
             if constraint.linear:
-                above, below = (self.equations.exact[name] for name in ratio(constraint.name, self.family))
-                value = whole(constraint.value)
-                rows.append(tuple([UNIT * a - value * b for a, b in zip(above, below, strict=True)]))
+                numerator, denominator = (self.equations.exact[name] for name in ratio(constraint.name, self.family))
+                value = to_integer(constraint.value)
+                rows.append(tuple([UNIT * a - value * b for a, b in zip(numerator, denominator, strict=True)]))
         return solution_spaces(self.equations, rows)
 
     # -- quantities ---------------------------------------------------------------------------------------
 
     def forms(self, t: np.ndarray, x: np.ndarray, slopes: bool = False) -> np.ndarray:
-        """All forms of the family, which the quantities below are made of, at t (n,) and x (numbers, n)."""
+        """Values of all forms of the family.
+
+        Parameters
+        ----------
+        t : ndarray (n,), dimensionless
+        x : ndarray (numbers, n), dimensionless
+        slopes : bool
+            Also compute the derivatives by t, x1, ....
+
+        Returns
+        -------
+        ndarray (forms, 1, n) or (forms, 2 + numbers, n), dimensionless
+        """
         checkpoint()
-        return self.equations.evaluated(t, x, slopes)
+        return self.equations.evaluate(t, x, slopes)
 
     def form(self, name: str, forms: np.ndarray) -> np.ndarray:
-        """One quantity's form, out of the forms of all quantities (k, ...)."""
-        return forms[self.equations.place[name]]
+        """Value of one form.
+
+        Parameters
+        ----------
+        name : str
+        forms : ndarray (forms, rows, n), dimensionless
+            Values of `forms`.
+
+        Returns
+        -------
+        ndarray (rows, n), dimensionless
+        """
+        return forms[self.equations.row_index[name]]
 
     @np.errstate(all="ignore")
     def setting(self, constraint: Constraint, forms: np.ndarray) -> np.ndarray:
-        """What the setting of a constraint is; nan or infinite where it does not exist."""
+        """Value of the setting of a constraint; NaN or infinite where it does not exist.
+
+        Parameters
+        ----------
+        constraint : Constraint
+        forms : ndarray (forms, rows, n), dimensionless
+            Values of `forms`.
+
+        Returns
+        -------
+        ndarray (rows, n), dimensionless
+        """
         if constraint.name == POINT:
             return self._level(constraint.at, forms)
         if constraint.name == "acceleration":
@@ -81,31 +117,76 @@ class Evaluator:
             return np.take_along_axis(rows, np.argmax(rows[:, :1], axis=0)[None], axis=0)[0]
         if constraint.name in SIZES:
             return self.acceleration(self.family.acceleration_of(height_of(constraint.name)), forms)
-        above, below = ratio(constraint.name, self.family)
-        value = self.form(above, forms)
-        return quotient(value, self.form(below, forms)) if below else value
+        numerator, denominator = ratio(constraint.name, self.family)
+        value = self.form(numerator, forms)
+        return quotient(value, self.form(denominator, forms)) if denominator else value
 
-    def missed(self, constraint: Constraint, forms: np.ndarray) -> np.ndarray:
-        """By how much a constraint is missed, as a share of its size."""
+    def residual(self, constraint: Constraint, forms: np.ndarray) -> np.ndarray:
+        """Residual of a constraint relative to its size.
+
+        Parameters
+        ----------
+        constraint : Constraint
+        forms : ndarray (forms, rows, n), dimensionless
+            Values of `forms`.
+
+        Returns
+        -------
+        ndarray (rows, n), dimensionless
+        """
         return (self.setting(constraint, forms) - constant(constraint.value, forms)) / constraint.size
 
     def values(self, constraint: Constraint, t: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """The same alone (n,) at t (n,) and x (numbers, n)."""
+        """Value of the setting of a constraint, without derivatives.
+
+        Parameters
+        ----------
+        constraint : Constraint
+        t : ndarray (n,), dimensionless
+        x : ndarray (numbers, n), dimensionless
+
+        Returns
+        -------
+        ndarray (n,), dimensionless
+        """
         return self.setting(constraint, self.forms(t, x))[0]
 
-    def value_at(self, constraint: Constraint, place: Place) -> float:
-        """The same at one point."""
-        z = column(place)
+    def value_at(self, constraint: Constraint, point: Point) -> float:
+        """Value of the setting of a constraint at one point."""
+        z = column(point)
         return float(self.values(constraint, z[0], z[1:])[0])
 
     def acceleration(self, i: int, forms: np.ndarray) -> np.ndarray:
-        """factor S²/h of the i-th of the curves that may have the largest acceleration."""
+        """Acceleration factor S²/h of the i-th of the curves that may have the largest one.
+
+        Parameters
+        ----------
+        i : int
+        forms : ndarray (forms, rows, n), dimensionless
+            Values of `forms`.
+
+        Returns
+        -------
+        ndarray (rows, n), dimensionless
+        """
         row = self.family.accelerations[i]
         speed = self.form(row.speed, forms)
         return row.factor * quotient(product(speed, speed), self.form(row.height, forms))
 
     def height_and_span(self, curve: tuple[str, str, str], forms: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Of one of ``curves``: span = c h/S, of a single one what the rise leaves."""
+        """Height and span of one of ``curves``: span = c h/S, of a single curve the remainder of the span.
+
+        Parameters
+        ----------
+        curve : tuple of str
+            Row of ``curves``.
+        forms : ndarray (forms, rows, n), dimensionless
+            Values of `forms`.
+
+        Returns
+        -------
+        height, span : ndarray (rows, n), dimensionless
+        """
         name, height, speed = curve
         h = self.form(height, forms)
         if speed:
@@ -115,114 +196,185 @@ class Evaluator:
         return h, span
 
     def _level(self, at: float, forms: np.ndarray) -> np.ndarray:
-        """Displacement above the lowest level at a share of the span: on the first curve that reaches there."""
+        """Displacement above the lowest level at a fraction of the span, evaluated on the first curve that reaches it."""
         start, level, result = (np.zeros_like(forms[0]) for _ in range(3))
         level[0] = self._start_level
         waiting = np.ones(forms.shape[2], dtype=bool)
         for curve in self.curves:
             height, span = self.height_and_span(curve, forms)
             sign = ELEMENTS[curve[0]].velocity_sign
-            here = waiting & (at <= start[0] + span[0]) if curve is not self.curves[-1] else waiting
-            if here.any():
-                h, b, begin = height[:, here], span[:, here], start[:, here]
+            on_curve = waiting & (at <= start[0] + span[0]) if curve is not self.curves[-1] else waiting
+            if on_curve.any():
+                h, b, begin = height[:, on_curve], span[:, on_curve], start[:, on_curve]
                 u = np.clip((at - begin[0]) / b[0], 0.0, 1.0)
                 s, slope = law_of(curve[0])(np.where(np.isfinite(u), u, 0.0))[:2]
                 rise = h * s - h[0] * slope * (begin + u * b) / b[0]
                 rise[0] = h[0] * s
-                result[:, here] = level[:, here] + sign * rise
-                waiting &= ~here
+                result[:, on_curve] = level[:, on_curve] + sign * rise
+                waiting &= ~on_curve
             start, level = start + span, level + sign * height
         return result
 
     # -- constraints --------------------------------------------------------------------------------------
 
-    def at(self, names: Sequence[str], place: Place) -> list[float]:
-        """Forms at one point."""
-        z = column(place)
-        forms = self.equations.evaluated(z[0], z[1:])
-        return [float(forms[self.equations.place[name], 0, 0]) for name in names]
+    def at(self, names: Sequence[str], point: Point) -> list[float]:
+        """Values of forms at one point."""
+        z = column(point)
+        forms = self.equations.evaluate(z[0], z[1:])
+        return [float(forms[self.equations.row_index[name], 0, 0]) for name in names]
 
-    def is_feasible(self, place: Place, least: float = 0.0) -> bool:
-        """Whether every height is above 0, or above a share of the stroke; of constant velocity not below 0, but for
-        rounding."""
-        above, above_or_zero = (self.at(names, place) for names in (self.family.positive, self.family.constant))
+    def is_feasible(self, point: Point, least: float = 0.0) -> bool:
+        """Whether every height is positive, or above a fraction of the stroke; constant velocities may be 0."""
+        above, above_or_zero = (self.at(names, point) for names in (self.family.positive, self.family.constant))
         return all(h > max(least, EPS) for h in above) and all(h >= -ROUNDING for h in above_or_zero)
 
-    def solved(self, constraints: Sequence[Constraint], place: Place) -> tuple[Place, bool]:
-        """The point nearby that meets all constraints, and whether it does."""
+    def solve(self, constraints: Sequence[Constraint], point: Point) -> tuple[Point, bool]:
+        """Nearby point that satisfies all constraints, and whether it does."""
         if not constraints:
-            return place, True
-        z, met = self.solved_at_all(constraints, column(place))
-        return (float(z[0, 0]), tuple([float(v) for v in z[1:, 0]])), bool(met[0])
+            return point, True
+        z, is_met = self.solve_all(constraints, column(point))
+        return (float(z[0, 0]), tuple([float(v) for v in z[1:, 0]])), bool(is_met[0])
 
-    def solved_at_all(self, constraints: Sequence[Constraint], z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Newton's method on all constraints at once from points (1 + numbers, n), the least step where they leave some
-        freedom, shortened where it does not gain: the points and whether they meet them (n,)."""
+    def solve_all(self, constraints: Sequence[Constraint], z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Damped Newton's method for all constraints from many points; of several solutions of a step the shortest.
+
+        Parameters
+        ----------
+        constraints : sequence of Constraint
+        z : ndarray (1 + numbers, n), dimensionless
+            Points t, x1, ... from which to start.
+
+        Returns
+        -------
+        points : ndarray (1 + numbers, n), dimensionless
+        is_met : ndarray (n,), dimensionless
+            Whether each point satisfies the constraints.
+        """
         best, step = z.copy(), np.zeros_like(z)
-        least, part = np.full(z.shape[1], np.inf), np.ones(z.shape[1])
-        going = np.arange(z.shape[1])
+        least, fraction = np.full(z.shape[1], np.inf), np.ones(z.shape[1])
+        active = np.arange(z.shape[1])
         with np.errstate(all="ignore"):
             for _ in range(STEPS):
-                trial = (best * (1.0 - part * step))[:, going]
-                miss, slopes = self._slopes(constraints, trial)
-                worst = (np.abs(miss) / (MET + EPS * np.abs(slopes).sum(axis=2))).max(axis=1)
-                better = np.isfinite(slopes).all(axis=(1, 2)) & (trial[0] > 0.0)
-                better &= worst < (1.0 - 0.5 * part[going]) * least[going]
-                gained = going[better]
+                trial = (best * (1.0 - fraction * step))[:, active]
+                residuals, slopes = self._slopes(constraints, trial)
+                error = (np.abs(residuals) / (MET + EPS * np.abs(slopes).sum(axis=2))).max(axis=1)
+                is_better = np.isfinite(slopes).all(axis=(1, 2)) & (trial[0] > 0.0)
+                is_better &= error < (1.0 - 0.5 * fraction[active]) * least[active]
+                gained = active[is_better]
                 if gained.size:
-                    best[:, gained], least[gained] = trial[:, better], worst[better]
-                    step[:, gained] = np.einsum("nzc,nc->zn", np.linalg.pinv(slopes[better], rcond=1e-14), miss[better])
-                part[going] = np.where(better, 1.0, 0.5 * part[going])
-                going = going[better | ((least[going] > 1.0) & (part[going] > SHORTEST) & np.isfinite(least[going]))]
-                if not going.size:
+                    best[:, gained], least[gained] = trial[:, is_better], error[is_better]
+                    step[:, gained] = np.einsum(
+                        "nzc,nc->zn", np.linalg.pinv(slopes[is_better], rcond=1e-14), residuals[is_better]
+                    )
+                fraction[active] = np.where(is_better, 1.0, 0.5 * fraction[active])
+                active = active[
+                    is_better | ((least[active] > 1.0) & (fraction[active] > SHORTEST) & np.isfinite(least[active]))
+                ]
+                if not active.size:
                     break
         return best, least <= 1.0
 
     def are_independent(self, constraints: Sequence[Constraint], z: np.ndarray) -> np.ndarray:
-        """Whether no other points that meet the constraints lie beside points (1 + numbers, n), as many constraints as free
-        numbers (n,)."""
+        """Whether points are isolated solutions of as many constraints as free variables.
+
+        Parameters
+        ----------
+        constraints : sequence of Constraint
+        z : ndarray (1 + numbers, n), dimensionless
+            Points t, x1, ....
+
+        Returns
+        -------
+        ndarray (n,), dimensionless
+        """
         with np.errstate(all="ignore"):
             slopes = self._slopes(constraints, z)[1]
             slopes = slopes / np.linalg.norm(slopes, axis=2, keepdims=True)
-        known = np.isfinite(slopes).all(axis=(1, 2))
-        result = np.linalg.svd(np.where(known[:, None, None], slopes, 0.0), compute_uv=False)[:, -1]
-        return known & (result > ALONE)
+        is_finite = np.isfinite(slopes).all(axis=(1, 2))
+        least = np.linalg.svd(np.where(is_finite[:, None, None], slopes, 0.0), compute_uv=False)[:, -1]
+        return is_finite & (least > INDEPENDENT)
 
     def _slopes(self, constraints: Sequence[Constraint], z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """By how much constraints are missed at points (1 + numbers, n), as a share of their size (n, constraints), and how
-        that grows with a share of each number (n, constraints, 1 + numbers)."""
+        """Residuals (n, constraints) at points, and their derivatives by relative changes (n, constraints, 1 + numbers)."""
         forms = self.forms(z[0], z[1:], slopes=True)
-        rows = np.array([self.missed(c, forms) for c in constraints])
+        rows = np.array([self.residual(c, forms) for c in constraints])
         return rows[:, 0].T, (rows[:, 1:] * np.abs(z)).transpose(2, 0, 1)
 
 
-def column(place: Place) -> np.ndarray:
-    """A point as an array (1 + numbers, 1)."""
-    return np.array([[place[0]], *([v] for v in place[1])])
+def column(point: Point) -> np.ndarray:
+    """A point as an array.
+
+    Parameters
+    ----------
+    point : Point
+
+    Returns
+    -------
+    ndarray (1 + numbers, 1), dimensionless
+    """
+    return np.array([[point[0]], *([v] for v in point[1])])
 
 
 def constant(value: float, forms: np.ndarray) -> np.ndarray:
-    """A constant as a quantity (rows, 1) beside forms: its derivatives are 0."""
+    """A constant as a quantity, whose derivatives are 0.
+
+    Parameters
+    ----------
+    value : float
+    forms : ndarray (forms, rows, n), dimensionless
+        Forms with as many rows.
+
+    Returns
+    -------
+    ndarray (rows, 1), dimensionless
+    """
     return value * np.eye(forms.shape[1], 1)
 
 
 def product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Of two quantities, with its derivatives."""
-    made = a * b[0] + b * a[0]
-    made[0] = a[0] * b[0]
-    return made
+    """Product of two quantities with its derivatives.
+
+    Parameters
+    ----------
+    a, b : ndarray (rows, n), dimensionless
+
+    Returns
+    -------
+    ndarray (rows, n), dimensionless
+    """
+    result = a * b[0] + b * a[0]
+    result[0] = a[0] * b[0]
+    return result
 
 
 def quotient(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """a/b of two quantities, with its derivatives."""
+    """Quotient a/b of two quantities with its derivatives.
+
+    Parameters
+    ----------
+    a, b : ndarray (rows, n), dimensionless
+
+    Returns
+    -------
+    ndarray (rows, n), dimensionless
+    """
     value = a[0] / b[0]
-    made = (a - value * b) / b[0]
-    made[0] = value
-    return made
+    result = (a - value * b) / b[0]
+    result[0] = value
+    return result
 
 
 def logarithm(quantity: np.ndarray) -> np.ndarray:
-    """Of a quantity, with its derivatives."""
-    made = quantity / quantity[0]
-    made[0] = np.log(quantity[0])
-    return made
+    """Natural logarithm of a quantity with its derivatives.
+
+    Parameters
+    ----------
+    quantity : ndarray (rows, n), dimensionless
+
+    Returns
+    -------
+    ndarray (rows, n), dimensionless
+    """
+    result = quantity / quantity[0]
+    result[0] = np.log(quantity[0])
+    return result

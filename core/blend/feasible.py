@@ -1,5 +1,7 @@
-"""Which settings a request may still take, within which ranges, which of its settings others determine; and why a request
-is refused: one line that names the setting, what it may be and what to do."""
+"""Feasible ranges of settings, settings that others determine, and refusals of requests.
+
+The text of a refusal is one line: the setting, its feasible range and the remedy.
+"""
 
 from __future__ import annotations
 
@@ -33,172 +35,184 @@ from core.blend.sequences import sequences
 from core.blend.solver import BlendCandidate, candidates, flat_heights
 from core.numerics.lazy import checkpoint
 
-_ZERO = 1e-9  # a direction shorter than this is none
-FLAT_SAMPLES, HALVINGS = 16, 34  # of spans of a constant acceleration beside its size
+_ZERO = 1e-9  # least length of a direction, and least singular value of independent ones
+FLAT_SAMPLES, HALVINGS = 16, 34  # samples and bisections of the span of a constant acceleration with a given value
 
 
 # -- ranges -----------------------------------------------------------------------------------------------
 
 
 def feasible_ranges(request: Request, setting: str, at: float = 0.0) -> list[SettingRange]:
-    """What a setting may be while the others stay, as the request spells it; empty where they leave nothing.
+    """Feasible ranges of a setting under the other settings, as the request writes it; empty where there are none.
 
-    The setting need not be among the request's own: its value does not matter. A ``point`` lies at a cam angle ``at``.
-    Where the request with the setting is complete for a sequence, the ranges are those of such sequences; else what is
-    still to come is free. One that the others determine has one value. Raises BlendError for a request without sense.
+    The request may contain the setting; its value has no effect. A ``point`` has the cam angle ``at`` [deg]. Where the
+    request with the setting is complete for some sequences, the ranges are those of these sequences; else missing settings
+    are free. A setting that the others determine has one value. Raises BlendError for an invalid request.
     """
     request.validate()
     if setting not in (*SETTINGS, POINT):
         raise BlendError(f"{setting}: unknown setting; allowed: {' | '.join(SETTINGS)}")
     if setting in FLATS:
         return flat_ranges(request, setting)
-    mine = request.constraint(setting, 1.0, at)
-    others = [c for c in request.constraints if (c.name, c.at) != (mine.name, mine.at)]
-    able = [c for c in candidates(request) if c.takes([*others, mine])]
-    complete = [c for c in able if c.freedom == len(others) + 1]
-    return ranges_by(request, complete or able, others, mine)
+    constraint = request.constraint(setting, 1.0, at)
+    others = [c for c in request.constraints if (c.name, c.at) != (constraint.name, constraint.at)]
+    accepting = [c for c in candidates(request) if c.accepts([*others, constraint])]
+    complete = [c for c in accepting if c.freedom == len(others) + 1]
+    return ranges_of(request, complete or accepting, others, constraint)
 
 
-def ranges_by(
-    request: Request, rows: Iterable[BlendCandidate], others: Sequence[Constraint], mine: Constraint
+def ranges_of(
+    request: Request, accepting: Iterable[BlendCandidate], others: Sequence[Constraint], constraint: Constraint
 ) -> list[SettingRange]:
-    """What a setting may be beside other constraints by any of the candidates."""
+    """Ranges of a setting under other constraints, for any of the candidates."""
     result = []
-    for candidate in rows:
+    for candidate in accepting:
         checkpoint()
-        ranges = candidate.problem(request, [*others, mine]).ranges(len(others))
-        result += [_shown(r, request, candidate) for r in ranges] if mine.name == "peak" else ranges
+        ranges = candidate.problem(request, [*others, constraint]).ranges(len(others))
+        result += [_shown(r, request, candidate) for r in ranges] if constraint.name == "peak" else ranges
     return merged(result)
 
 
 def flat_ranges(request: Request, setting: str) -> list[SettingRange]:
-    """What the span of a constant acceleration may be [deg] beside the other settings, its size among them: above 0, and
-    shorter than its curve."""
-    name = request.renamed(setting)
-    sizes = {given: value for given, value in request.settings.items() if request.renamed(given) == f"a{name[-1]}"}
-    rest = {
-        given: value
-        for given, value in request.settings.items()
-        if request.renamed(given) != name and given not in sizes
+    """Ranges of the span of a constant acceleration [deg] under the other settings, its value among them.
+
+    The span is positive and shorter than its curve.
+    """
+    name = request.standard_name(setting)
+    sizes = {
+        requested: value
+        for requested, value in request.settings.items()
+        if request.standard_name(requested) == f"a{name[-1]}"
     }
-    without = replace(request, settings=rest)
-    mine, others = Constraint(f"span{name[-1]}", 1.0), without.constraints
-    rows = [c for c in candidates(without) if c.takes(others) and height_of(name) in flat_heights(c.sequence)]
-    complete = [c for c in rows if c.freedom == len(others) + len(sizes)] or rows
-    longest = max((_longest(without, c, mine, others) for c in complete), default=0.0)
+    other_settings = {
+        requested: value
+        for requested, value in request.settings.items()
+        if request.standard_name(requested) != name and requested not in sizes
+    }
+    without = replace(request, settings=other_settings)
+    span, constraints = Constraint(f"span{name[-1]}", 1.0), without.constraints
+    rows = [c for c in candidates(without) if c.accepts(constraints) and height_of(name) in flat_heights(c.sequence)]
+    complete = [c for c in rows if c.freedom == len(constraints) + len(sizes)] or rows
+    longest = max((_longest(without, c, span, constraints) for c in complete), default=0.0)
     if not sizes or not longest:
         return [SettingRange(0.0, longest, True, True)] if longest else []
-    return _where(lambda flat: _is_met(replace(without, settings={**rest, setting: flat, **sizes})), longest)
+    return _ranges_of_condition(
+        lambda flat: _is_met(replace(without, settings={**other_settings, setting: flat, **sizes})), longest
+    )
 
 
-def _longest(request: Request, candidate: BlendCandidate, mine: Constraint, others: Sequence[Constraint]) -> float:
-    """The longest that a curve may be [deg]."""
+def _longest(request: Request, candidate: BlendCandidate, span: Constraint, others: Sequence[Constraint]) -> float:
+    """Largest span of a curve [deg]."""
     if candidate.freedom > len(others):
-        return max((r.high for r in candidate.problem(request, [*others, mine]).ranges(len(others))), default=0.0)
+        return max((r.high for r in candidate.problem(request, [*others, span]).ranges(len(others))), default=0.0)
     solutions = candidate.problem(request, others).solutions()
-    height = height_of(mine.name)
+    height = height_of(span.name)
     curves = candidate.sequence.curves
-    at = curves.index(flat_heights(candidate.sequence)[height])
+    index = curves.index(flat_heights(candidate.sequence)[height])
     spans = [solution.spans[::-1] if candidate.backwards else solution.spans for solution in solutions]
-    return max((each[at] for each in spans), default=0.0)
+    return max((row[index] for row in spans), default=0.0)
 
 
 def _is_met(request: Request) -> bool:
-    """Whether a motion meets the settings, as far as they go."""
-    given = request.constraints
-    rows = [c for c in candidates(request) if c.takes(given)]
-    complete = [c for c in rows if c.freedom == len(given)]
+    """Whether a motion satisfies the settings of an incomplete or complete request."""
+    constraints = request.constraints
+    accepting = [c for c in candidates(request) if c.accepts(constraints)]
+    complete = [c for c in accepting if c.freedom == len(constraints)]
     if complete:
-        return any(c.problem(request, given).solutions() for c in complete)
-    size = next(c for c in given if c.name in SIZES)
-    others = [c for c in given if c is not size]
-    return any(r.low <= size.value <= r.high for r in ranges_by(request, rows, others, size))
+        return any(c.problem(request, constraints).solutions() for c in complete)
+    size = next(c for c in constraints if c.name in SIZES)
+    rest = [c for c in constraints if c is not size]
+    return any(r.low <= size.value <= r.high for r in ranges_of(request, accepting, rest, size))
 
 
-def _where(met: Callable[[float], bool], longest: float) -> list[SettingRange]:
-    """The stretches between 0 and longest where it is met, each end to a rounding."""
-    places = [longest * (i + 0.5) / FLAT_SAMPLES for i in range(FLAT_SAMPLES)]
-    able = [met(place) for place in places]
+def _ranges_of_condition(is_met: Callable[[float], bool], longest: float) -> list[SettingRange]:
+    """Intervals between 0 and ``longest`` where a condition is satisfied, with ends exact to rounding."""
+    samples = [longest * (i + 0.5) / FLAT_SAMPLES for i in range(FLAT_SAMPLES)]
+    results = [is_met(sample) for sample in samples]
     result: list[SettingRange] = []
-    for i, place in enumerate(places):
-        if not able[i]:
+    for i, sample in enumerate(samples):
+        if not results[i]:
             continue
-        if i == 0 or not able[i - 1]:
-            low = _edge(met, place, places[i - 1] if i else 0.0)
-            result.append(SettingRange(low, place, True, True))
+        if i == 0 or not results[i - 1]:
+            low = _edge(is_met, sample, samples[i - 1] if i else 0.0)
+            result.append(SettingRange(low, sample, True, True))
         high = (
-            place
-            if i + 1 < len(able) and able[i + 1]
-            else _edge(met, place, places[i + 1] if i + 1 < len(able) else longest)
+            sample
+            if i + 1 < len(results) and results[i + 1]
+            else _edge(is_met, sample, samples[i + 1] if i + 1 < len(results) else longest)
         )
         result[-1] = SettingRange(result[-1].low, high, True, True)
     return [SettingRange(0.0 if r.low <= _ZERO * longest else r.low, r.high, True, True) for r in result]
 
 
-def _edge(met: Callable[[float], bool], inside: float, outside: float) -> float:
-    """Where it ceases to be met, by bisection."""
+def _edge(is_met: Callable[[float], bool], inside: float, outside: float) -> float:
+    """Position by bisection where a condition ceases to be satisfied."""
     for _ in range(HALVINGS):
         middle = 0.5 * (inside + outside)
-        inside, outside = (middle, outside) if met(middle) else (inside, middle)
+        inside, outside = (middle, outside) if is_met(middle) else (inside, middle)
     return inside
 
 
 def _shown(result: SettingRange, request: Request, candidate: BlendCandidate) -> SettingRange:
-    """A range of the peak as cam angles."""
+    """Range of the peak as cam angles."""
     if candidate.backwards:
         return SettingRange(request.end - result.high, request.end - result.low, result.high_open, result.low_open)
     return SettingRange(request.start + result.low, request.start + result.high, result.low_open, result.high_open)
 
 
-# -- which settings are new -------------------------------------------------------------------------------
+# -- independent settings ---------------------------------------------------------------------------------
 
 
 class OpenSettings(NamedTuple):
-    """How many settings a sequence still takes, and which say something new."""
+    """Number of settings that a sequence still requires, and names of those that are independent of the given ones."""
 
     missing: int
     settings: tuple[str, ...]
 
 
 def open_settings(request: Request) -> list[OpenSettings]:
-    """The sequences that take the settings of a request, fewest curves first; none that these settings overfill, or whose
-    curves lack one of them, or in which one of them follows from the others. Of a return alone the settings are counted
-    from h4 and vcv2. Raises BlendError for a request without sense."""
+    """Open settings of every sequence that accepts the settings of a request, fewest curves first.
+
+    Omitted are sequences with less freedom, without one of the curves, or in which a setting follows from the others. A
+    return alone counts its settings from h4 and vcv2. Raises BlendError for an invalid request.
+    """
     request.validate()
-    given = request.constraints
+    constraints = request.constraints
     result = []
     for candidate in candidates(request):
-        if candidate.takes(given) and not dependent(request, candidate, given):
-            missing = candidate.freedom - len(given)
-            result.append(OpenSettings(missing, new_settings(request, candidate, given) if missing else ()))
+        if candidate.accepts(constraints) and not are_dependent(request, candidate, constraints):
+            missing = candidate.freedom - len(constraints)
+            result.append(OpenSettings(missing, new_settings(request, candidate, constraints) if missing else ()))
     return result
 
 
-def dependent(request: Request, candidate: BlendCandidate, constraints: Sequence[Constraint]) -> bool:
+def are_dependent(request: Request, candidate: BlendCandidate, constraints: Sequence[Constraint]) -> bool:
     """Whether one of the constraints follows from the others, whatever their values."""
     return _rank(request, candidate, constraints) < len(constraints)
 
 
 def determining(
-    request: Request, candidate: BlendCandidate, mine: Constraint, others: Sequence[Constraint]
+    request: Request, candidate: BlendCandidate, constraint: Constraint, others: Sequence[Constraint]
 ) -> tuple[Constraint, ...] | None:
-    """The fewest of the others that determine a setting; None where it says something new beside all of them."""
+    """Smallest subset of other constraints that determines a setting; None where it is independent of them."""
     for count in range(len(others) + 1):
-        for few in combinations(others, count):
-            if not dependent(request, candidate, few) and dependent(request, candidate, [*few, mine]):
-                return few
+        for subset in combinations(others, count):
+            if not are_dependent(request, candidate, subset) and are_dependent(
+                request, candidate, [*subset, constraint]
+            ):
+                return subset
     return None
 
 
 def new_settings(request: Request, candidate: BlendCandidate, constraints: Sequence[Constraint]) -> tuple[str, ...]:
-    """Settings that the constraints do not determine, as the request may spell them."""
-    given = {c.name for c in constraints}
-    able = [n for n in SETTINGS if n in candidate.names - given and request.renamed(n) == n]
-    return tuple(n for n in able if not dependent(request, candidate, [*constraints, Constraint(n, 1.0)]))
+    """Settings that the constraints do not determine, as the request may write them."""
+    names = {c.name for c in constraints}
+    available = [n for n in SETTINGS if n in candidate.names - names and request.standard_name(n) == n]
+    return tuple(n for n in available if not are_dependent(request, candidate, [*constraints, Constraint(n, 1.0)]))
 
 
 def _rank(request: Request, candidate: BlendCandidate, constraints: Sequence[Constraint]) -> int:
-    """How many of the constraints say something new: the greatest number of independent directions at any point."""
+    """Number of independent constraints: the largest number of independent directions at any point."""
     if not constraints or not candidate.freedom:
         return 0
     problem = candidate.problem(request, constraints)
@@ -209,151 +223,157 @@ def _rank(request: Request, candidate: BlendCandidate, constraints: Sequence[Con
 
 @lru_cache(maxsize=1024)
 def _directions(family: Family, strokes: float, name: str, at: float) -> np.ndarray:
-    """In which direction a setting grows, at some points (points, free numbers): of length 1, or 0."""
+    """Relative gradients of a setting at sample points (points, variables), of length 1, or 0."""
     evaluator = Evaluator(family, BlendTask(1.0, strokes, 1.0))
     z = Region(evaluator, ()).sample()[:, :: 3 * MIXES]
     result = evaluator.setting(Constraint(name, 1.0, at), evaluator.forms(z[0], z[1:], slopes=True))
     slopes = (result[1:] * z).T
     sizes = np.linalg.norm(slopes, axis=1, keepdims=True)
-    grows = sizes > _ZERO * np.abs(result[0])[:, None]
-    return np.where(grows, slopes / np.where(grows, sizes, 1.0), 0.0)
+    has_gradient = sizes > _ZERO * np.abs(result[0])[:, None]
+    return np.where(has_gradient, slopes / np.where(has_gradient, sizes, 1.0), 0.0)
 
 
-# -- why a request is refused -----------------------------------------------------------------------------
+# -- refusals ---------------------------------------------------------------------------------------------
 
 
-def refusal(request: Request, fitting: Sequence[BlendCandidate], constraints: Sequence[Constraint]) -> BlendError:
-    """The error where no sequence meets the constraints: a setting that others determine; else the last to which the others
-    leave something, one that is not linear before all others; else the first that is out of what those before it leave."""
+def refusal(request: Request, complete: Sequence[BlendCandidate], constraints: Sequence[Constraint]) -> BlendError:
+    """Error where no sequence satisfies the constraints.
+
+    Reports a setting that others determine; else the last one with a range under the others, nonlinear ones first; else the
+    first one outside its range under the previous ones.
+    """
     for name in (given for given in request.settings if given in FLATS):
         allowed = flat_ranges(request, name)
         value = request.settings[name]
         if allowed and not any(r.low < value < r.high for r in allowed):
             return _flat_out_of_range(request, name, allowed)
-    able = [c for c in fitting if not dependent(request, c, constraints)]
-    redundant = None if able else _redundant(request, fitting, constraints)
+    independent = [c for c in complete if not are_dependent(request, c, constraints)]
+    redundant = None if independent else _redundant(request, complete, constraints)
     if redundant is not None:
         return redundant
-    for constraint in hardest_first(constraints) if able else ():
+    for constraint in hardest_first(constraints) if independent else ():
         others = [c for c in constraints if c is not constraint]
-        ranges = ranges_by(request, able, others, constraint)
+        ranges = ranges_of(request, independent, others, constraint)
         if ranges:
             return _out_of_range(request, constraint, ranges, others)
     ordered = sorted(constraints, key=lambda c: not c.linear)
     for i, constraint in enumerate(ordered):
-        ranges = ranges_by(request, fitting, ordered[:i], constraint)
+        ranges = ranges_of(request, complete, ordered[:i], constraint)
         value = _shown_value(request, constraint)
         if ranges and not any(r.low <= value <= r.high for r in ranges):
             return _out_of_range(request, constraint, ranges, ordered[:i])
     names = ", ".join(_text(request, c) for c in constraints)
-    return BlendError(f"{names}: these settings leave no range; change one of them")
+    return BlendError(f"{names}: these settings have no solution; change one of them")
 
 
 def _redundant(
-    request: Request, fitting: Sequence[BlendCandidate], constraints: Sequence[Constraint]
+    request: Request, complete: Sequence[BlendCandidate], constraints: Sequence[Constraint]
 ) -> BlendError | None:
-    """The refusal of a setting that others determine, with its value, and what may be set instead; None where those others
-    are not feasible themselves."""
-    for candidate in fitting:
+    """Refusal of a setting that others determine; None where those others are infeasible themselves."""
+    for candidate in complete:
         for constraint in hardest_first(constraints):
             others = [c for c in constraints if c is not constraint]
-            by = determining(request, candidate, constraint, others)
-            ranges = ranges_by(request, [candidate], by, constraint) if by is not None else []
-            if by is not None and ranges and all(_is_one(r.low, r.high) for r in ranges):
-                name, unit = request.spelled(constraint.name), request.unit_of(constraint.name)
+            causes = determining(request, candidate, constraint, others)
+            ranges = ranges_of(request, [candidate], causes, constraint) if causes is not None else []
+            if causes is not None and ranges and all(_is_one(r.low, r.high) for r in ranges):
+                name, unit = request.requested_name(constraint.name), request.unit_of(constraint.name)
                 allowed = ranges[0].low, ranges[-1].high
-                cause = f" by {', '.join(_text(request, c) for c in by)}" if by else ""
+                cause = f" by {', '.join(_text(request, c) for c in causes)}" if causes else ""
                 values = " or ".join(f"{r.low:.9g}" for r in ranges)
-                text = f"{_text(request, constraint)} {unit}: determined already{cause}: {name} = {values} {unit}"
+                text = f"{_text(request, constraint)} {unit}: already determined{cause}: {name} = {values} {unit}"
                 return BlendError(f"{text}; {_instead(request, candidate, others)}", name, allowed)
     return None
 
 
 def _instead(request: Request, candidate: BlendCandidate, constraints: Sequence[Constraint]) -> str:
-    """``instead set h1 (0 < h1 < 15 mm), h3 or acceleration``: what says something new, and a range."""
-    new = new_settings(request, candidate, constraints) if not dependent(request, candidate, constraints) else ()
-    if not new:
-        return "leave it out" if candidate.freedom < len(constraints) + 1 else "set another one"
-    names = [request.spelled(n) for n in new]
-    ranges = ranges_by(request, [candidate], constraints, request.constraint(new[0], 1.0))
+    """Remedy with an independent setting and its range: ``instead set h1 (0 < h1 < 15 mm), h3 or acceleration``."""
+    independent = (
+        new_settings(request, candidate, constraints) if not are_dependent(request, candidate, constraints) else ()
+    )
+    if not independent:
+        return "remove it" if candidate.freedom < len(constraints) + 1 else "set another one"
+    names = [request.requested_name(n) for n in independent]
+    ranges = ranges_of(request, [candidate], constraints, request.constraint(independent[0], 1.0))
     if ranges:
         text = " or ".join(range_text(r, names[0]) for r in ranges)
-        names[0] = f"{names[0]} ({text} {request.unit_of(new[0])})"
+        names[0] = f"{names[0]} ({text} {request.unit_of(independent[0])})"
     return f"instead set {', '.join(names[:-1])} or {names[-1]}" if len(names) > 1 else f"instead set {names[0]}"
 
 
 def _flat_out_of_range(request: Request, name: str, allowed: Sequence[SettingRange]) -> BlendError:
-    """The refusal of a span of constant acceleration, with what it may be."""
-    others = ", ".join(f"{given} = {value:.9g}" for given, value in request.settings.items() if given != name)
-    tail = f" beside {others}" if others else ""
+    """Refusal of a span of constant acceleration, with its feasible range."""
+    others = ", ".join(f"{setting} = {value:.9g}" for setting, value in request.settings.items() if setting != name)
+    tail = f" with {others}" if others else ""
     shown = " or ".join(range_text(r, name) for r in allowed)
     text = f"{name} = {request.settings[name]:.9g} deg is not feasible{tail}; feasible: {shown} deg"
     return BlendError(text, name, (allowed[0].low, allowed[-1].high))
 
 
 def _without_half_cycloid(request: Request) -> BlendError:
-    """The refusal of a constant acceleration inside a curve that cannot have one."""
-    name = next(given for given in request.settings if given in FLATS)
+    """Refusal of a constant acceleration inside a curve that is no half cycloid."""
+    name = next(setting for setting in request.settings if setting in FLATS)
     rows = candidates(replace(request, settings={}))
-    able = {
-        f"{request.spelled_flat(height)} ({curve})"
-        for row in rows
-        for height, curve in flat_heights(row.sequence).items()
+    allowed = {
+        f"{request.flat_name(height)} ({curve})" for row in rows for height, curve in flat_heights(row.sequence).items()
     }
-    text = f"{name} = {request.settings[name]:g} deg: of no half cycloid of one of these motions"
+    text = f"{name} = {request.settings[name]:g} deg: its curve is no half cycloid of these motions"
     return BlendError(
-        f"{text}; allowed: {' | '.join(sorted(able)) or 'none, for no half cycloid C1 ... C4 is among their curves'}",
+        f"{text}; allowed: {' | '.join(sorted(allowed)) or 'none, their curves contain no half cycloid C1 ... C4'}",
         name,
     )
 
 
 def _out_of_range(
-    request: Request, constraint: Constraint, ranges: Sequence[SettingRange], beside: Sequence[Constraint]
+    request: Request, constraint: Constraint, ranges: Sequence[SettingRange], other_constraints: Sequence[Constraint]
 ) -> BlendError:
-    """The refusal of a setting, with what it may be."""
+    """Refusal of a setting, with its feasible range."""
     unit, name, allowed = (
         request.unit_of(constraint.name),
-        request.spelled(constraint.name),
+        request.requested_name(constraint.name),
         (ranges[0].low, ranges[-1].high),
     )
-    others = ", ".join(_text(request, c) for c in beside)
-    tail = f" beside {others}" if others else ""
+    others = ", ".join(_text(request, c) for c in other_constraints)
+    tail = f" with {others}" if others else ""
     text = f"{_text(request, constraint)} {unit}"
     if _is_one(*allowed):
-        return BlendError(f"{text}: determined already{tail}: {allowed[0]:.9g} {unit}; set another one", name, allowed)
+        return BlendError(f"{text}: already determined{tail}: {allowed[0]:.9g} {unit}; set another one", name, allowed)
     shown = " or ".join(range_text(r, name) for r in ranges)
     if any(_is_well_within(r, _shown_value(request, constraint)) for r in ranges):
-        text = f"{text}: many motions have it{tail}: it leaves them undetermined"
+        text = f"{text}: many motions have this value{tail}, so it does not determine one"
         return BlendError(f"{text}; set another one, or one within {shown} {unit}", name, allowed)
     return BlendError(f"{text} is not feasible{tail}; feasible: {shown} {unit}", name, allowed)
 
 
 def wrong_number(request: Request) -> BlendError:
-    """How many settings each sequence takes and which of them are still open, or which sequences there are."""
+    """Refusal of a wrong number of settings: the number each sequence requires, and which settings are open."""
     rows = candidates(request)
     if not rows and request.flats:
         return _without_half_cycloid(request)
     if not rows:
         allowed = " | ".join(str(s) for s in sequences(request.type, request.constant))
-        return BlendError(f"sequence {request.sequence!r}: not of this motion; allowed: {allowed}")
+        return BlendError(f"sequence {request.sequence!r}: no sequence of this motion; allowed: {allowed}")
     counts = sorted({(c.freedom, f"{c.sequence}{' (mirrored)' if c.family.mirrored else ''}") for c in rows})
-    wants = "; ".join(f"{name} takes {count} setting{'s' if count != 1 else ''}" for count, name in counts)
+    requirements = "; ".join(f"{name} requires {count} setting{'s' if count != 1 else ''}" for count, name in counts)
     given = (
         ", ".join([*(name for name in request.settings if name not in FLATS), *([POINT] * len(request.points))])
         or "none"
     )
     known = set().union(*(c.names for c in rows))
-    strange = [name for name in request.settings if request.renamed(name) not in known and name not in FLATS]
-    if strange:
-        allowed = " | ".join(request.spelled(name) for name in SETTINGS if name in known)
-        text = f"settings given: {given}; {wants}; {', '.join(strange)}: of no curve here; allowed: {allowed}"
-        return BlendError(text, strange[0])
-    new = {name for opening in open_settings(request) for name in opening.settings}
-    more = f"; still open: {', '.join(request.spelled(n) for n in SETTINGS if n in new)}" if new else ""
-    return BlendError(f"settings given: {given}; {wants}{more}; or ask for the best")
+    unknown = [name for name in request.settings if request.standard_name(name) not in known and name not in FLATS]
+    if unknown:
+        allowed = " | ".join(request.requested_name(name) for name in SETTINGS if name in known)
+        text = f"settings given: {given}; {requirements}; {', '.join(unknown)}: not a setting of these curves; allowed: {allowed}"
+        return BlendError(text, unknown[0])
+    independent = {name for opening in open_settings(request) for name in opening.settings}
+    remedy = (
+        f"; still open: {', '.join(request.requested_name(n) for n in SETTINGS if n in independent)}"
+        if independent
+        else ""
+    )
+    return BlendError(f"settings given: {given}; {requirements}{remedy}; or select a goal (best)")
 
 
-# -- words and numbers ------------------------------------------------------------------------------------
+# -- texts ------------------------------------------------------------------------------------------------
 
 
 def _shown_value(request: Request, constraint: Constraint) -> float:
@@ -361,13 +381,13 @@ def _shown_value(request: Request, constraint: Constraint) -> float:
 
 
 def _text(request: Request, constraint: Constraint) -> str:
-    """``point at 120 deg = 5``."""
+    """Constraint as text: ``point at 120 deg = 5``."""
     at = f" at {constraint.at + request.start:.9g} deg" if constraint.name == POINT else ""
-    return f"{request.spelled(constraint.name)}{at} = {_shown_value(request, constraint):.9g}"
+    return f"{request.requested_name(constraint.name)}{at} = {_shown_value(request, constraint):.9g}"
 
 
 def _is_one(low: float, high: float) -> bool:
-    """Whether there is but one value."""
+    """Whether a range is one value."""
     return isfinite(high) and high - low <= SAME * max(abs(low), abs(high))
 
 
@@ -377,7 +397,7 @@ def _is_well_within(result: SettingRange, value: float) -> bool:
 
 
 def range_text(result: SettingRange, name: str) -> str:
-    """``0.1 < vcv <= 0.2``; ends that are reached are rounded inwards, so that they can be typed."""
+    """Range as text, ``0.1 < vcv <= 0.2``; closed ends are rounded inwards, so that they can be entered."""
     low = _nine_digits(result.low, ROUND_HALF_EVEN if result.low_open else ROUND_CEILING)
     high = _nine_digits(result.high, ROUND_HALF_EVEN if result.high_open else ROUND_FLOOR)
     if result.high == inf:
@@ -386,6 +406,6 @@ def range_text(result: SettingRange, name: str) -> str:
 
 
 def _nine_digits(value: float, rounding: str) -> float:
-    """Rounded so, but to the nearest where that is the same but for rounding in the computation."""
-    nearest, made = (float(Context(prec=9, rounding=r).create_decimal(value)) for r in (ROUND_HALF_EVEN, rounding))
-    return nearest if abs(nearest - value) <= ROUNDING * abs(value) else made
+    """Value rounded as given to nine digits, but to the nearest where the difference is rounding."""
+    nearest, directed = (float(Context(prec=9, rounding=r).create_decimal(value)) for r in (ROUND_HALF_EVEN, rounding))
+    return nearest if abs(nearest - value) <= ROUNDING * abs(value) else directed

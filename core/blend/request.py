@@ -1,4 +1,4 @@
-"""A request for a blended motion, its settings as constraints on a family of motions, and the answer as segments."""
+"""Requests for blended motions, their settings as constraints on a family of motions, and the resulting segments."""
 
 from __future__ import annotations
 
@@ -17,27 +17,27 @@ from core.frozen import frozen
 
 HEIGHTS = ("h1", "h2", "h3", "h4", "h5", "h6")
 FLATS = ("flat1", "flat3", "flat4", "flat6")
-"""Span of the constant acceleration inside the curve of that height [deg]: C1, C2, C3 or C4."""
+"""Span [deg] of the constant acceleration inside the curve of that height, which is C1, C2, C3 or C4."""
 SIZES = ("a1", "a3", "a4", "a6")
-"""Its size [per deg²]."""
+"""Value [per deg²] of that constant acceleration."""
 LENGTHS = ("length", "length2")
-"""Span of the constant velocity [deg]: of the rise, or of a return that alone has one; of the return beside one of the rise."""
+"""Spans [deg] of the constant velocities, in the order of the motion."""
 SPANS = ("span1", "span3", "span4", "span6")
-"""Span of the curve itself: none to be set, but what limits that of its constant acceleration."""
+"""Span [deg] of the curve itself, no setting; it limits the span of its constant acceleration."""
 SETTINGS = (*HEIGHTS, "vcv", "vcv2", *LENGTHS, "peak", "acceleration", *FLATS, *SIZES)
 MAY_VANISH = ("h2", "h5", *LENGTHS)
-"""What may be 0: a constant velocity of no length, where the curves about it meet."""
+"""Settings that may be 0: a constant velocity without length."""
 POINT = "point"
 LEAST_SPAN = 1e-3
-"""Degrees from start to end: no cam shows a shorter motion, and its acceleration would be no number any longer."""
+"""Least span [deg] from start to end."""
 LEAST_STROKE = 1e-9
 NONLINEAR = ("acceleration", *SIZES, POINT)
 _PER_DEGREE = {"vcv": 1, "vcv2": 1, "acceleration": 2, **dict.fromkeys(SIZES, 2)}
 _SPEEDS = {"vcv": "W", "vcv2": "R"}
-ALIKE = 1e-9  # two ranges that are nearer to each other are one
-NONE = 1e-12  # a share of the upper end that is 0
-TIED = 1e-12  # values that are the same but for rounding
-_OF_A_RETURN = {
+SAME_RANGE = 1e-9  # relative gap between two ranges below which they are merged
+NEGLIGIBLE = 1e-12  # lower end relative to the upper end, below which it is 0
+TIED = 1e-12  # relative difference of equal values
+_RETURN_NAMES = {
     "h1": "h4",
     "h2": "h5",
     "h3": "h6",
@@ -52,7 +52,14 @@ UNITS = {**dict.fromkeys(LENGTHS, "deg"), "peak": "deg", "vcv": "{u}/deg", "vcv2
 
 
 class Constraint(NamedTuple):
-    """name of ``SETTINGS`` or ``point``, its value, and where a point lies [deg from the start of the curves]."""
+    """A setting, or a point to pass.
+
+    Attributes
+    ----------
+    name : name in ``SETTINGS``, or ``point``
+    value : its value
+    at : cam angle of a point [deg from the start of the curves]
+    """
 
     name: str
     value: float
@@ -60,52 +67,52 @@ class Constraint(NamedTuple):
 
     @property
     def linear(self) -> bool:
-        """Whether it is a linear equation in x1, x2, ... with t given."""
+        """Whether the constraint is a linear equation in x1, x2, ... at given t."""
         return self.name not in NONLINEAR
 
     @property
     def size(self) -> float:
-        """By what a miss is divided: the value, or the stroke (1) for a point and for what shall be 0."""
+        """Divisor of a residual: the value, or the stroke (1) for a point and where the value is 0."""
         return 1.0 if self.name == POINT else self.value or 1.0
 
 
 def has_room(start: float, end: float) -> bool:
-    """Whether curves have room between two cam angles [deg]."""
+    """Whether the curves have room between two cam angles [deg]."""
     return 0.0 <= start <= end - LEAST_SPAN and end <= 360.0
 
 
 def hardest_first(constraints: Sequence[Constraint]) -> list[Constraint]:
-    """Those that are not linear, then the others, of each the last given first."""
+    """Nonlinear constraints first, then linear ones; within each group the last one given first."""
     return sorted(constraints, key=lambda c: (c.linear, -constraints.index(c)))
 
 
 def unit_of(name: str, task: BlendTask) -> float:
-    """What a setting is where stroke of the rise and span are 1 and so is the setting."""
+    """Value of a setting that is 1 where stroke of the rise and span are 1."""
     if name in (*LENGTHS, "peak", *FLATS):
         return task.span
-    if name in SPANS:  # c h/V of half a cycloid
+    if name in SPANS:  # half cycloid: c h/V
         return 2.0 * task.span
     return task.rise / task.span ** _PER_DEGREE.get(name, 0)
 
 
 def in_units(constraint: Constraint, task: BlendTask) -> Constraint:
-    """The constraint for a stroke and a span of 1."""
+    """Constraint for a stroke and a span of 1."""
     name, value, at_angle = constraint
     return Constraint(name, value / unit_of(name, task), at_angle / task.span)
 
 
 def height_of(name: str) -> str:
-    """The height of the curve that a setting of a constant acceleration is of: ``h1`` of ``flat1`` or ``a1``."""
+    """Height of the curve to which a constant acceleration belongs: ``h1`` for ``flat1`` or ``a1``."""
     return f"h{name[-1]}"
 
 
 def speed_at(height: str) -> str:
-    """The speed at the moving end of the curve of that height."""
+    """Form of the speed at the moving end of the curve of a height."""
     return "W" if height in HEIGHTS[:3] else "R"
 
 
 def ratio(name: str, family: Family) -> tuple[str, str]:
-    """A linear setting as a form divided by another; an empty name is 1."""
+    """Numerator and denominator form of a linear setting; an empty name is 1."""
     if name in LENGTHS:
         return ("h2", "W") if name == "length" and family.has_constant_rise else ("h5", "R")
     if name == "peak":
@@ -117,7 +124,7 @@ def ratio(name: str, family: Family) -> tuple[str, str]:
 
 @frozen
 class SettingRange:
-    """What a setting may be, from low to high; an open end can only be approached."""
+    """Range of a setting, low to high; an open end can only be approached."""
 
     low: float
     high: float
@@ -125,16 +132,16 @@ class SettingRange:
     high_open: bool = False
 
     def times(self, factor: float) -> SettingRange:
-        """In other units; a lower end that is 0 but for rounding is 0."""
-        low = 0.0 if isfinite(self.high) and abs(self.low) <= NONE * abs(self.high) else self.low
+        """Range in other units; a lower end of 0 to rounding becomes 0."""
+        low = 0.0 if isfinite(self.high) and abs(self.low) <= NEGLIGIBLE * abs(self.high) else self.low
         return SettingRange(low * factor, self.high * factor, self.low_open, self.high_open)
 
 
 def merged(ranges: Iterable[SettingRange]) -> list[SettingRange]:
-    """The same values in order, ranges that meet made one."""
+    """Ranges in ascending order, with overlapping and adjacent ones merged."""
     result: list[SettingRange] = []
     for r in sorted(ranges, key=lambda r: (r.low, r.low_open)):
-        if result and r.low <= result[-1].high + ALIKE * abs(result[-1].high):
+        if result and r.low <= result[-1].high + SAME_RANGE * abs(result[-1].high):
             last = result.pop()
             high = max(last.high, r.high)
             low_open = last.low_open and (r.low_open or not tied(r.low, last.low))
@@ -145,17 +152,20 @@ def merged(ranges: Iterable[SettingRange]) -> list[SettingRange]:
 
 
 def tied(a: float, b: float) -> bool:
-    """Whether two values are the same but for ``TIED`` of the larger."""
+    """Whether two values are equal to ``TIED`` of the larger one."""
     return a == b or (isfinite(a - b) and abs(a - b) <= TIED * max(abs(a), abs(b)))
 
 
-# -- request and answer -----------------------------------------------------------------------------------
+# -- request and result -----------------------------------------------------------------------------------
 
 
 class BlendError(KindynaError):
-    """A request that no sequence of curves meets; the text names the setting and its feasible range.
+    """A request that no sequence of curves satisfies; the text names the setting and its feasible range.
 
-    setting  its name, empty where the request as a whole is wrong; allowed (low, high) or None
+    Attributes
+    ----------
+    setting : name of the setting, empty where the error concerns several
+    allowed : (low, high), or None
     """
 
     def __init__(self, message: str, setting: str = "", allowed: tuple[float, float] | None = None) -> None:
@@ -165,19 +175,22 @@ class BlendError(KindynaError):
 
 @frozen
 class Request:
-    """The motion that is wanted.
+    """Request for a blended motion.
 
-    type      ``DRD``, ``DRD-return``, ``DRRD`` or ``RRR``
-    stroke    of the rise [unit of the motion]; ``return_stroke`` the same where not given (0)
-    start, end  cam angles [deg] the blended curves take
-    constant  constant velocity in ``none``, ``rise``, ``return`` or ``both``
-    settings  h1 ... h6, vcv, vcv2 [per deg], length, length2, peak [deg; peak is a cam angle], acceleration [per deg²]; flat1, flat3,
-              flat4, flat6 [deg]: span of a constant acceleration inside the curve of that height, which is a freedom and its
-              value at once; a1, a3, a4, a6 [per deg²]: its size
-    points    (cam angle [deg], displacement above the lowest level): precision points to pass, each counts as a setting
-    sequence  such as ``C1-H2-P2``: this one and no other
-    mirrored  whether a return of as many curves as the rise is the rise run backwards; None: where that makes the
-              number of settings right
+    Attributes
+    ----------
+    type : ``DRD``, ``DRD-return``, ``DRRD`` or ``RRR``
+    stroke : stroke of the rise [unit of the motion]
+    start, end : cam angles [deg] between which the curves lie
+    constant : strokes with constant velocity: ``none``, ``rise``, ``return`` or ``both``
+    settings : h1 ... h6; vcv, vcv2 [per deg]; length, length2 [deg]; peak, a cam angle [deg]; acceleration [per deg²];
+        flat1, flat3, flat4, flat6, spans [deg] of constant acceleration inside the curve of that height, each of which
+        adds a freedom and determines it; a1, a3, a4, a6, values [per deg²] of these accelerations
+    return_stroke : stroke of the return, 0 for that of the rise
+    points : precision points (cam angle [deg], displacement above the lowest level); each counts as a setting
+    sequence : the only sequence to consider, such as ``C1-H2-P2``; empty for all
+    mirrored : whether a return with as many curves as the rise is the rise run backwards; None: where this gives the
+        right number of settings
     """
 
     type: str
@@ -194,49 +207,49 @@ class Request:
 
     @property
     def strokes(self) -> tuple[float, float]:
-        """Of rise and return."""
+        """Strokes of rise and return."""
         return self.stroke, self.return_stroke or self.stroke
 
     def unit_of(self, setting: str) -> str:
-        """Unit of a setting, as it is printed."""
+        """Unit of a setting, as printed."""
         return UNITS.get(setting, "{u}").format(u=self.unit)
 
-    def renamed(self, name: str) -> str:
-        """A return alone may count its curves from 1 and call its speed vcv."""
-        return _OF_A_RETURN.get(name, name) if MOTION_TYPES[self.type].rise is None else name
+    def standard_name(self, name: str) -> str:
+        """Name of a setting in ``SETTINGS``; a return alone may count its curves from 1 and call its speed vcv."""
+        return _RETURN_NAMES.get(name, name) if MOTION_TYPES[self.type].rise is None else name
 
-    def spelled_flat(self, height: str) -> str:
-        """The span of a constant acceleration inside the curve of a height; of a return alone it counts from 1."""
+    def flat_name(self, height: str) -> str:
+        """Setting for the span of constant acceleration in the curve of a height; a return alone counts its curves from 1."""
         name = f"flat{height[-1]}"
-        counted = {of: given for given, of in _OF_A_RETURN.items()}
-        return counted.get(name, name) if MOTION_TYPES[self.type].rise is None else name
+        names = {standard: requested for requested, standard in _RETURN_NAMES.items()}
+        return names.get(name, name) if MOTION_TYPES[self.type].rise is None else name
 
-    def spelled(self, name: str) -> str:
-        """A setting's name as the request spells it, whose settings may count from 1 where there is a return alone."""
-        counts_from_one = any(self.renamed(given) != given for given in self.settings)
-        able = (*self.settings, *(_OF_A_RETURN if counts_from_one else ()))
-        return next((given for given in able if self.renamed(given) == name), name)
+    def requested_name(self, name: str) -> str:
+        """Name of a setting as the request writes it: a return alone may count its curves from 1."""
+        counts_from_one = any(self.standard_name(requested) != requested for requested in self.settings)
+        names = (*self.settings, *(_RETURN_NAMES if counts_from_one else ()))
+        return next((requested for requested in names if self.standard_name(requested) == name), name)
 
     def constraint(self, name: str, value: float, at: float = 0.0) -> Constraint:
-        """A setting as a constraint: angles are counted from the start."""
-        name = self.renamed(name)
+        """A setting as a constraint, with angles measured from the start."""
+        name = self.standard_name(name)
         if name == "peak":
             return Constraint(name, value - self.start)
         return Constraint(name, value, at - self.start if name == POINT else 0.0)
 
     @property
     def constraints(self) -> list[Constraint]:
-        """All settings and points that take a freedom."""
+        """All settings and points that determine a freedom."""
         settings = [self.constraint(name, value) for name, value in self.settings.items() if name not in FLATS]
         return [*settings, *(self.constraint(POINT, value, at) for at, value in self.points)]
 
     @property
     def flats(self) -> dict[str, float]:
         """Height of a curve -> span of the constant acceleration inside it [deg]."""
-        return {height_of(self.renamed(name)): value for name, value in self.settings.items() if name in FLATS}
+        return {height_of(self.standard_name(name)): value for name, value in self.settings.items() if name in FLATS}
 
     def validate(self) -> None:
-        """Raises BlendError where a word is unknown, a number is out of its range or a setting is named twice."""
+        """Raise BlendError where a word is unknown, a number is out of its range or a setting is given twice."""
         if self.type not in MOTION_TYPES:
             raise BlendError(f"type {self.type!r}: unknown; allowed: {' | '.join(MOTION_TYPES)}")
         if self.constant not in CONSTANT_VELOCITY:
@@ -251,40 +264,39 @@ class Request:
                     f"{name} = {value:g}: outside its range; allowed: {LEAST_STROKE:g} ... 1e+09 {self.unit}"
                 )
         self.validate_angles()
-        self._require_settings()
+        self._validate_settings()
 
     def validate_angles(self) -> None:
-        """Raises BlendError where the curves have no room between start and end."""
+        """Raise BlendError where the curves have no room between start and end."""
         if not has_room(self.start, self.end):
             angles = f"start {self.start:g} deg, end {self.end:g} deg"
             raise BlendError(
-                f"{angles}: outside their range; allowed: 0 <= start < end <= 360 deg, at least {LEAST_SPAN:g} deg apart"
+                f"{angles}: outside their range; allowed: 0 <= start < end <= 360 deg, at least {LEAST_SPAN:g} deg between them"
             )
 
-    def _require_settings(self) -> None:
-        meant: dict[str, str] = {}
+    def _validate_settings(self) -> None:
+        requested_names: dict[str, str] = {}
         for name, value in self.settings.items():
             if name not in SETTINGS:
                 raise BlendError(f"{name}: unknown setting; allowed: {' | '.join(SETTINGS)}")
-            other = meant.setdefault(self.renamed(name), name)
-            if other != name:
-                raise BlendError(
-                    f"{other}, {name}: two names of one setting where there is only a return; give one", name
-                )
+            first = requested_names.setdefault(self.standard_name(name), name)
+            if first != name:
+                raise BlendError(f"{first}, {name}: two names of the same setting of a return; give one", name)
             least = ">=" if name in MAY_VANISH else ">"
             if not 0.0 <= value < 1e100 or (value == 0.0 and name not in MAY_VANISH):
                 raise BlendError(
                     f"{name} = {value:g}: outside its range; allowed: {least} 0 {self.unit_of(name)}", name
                 )
         for name in self.settings:
-            if name in SIZES and height_of(self.renamed(name)) not in self.flats:
+            if name in SIZES and height_of(self.standard_name(name)) not in self.flats:
                 raise BlendError(
-                    f"{name}: size of a constant acceleration without its span; give flat{name[-1]} too", name
+                    f"{name}: value of a constant acceleration without its span; also give flat{name[-1]}", name
                 )
         if self.flats and self.points:
             name = next(name for name in self.settings if name in FLATS)
             raise BlendError(
-                f"{name}: no constant acceleration beside a point to pass; give a height, speed or length instead", name
+                f"{name}: a constant acceleration cannot be combined with a point; give a height, speed or length instead",
+                name,
             )
         for at, value in self.points:
             if not (self.start < at < self.end and isfinite(value)):
@@ -303,16 +315,18 @@ KINDS: Mapping[str, tuple[str, str]] = MappingProxyType(
         "return": ("{u}", "height of that return"),
     }
 )
-"""What can be set of any sequence, each with a number, counted from 1: its unit and what it is."""
+"""Kind of a setting of any sequence, followed by a number counted from 1 -> its unit and meaning."""
 
 
 @frozen
 class SequenceRequest:
-    """Any curves of the table in a row, between two cam angles [deg].
+    """Request for any sequence of curves between two cam angles [deg].
 
-    curves    names in order, such as ``C1``, ``H2``, ``P2``
-    settings  h1, span1, v1 [per deg], a1 [per deg²], end1 [cam angle, deg] of the curves counted from 1; rise1, return1 of the
-              strokes, each a run of curves in one direction
+    Attributes
+    ----------
+    curves : names in order, such as ``C1``, ``H2``, ``P2``
+    settings : h1, span1 [deg], v1 [per deg], a1 [per deg²], end1, a cam angle [deg], of the curves counted from 1; rise1,
+        return1 of the strokes, each of adjacent curves in one direction
     """
 
     curves: tuple[str, ...]
@@ -323,23 +337,23 @@ class SequenceRequest:
 
     @property
     def type(self) -> str:
-        """None of Yang's types of motion."""
+        """Empty: no type of Yang's."""
         return ""
 
     @property
     def sequence(self) -> str:
-        """``C1-H2-P2``."""
+        """Names of the curves: ``C1-H2-P2``."""
         return "-".join(self.curves)
 
     @property
-    def closes(self) -> bool:
-        """Whether the last curve joins the first in the next turn: over the whole turn, ends alike and no dwell."""
-        alike = ELEMENTS[self.curves[0]].start == ELEMENTS[self.curves[-1]].end != DWELL
-        return alike and self.end - self.start == 360.0
+    def is_closed(self) -> bool:
+        """Whether the last curve joins the first one in the next turn: over the full turn, equal end states, no dwell."""
+        joins = ELEMENTS[self.curves[0]].start == ELEMENTS[self.curves[-1]].end != DWELL
+        return joins and self.end - self.start == 360.0
 
     @property
     def strokes(self) -> dict[str, tuple[int, ...]]:
-        """rise1, return1, ... -> its curves, in the order of the motion."""
+        """Stroke (rise1, return1, ...) -> indices of its curves, in the order of the motion."""
         result: dict[str, tuple[int, ...]] = {}
         counts = {1: 0, -1: 0}
         for sign, run in groupby(range(len(self.curves)), key=lambda i: ELEMENTS[self.curves[i]].velocity_sign):
@@ -349,7 +363,7 @@ class SequenceRequest:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """All that can be set."""
+        """Names of all settings."""
         rows = list(enumerate((ELEMENTS[name] for name in self.curves), 1))
         return (
             *self.strokes,
@@ -362,18 +376,18 @@ class SequenceRequest:
 
     @property
     def freedom(self) -> int:
-        """How many settings it takes: heights and spans, less the joins that are no dwell, less the whole span."""
-        joins = sum(ELEMENTS[name].end != DWELL for name in self.curves[:-1]) + self.closes
+        """Number of settings: heights and spans, minus the joins without dwell, minus the total span."""
+        joins = sum(ELEMENTS[name].end != DWELL for name in self.curves[:-1]) + self.is_closed
         return 2 * len(self.curves) - joins - 1
 
     def unit_of(self, name: str) -> str:
-        """Unit of a setting, as it is printed."""
+        """Unit of a setting, as printed."""
         return KINDS[name.rstrip("0123456789")][0].format(u=self.unit)
 
     def validate(self) -> None:
-        """Raises BlendError where curves do not join, a setting is unknown or a number is out of its range."""
-        if broken := sequence_error(self.sequence):
-            raise BlendError(f"sequence {self.sequence}: {broken}")
+        """Raise BlendError where curves do not join, a setting is unknown or a number is out of its range."""
+        if fault := sequence_error(self.sequence):
+            raise BlendError(f"sequence {self.sequence}: {fault}")
         if not has_room(self.start, self.end):
             raise BlendError(
                 f"start {self.start:g} deg, end {self.end:g} deg: outside their range; allowed: 0 <= start < end <= 360 deg"
@@ -391,7 +405,7 @@ class SequenceRequest:
 
 @frozen
 class BlendResult:
-    """The answer: curves in order with their spans [deg] and signed rises, from cam angle ``start``."""
+    """A blended motion: curves in order with their spans [deg] and signed rises, from cam angle ``start`` of the request."""
 
     request: Request | SequenceRequest
     solution: BlendSolution
@@ -404,10 +418,10 @@ class BlendResult:
 
     @property
     def gain(self) -> float:
-        """How much higher the curves end than they start."""
+        """Level at the end of the curves minus level at their start."""
         return fsum(s.rise for s in self.segments)
 
     @property
     def first_level(self) -> float:
-        """Where they start above their lowest level."""
+        """Level at the start of the curves above their lowest level."""
         return -min(accumulate((s.rise for s in self.segments), initial=0.0)) + 0.0

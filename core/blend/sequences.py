@@ -1,4 +1,4 @@
-"""The elementary curves as the blending sees them, and which may follow which (Yang Tables 1 and 2, Fig. 1)."""
+"""Elementary curves of blended motions and the rules for their succession (Yang Tables 1 and 2, Fig. 1)."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from types import MappingProxyType
 
 from core.frozen import frozen
 
-# -- the elementary curves as the blending sees them, and which may follow which (Yang Tables 1 and -------------
+# -- elementary curves ------------------------------------------------------------------------------------------
 
 
 State = tuple[int, int]
@@ -19,12 +19,14 @@ State = tuple[int, int]
 
 @frozen
 class BlendCurve:
-    """One row of Yang's Table 1.
+    """Row of Yang's Table 1.
 
-    velocity_sign  1 rise, -1 return
-    start, end     states; a curve may follow where its start is the state reached
-    speed          c of v = c h/β at its moving end, 0 where it has none
-    peak           c of the largest |a| = c h/β²
+    Attributes
+    ----------
+    velocity_sign : 1 for a rise, -1 for a return
+    start, end : states; a curve may follow where its start equals the end of the previous curve
+    speed : factor c of the speed v = c h/β at the moving end, 0 where both ends are at rest
+    peak : factor c of the largest acceleration |a| = c h/β²
     """
 
     velocity_sign: int
@@ -36,7 +38,7 @@ class BlendCurve:
 
 _H, _P = pi * pi / 4.0, 216.0 / 41.0
 KAPPA = sqrt(_P)
-"""κ: a return of P2 that joins H2 takes κ √(h h3)/V."""
+"""Factor κ in the span κ √(h h3)/V of a return of P2 that joins H2."""
 
 ELEMENTS: Mapping[str, BlendCurve] = MappingProxyType(
     {
@@ -63,8 +65,7 @@ CONSTANT = ("CV1", "CV2")
 
 @frozen
 class MotionType:
-    """One of Yang's motions by the states it passes: rise from ``bottom`` to ``top``, return to ``after``; a motion
-    without one of them has None there."""
+    """Yang's type of motion: states at the ends of the rise and of the return, each None where the motion lacks it."""
 
     label: str
     rise: tuple[State, State] | None
@@ -99,8 +100,10 @@ class CurveSequence:
 
 
 def _strokes(ends: tuple[State, State] | None, velocity_sign: int, constant: bool) -> list[tuple[str, ...]]:
-    """All chains of curves of a rise or a return between two states that dwell only at their ends: with a curve of
-    constant velocity, or without one."""
+    """All chains of curves of a rise or a return between two states that dwell only at their ends.
+
+    ``constant``: chains with, else without a curve of constant velocity.
+    """
     if ends is None:
         return [] if constant else [()]
     result: list[tuple[str, ...]] = []
@@ -119,15 +122,17 @@ def _strokes(ends: tuple[State, State] | None, velocity_sign: int, constant: boo
 
 @lru_cache(maxsize=32)
 def sequences(motion_type: str, constant: str = "none") -> tuple[CurveSequence, ...]:
-    """Every sequence the tables admit for a type of motion, fewest curves first; constant: one of
-    ``CONSTANT_VELOCITY``."""
+    """All sequences of a type of motion, fewest curves first.
+
+    ``constant`` is an element of ``CONSTANT_VELOCITY``.
+    """
     row = MOTION_TYPES[motion_type]
     rises = _strokes(row.rise, 1, constant in ("rise", "both"))
     backs = _strokes(row.back, -1, constant in ("return", "both"))
     return tuple(sorted((CurveSequence(r, b) for r in rises for b in backs), key=lambda s: (len(s.curves), str(s))))
 
 
-# -- which curve may follow which, and why another may not ------------------------------------------------------
+# -- succession of curves ---------------------------------------------------------------------------------------
 
 
 DWELL: State = (0, 0)
@@ -140,8 +145,7 @@ _ACCELERATES = {-1: "with acceleration downwards", 0: "without acceleration", 1:
 
 @frozen
 class CurveEnds:
-    """A row of Yang's Table 1: signs of displacement, velocity and acceleration at start and end of a curve, and what may
-    follow it."""
+    """Row of Yang's Table 1: signs of displacement, velocity and acceleration at both ends, and the curves that may follow."""
 
     curve: str
     displacement: tuple[int, int]
@@ -151,23 +155,23 @@ class CurveEnds:
 
 
 def state_text(state: State) -> str:
-    """``v +, a 0``."""
+    """State in symbols: ``v +, a 0``."""
     return f"v {SIGNS[state[0]]}, a {SIGNS[state[1]]}"
 
 
 def state_words(state: State) -> str:
-    """``rising without acceleration``."""
+    """State in words: ``rising without acceleration``."""
     return f"{_MOVES[state[0]]} {_ACCELERATES[state[1]]}"
 
 
 def join_error(first: str, second: str) -> str:
-    """Why a curve cannot follow another, in a sentence; empty where it may."""
+    """Reason in words why a curve cannot follow another; empty where it may."""
     end, start = ELEMENTS[first].end, ELEMENTS[second].start
     if end[0] != start[0]:
         return f"velocity would jump from {_VELOCITIES[end[0]]} to {_VELOCITIES[start[0]]}"
     if end[1] != start[1]:
         return f"acceleration would jump from {_ACCELERATIONS[end[1]]} to {_ACCELERATIONS[start[1]]}"
-    return f"{first} once more is the same curve: give it more height and span" if first == second else ""
+    return f"a second {first} extends the same curve: increase its height and span instead" if first == second else ""
 
 
 TABLE = tuple(
@@ -176,7 +180,7 @@ TABLE = tuple(
         (0, 1) if row.velocity_sign > 0 else (1, 0),
         (row.start[0], row.end[0]),
         (row.start[1], row.end[1]),
-        tuple(other for other in ELEMENTS if not join_error(name, other)),
+        tuple(second for second in ELEMENTS if not join_error(name, second)),
     )
     for name, row in ELEMENTS.items()
 )
@@ -184,49 +188,48 @@ TABLE = tuple(
 
 
 def states(sequence: CurveSequence) -> tuple[State, ...]:
-    """The state at each place of a sequence (Yang Fig. 1): where it starts, where curves meet, where it ends."""
+    """States at the start, at every join and at the end of a sequence (Yang Fig. 1)."""
     return (ELEMENTS[sequence.curves[0]].start, *(ELEMENTS[name].end for name in sequence.curves))
 
 
 def all_sequences(motion_type: str) -> tuple[CurveSequence, ...]:
-    """Of a type of motion, without a constant velocity and with one in any stroke."""
-    return tuple(each for constant in CONSTANT_VELOCITY for each in sequences(motion_type, constant))
+    """All sequences of a type of motion, for every choice of constant velocity."""
+    return tuple(sequence for constant in CONSTANT_VELOCITY for sequence in sequences(motion_type, constant))
 
 
 def next_curves(motion_type: str, curves: tuple[str, ...]) -> tuple[str, ...]:
-    """What follows these first curves in any sequence of a type of motion, in the order of the table; after the last curve of
-    one that never dwells its first, in the next turn."""
+    """Curves that may follow the first curves of a sequence of a type of motion, in the order of the table.
+
+    After the last curve of a motion that never dwells this is its first curve, in the next turn.
+    """
     count = len(curves)
     if ELEMENTS[curves[-1]].end == ELEMENTS[curves[0]].start != DWELL and any(
         s.curves == curves for s in all_sequences(motion_type)
     ):
         return curves[:1]
-    found = {
+    names = {
         s.curves[count] for s in all_sequences(motion_type) if s.curves[:count] == curves and len(s.curves) > count
     }
-    return tuple(name for name in ELEMENTS if name in found)
+    return tuple(name for name in ELEMENTS if name in names)
 
 
 def motion_type_of(sequence: str) -> tuple[str, str]:
-    """The type of motion and the constant velocity of a sequence such as ``C1-CV1-C2``; empty where no type has it."""
+    """Type of motion and constant velocity of a sequence such as ``C1-CV1-C2``; empty where no type has it."""
     for motion_type in MOTION_TYPES:
         for constant in CONSTANT_VELOCITY:
-            if any(str(each) == sequence.upper() for each in sequences(motion_type, constant)):
+            if any(str(row) == sequence.upper() for row in sequences(motion_type, constant)):
                 return motion_type, constant
     return "", ""
 
 
 def sequence_error(sequence: str) -> str:
-    """What is wrong with a sequence of curves, in words: a curve that is none of the table, or two that do not join; empty where all
-    join."""
+    """Fault of a sequence in words: an unknown curve, or two curves that do not join; empty where all join."""
     names = sequence.upper().split("-")
     for name in names:
         if name not in ELEMENTS:
             return f"{name}: unknown curve; allowed: {' | '.join(ELEMENTS)}"
     usable = {row.curve: row.usable_next for row in TABLE}
-    for one, other in pairwise(names):
-        if other not in usable[one]:
-            return (
-                f"{other} cannot follow {one}: {join_error(one, other)}; allowed after {one}: {' | '.join(usable[one])}"
-            )
+    for first, second in pairwise(names):
+        if second not in usable[first]:
+            return f"{second} cannot follow {first}: {join_error(first, second)}; allowed after {first}: {' | '.join(usable[first])}"
     return ""

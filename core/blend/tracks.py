@@ -1,6 +1,8 @@
-"""Feasible points along one number: along a curve, or where an acceleration is prescribed beside linear constraints; and
-all roots and extremes of a smooth function there, from its Chebyshev series, cut where it is not resolved (Trefethen,
-Approximation Theory and Approximation Practice, ch. 18)."""
+"""Feasible points along one variable, where linear constraints leave one free, or two with a prescribed acceleration.
+
+Roots and extremes of a smooth function along such a track are those of its Chebyshev series, subdivided where it is
+not resolved (Trefethen 2013, Approximation Theory and Approximation Practice, ch. 18).
+"""
 
 from __future__ import annotations
 
@@ -11,10 +13,10 @@ from math import inf, pi
 import numpy as np
 from numpy.polynomial import Chebyshev
 
-from core.blend.equations import Parametrised, PeakAcceleration, Row, SolutionSpace
-from core.blend.evaluator import Evaluator, Place
-from core.blend.polynomials import Floats, Polynomial, roots, rounded, whole
-from core.blend.region import OPEN, RegionCurve, Stretch, polynomials_at
+from core.blend.equations import PeakAcceleration, PointFamily, Row, SolutionSpace
+from core.blend.evaluator import Evaluator, Point
+from core.blend.polynomials import Floats, Polynomial, roots, to_floats, to_integer
+from core.blend.region import OPEN, Interval, RegionCurve, polynomials_at
 from core.blend.request import SIZES, Constraint, SettingRange, height_of
 from core.frozen import frozen
 
@@ -22,68 +24,73 @@ Function = Callable[[np.ndarray, np.ndarray], np.ndarray]
 """Values (n,) at t (n,) and x (numbers, n)."""
 
 TERMS = 24
-DEPTH = 26  # how often a stretch may be halved
-RESOLVED = 1e-13  # the last terms, as a share of the function's size
-REAL = 1e-3  # how far beside the real numbers a root may lie: the caller, who knows the equations, decides
-_SAME = 1e-9  # by how much more another curve may have a prescribed acceleration
-_REACHED = 1e-6  # how well the middle of an arc must have it
-_AT_END = 1e-6  # what lies so near to an end of a track is at its end, as a share of its width
-_INSIDE = 1e-12  # how far from its ends a track is evaluated, as a share of its width
+DEPTH = 26  # number of bisections of an interval
+RESOLVED = 1e-13  # last coefficients of a resolved series relative to the function
+REAL = 1e-3  # largest imaginary part of a root relative to the interval; the equations decide later
+_SAME = 1e-9  # relative excess of another curve over a prescribed acceleration
+_REACHED = 1e-6  # relative error of the acceleration in the middle of an arc
+_AT_END = 1e-6  # distance from the end of a track relative to its width, at which a point is the end
+_INSIDE = 1e-12  # distance from the ends at which a track is evaluated, relative to its width
 
 _ANGLES = np.pi * (np.arange(TERMS) + 0.5) / TERMS
-_PLACES = np.cos(_ANGLES)
+_NODES = np.cos(_ANGLES)
 _TRANSFORM = (2.0 / TERMS) * np.cos(np.outer(np.arange(TERMS), _ANGLES))
 _TRANSFORM[0] /= 2.0
 
 
 @frozen
 class Track:
-    """Feasible points along a number z from low to high: places gives t (n,) and x (numbers, n) at z (n,)."""
+    """Feasible points along a variable z, low to high.
 
-    places: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
+    Attributes
+    ----------
+    points_at : from z (n,) to t (n,) and x (numbers, n), all dimensionless
+    """
+
+    points_at: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
     low: float
     high: float
     low_open: bool = False
     high_open: bool = False
 
     @classmethod
-    def along(cls, curve: RegionCurve, stretch: Stretch) -> Track:
-        """A feasible part of a curve; a number without end is counted as z = p/(1 + p)."""
-        open_ = (curve.is_open(p) for p in stretch)
+    def along(cls, curve: RegionCurve, interval: Interval) -> Track:
+        """Track along a feasible part of a curve; an unbounded variable p is mapped to z = p/(1 + p)."""
+        open_ = (curve.is_open(p) for p in interval)
         if curve.points.top < inf:
-            return cls(curve.places, *stretch, *open_)
-        low, high = map(_bounded, stretch)
-        return cls(lambda z: curve.places(z / (1.0 - z)), low, high, *open_)
+            return cls(curve.points_at, *interval, *open_)
+        low, high = map(_bounded, interval)
+        return cls(lambda z: curve.points_at(z / (1.0 - z)), low, high, *open_)
 
-    def where(self, function: Function, value: float) -> Iterator[Place]:
-        """Places where a function may have a value."""
-        for series in _resolved(lambda z: function(*self.places(z)), self.low, self.high):
-            t, x = self.places(_roots(series - value))
+    def solutions_at(self, function: Function, value: float) -> Iterator[Point]:
+        """Points where a function may have a value."""
+        for series in _resolved(lambda z: function(*self.points_at(z)), self.low, self.high):
+            t, x = self.points_at(_roots(series - value))
             yield from ((float(a), tuple(float(v) for v in b)) for a, b in zip(t, x.T, strict=True))
 
     def ranges(self, function: Function) -> Iterator[SettingRange]:
-        """What a function is along the track: at its ends and at every turn; nothing where it has no value."""
-        series = _resolved(lambda z: function(*self.places(z)), self.low, self.high)
+        """Range of a function along the track, from its ends and extremes; empty where it has no value."""
+        series = _resolved(lambda z: function(*self.points_at(z)), self.low, self.high)
         width = self.high - self.low
         ends = np.array([self.low + _INSIDE * width, self.high - _INSIDE * width])
-        places = np.concatenate([ends, *(_roots(s.deriv()) for s in series), *(s.domain for s in series[1:-1])])
-        values = function(*self.places(places))
+        positions = np.concatenate([ends, *(_roots(s.deriv()) for s in series), *(s.domain for s in series[1:-1])])
+        values = function(*self.points_at(positions))
         at_ends = [
-            np.abs(places - end) <= _AT_END * width for end in (self.low, self.high)
-        ]  # where an arc turns as well
+            np.abs(positions - end) <= _AT_END * width for end in (self.low, self.high)
+        ]  # an arc may also have its extreme there
         open_ = (at_ends[0] & self.low_open) | (at_ends[1] & self.high_open)
-        good = np.isfinite(values)
-        if good.any():
-            values, open_ = values[good], open_[good]
+        is_finite = np.isfinite(values)
+        if is_finite.any():
+            values, open_ = values[is_finite], open_[is_finite]
             low, high = float(values.min()), float(values.max())
-            near = 1e-9 * max(abs(low), abs(high))
+            tolerance = 1e-9 * max(abs(low), abs(high))
             yield SettingRange(
-                low, high, bool(open_[values <= low + near].all()), bool(open_[values >= high - near].all())
+                low, high, bool(open_[values <= low + tolerance].all()), bool(open_[values >= high - tolerance].all())
             )
 
 
 def _bounded(p: float) -> float:
-    """p/(1 + p)."""
+    """The value p/(1 + p)."""
     return 1.0 if p == inf else p / (1.0 + p)
 
 
@@ -91,23 +98,23 @@ def _bounded(p: float) -> float:
 
 
 def _roots(series: Chebyshev) -> np.ndarray:
-    """Places where a series may be 0."""
+    """Positions where a series may be 0."""
     low, high = series.domain
-    kept = series.trim(1e-15 * np.abs(series.coef).max())
-    first, *others = np.abs(kept.coef)
-    if first > 1.001 * sum(others) or max(first, *others) <= RESOLVED or not others:
-        return np.empty(0)  # above or below 0, or the same everywhere
-    z, half = kept.roots(), 0.5 * (high - low)
-    near = (np.abs(z.imag) <= REAL * half) & (np.abs(z.real - low - half) <= (1.0 + REAL) * half)
-    return np.clip(z.real[near], low, high)
+    trimmed = series.trim(1e-15 * np.abs(series.coef).max())
+    first, *rest = np.abs(trimmed.coef)
+    if first > 1.001 * sum(rest) or max(first, *rest) <= RESOLVED or not rest:
+        return np.empty(0)  # no sign change, or constant
+    z, half = trimmed.roots(), 0.5 * (high - low)
+    is_real = (np.abs(z.imag) <= REAL * half) & (np.abs(z.real - low - half) <= (1.0 + REAL) * half)
+    return np.clip(z.real[is_real], low, high)
 
 
 def _resolved(function: Callable[[np.ndarray], np.ndarray], low: float, high: float) -> list[Chebyshev]:
-    """A function of values about 1 as series side by side; nothing where it is nan."""
+    """A function of values about 1 as adjacent series; none where it is NaN."""
     waiting, result = [(low, high, DEPTH)], []
     while waiting:
-        places = np.concatenate([0.5 * (a + b) + 0.5 * (b - a) * _PLACES for a, b, _ in waiting])
-        rows = function(places).reshape(len(waiting), TERMS) @ _TRANSFORM.T
+        positions = np.concatenate([0.5 * (a + b) + 0.5 * (b - a) * _NODES for a, b, _ in waiting])
+        rows = function(positions).reshape(len(waiting), TERMS) @ _TRANSFORM.T
         halved = []
         for (a, b, depth), c in zip(waiting, rows, strict=True):
             if np.isfinite(c).all() and (depth == 0 or np.abs(c[-3:]).max() <= RESOLVED * max(1.0, np.abs(c).max())):
@@ -119,35 +126,45 @@ def _resolved(function: Callable[[np.ndarray], np.ndarray], low: float, high: fl
     return sorted(result, key=lambda series: series.domain[0])
 
 
-# -- where an acceleration is prescribed ------------------------------------------------------------------
+# -- prescribed acceleration ------------------------------------------------------------------------------
 
 Quadratic = tuple[Polynomial, Polynomial, Polynomial]
 
 
 @frozen
 class Arc:
-    """One root y of a quadratic between two values of p; z runs from 0 to 1, smooth even where the two roots meet."""
+    """One root y of a quadratic between two values of p; z runs from 0 to 1 and is smooth where the two roots meet."""
 
-    points: Parametrised
+    points: PointFamily
     x: list[Floats]
     quadratic: list[Floats]
     root: int
     low: float
     high: float
 
-    def places(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """t (n,) and x (numbers, n)."""
+    def points_at(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Points of the arc.
+
+        Parameters
+        ----------
+        z : ndarray (n,), dimensionless
+
+        Returns
+        -------
+        t : ndarray (n,), dimensionless
+        x : ndarray (numbers, n), dimensionless
+        """
         a, b = _bounded(self.low), _bounded(self.high)
         share = a + (b - a) * np.sin(0.5 * pi * z) ** 2
         with np.errstate(all="ignore"):
             p = share / (1.0 - share)
-            *rows, below = polynomials_at(self.x, p)
+            *rows, denominator = polynomials_at(self.x, p)
             y = self._y(*polynomials_at(self.quadratic, p))
-            x = (np.array(rows[::2]) + np.array(rows[1::2]) * y) / below
+            x = (np.array(rows[::2]) + np.array(rows[1::2]) * y) / denominator
         return self.points.t_at(p), x
 
     def _y(self, a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
-        """A root of a y² + b y + c = 0; the one there is where a is 0 all along."""
+        """Root of a y² + b y + c = 0; that of the linear equation where a is 0 all along."""
         if not self.quadratic[0]:
             return -c / b
         square = np.sqrt(np.maximum(b * b - 4.0 * a * c, 0.0))
@@ -158,83 +175,87 @@ class Arc:
 def acceleration_tracks(
     evaluator: Evaluator, constraints: Sequence[Constraint], acceleration: Constraint
 ) -> list[Track]:
-    """All feasible points that meet linear constraints, which leave two numbers free, and have that largest acceleration, of all
-    curves or of one."""
+    """Feasible points that satisfy linear constraints and a prescribed acceleration, with one variable free.
+
+    The acceleration is the largest one of all curves, or that of one curve.
+    """
     result, rows = [], evaluator.family.accelerations
-    alone = acceleration.name in SIZES
-    if alone:
-        at = evaluator.family.acceleration_of(height_of(acceleration.name))
-        rows = rows[at : at + 1]
+    is_single = acceleration.name in SIZES
+    if is_single:
+        index = evaluator.family.acceleration_of(height_of(acceleration.name))
+        rows = rows[index : index + 1]
     for space in evaluator.spaces(constraints):
         if space.freedom == 2:
             for row in rows:
-                for arc in _arcs(evaluator, space, row, acceleration.value, alone):
+                for arc in _arcs(evaluator, space, row, acceleration.value, is_single):
                     open_ = (bool(evaluator.family.flats) and _has_no_room(evaluator, arc, z) for z in (0.0, 1.0))
-                    result.append(Track(arc.places, 0.0, 1.0, *open_))
+                    result.append(Track(arc.points_at, 0.0, 1.0, *open_))
     return result
 
 
 def _has_no_room(evaluator: Evaluator, arc: Arc, z: float) -> bool:
-    """Whether a height that must be above 0, or what a constant acceleration leaves of its curve, is 0 there."""
-    t, x = arc.places(np.array([z]))
+    """Whether a height that must be positive, or a ramp of a curve with constant acceleration, is 0."""
+    t, x = arc.points_at(np.array([z]))
     return min(evaluator.at(evaluator.family.positive, (float(t[0]), tuple(map(float, x[:, 0]))))) <= OPEN
 
 
 def _arcs(
-    evaluator: Evaluator, space: SolutionSpace, row: PeakAcceleration, value: float, alone: bool
+    evaluator: Evaluator, space: SolutionSpace, row: PeakAcceleration, value: float, is_single: bool
 ) -> Iterator[Arc]:
-    for first in range(len(space.free)):  # y may be a number on which the acceleration does not depend
+    for first in range(len(space.free)):  # the acceleration may not depend on every variable
         points = space.along(first)
         a, b, c = _quadratic(points, row, value)
         if a or b:
             break
     cuts = {*roots(b * b - 4 * (a * c)), *roots(a), *([] if a else roots(b)), *_kinks(evaluator, points, (a, b, c))}
-    x, quadratic = rounded([*(p for r in points.x for p in r), points.below]), rounded([a, b, c])
+    x, quadratic = to_floats([*(p for r in points.x for p in r), points.below]), to_floats([a, b, c])
     for low, high in pairwise([0.0, *sorted(p for p in cuts if 0.0 < p < points.top), points.top]):
         for root in (1, -1) if a else (1,):
             arc = Arc(points, x, quadratic, root, low, high)
-            if _is_met(evaluator, arc, row, value, alone):
+            if _is_met(evaluator, arc, row, value, is_single):
                 yield arc
 
 
-def _quadratic(points: Parametrised, row: PeakAcceleration, value: float) -> Quadratic:
-    """factor S² - value h = 0 by y², y and 1."""
+def _quadratic(points: PointFamily, row: PeakAcceleration, value: float) -> Quadratic:
+    """Coefficients of y², y and 1 in factor S² - value h = 0."""
     (s0, s1), (h0, h1), (under, _) = (points.form(name) for name in (row.speed, row.height, ""))
-    factor, share = whole(row.factor), whole(value)
+    factor, target = to_integer(row.factor), to_integer(value)
     return (
         factor * (s1 * s1),
-        2 * factor * (s0 * s1) - share * (h1 * under),
-        factor * (s0 * s0) - share * (h0 * under),
+        2 * factor * (s0 * s1) - target * (h1 * under),
+        factor * (s0 * s0) - target * (h0 * under),
     )
 
 
-def _kinks(evaluator: Evaluator, points: Parametrised, quadratic: Quadratic) -> Iterator[float]:
-    """Values of p where two curves have the same acceleration, or where there is no room left for a constant velocity or
-    acceleration: k0 + k1 y = 0 there."""
+def _kinks(evaluator: Evaluator, points: PointFamily, quadratic: Quadratic) -> Iterator[float]:
+    """Values of p where two curves have equal acceleration, or a constant velocity or acceleration vanishes.
+
+    There k0 + k1 y = 0.
+    """
     a, b, c = quadratic
-    rows = [_equal(points, one, two) for one, two in combinations(evaluator.family.accelerations, 2)]
+    rows = [_equal(points, first, second) for first, second in combinations(evaluator.family.accelerations, 2)]
     family = evaluator.family
     ends = (*family.constant, *(family.positive if family.flats else ()))
     for k0, k1 in (*rows, *(points.form(name) for name in ends)):
         yield from roots(a * k0 * k0 - b * k0 * k1 + c * k1 * k1 if k1 else k0)
 
 
-def _equal(points: Parametrised, one: PeakAcceleration, two: PeakAcceleration) -> Row:
-    """Where two curves have the same acceleration, factor S²/h with R = t W: linear in the heights."""
-    a, b = points.form(one.height), points.form(two.height)
+def _equal(points: PointFamily, first: PeakAcceleration, second: PeakAcceleration) -> Row:
+    """Coefficients k0, k1 of equal accelerations of two curves, factor S²/h with R = t W: linear in the heights."""
+    a, b = points.form(first.height), points.form(second.height)
     shift, square = (2, 1.0) if points.t is None else (0, points.t**2)
-    if one.speed == two.speed:
+    if first.speed == second.speed:
         shift, square = 0, 1.0
-    a = tuple([whole(two.factor * square) * p.shifted(shift) for p in a])
-    return tuple([p - whole(one.factor) * q for p, q in zip(a, b, strict=True)])
+    a = tuple([to_integer(second.factor * square) * p.times_power(shift) for p in a])
+    return tuple([p - to_integer(first.factor) * q for p, q in zip(a, b, strict=True)])
 
 
-def _is_met(evaluator: Evaluator, arc: Arc, row: PeakAcceleration, value: float, alone: bool) -> bool:
-    """Whether the middle of an arc is feasible and no other curve, unless this one is meant alone, has a larger acceleration."""
-    t, x = arc.places(np.array([0.5]))
+def _is_met(evaluator: Evaluator, arc: Arc, row: PeakAcceleration, value: float, is_single: bool) -> bool:
+    """Whether the middle of an arc is feasible and no other curve, unless ``is_single``, has a larger acceleration."""
+    t, x = arc.points_at(np.array([0.5]))
     if not (np.isfinite(x).all() and evaluator.is_feasible((float(t[0]), tuple(map(float, x[:, 0]))))):
         return False
     forms = evaluator.forms(t, x)
     accelerations = [float(evaluator.acceleration(i, forms)[0, 0]) for i in range(len(evaluator.family.accelerations))]
-    here = accelerations[evaluator.family.accelerations.index(row)]
-    return abs(here / value - 1.0) <= _REACHED and (alone or max(accelerations) <= value * (1.0 + _SAME))
+    acceleration = accelerations[evaluator.family.accelerations.index(row)]
+    return abs(acceleration / value - 1.0) <= _REACHED and (is_single or max(accelerations) <= value * (1.0 + _SAME))

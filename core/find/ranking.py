@@ -72,7 +72,7 @@ def _wind_up(study: Study, found: ExtremesByName) -> float | None:
 
 def _residual(study: Study, found: ExtremesByName) -> float | None:
     """Of the roller's centre (of the contact) where the motion turns."""
-    way = 1.0 if study.program.motion.unit == "mm" else study.elasticity.way
+    way = 1.0 if study.program.motion.unit == "mm" else study.elasticity.lever_arm
     return max((way * each.from_rest for each in study.follower_response.residuals), default=None)
 
 

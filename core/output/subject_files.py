@@ -239,7 +239,7 @@ def units_of(study: Study) -> tuple[tuple[str, float], ...]:
     the roller's centre (or of the contact) along its path, and degrees too."""
     if study.program.motion.unit == "mm":
         return (("mm", MM),)
-    return ("mm", study.elasticity.way * MM), ("deg", 1.0 / UNITS["deg"].factor)
+    return ("mm", study.elasticity.lever_arm * MM), ("deg", 1.0 / UNITS["deg"].factor)
 
 
 def elastic_rows(study: Study) -> dict[str, Any]:
@@ -254,14 +254,14 @@ def elastic_rows(study: Study) -> dict[str, Any]:
     mass, rate = ("mass_kg_m2", "nm_per_rad") if swings else ("mass_kg", "n_per_mm")
     factor = UNITS[rate].factor
     return {
-        "natural_hz": one.natural / turns,
+        "natural_hz": one.natural_frequency / turns,
         "lowest_natural_hz": found.lowest / turns,
         "highest_natural_hz": found.highest / turns,
         mass: one.mass,
         f"stiffness_{rate}": one.stiffness / factor,
         f"closing_{rate}": one.closing / factor,
-        "damping_ratio": one.ratio,
-        "periods_per_turn": one.natural / abs(study.omega),
+        "damping_ratio": one.damping_ratio,
+        "periods_per_turn": one.natural_frequency / abs(study.omega),
         "residual": [
             {
                 "from_deg": math.degrees(each.dwell.start),

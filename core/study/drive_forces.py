@@ -176,7 +176,7 @@ class DriveForces(DriveStudy):
     @property
     def elasticity(self) -> Elasticity:
         """One-mass model of the elastic follower. Raises NoSolution where the follower is rigid, or no mass vibrates."""
-        from core.elastic import equivalent
+        from core.elastic import elasticity
 
         self.require_stage("cam")
         if not self.is_elastic:
@@ -187,7 +187,7 @@ class DriveForces(DriveStudy):
             self.mechanism, driver_ranges, loading, drive.face, drive.bare_cam, self.sense, stroke, loads.follower_stiffness,
             loads.follower_damping_ratio or 0.0,
         )  # fmt: skip
-        model: Elasticity = memory.get("elasticity", parts, lambda: equivalent(*parts))
+        model: Elasticity = memory.get("elasticity", parts, lambda: elasticity(*parts))
         return model
 
     @property
@@ -203,7 +203,7 @@ class DriveForces(DriveStudy):
     def vibrates(self) -> bool:
         """Whether the follower is elastic and its response is periodic."""
         try:
-            return self.is_elastic and not self.follower_response.resonant
+            return self.is_elastic and not self.follower_response.is_resonant
         except NoSolution:
             return False
 

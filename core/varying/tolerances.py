@@ -13,7 +13,7 @@ import numpy as np
 
 from core.design import Design, Tolerance, get, only, put
 from core.design.limits import NORMAL, UNIFORM
-from core.elastic import by_motion
+from core.elastic import kinematics_at_motion
 from core.errors import KindynaError, NoSolution
 from core.frozen import frozen
 from core.mechanism.kinematics import Kinematics
@@ -83,7 +83,9 @@ class Waves:
     @cached_property
     def moving(self) -> Kinematics:
         """The mechanism where it stands, with derivatives by the motion."""
-        return by_motion(self.study.mechanism, self.study.driver_ranges, self.study.motion.displacement[0], 1.0)
+        return kinematics_at_motion(
+            self.study.mechanism, self.study.driver_ranges, self.study.motion.displacement[0], 1.0
+        )
 
     @cached_property
     def mass(self) -> np.ndarray:
@@ -140,7 +142,7 @@ class Waves:
         worst = int(np.abs(ratio).argmax())
         error = self.amplitude / float(self.way.min())
         return found | {
-            "natural_lobes": float(one.natural / abs(self.omega)),
+            "natural_lobes": float(one.natural_frequency / abs(self.omega)),
             "amplified": float(abs(ratio[worst])),
             "amplified_lobes": int(lobes[worst]),
             "elastic_contact_force_n": float(

@@ -263,7 +263,7 @@ class SequenceDialog(PutDialog):
         self.ranges.start(self._unknown)
 
     def _count(self, request: SequenceRequest, text: str, wrong: bool = False) -> None:
-        self.count.setText(f"{request.sequence} takes {request.freedom} settings" + (f": {text}" if text else ""))
+        self.count.setText(f"{request.sequence} requires {request.freedom} settings" + (f": {text}" if text else ""))
         self.show_message("")
         if text:
             self.panel.veil.draw(text)

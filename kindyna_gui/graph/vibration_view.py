@@ -104,9 +104,11 @@ class VibrationView(BackgroundView):
         residuals, found = result
         study = Study(design)
         one = study.elasticity.middle
-        periods = short(one.natural / abs(study.omega), 4)
-        frequency = measure(one.natural / math.tau, "Hz")
-        self._summary = f"Natural frequency {frequency}, {periods} periods a turn, damping ratio {short(one.ratio, 3)}"
+        periods = short(one.natural_frequency / abs(study.omega), 4)
+        frequency = measure(one.natural_frequency / math.tau, "Hz")
+        self._summary = (
+            f"Natural frequency {frequency}, {periods} periods a turn, damping ratio {short(one.damping_ratio, 3)}"
+        )
         self.table.show_rows([_row(study, each) for each in residuals])
         self._draw(study, page, residuals, found)
         self._read(self.plot.cursor_at)

@@ -358,7 +358,7 @@ def test_the_text_asks_for_another_peak_than_fig_4_has() -> None:
 def test_both_heights_and_the_peak_want_a_curve_more() -> None:
     """The four curves of Fig. 4 take two settings; five reach 250 deg with h1 = h3 = 1 mm too."""
     settings = {"h1": 1.0, "h3": 1.0, "peak": 250.0}
-    with pytest.raises(BlendError, match="C1-CV1-H2-P2 takes 2 settings"):
+    with pytest.raises(BlendError, match="C1-CV1-H2-P2 requires 2 settings"):
         blend(Request(**PICKER, settings=settings, sequence="C1-CV1-H2-P2"))
     five = blend(Request(**PICKER, settings=settings)).solution
     assert five.sequence == CurveSequence(("C1", "CV1", "H2"), ("H3", "C4"))

@@ -185,11 +185,11 @@ ANGLES = ("--start", "30", "--end", "330")
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (["C5-C6"], "C5-C6 takes 3 settings (4 heights and spans, 0 joins and the whole span): 3 missing; still open:"),
+        (["C5-C6"], "C5-C6 requires 3 settings (4 heights and spans, 0 joins and the total span): 3 missing; still open:"),
         (["C5-C6", "--stroke", "20", "--return-stroke", "9"], "1 missing; still open: span1, span2, a1, a2, end1"),
         (
             ["C5-C6", "--stroke", "20", "--set", "return1=9", "--set", "h2=8"],
-            "h2 = 8 mm: determined already by return1: h2 = 9; instead set",
+            "h2 = 8 mm: already determined by return1: h2 = 9; instead set",
         ),
         (["C5-C6", "--set", "v1=2"], "v1: no setting of C5-C6; allowed: rise1 | return1 | h1"),
         (["C5-C6", "--set", "h1=-2"], "h1 = -2: outside its range; allowed: h1 > 0 mm"),
@@ -207,7 +207,7 @@ def test_what_is_missing_or_too_much_is_said_in_one_line(
 
 def test_an_infeasible_setting_says_its_range() -> None:
     told = {"rise1": 20.0, "return1": 9.0, "span1": 350.0}
-    words = r"^span1 = 350 deg is not feasible beside rise1 = 20 mm, return1 = 9 mm; feasible: 0 < span1 < 300 deg$"
+    words = r"^span1 = 350 deg is not feasible with rise1 = 20 mm, return1 = 9 mm; feasible: 0 < span1 < 300 deg$"
     with pytest.raises(BlendError, match=words) as caught:
         blend_sequence(SequenceRequest(("C5", "C6"), 30.0, 330.0, told))
     assert caught.value.allowed == pytest.approx((0.0, 300.0), rel=1e-9)

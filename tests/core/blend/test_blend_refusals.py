@@ -44,7 +44,7 @@ def test_a_setting_that_the_others_determine_is_refused_with_its_value(
         blend(wish)
     assert caught.value.setting == name
     assert caught.value.allowed == pytest.approx((value, value), rel=1e-9)
-    assert "determined already" in str(caught.value)
+    assert "already determined" in str(caught.value)
     assert f"{value:.6g}"[:6] in str(caught.value)
 
 
@@ -77,7 +77,7 @@ def test_ranges_of_the_card_picker_sequence(h1: float) -> None:
     wish = request("DRRD", "rise", {"h1": h1, "vcv": 9.9}, sequence="C1-CV1-H2-P2")
     top = (H + h1 + A * (H - h1) + KAPPA * math.sqrt(H * (H - h1))) / SPAN
     assert hull(wish, "vcv") == pytest.approx(((H + h1) / SPAN, top), rel=1e-9)
-    with pytest.raises(BlendError, match=r"^vcv = 9\.9 mm/deg is not feasible beside h1 = .*; feasible: ") as caught:
+    with pytest.raises(BlendError, match=r"^vcv = 9\.9 mm/deg is not feasible with h1 = .*; feasible: ") as caught:
         blend(wish)
     assert caught.value.allowed == hull(wish, "vcv")
 
@@ -127,22 +127,22 @@ def test_the_least_acceleration_is_an_end() -> None:
         ({"settings": {"h9": 1.0}}, "h9: unknown setting; allowed: h1 | "),
         ({"settings": {"h1": 0.0}}, "h1 = 0: outside its range; allowed: > 0 mm"),
         ({"settings": {"vcv": math.inf}}, "vcv = inf: outside its range; allowed: > 0 mm/deg"),
-        ({"sequence": "C1-C1"}, "sequence 'C1-C1': not of this motion; allowed: C1-CV1-H2-P2 | C1-CV1-H2-H3-C4"),
+        ({"sequence": "C1-C1"}, "sequence 'C1-C1': no sequence of this motion; allowed: C1-CV1-H2-P2 | C1-CV1-H2-H3-C4"),
         (
             {"type": "DRD-return", "constant": "return", "settings": {"vcv": 0.1, "vcv2": 0.2}},
-            "vcv, vcv2: two names of one setting where there is only a return; give one",
+            "vcv, vcv2: two names of the same setting of a return; give one",
         ),
         (
             {"constant": "both", "settings": {"h1": 1.0, "h3": 1.0, "peak": 200.0}},
-            "C1-CV1-H2-H3-CV2-C4 (mirrored) takes 2 settings; C1-CV1-H2-H3-CV2-C4 takes 4 settings",
+            "C1-CV1-H2-H3-CV2-C4 (mirrored) requires 2 settings; C1-CV1-H2-H3-CV2-C4 requires 4 settings",
         ),
         (
             {"settings": {"h1": 1.0, "h5": 2.0}},
-            "C1-CV1-H2-H3-C4 takes 3 settings; h5: of no curve here; allowed: h1 | h2 | h3 | h4 | h6 | vcv | vcv2 | ",
+            "C1-CV1-H2-H3-C4 requires 3 settings; h5: not a setting of these curves; allowed: h1 | h2 | h3 | h4 | h6 | vcv | vcv2 | ",
         ),
         (
             {"type": "DRD", "settings": {"h1": 1.0, "peak": 200.0}},
-            "h1, peak; C1-CV1-C2 takes 2 settings; peak: of no curve here; allowed: h1 | h2 | h3 | vcv | length | acceleration",
+            "h1, peak; C1-CV1-C2 requires 2 settings; peak: not a setting of these curves; allowed: h1 | h2 | h3 | vcv | length | acceleration",
         ),
         ({"settings": {"h2": -1.0}}, "h2 = -1: outside its range; allowed: >= 0 mm"),
         ({"points": ((10.0, 5.0),)}, "point at 10 deg = 5: outside its range; allowed: 30 < angle < 330 deg"),
@@ -190,7 +190,7 @@ def test_the_greater_of_two_accelerations_is_not_determined_by_the_less() -> Non
     """Height and span of the rise say what its acceleration is; that of the return may still be greater."""
     given = {"h1": 15.4886802, "peak": 6.4848472}
     wish = Request("DRRD", 20.0, 0.0, 20.0, "return", {**given, "acceleration": 4.0})
-    with pytest.raises(BlendError, match=r"not feasible beside .*; feasible: acceleration >= 7\.63694") as caught:
+    with pytest.raises(BlendError, match=r"not feasible with .*; feasible: acceleration >= 7\.63694") as caught:
         blend(wish)
     assert caught.value.allowed is not None
     least, most = caught.value.allowed

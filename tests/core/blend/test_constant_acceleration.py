@@ -104,7 +104,7 @@ def test_the_gentlest_beside_a_constant_acceleration() -> None:
     for other in (-0.05, 0.05):
         near = blend(drd("rise", flat1=20.0, length=30.0, h1=made.solution.heights[0] + other))
         assert near.solution.peak_acceleration > made.solution.peak_acceleration
-    with pytest.raises(BlendError, match="best jerk: not beside a constant acceleration"):
+    with pytest.raises(BlendError, match="best jerk: cannot be combined with a constant acceleration"):
         best(drd("rise", flat1=20.0, length=30.0), "jerk")
 
 
@@ -130,14 +130,14 @@ def test_ranges() -> None:
     ("request_", "name", "words"),
     [
         (drd("rise", h1=4, h3=4, flat1=60), "flat1",
-         "flat1 = 60 deg is not feasible beside h1 = 4, h3 = 4; feasible: 0 < flat1 < 34.2857143 deg"),
+         "flat1 = 60 deg is not feasible with h1 = 4, h3 = 4; feasible: 0 < flat1 < 34.2857143 deg"),
         (drd("rise", h3=4, flat1=40, a1=0.01), "flat1", "feasible: 0 < flat1 < 22.0204103 deg"),
         (drd("rise", h3=4, flat1=10, a1=0.1), "a1", "feasible: 0.00514806077 <= a1 < 0.0208695652 mm/deg^2"),
-        (drd("rise", h3=4, a1=0.01), "a1", "give flat1 too"),
+        (drd("rise", h3=4, a1=0.01), "a1", "also give flat1"),
         (drd("rise", h3=4, flat1=0), "flat1", "flat1 = 0: outside its range; allowed: > 0 deg"),
         (drd("rise", "DRRD", h3=4, flat3=10), "flat3", "allowed: flat1 (C1) | flat6 (C4)"),
-        (drd("rise", "RRR", h3=4, flat1=10), "flat1", "no half cycloid C1 ... C4 is among their curves"),
-        (Request("DRD", H, 0, SPAN, "rise", {"flat1": 9}, points=((50, 9),)), "flat1", "no constant acceleration beside a point to pass"),
+        (drd("rise", "RRR", h3=4, flat1=10), "flat1", "their curves contain no half cycloid C1 ... C4"),
+        (Request("DRD", H, 0, SPAN, "rise", {"flat1": 9}, points=((50, 9),)), "flat1", "cannot be combined with a point"),
     ],
 )  # fmt: skip
 def test_what_cannot_be(request_: Request, name: str, words: str) -> None:

@@ -124,11 +124,11 @@ def test_of_equally_gentle_motions_one_keeps_its_constant_velocity() -> None:
     [
         (
             {"settings": {}},
-            "best acceleration: the gentlest has no constant velocity left on the rise; give length or h2",
+            "best acceleration: the optimum has no constant velocity left on the rise; give length or h2",
         ),
         ({"settings": {"length": 320.0}}, "length = 320 deg is not feasible; feasible: "),
         ({"settings": {"h1": 30.0}}, "h1 = 30 mm is not feasible; feasible: 0 < h1 < 20 mm"),
-        ({"settings": {"h5": 3.0}}, "no sequence of this motion takes these settings: h5"),
+        ({"settings": {"h5": 3.0}}, "no sequence of this motion accepts these settings: h5"),
     ],
 )
 def test_no_best(wish: dict[str, Any], phrase: str) -> None:

@@ -191,7 +191,7 @@ def test_nonsense_is_always_refused_with_a_range(case: Case, pick: random.Random
     assert told_ranges(text) or " >" in text
     in_a_gap = " or " in text
     assert in_a_gap or not low * (1 + 1e-9) < wanted[error.setting] < high * (1 - 1e-9), text
-    if " beside " not in text:  # drawn freely, no motion lies outside of what is said to be all
+    if " with " not in text:  # drawn freely, no motion lies outside of what is said to be all
         for k in range(20):
             other = measured_near(name, numbers, seed + k, None)[error.setting]
             assert low * (1 - 1e-9) <= other <= high * (1 + 1e-9), text

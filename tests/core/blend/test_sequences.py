@@ -24,7 +24,7 @@ def test_every_sequence_takes_its_number_of_settings(kind: str, constant: str, n
     """Too few or too many: the error says how many."""
     count = FREEDOM[name] + 1 if name not in SYMMETRIC else 7
     wanted = dict.fromkeys(["h1", "h2", "h3", "h4", "h5", "h6", "vcv"][:count], 1.0)
-    with pytest.raises(BlendError, match=f"{name} takes {FREEDOM[name]} setting") as caught:
+    with pytest.raises(BlendError, match=f"{name} requires {FREEDOM[name]} setting") as caught:
         blend(request(kind, constant, wanted, sequence=name, mirrored=False))
     assert "\n" not in str(caught.value)
 

@@ -51,7 +51,9 @@ def test_why_another_curve_may_not_follow(capsys: pytest.CaptureFixture[str]) ->
     assert rows["C4"] == "velocity would jump from rest to falling"
     assert rows["C1"] == "acceleration would jump from downwards to none"
     assert "  P2   may follow\n" in text(capsys, "H2")
-    assert json.loads(text(capsys, "CV1", "--json"))["may_follow"]["CV1"].startswith("CV1 once more is the same curve")
+    assert json.loads(text(capsys, "CV1", "--json"))["may_follow"]["CV1"].startswith(
+        "a second CV1 extends the same curve"
+    )
 
 
 def test_the_states_along_a_motion(capsys: pytest.CaptureFixture[str]) -> None:

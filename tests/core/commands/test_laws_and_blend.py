@@ -299,7 +299,7 @@ def test_text_and_numbers_from_outside() -> None:
         (["--constant-velocity", *settings(h1=1, vcv=0.05)], ["vcv = 0.05 mm/deg", "feasible: 0.07 < vcv <= 0.255294"]),
         (["--constant-velocity", *settings(h1=1, length=280)], ["length = 280 deg", "0 <= length < 271.428571 deg"]),
         (["--constant-velocity", *settings(h1=1, peak=140)], ["peak = 140 deg", "154.738885 <= peak < 330 deg"]),
-        (["--constant-velocity", *settings(h1=1)], ["settings given: h1", "C1-CV1-H2-P2 takes 2 settings"]),
+        (["--constant-velocity", *settings(h1=1)], ["settings given: h1", "C1-CV1-H2-P2 requires 2 settings"]),
         (["--constant-velocity", *settings(h9=1)], ["h9", "h1 | h2"]),
         (["--constant-velocity", *settings(h1=-1, h3=1)], ["h1 = -1", "allowed: > 0 mm"]),
         (["--constant-velocity", "--best", "acceleration"], ["no constant velocity left"]),
@@ -346,7 +346,7 @@ def test_a_precision_point_is_passed(run: Run) -> None:
         12.5, abs=1e-9
     )
     line = run.refused("blend", *PICKER, "--constant-velocity", *settings(h1=1), "--point", "180=25")
-    assert line.startswith("point at 180 deg = 25 mm is not feasible beside h1 = 1; feasible: ")
+    assert line.startswith("point at 180 deg = 25 mm is not feasible with h1 = 1; feasible: ")
     assert "'180': must be ANGLE=DISPLACEMENT" in run.refused("blend", *PICKER, "--point", "180")
 
 
@@ -506,7 +506,7 @@ def test_another_stroke_is_brought_back_by_the_next_segment_that_moves() -> None
 
 def test_a_segment_that_moves_is_not_cut() -> None:
     for start, end in ((300.0, 325.0), (283.5, 300.0), (60.0, 340.0)):
-        with pytest.raises(DesignError, match=r"moves, and would be cut.*a join, or an angle in a dwell"):
+        with pytest.raises(DesignError, match=r"moves, and would be split.*a join, or an angle in a dwell"):
             with_blend_between(LIFT, blend(drd(start=start, end=end)))
 
 
@@ -544,7 +544,7 @@ def test_the_way_back_of_several_curves_is_smooth_too() -> None:
 
 
 def test_no_way_back_is_left_of_a_whole_turn() -> None:
-    with pytest.raises(DesignError, match="leaves no room for the way back"):
+    with pytest.raises(DesignError, match="leaves no angle for the return"):
         with_blend(STANDING, blend(Request("DRD", 20.0, 0.0, 360.0)))
 
 

@@ -168,9 +168,9 @@ def test_equivalents_of_an_arm_are_moments_about_its_pivot() -> None:
     middle = (roller - pivot) * cmath.exp(-1j * math.radians(9.0)) / 90.0  # half the rise; on the right it falls
     weight = -(0.8 * 0.04 + 0.15 * 0.09) * 9.80665 * middle.imag  # V = m g r sin φ
     assert one.closing == pytest.approx(40.0 + weight, rel=1e-9)
-    assert one.ratio == pytest.approx(0.03, rel=1e-12)
+    assert one.damping_ratio == pytest.approx(0.03, rel=1e-12)
     assert [round(math.degrees(r.dwell.start), 9) for r in study.follower_response.residuals] == [0.0, 170.0]
-    assert study.elasticity.way == pytest.approx(0.09, rel=1e-12)
+    assert study.elasticity.lever_arm == pytest.approx(0.09, rel=1e-12)
 
 
 def test_a_dwell_that_passes_360_is_one_and_further_springs_and_dampers_count() -> None:
@@ -196,7 +196,7 @@ def test_what_has_no_answer_says_what_to_do() -> None:
     ringing = Study(tappet("cycloidal", rpm=NATURAL / 7.0 * 30.0 / math.pi))
     assert not ringing.vibrates
     (finding,) = [f for f in findings_of(ringing) if f.code == "no-elastic-follower"]
-    assert "vibrates 7 times in a turn and nothing damps it" in finding.message
+    assert "vibrates 7 times in a turn without damping" in finding.message
     assert "elastic_error" not in extremes_of(ringing, "dynamics")
     assert ringing.follower_response.residuals[1].steady == math.inf
     table = to_table(tappet("cycloidal"))

@@ -64,10 +64,10 @@ def test_curves_that_are_typed_and_set_become_the_motion(user: User, dialog: Seq
     over(dialog, dialog.start, "30")
     over(dialog, dialog.end, "200")
     assert dialog.curves.text().upper() == "C1-H2-P2"
-    assert dialog.count.text() == "C1-H2-P2 takes 3 settings: 3 more to set, or say what is to be least"
+    assert dialog.count.text() == "C1-H2-P2 requires 3 settings: 3 more to set, or say what is to be least"
     assert not dialog.put_button.isEnabled()
     give(dialog, rise1="10", return1="10", span1="50")
-    assert dialog.count.text() == "C1-H2-P2 takes 3 settings"
+    assert dialog.count.text() == "C1-H2-P2 requires 3 settings"
     wanted = blend_sequence(
         SequenceRequest(("C1", "H2", "P2"), 30.0, 200.0, {"rise1": 10.0, "return1": 10.0, "span1": 50.0})
     )

@@ -240,17 +240,17 @@ MORE = "tick one more, or optimise the rest"
 @pytest.mark.parametrize(
     ("asked", "told"),
     [
-        (WizardRequest(), "P1-P2 takes no setting; tick any for other curves"),
-        (WizardRequest(constant="rise"), "C1-CV1-H2-P2 takes 2 settings, 0 given: tick two, or optimise the rest"),
-        (WizardRequest(constant="rise", given=(("h1", 1.0),)), "C1-CV1-H2-P2 takes 2 settings, 1 given: " + MORE),
-        (WizardRequest(constant="rise", given=(("h1", 1.0), ("h3", 1.0))), "C1-CV1-H2-P2 takes 2 settings: given"),
-        (WizardRequest(constant="rise", given=(("h1", 1.0), ("h4", 1.0))), "C1-CV1-H2-H3-C4 takes 3 settings, 2 given: " + MORE),
+        (WizardRequest(), "P1-P2 requires no setting; tick any for other curves"),
+        (WizardRequest(constant="rise"), "C1-CV1-H2-P2 requires 2 settings, 0 given: tick two, or optimise the rest"),
+        (WizardRequest(constant="rise", given=(("h1", 1.0),)), "C1-CV1-H2-P2 requires 2 settings, 1 given: " + MORE),
+        (WizardRequest(constant="rise", given=(("h1", 1.0), ("h3", 1.0))), "C1-CV1-H2-P2 requires 2 settings: given"),
+        (WizardRequest(constant="rise", given=(("h1", 1.0), ("h4", 1.0))), "C1-CV1-H2-H3-C4 requires 3 settings, 2 given: " + MORE),
         (
             WizardRequest(constant="rise", given=tuple((n, 1.0) for n in ("h1", "h2", "h3", "h4"))),
             "4 settings given, 3 can be met: untick one",
         ),
         (WizardRequest(constant="rise", given=(("length", 150.0),), goal="jerk"), "1 setting given; the rest is chosen for the least jerk"),
-        (WizardRequest(constant="rise", given=(("h1", 1.0),), points=((90.0, 5.0),)), "C1-CV1-H2-P2 takes 2 settings: given"),
+        (WizardRequest(constant="rise", given=(("h1", 1.0),), points=((90.0, 5.0),)), "C1-CV1-H2-P2 requires 2 settings: given"),
     ],
 )  # fmt: skip
 def test_how_many_settings_are_missing(asked: WizardRequest, told: str) -> None:
@@ -441,7 +441,7 @@ def test_a_wish_that_cannot_be_met_says_what_could_be(ask: Ask) -> None:
     wizard.type(row.box, "25")
     wizard.answered()
     assert row.message.isVisible()
-    assert row.message.text() == "h3 = 25 mm is not feasible beside h1 = 1; feasible: 0 < h3 ≤ 19 mm"
+    assert row.message.text() == "h3 = 25 mm is not feasible with h1 = 1; feasible: 0 < h3 ≤ 19 mm"
     assert row.box.refused
     assert not wizard.rows["h1"].message.isVisible()
     assert not wizard.can_put
@@ -504,7 +504,7 @@ def test_missing_and_surplus_settings_are_counted(ask: Ask) -> None:
     wizard = ask()
     wizard.click(wizard.questions.kind.constants["rise"], QPoint(8, 8))
     wizard.answered()
-    assert wizard.questions.count.text().startswith("C1-CV1-H2-P2 takes 2 settings, 0 given")
+    assert wizard.questions.count.text().startswith("C1-CV1-H2-P2 requires 2 settings, 0 given")
     assert wizard.veiled == "2 more to set"
     assert not wizard.can_put
     wizard.give(h1="1")
@@ -660,7 +660,7 @@ def test_precision_points(ask: Ask) -> None:
     assert study.motion.y[0, 120] * 1e3 == pytest.approx(8.0, abs=1e-9)
     wizard.type(row.level, "19.9")
     wizard.answered()
-    assert row.message.text().startswith("point at 120 deg = 19.9 mm is not feasible beside h1 = 1; feasible: ")
+    assert row.message.text().startswith("point at 120 deg = 19.9 mm is not feasible with h1 = 1; feasible: ")
     assert row.level.refused
     wizard.click(row.close)
     wait_for(lambda: not wizard.dialog.ranges.busy)
@@ -737,7 +737,7 @@ def test_a_segment_that_would_be_cut_is_told(ask: Ask) -> None:
     wizard = ask(LIFT, 3)
     wizard.type(wizard.questions.start, "60")
     wizard.answered()
-    wanted = "Segment 2, 35 ... 76.5°: moves, and would be cut; allowed: a join, or an angle in a dwell; not 60°"
+    wanted = "Segment 2, 35 ... 76.5°: moves, and would be split; allowed: a join, or an angle in a dwell; not 60°"
     assert wizard.dialog.message.text() == wanted
     assert not wizard.can_put
     assert wizard.table, "the curves are shown all the same"
@@ -824,9 +824,9 @@ def test_cancelling_leaves_nothing_behind(ask: Ask) -> None:
 
 def test_a_refusal_without_a_field_is_told_below(ask: Ask) -> None:
     wizard = ask(PICKER)
-    wizard.questions.show_error(BlendError("these settings leave no range; change one of them"))
+    wizard.questions.show_error(BlendError("these settings have no solution; change one of them"))
     assert wizard.questions.general.isVisible()
-    assert wizard.questions.general.text() == "these settings leave no range; change one of them"
+    assert wizard.questions.general.text() == "these settings have no solution; change one of them"
 
 
 def test_no_heading_is_cut_off_at_the_least_size(ask: Ask) -> None:
