@@ -95,10 +95,10 @@ def _pair(name: str, source: str) -> tuple[Formula, ...]:
 def _size(name: str, size: str = "", direction: str = "", member: str = "") -> tuple[Formula, ...]:
     """Size and direction of the force in a pair."""
     return (
-        Formula(size or name, _SIZES, ("F = √(F_x² + F_y²)",), "F.pair F_x F_y", "components of a force", f"{_VALUES}.force_part",
+        Formula(size or name, _SIZES, ("F = √(F_x² + F_y²)",), "F.pair F_x F_y", "components of a force", f"{_VALUES}.force_component",
                 member=member),
         Formula(direction or f"{name}_direction", _SIZES, ("ε = atan2(F_y, F_x)",), "ε.direction F_x F_y", "components of a force",
-                f"{_VALUES}.force_part", member=member),
+                f"{_VALUES}.force_component", member=member),
     )  # fmt: skip
 
 
@@ -140,11 +140,11 @@ _FORCES: tuple[Formula, ...] = (
             "J φ̈ r_B B r_G m_L g r_R m_R F_c n I_L r_L I_R Z_l", "Shin1995 (24)-(26), corrected", _BALANCE,
             has("phi", "follower_torque", "contact_force"), remark="moments about the pivot"),
     Formula("momentum_balance.arm", "Contact force on an arm", ("J φ̈ = M - F_c (r_C × n)", "J = I_L + m_L r_L² + I_R + m_R Z_l²"),
-            "J φ̈ M.arm F_c r_C n I_L m_L r_L I_R m_R Z_l", "balance of the arm", _BALANCE,
+            "J φ̈ M.arm F_c r_C n I_L m_L r_L I_R m_R Z_l", "balance of momentum", _BALANCE,
             has("follower_torque", "contact_force", without="phi")),
     Formula("momentum_balance.guide", "Contact force on a guide",
             ("m ÿ = -F_c (n · e) - k y - F_0 + m (g · e) + F - μ|N| sgn ẏ",),
-            "m.follower ÿ F_c n e.guide k.spring y F_0 g F.loads μ N ẏ", "balance of the follower", _BALANCE,
+            "m.follower ÿ F_c n e.guide k.spring y F_0 g F.loads μ N ẏ", "balance of momentum", _BALANCE,
             has("guide_force", "contact_force", without="phi")),
     Formula("driver_torque", _DRIVER, ("T = -Σ (F - m a) · ∂r/∂q",), "T.driver F.body m.body a.body r.body q.driver", _POWER, _WALK),
     Formula("driver_force", _DRIVER, ("F_d = -Σ (F - m a) · ∂r/∂q",), "F_d F.body m.body a.body r.body q.driver", _POWER, _WALK),
@@ -155,14 +155,14 @@ _FORCES: tuple[Formula, ...] = (
     Formula("force", "Force or torque of the motion", ("F = m ÿ - F_e + F_r sgn ẏ",), "F.motion m.motion ÿ F_e F_r ẏ", "Newton", _WALK),
     Formula("output_torque", "Force or torque of the motion", ("T = I ÿ - T_e + T_r sgn ẏ",),
             "T.motion I.motion ÿ T_e T_r.friction ẏ", "Euler", _WALK),
-    Formula("output_power", "Power", ("P = T ẏ",), "P.power T.output ẏ", _ENERGY, f"{_VALUES}.moved"),
+    Formula("output_power", "Power", ("P = T ẏ",), "P.power T.output ẏ", _ENERGY, f"{_VALUES}.output_power"),
     Formula("drive_torque", "Cam torque", ("T_c = -d (C × F_c (n + μ v̂))",), "T_c d C F_c n μ.contact v̂", "Shin1995 (27)", _WALK,
             working="T_c = -d (C_x p_y - C_y p_x) F", values="d C_x C_y p_x.direction p_y.direction F.flank",
             remark="positive where it drives against the cam"),
     Formula("follower_torque", "Torque on the arm", ("T_L = -F_c (r_R × n)",), "T_L F_c r_R n", "Shin1995 (24), (25), corrected", _WALK,
             working="T_L = -F ((C_x - P_x) p_y - (C_y - P_y) p_x)",
             values="F.flank p_x.direction p_y.direction C_x C_y P_x.pivot P_y.pivot"),
-    Formula("guide_force", "Guide force", ("N = e × G",), "N e.line G", "Shin1995 (21), corrected", f"{_VALUES}.guide_of",
+    Formula("guide_force", "Guide force", ("N = e × G",), "N e.line G", "Shin1995 (21), corrected", f"{_VALUES}.guide_reaction",
             working="N = e_x G_y - e_y G_x", values="G_x G_y e_x.line e_y.line"),
     *_pair("slider_pin", "Shin1995 (21), (23), corrected"),
     *_pair("arm_pin", "Shin1995 (21), (23), corrected"),
@@ -188,7 +188,7 @@ _POWERS: tuple[Formula, ...] = (
     Formula("power.load", "Power", ("P = F ẏ",), "P.power F.motion ẏ", _ENERGY, "core.dynamics.power_of"),
     Formula("power.drive", "Power", ("P = T ω",), "P.power T.driver ω", _ENERGY, "core.dynamics.power_given"),
     Formula("power.gravity", "Power", ("P = Σ m g · v",), "P.power m.body g v.point", _ENERGY, "core.dynamics.power_of_gravity"),
-    Formula("power.friction_{}", "Power", ("P = -μ |N| |v|",), "P.power μ N v.point", _ENERGY, _WALK),
+    Formula("power.friction_{}", "Power", ("P = -μ |N| |v|",), "P.power μ N v.point", "Coulomb friction", _WALK),
     Formula("power.{}", "Power", ("P = F · v + M ω",), "P.power F.body v.point M.body ω.body", _ENERGY, "core.dynamics.power_of"),
     Formula("power_balance.springs", "Springs and dampers between points", ("F = k (l - l_0) + c l̇",),
             "F.element k.spring l.spring l_0 c.damper l̇", "along the line between the points", "core.dynamics.elements.Spring.loads",

@@ -57,7 +57,7 @@ from core.output.graph import (
 from core.output.graph.curves import GraphPicture
 from core.output.graph.model import ENDING, load_setup, relative, save_setup
 from core.study import STAGES, Quantity, Study, quantity
-from core.study.member_quantities import gain_of
+from core.study.member_quantities import gain_per_turn
 from core.units import conversion_factor
 from kindyna_gui import dialogs
 from kindyna_gui.documents.bands import Bands
@@ -311,7 +311,7 @@ class CurvesView(View):
         found, made = self.bands.read(list(wanted.values())), {}
         for i, row in wanted.items():
             if row.slug in found:
-                x, band = closed(found[row.slug], gain_of(self.session.study, row.name) / row.unit.factor)
+                x, band = closed(found[row.slug], gain_per_turn(self.session.study, row.name) / row.unit.factor)
                 each = self.found.series[i]
                 made[i] = (
                     x * conversion_factor("°", each.x_unit),

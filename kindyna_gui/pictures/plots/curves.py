@@ -16,7 +16,7 @@ from core.mechanism.kinematics import REVOLUTE
 from core.motion.extremes import Extremes
 from core.study import Quantity, Study, extremes_of
 from core.study.limits import OWN_BOUNDS, bounded
-from core.study.member_quantities import gain_of
+from core.study.member_quantities import gain_per_turn
 from core.study.quantity_requests import allowable_pressure
 from core.units import split_unit
 from kindyna_gui.pictures.sizes import floor_of, without_noise
@@ -115,12 +115,12 @@ def read_curves(study: Study, channels: Sequence[Quantity], theme: Theme) -> lis
     seen: dict[str, int] = {}
     curves: list[Curve] = []
     for row in channels:
-        beside = next((curve for curve in curves if curve.channel.name == row.beside), None)
+        beside = next((curve for curve in curves if curve.channel.name == row.approximates), None)
         nth = seen[row.family] = seen.get(row.family, -1) + 1
         floor = floor_of(study, row)
         values = without_noise(row.values(study), floor)
         colour = theme.seen(shade(theme.family(row.family), nth)) if beside is None else beside.colour
-        gain = gain_of(study, row.name) / row.unit.factor
+        gain = gain_per_turn(study, row.name) / row.unit.factor
         curves.append(Curve(row, values, colour, floor, gain))
     return curves
 
@@ -137,7 +137,7 @@ def channel_extremes(study: Study, channels: Sequence[Quantity]) -> dict[str, Ex
     """Refined extremes of these channels by quantity, of those that have any; in SI."""
     found: dict[str, Extremes] = {}
     for stage in dict.fromkeys(row.stage for row in channels):
-        names = tuple(row.name for row in channels if row.stage == stage and not row.beside)
+        names = tuple(row.name for row in channels if row.stage == stage and not row.approximates)
         with suppress(KindynaError):
             found |= extremes_of(study, stage, names) if names else {}
     return found

@@ -85,7 +85,7 @@ def _names(study: Study) -> tuple[str, ...]:
     at_rest = {str(n) for n, turn in turning.items() if np.ptp(turn.angle) < NO_TURN}
     links = {row.name for row in OF_MEMBERS["link"]}
     return tuple(
-        n for n, row in rows.items() if not row.turns and not (shape_of(n) in links and member_of(n) in at_rest)
+        n for n, row in rows.items() if not row.is_periodic and not (shape_of(n) in links and member_of(n) in at_rest)
     )
 
 
@@ -162,8 +162,8 @@ def split(study: Study, rows: Sequence[Quantity]) -> tuple[list[Quantity], list[
     """
     available = existing(study, rows)
     drawn = different(study, available)
-    reasons = [why_missing(study, row) for row in rows if row not in available and not row.beside]
-    reasons += [f"{row.label} is the same curve" for row in available if row not in drawn and not row.beside]
+    reasons = [why_missing(study, row) for row in rows if row not in available and not row.approximates]
+    reasons += [f"{row.label} is the same curve" for row in available if row not in drawn and not row.approximates]
     return drawn, reasons
 
 
