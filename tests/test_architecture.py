@@ -236,7 +236,6 @@ UNDOCUMENTED: tuple[str, ...] = (
     "core/numerics/",
     "core/output/",
     "core/output/explain/",
-    "core/output/graph/",
     "core/output/report/",
     "core/papers/",
     "core/project/",

@@ -11,7 +11,7 @@ from core.frozen import frozen
 from core.process import without_garbage_collection
 
 if TYPE_CHECKING:
-    from core.output.graph.curves import GraphPicture
+    from core.output.graph.curves import GraphImage
     from core.output.position import Snapshot
     from core.output.report.document import Printed
     from core.papers import Drawing
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 DONE, DONE_WITH_ERRORS, NOTHING_DONE = 0, 1, 2
 """Exit codes: done; done and all files written, but a finding is an error; nothing done."""
 
-Drawn: TypeAlias = "Study | Snapshot | Chart | Figure | GraphPicture | Drawing | Printed"
+Drawn: TypeAlias = "Study | Snapshot | Chart | Figure | GraphImage | Drawing | Printed"
 """What can be painted: a study, a linkage at one angle, a chart or another figure of stability, a graph, a figure of a paper, a
 report to hand on."""
 

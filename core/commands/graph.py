@@ -27,18 +27,18 @@ from core.output.graph import (
     Graph,
     GraphAxis,
     GraphCurve,
-    Plotted,
+    GraphData,
     Source,
     add_curve,
-    gap,
+    graph_data,
     is_colour,
     numbers_csv,
-    plotted,
     point_at,
+    point_distance,
     read_source,
-    ready,
+    ready_graphs,
 )
-from core.output.graph.curves import ENDINGS, LEAST_SIDE, MOST_SIDE, USUAL_SIZE, GraphPicture
+from core.output.graph.curves import DEFAULT_SIZE, ENDINGS, LEAST_SIDE, MOST_SIDE, GraphImage
 from core.output.graph.model import load_setup
 from core.output.lines import printable
 from core.output.summary import to_json
@@ -168,8 +168,8 @@ class GraphArguments:
     right_log: bool = _axis_log("right axis")
     size: tuple[int, int] = text_option(
         "of the picture",
-        default=USUAL_SIZE,
-        default_text=f"{USUAL_SIZE[0]}x{USUAL_SIZE[1]}",
+        default=DEFAULT_SIZE,
+        default_text=f"{DEFAULT_SIZE[0]}x{DEFAULT_SIZE[1]}",
         type=picture_size(LEAST_SIDE, MOST_SIDE),
         metavar="WxH",
     )
@@ -194,7 +194,7 @@ def run_graph(arguments: GraphArguments, painter: Painter | None) -> int:
         return sources[name]
 
     graph = _graph(arguments, source_of)
-    found = plotted(graph, source_of)
+    found = graph_data(graph, source_of)
     for line in _lines_wrong(graph, found):
         print(printable(line), file=sys.stderr)
     if not found.series:
@@ -249,7 +249,7 @@ def _ready(arguments: GraphArguments, source_of: Callable[[str], Source]) -> Gra
     if arguments.setup is not None:
         raise KindynaError("--ready: not together with --setup")
     source = source_of("")
-    there = ready(source) if isinstance(source, DesignSource) else ()
+    there = ready_graphs(source) if isinstance(source, DesignSource) else ()
     for each in there:
         if each.name == arguments.ready:
             return each.graph
@@ -284,22 +284,22 @@ def _scale(scale: GraphAxis, arguments: GraphArguments, side: str) -> GraphAxis:
     return replace(scale, title=scale.title if title is None else title, low=low, high=high, log=scale.log or log)
 
 
-def _lines_wrong(graph: Graph, found: Plotted) -> list[str]:
+def _lines_wrong(graph: Graph, found: GraphData) -> list[str]:
     faults = [f"curve {graph.number(key) + 1}: {text}" for key, text in found.faults.items()]
     return [*dict.fromkeys(note for notes in found.notes.values() for note in notes), *faults]
 
 
-def _content(path: Path, graph: Graph, found: Plotted, size: tuple[int, int], painter: Painter | None) -> bytes | str:
+def _content(path: Path, graph: Graph, found: GraphData, size: tuple[int, int], painter: Painter | None) -> bytes | str:
     ending = path.suffix.lower()
     if ending == ".csv":
         return numbers_csv(found)
     if painter is None:
         raise KindynaError(f"{path.name}: pictures need kindyna --headless; a table (.csv) does not")
-    (data,) = painter(GraphPicture(graph, found, ending, *size, name=graph.title or path.stem)).values()
+    (data,) = painter(GraphImage(graph, found, ending, *size, name=graph.title or path.stem)).values()
     return data
 
 
-def _data(found: Plotted, at: float | None, to: float | None) -> dict[str, Any]:
+def _data(found: GraphData, at: float | None, to: float | None) -> dict[str, Any]:
     rows = []
     for i, each in enumerate(found.series):
         row: dict[str, Any] = {"name": each.name, "unit": each.y_unit, "points": each.x.size}
@@ -308,7 +308,7 @@ def _data(found: Plotted, at: float | None, to: float | None) -> dict[str, Any]:
             row |= {"x": first.x, "y": first.y}
             if to is not None:
                 second = point_at(found, i, to)
-                apart = gap(found, first, second)
+                apart = point_distance(found, first, second)
                 row |= {
                     "to_x": second.x,
                     "to_y": second.y,

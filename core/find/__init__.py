@@ -18,11 +18,11 @@ from core.find.search import Solution
 from core.find.shaft import EXTRA, ON_SHAFT, offered_on_shaft
 from core.find.spring import SEARCHES, find, remedy_of
 from core.find.trial import alone
-from core.study.limits import ANY_PRESSURE, BOUNDS, FORCE, LIMITS, OWN, UsualValue
+from core.study.limits import ANY_PRESSURE, BOUNDS, FORCE, LIMITS, USER, LimitValue
 
 __all__ = [
-    "ANY_PRESSURE", "BOUNDS", "EXTRA", "FIGURES", "FORCE", "LIMITS", "OF_PRESSURE", "ON_SHAFT", "OWN", "SEARCHES", "WANTED",
-    "LimitReading", "Ranked", "RankingColumn", "Solution", "Stated", "Trade", "UsualValue", "alone", "blend_candidates", "figures_of",
+    "ANY_PRESSURE", "BOUNDS", "EXTRA", "FIGURES", "FORCE", "LIMITS", "OF_PRESSURE", "ON_SHAFT", "SEARCHES", "USER", "WANTED",
+    "LimitReading", "LimitValue", "Ranked", "RankingColumn", "Solution", "Stated", "Trade", "alone", "blend_candidates", "figures_of",
     "find", "in_order", "law_candidates", "moving_segments", "offered", "offered_on_shaft", "ranked", "ranking", "remedy_of",
     "trade", "traded", "usual_limits", "varied",
 ]  # fmt: skip

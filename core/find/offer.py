@@ -15,7 +15,7 @@ from core.find.trial import RPM, KeptForce
 from core.frozen import frozen
 from core.motion.extremes import piecewise_angles
 from core.study import Study
-from core.study.limits import ANY_PRESSURE, BOUNDS, FORCE, LIMITS, OWN, UsualValue, limit_of
+from core.study.limits import ANY_PRESSURE, BOUNDS, FORCE, LIMITS, USER, LimitValue, limit_of
 from core.study.many import many
 from core.study.quantities import quantity
 
@@ -42,23 +42,23 @@ def varied(design: Design, what: str, place: str = "") -> tuple[str, ...]:
     return WANTED[what].fields(design, {place: (None, None)} if place else {})
 
 
-def usual_limits(design: Design, what: str) -> Mapping[str, UsualValue]:
+def usual_limits(design: Design, what: str) -> Mapping[str, LimitValue]:
     """What limits a search of ``WANTED`` where none is stated: the design's own limits, else the usual ones, as they are for the design
     at hand."""
     row, study = WANTED[what], Study(design)
-    found: dict[str, UsualValue | None] = {key: _known(study, key) for key in applying(design, what)}
+    found: dict[str, LimitValue | None] = {key: _known(study, key) for key in applying(design, what)}
     paths = row.fields(design, {})
     if row.bounded:
         found |= {key: _bound(study, key) for key in BOUNDS if key[:-4] in paths}
     if row.wanted == LIFT_OFF:
         force = _bound(study, f"{FORCE}_min")
-        found[f"{FORCE}_min"] = force if force is not None and force.source == OWN else AT_NOTHING
+        found[f"{FORCE}_min"] = force if force is not None and force.source == USER else AT_NOTHING
     elif _keeps(study, row):
         found |= {key: _bound(study, key) for key in row.keeping(design)}
     return {key: usual for key, usual in found.items() if usual is not None}
 
 
-AT_NOTHING = UsualValue(0.0, "there the follower leaves the cam", OWN)
+AT_NOTHING = LimitValue(0.0, "there the follower leaves the cam", USER)
 
 
 def applying(design: Design, what: str) -> tuple[str, ...]:
@@ -69,21 +69,21 @@ def applying(design: Design, what: str) -> tuple[str, ...]:
     return tuple(
         key
         for key in row.limits
-        if (own.get(key) is not None and not LIMITS[key].lacking(study))
+        if (own.get(key) is not None and not LIMITS[key].missing(study))
         or (own.get(key) is None and LIMITS[key].help and not (free and key.startswith("pressure_angle")))
     )
 
 
-def _known(study: Study, key: str) -> UsualValue | None:
+def _known(study: Study, key: str) -> LimitValue | None:
     try:
         return limit_of(study, key)
     except NoSolution:
         return None
 
 
-def _bound(study: Study, key: str) -> UsualValue | None:
+def _bound(study: Study, key: str) -> LimitValue | None:
     try:
-        return BOUNDS[key].usual(study)
+        return BOUNDS[key].typical(study)
     except NoSolution:
         return None
 
@@ -96,7 +96,7 @@ def _keeps(study: Study, row: SearchRow) -> bool:
         contact = study.contact_force
         if row.holding:
             return True
-        kept, speed = (BOUNDS[key].usual(study) for key in row.keeping(study.design))
+        kept, speed = (BOUNDS[key].typical(study) for key in row.keeping(study.design))
     except NoSolution:
         return False
     if kept is None or speed is None:
@@ -118,7 +118,7 @@ class Request:
 
     limits: dict[str, float | None]
     bounds: Bounds
-    at_bound: Mapping[str, UsualValue]
+    at_bound: Mapping[str, LimitValue]
     contact: KeptForce | None
     waived: frozenset[str]
 
@@ -159,20 +159,20 @@ def _bound_by(bounds: Bounds, key: str, value: float | None) -> None:
     bounds[key[:-4]] = (value, high) if key.endswith(ENDS[0]) else (low, value)
 
 
-def _between(bounds: Bounds, key: str, usual: UsualValue) -> bool:
+def _between(bounds: Bounds, key: str, usual: LimitValue) -> bool:
     """Whether a usual bound leaves something to the one that is stated on the other side."""
     low, high = bounds.get(key[:-4], (None, None))
     return high is None or usual.value < high if key.endswith(ENDS[0]) else low is None or usual.value > low
 
 
 def _contact(
-    design: Design, keeping: tuple[str, ...], stated: Stated, usual: Mapping[str, UsualValue]
+    design: Design, keeping: tuple[str, ...], stated: Stated, usual: Mapping[str, LimitValue]
 ) -> KeptForce | None:
     """The force, and the speed up to which, of a search that keeps the follower on the cam, or in which one of them is stated."""
     if not any(stated.get(key) is not None or key in usual for key in keeping) or stated.get(keeping[0], 0.0) is None:
         return None
     force, own = stated.get(keeping[0]), usual.get(keeping[0])
-    if force is None and own is not None and own.source == OWN:
+    if force is None and own is not None and own.source == USER:
         force = own.value
     speeds = {key: each.value for key, each in usual.items()} | dict(stated)
     speed = speeds.get(keeping[-1]) if len(keeping) > 1 else None
@@ -184,7 +184,7 @@ def _require_sense(key: str, value: float | None) -> None:
     if value is None:
         return
     fits, allowed = value >= 0.0, f">= 0 {row.unit}"
-    if row.most:
+    if row.is_upper:
         angle = row.unit == "deg"
         fits, allowed = (
             0.0 < value < (90.0 if angle else math.inf),

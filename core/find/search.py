@@ -159,7 +159,7 @@ def find(
         return _narrowest_face(design, paths, wish.bounds)
     study = Study(design)
     for key in stated:
-        if key in wish.limits and (lacking := LIMITS[key].lacking(study)):
+        if key in wish.limits and (lacking := LIMITS[key].missing(study)):
             raise KindynaError(f"limit {key}: this design has no such figure yet; give it {lacking}")
     wish.limits.setdefault(CONVEX, 0.0)
     solver = _SOLVERS[len(paths), row.wanted]
@@ -585,7 +585,7 @@ def _near(found: float, present: float, values: np.ndarray) -> tuple[float, floa
 
 def _reached_before(trials: Trials) -> Mapping[str, float]:
     """What the design at hand reaches of every limit of the cam's shape, and of those of forces that are stated."""
-    open_limits = {key: OPEN_PRESSURE if row.most else 0.0 for key, row in LIMITS.items() if not row.of_forces}
+    open_limits = {key: OPEN_PRESSURE if row.is_upper else 0.0 for key, row in LIMITS.items() if not row.needs_forces}
     present = Trials(trials.design, (), open_limits | trials.limits, contact=trials.contact)
     readings = present.at().readings
     return {reading.key: reading.reached for reading in (*readings, *(present.forces() if readings else ()))}

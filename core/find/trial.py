@@ -19,7 +19,7 @@ from core.motion import Angles
 from core.motion.extremes import Extreme, find_highest, piecewise_angles
 from core.numerics.lazy import checkpoint, column
 from core.study import Study, findings_of
-from core.study.limits import FORCE, FORCE_PART, LIMITS, OWN_BOUNDS, POLAR, Curve, bounded, by_torque
+from core.study.limits import FORCE, FORCE_PART, LIMITS, POLAR, USER_BOUNDS, Curve, bounded_quantities, needs_torque
 
 # -- what ``check`` finds in the machine at hand ----------------------------------------------------------------
 
@@ -181,10 +181,10 @@ def sampled_together(
     from core.study.quantity_requests import QuantityRequest
     from core.study.stages_of_many import POINTS, Together
 
-    read = [name for key in keys if key in OWN_BOUNDS for name in bounded(design, key)]
+    read = [name for key in keys if key in USER_BOUNDS for name in bounded_quantities(design, key)]
     if not rows.size or not all(together(design, paths, QuantityRequest("", name, "max", 1.0)) for name in read):
         return
-    stage = "dynamics" if any(LIMITS[key].of_forces for key in keys) else "cam"
+    stage = "dynamics" if any(LIMITS[key].needs_forces for key in keys) else "cam"
     size = max(1, POINTS // piecewise_angles(Study(design).uncut).theta.size)
     for first in range(0, rows.shape[1], size):
         checkpoint()
@@ -366,14 +366,14 @@ class Trials:
         try:
             if self.contact is not None:
                 yield _contact_reading(study, self.contact)
-            if self._by_torque(study) and (usual := LIMITS[POLAR].usual(study)):
+            if self._by_torque(study) and (usual := LIMITS[POLAR].typical(study)):
                 nearest = _highest(study.at(piecewise_angles(study.program)), (POLAR,))[POLAR]
                 yield _reading(POLAR, nearest, usual.value, usual.reason)
         except NoSolution:
             return
 
     def _by_torque(self, study: Study) -> bool:
-        return POLAR in self.limits and self.limits[POLAR] is None and by_torque(study)
+        return POLAR in self.limits and self.limits[POLAR] is None and needs_torque(study)
 
     def new(self, *values: float, quick: bool = False) -> tuple[str, ...]:
         """What the forces stand against with these values, and what else the machine would be complained of that it is not now; quick: of
@@ -401,7 +401,7 @@ class Trials:
         readings = []
         for key, stated in self.limits.items():
             usual = (
-                LIMITS[key].usual(study) if stated is None and not (key == POLAR and self._by_torque(study)) else None
+                LIMITS[key].typical(study) if stated is None and not (key == POLAR and self._by_torque(study)) else None
             )
             limit = usual.value if usual else stated
             if limit is not None:

@@ -609,12 +609,12 @@ class SubdividedTurn:
     @property
     def velocity_signs(self) -> np.ndarray:
         """Sign (m,) of the velocity on each piece: -1, 0 or 1."""
-        return np.asarray(self._original.velocity_signs[self._of])
+        return np.asarray(self._original.velocity_signs[self._owner])
 
     @property
     def segment(self) -> np.ndarray:
         """Segment (m,) to which each piece belongs."""
-        return np.asarray(self._original.segment[self._of])
+        return np.asarray(self._original.segment[self._owner])
 
     def angles(self, theta: np.ndarray, cached: bool = False) -> Angles:
         """Angles with their pieces; at a join the piece to the right.

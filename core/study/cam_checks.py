@@ -1,5 +1,7 @@
-"""The checks of a cam that go through the whole turn: pressure angle on rise and return, smallest radii, hub, bore and cutter,
-and the profile against itself; and all its limits side by side."""
+"""Checks of a cam over the full turn, and its figures with their limits.
+
+They are the pressure angle on rise and return, the smallest radii, hub, bore and cutter, and crossings of the profile.
+"""
 
 from __future__ import annotations
 
@@ -15,53 +17,57 @@ from core.findings import Finding
 from core.motion import TURN, Angles
 from core.motion.extremes import Extreme, Extremes, find_extremes, piecewise_angles
 from core.study import quantity_requests
-from core.study.extremes import cam_extremes, undercut_on
-from core.study.limits import OWN, OWN_BOUNDS, POLAR, UsualValue, by_torque, limit_of, worst_of
+from core.study.extremes import cam_extremes, has_undercut
+from core.study.limits import POLAR, USER, USER_BOUNDS, LimitValue, limit_of, needs_torque, worst_values
 from core.study.quantities import quantities_of
 from core.study.stages import memory
 from core.study.study import Study
 from core.units import split_unit
 
-_UNDER = "pressure_angle"
-CLEAR = 1.05  # times a limit: what samples leave needs no refining
-_SAMPLES = 181  # between two cam angles, to see whether the profile runs backwards there
+_PRESSURE_ANGLE = "pressure_angle"
+CLEARANCE = 1.05  # times a limit: samples beyond it need no refining
+_SAMPLES = 181  # between two cam angles, to see whether the profile runs backwards between them
 
 
 def pressure_angles(study: Study) -> Mapping[str, Mapping[str, Extremes]]:
-    """Refined extremes of the pressure angle [rad] of each flank that has one of its own (name of the quantity), by stretch of the
-    motion: ``rise`` and ``return``, as far as there is one."""
+    """Refined extremes of the pressure angle [rad]: quantity of a flank -> ``rise`` or ``return`` -> extremes.
+
+    Stretches that the motion lacks are left out.
+    """
 
     def compute() -> Mapping[str, Mapping[str, Extremes]]:
-        rows = {name: row for name, row in quantities_of(study, "cam").items() if name.endswith(_UNDER)}
+        rows = {name: row for name, row in quantities_of(study, "cam").items() if name.endswith(_PRESSURE_ANGLE)}
 
         def values(angles: Angles) -> Mapping[str, np.ndarray]:
-            there = study.at(angles)
-            sign = there.motion.velocity_sign
-            each = {name: row.value(there) for name, row in rows.items()}
+            at_angles = study.at(angles)
+            velocity_sign = at_angles.motion.velocity_sign
+            pressure_angle = {name: row.value(at_angles) for name, row in rows.items()}
             return {
-                f"{name} {stretch}": np.where(sign == way, value, nan)
-                for name, value in each.items()
-                for stretch, way in checks.STRETCHES.items()
+                f"{name} {stretch}": np.where(velocity_sign == sign, value, nan)
+                for name, value in pressure_angle.items()
+                for stretch, sign in checks.STRETCHES.items()
             }
 
-        found = find_extremes(values, study.program)
-        there = {name: {stretch: found[f"{name} {stretch}"] for stretch in checks.STRETCHES} for name in rows}
-        return {
-            name: {key: each for key, each in by.items() if isfinite(each.high.value)} for name, by in there.items()
-        }
+        extremes = find_extremes(values, study.program)
+        result: dict[str, dict[str, Extremes]] = {name: {} for name in rows}
+        for name in rows:
+            for stretch in checks.STRETCHES:
+                if isfinite(extremes[f"{name} {stretch}"].high.value):
+                    result[name][stretch] = extremes[f"{name} {stretch}"]
+        return result
 
-    found: Mapping[str, Mapping[str, Extremes]] = memory.get("pressure angles", study.depends_on("cam"), compute)
-    return found
+    result: Mapping[str, Mapping[str, Extremes]] = memory.get("pressure angles", study.depends_on("cam"), compute)
+    return result
 
 
-def radii(study: Study) -> tuple[cam.Radius, ...]:
-    """The smallest radii of curvature of profile and pitch curve [m], convex and concave."""
+def smallest_radii(study: Study) -> tuple[cam.Radius, ...]:
+    """Smallest radii of curvature of profile and pitch curve [m], convex and concave."""
     drive = study.design.drive
     return cam.smallest_radii(cam_extremes(study), drive.face, drive.cam)
 
 
-def crossings(study: Study, flank: str) -> tuple[cam.Crossing, ...]:
-    """Where a flank crosses itself, that of an undercut aside. None where the motion jumps, so that no profile is closed."""
+def profile_crossings(study: Study, flank: str) -> tuple[cam.Crossing, ...]:
+    """Crossings of a flank with itself, except those of an undercut; empty where the motion jumps: the profile is not closed."""
     if any(join.jumps[0] for join in study.program.joins):
         return ()
 
@@ -71,7 +77,7 @@ def crossings(study: Study, flank: str) -> tuple[cam.Crossing, ...]:
     corners = [join.theta for join in study.program.joins if join.jumps[1]]
 
     def is_reversed_between(first: float, second: float) -> bool:
-        """On the shorter way; a corner of the pitch curve counts as an undercut."""
+        """Whether the profile runs backwards on the shorter path between two cam angles; a corner counts as an undercut."""
         ends = (first, second) if second - first <= 0.5 * TURN else (second, first + TURN)
         if any(ends[0] <= corner + turns <= ends[1] for corner in corners for turns in (0.0, TURN)):
             return True
@@ -82,116 +88,122 @@ def crossings(study: Study, flank: str) -> tuple[cam.Crossing, ...]:
         profile = study.at(angles).cam.only(flank).flank.profile
         return checks.without_undercut(cam.crossings(flank_at, angles.theta, profile), is_reversed_between)
 
-    found: tuple[cam.Crossing, ...] = memory.get(("crossings", flank), study.depends_on("cam"), compute)
-    return found
+    result: tuple[cam.Crossing, ...] = memory.get(("crossings", flank), study.depends_on("cam"), compute)
+    return result
 
 
-def findings(study: Study) -> list[Finding]:
-    """What the cam exceeds besides the usual limits."""
+def cam_findings(study: Study) -> list[Finding]:
+    """Findings of the checks in this module that need no forces."""
     drive = study.design.drive
     limits, blank, face = drive.limits, drive.cam, drive.face
-    found: list[Finding] = []
+    findings: list[Finding] = []
     if any(getattr(limits, f"pressure_angle_{stretch}_deg") is not None for stretch in checks.STRETCHES):
         second = cam.second_entry(drive.mechanism, blank)
-        for name, by in pressure_angles(study).items():
-            worst = {stretch: each.high for stretch, each in by.items()}
-            found += checks.pressure_findings(worst, limits, face, blank, second if name != _UNDER else None)
-    found += checks.radius_findings(radii(study), _least_radii(study), blank)
-    found += checks.cutter_findings(radii(study), face, blank)
-    found += _core_findings(study)
+        for name, stretches in pressure_angles(study).items():
+            worst = {stretch: extremes.high for stretch, extremes in stretches.items()}
+            entry = second if name != _PRESSURE_ANGLE else None
+            findings += checks.pressure_findings(worst, limits, face, blank, entry)
+    findings += checks.radius_findings(smallest_radii(study), _radius_limits(study), blank)
+    findings += checks.cutter_findings(smallest_radii(study), face, blank)
+    findings += _hub_findings(study)
     for flank in cam.form_row(blank.form).flanks:
         if not blank.form.holds or flank == cam.SECOND:
-            found += checks.crossing_findings(flank, crossings(study, flank), blank)
-    return found
+            findings += checks.crossing_findings(flank, profile_crossings(study, flank), blank)
+    return findings
 
 
-def _least_radii(study: Study) -> Mapping[str, checks.LeastRadius]:
-    """Sort of a radius of curvature -> its limit; where the profile is undercut its least convex radius is 0, which is said already."""
-    undercut = any(undercut_on(study, flank) for flank in cam.form_row(study.design.drive.cam.form).flanks)
-    found = {sort: limit_of(study, f"{sort}_radius_mm") for sort in ("convex", "concave")}
+def _radius_limits(study: Study) -> Mapping[str, checks.LeastRadius]:
+    """ "convex" or "concave" -> its limit; no typical limit where the profile is undercut, which has its own finding."""
+    is_undercut = has_undercut(study)
+    limits = {sort: limit_of(study, f"{sort}_radius_mm") for sort in ("convex", "concave")}
     return {
-        sort: _least(usual)
-        for sort, usual in found.items()
-        if usual is not None and not (undercut and usual.source != OWN)
+        sort: _least_radius(limit)
+        for sort, limit in limits.items()
+        if limit is not None and not (is_undercut and limit.source != USER)
     }
 
 
-def _least(usual: UsualValue) -> checks.LeastRadius:
-    return (
-        checks.LeastRadius(usual.value, "your own limit")
-        if usual.source == OWN
-        else checks.LeastRadius(usual.value, "limit", f" ({usual.reason})")
-    )
+def _least_radius(limit: LimitValue) -> checks.LeastRadius:
+    if limit.source == USER:
+        return checks.LeastRadius(limit.value, "your own limit")
+    return checks.LeastRadius(limit.value, "limit", f" ({limit.reason})")
 
 
-def nearest(study: Study) -> Extreme:
-    """Where the profiles come nearest to the cam centre [m], refined."""
+def least_distance(study: Study) -> Extreme:
+    """Least distance of the profiles from the cam centre [m], refined."""
 
     def compute() -> Extreme:
-        found = find_extremes(lambda angles: _distances(study.at(angles)), study.program)
-        return min((each.low for each in found.values()), key=lambda extreme: extreme.value)
+        extremes = find_extremes(lambda angles: _distances(study.at(angles)), study.program)
+        return min((e.low for e in extremes.values()), key=lambda extreme: extreme.value)
 
-    found: Extreme = memory.get("nearest", study.depends_on("cam"), compute)
-    return found
+    result: Extreme = memory.get("nearest", study.depends_on("cam"), compute)
+    return result
 
 
 def _distances(study: Study) -> Mapping[str, np.ndarray]:
-    """Flank -> distance of its profile from the cam centre (n,) [m]; the outer one of a groove lies outside of the other."""
+    """Flank -> distance of its profile from the cam centre (n,) [m]; without the outer flank of a groove, which is farther."""
     return {flank.name: np.abs(flank.profile) for flank in study.cam.flanks if flank.name != cam.OUTER}
 
 
-def _core_findings(study: Study) -> list[Finding]:
-    """Of hub, bore and keyway."""
+def _hub_findings(study: Study) -> list[Finding]:
+    """A profile that cuts hub, bore or keyway, or leaves no room for them."""
     blank = study.design.drive.cam
     if checks.inner_circles(blank):
-        first = cam_extremes(study)["radius"].low
-        found = checks.hub_findings(first, blank)
-        if not found and first.value <= checks.keyway_reach(blank):
+        least = cam_extremes(study)["radius"].low
+        findings = checks.hub_findings(least, blank)
+        if not findings and least.value <= checks.keyway_reach(blank):
 
             def wall(angles: Angles) -> Mapping[str, np.ndarray]:
                 return {"wall": checks.keyway_clearance(study.at(angles).cam.flank.profile, blank)}
 
-            found = checks.keyway_findings(find_extremes(wall, study.program)["wall"].low, blank)
-        if found:
-            return found
-    return [] if by_torque(study) else _room_findings(study)
+            findings = checks.keyway_findings(find_extremes(wall, study.program)["wall"].low, blank)
+        if findings:
+            return findings
+    return [] if needs_torque(study) else _room_findings(study)
 
 
 def _room_findings(study: Study) -> list[Finding]:
-    """A profile that leaves no room for hub or shaft; refined where samples come near to that."""
+    """A profile that leaves no room for hub or shaft; the least distance is refined where samples are near the limit."""
     drive = study.design.drive
 
     def compute() -> list[Finding]:
-        there = study.at(piecewise_angles(study.program))
-        rough = limit_of(there, POLAR)
-        if rough is None or 1e3 * min(each.min() for each in _distances(there).values()) > CLEAR * rough.value:
+        sampled = study.at(piecewise_angles(study.program))
+        rough = limit_of(sampled, POLAR)
+        if rough is None or 1e3 * min(d.min() for d in _distances(sampled).values()) > CLEARANCE * rough.value:
             return []
-        usual = limit_of(study, POLAR)
-        return [] if usual is None else checks.least_findings("polar-radius", nearest(study), _least(usual), drive.cam)
+        limit = limit_of(study, POLAR)
+        if limit is None:
+            return []
+        return checks.least_findings("polar-radius", least_distance(study), _least_radius(limit), drive.cam)
 
-    stage = "dynamics" if by_torque(study) else "cam"
-    found: list[Finding] = memory.get(
-        "room", (study.depends_on(stage), drive.cam, drive.limits.polar_radius_mm), compute
-    )
-    return found
-
-
-def force_findings(study: Study) -> list[Finding]:
-    """A cam without room for a shaft that carries the torque."""
-    return _room_findings(study) if by_torque(study) else []
+    stage = "dynamics" if needs_torque(study) else "cam"
+    key = study.depends_on(stage), drive.cam, drive.limits.polar_radius_mm
+    findings: list[Finding] = memory.get("room", key, compute)
+    return findings
 
 
-# -- side by side ------------------------------------------------------------------------------------------
+def shaft_room_findings(study: Study) -> list[Finding]:
+    """A cam without room for a shaft that transmits the torque, where the limit follows from the torque."""
+    return _room_findings(study) if needs_torque(study) else []
+
+
+# -- figures with their limits -----------------------------------------------------------------------------
 
 
 class LimitRow(NamedTuple):
-    """A figure of a cam beside its limit, both in the unit of ``unit``.
+    """A figure of a cam with its limit.
 
-    name    slug, ending with its unit
-    label   what it is
-    value, cam_angle_deg   its worst, refined
-    limit   None where there is none
-    source  whose limit it is: ``own``, or where the usual one stands
+    Attributes
+    ----------
+    name : str
+        Slug, which ends with the unit.
+    label, unit : str
+    value, cam_angle_deg : float
+        Worst value in the unit, refined, and its cam angle.
+    limit : float or None
+        Limit in the unit; None where there is none.
+    source : str
+        ``own`` for the user's limit, else the source of the typical one.
     """
 
     name: str
@@ -208,47 +220,41 @@ _CURVES = {"profile": "of the profile", "pitch": "of the pitch curve", "outer": 
 
 
 def limit_rows(study: Study, stages: Sequence[str]) -> Iterator[LimitRow]:
-    """The figures of a cam that have limits, beside the user's own, else the usual ones; of the named stages."""
+    """Figures of a cam in the named stages, with the user's limits, or else typical ones."""
     if "cam" in stages and "cam" in study.stages:
         yield from _shape_rows(study, stages)
     for stage in (stage for stage in stages if stage in study.stages):
-        for key, own, worst in worst_of(study, stage):
+        for key, limit, worst in worst_values(study, stage):
             unit = key.removeprefix(f"{split_unit(key)[0]}_")
-            yield LimitRow(key, OWN_BOUNDS[key][0].label, unit, worst.value, degrees(worst.theta), own, OWN)
-    if "dynamics" in stages and (pressed := quantity_requests.peak_pressures(study)):
-        most = max(pressed.values(), key=lambda extreme: extreme.value)
-        yield _row(study, "contact_pressure_mpa", "Contact pressure", 1e-6 * most.value, most)
+            yield LimitRow(key, USER_BOUNDS[key][0].label, unit, worst.value, degrees(worst.theta), limit, USER)
+    if "dynamics" in stages and (pressures := quantity_requests.peak_pressures(study)):
+        greatest = max(pressures.values(), key=lambda extreme: extreme.value)
+        yield _row(study, "contact_pressure_mpa", "Contact pressure", 1e-6 * greatest.value, greatest)
 
 
 def _shape_rows(study: Study, stages: Sequence[str]) -> Iterator[LimitRow]:
-    for name, by in pressure_angles(study).items():
-        whose = "" if name == _UNDER else " of the second roller"
-        body = None if name == _UNDER else study.cam.only(cam.SECOND).flank.body
-        for stretch, each in by.items():
-            key = f"pressure_angle_{stretch}_deg"
-            row = _row(
-                study,
-                key,
-                f"Pressure angle{whose}, {stretch}",
-                degrees(each.high.value),
-                each.high,
-                f"{name}_{stretch}_deg",
-            )
-            if body is not None and row.source != OWN:
+    for name, stretches in pressure_angles(study).items():
+        roller = "" if name == _PRESSURE_ANGLE else " of the second roller"
+        body = None if name == _PRESSURE_ANGLE else study.cam.only(cam.SECOND).flank.body
+        for stretch, extremes in stretches.items():
+            key, label = f"pressure_angle_{stretch}_deg", f"Pressure angle{roller}, {stretch}"
+            worst = extremes.high
+            row = _row(study, key, label, degrees(worst.value), worst, f"{name}_{stretch}_deg")
+            if body is not None and row.source != USER:
                 row = row._replace(limit=cam.PRESSURE_LIMITS[study.frame_pair_kind(body)])
             yield row
-    for radius in radii(study):
+    for radius in smallest_radii(study):
         sort = "concave" if radius.is_concave else "convex"
         label = f"Smallest {sort} radius {_CURVES[radius.curve]}"
         key = f"{sort}_radius_mm" if radius.is_on_profile else ""
         yield _row(study, key, label, 1e3 * radius.smallest.value, radius.smallest, f"{radius.name}_mm")
-    if "dynamics" in stages or not by_torque(study):
-        least = nearest(study)
+    if "dynamics" in stages or not needs_torque(study):
+        least = least_distance(study)
         yield _row(study, POLAR, "Least distance of the profile from the cam centre", 1e3 * least.value, least)
 
 
 def _row(study: Study, key: str, label: str, value: float, at: Extreme, name: str = "") -> LimitRow:
-    """A figure in the unit of its name, beside the limit of that key; name: where it is another than the key."""
-    usual, name = limit_of(study, key) if key else None, name or key
-    found = (None, "") if usual is None else (usual.value, usual.source)
-    return LimitRow(name, label, name.rpartition("_")[2], value, degrees(at.theta), *found)
+    """A figure in the unit of its name (the key, where it is empty), with the limit of the key, where there is one."""
+    limit, name = limit_of(study, key) if key else None, name or key
+    value_and_source = (None, "") if limit is None else (limit.value, limit.source)
+    return LimitRow(name, label, name.rpartition("_")[2], value, degrees(at.theta), *value_and_source)

@@ -1,4 +1,4 @@
-"""The certificate of a study: each residual that exact arithmetic would make zero, with its bound."""
+"""The certificate of a study: residuals that are zero in exact arithmetic, with their bounds."""
 
 from __future__ import annotations
 
@@ -20,42 +20,45 @@ from core.study.camshaft import Camshaft
 from core.study.extremes import undercut_on
 from core.study.study import Study
 
-_POSITIONS = 120  # at which the centres are proven
-_MEANINGLESS = 1e-6  # a bound above it, of unit vectors, would pass lines that plainly miss each other
+_POSITIONS = 120  # of the mechanism, at which Kennedy's theorem is checked
+_MAX_BOUND = 1e-6  # of unit vectors: a greater bound would accept lines that clearly miss each other
 
 
 def certificate_of(study: Study, stages: Sequence[str] = ()) -> dict[str, Residual]:
-    """What proves the figures: name -> residual with its bound, of the named stages or of all. Of a design that lists its drives: those of
-    each drive by its slug, and the power balance of the sum."""
-    wanted, proof = stages or study.stages, dict[str, Residual]()
-    for slug, each in study.solved_drives.items():
-        found = _of_drive(each, [stage for stage in wanted if stage in each.stages])
-        proof |= {f"{slug}.{name}".removeprefix("."): residual for name, residual in found.items()}
+    """Name -> residual with its bound, of the named stages, or of all where none is named.
+
+    Of a design that lists its drives: the residuals of every drive, with its slug before the name, and the power balance of
+    the shaft.
+    """
+    stages, proof = stages or study.stages, dict[str, Residual]()
+    for slug, drive in study.solved_drives.items():
+        residuals = _drive_certificate(drive, [stage for stage in stages if stage in drive.stages])
+        proof |= {f"{slug}.{name}".removeprefix("."): residual for name, residual in residuals.items()}
     if len(study.solved_drives) < len(study.drives):
         return proof
-    if "dynamics" in wanted and "power_balance" not in proof and study.camshaft.loading_drives:
+    if "dynamics" in stages and "power_balance" not in proof and study.camshaft.loading_drives:
         proof["power_balance"] = _power_balance(study.camshaft, proof)
-    if "stability" in wanted and "stability" in study.stages:
+    if "stability" in stages and "stability" in study.stages:
         with suppress(NoStability):
             proof |= study.flexible_shaft().certificate
     return proof
 
 
-def _of_drive(study: Study, stages: Sequence[str]) -> dict[str, Residual]:
+def _drive_certificate(study: Study, stages: Sequence[str]) -> dict[str, Residual]:
     proof: dict[str, Residual] = {}
     if "motion" in stages:
         last = study.program.joins[-1]
         stroke = float(np.ptp(study.motion.displacement[0])) or 1.0
         proof["motion_closure"] = Residual(abs(float(last.jump[0])) / stroke, 1e-9 * max(1.0, 1.0 / stroke))
     if "linkage" in stages:
-        agrees = AGREES if study.mechanism.plan.redundant else 0.0  # what pairs that are too many may be open
+        agrees = AGREES if study.mechanism.plan.redundant else 0.0  # by which redundant pairs may be open
         proof["loop_closure"] = _worst(study.linkage.residual, np.maximum(agrees, EPS * study.linkage.condition))
         if study.mechanism.ranged:
             proof["three_centres"] = _three_centres(study)
     if "cam" in stages:
-        proof.update(_of_flanks(study))
+        proof.update(_flank_residuals(study))
     if "dynamics" in stages:
-        bound = np.maximum(1e-13, 64.0 * EPS * study.linkage.condition * _over_lever(study))
+        bound = np.maximum(1e-13, 64.0 * EPS * study.linkage.condition * _lever_ratio(study))
         parts = (study.linkage, study.shape, study.dynamics, study.loading)
         proof["power_balance"] = _worst(dynamics.power_residual(*parts), bound)
         proof["momentum_balance"] = _worst(dynamics.momentum_residual(*parts), bound)
@@ -64,10 +67,10 @@ def _of_drive(study: Study, stages: Sequence[str]) -> dict[str, Residual]:
     return proof
 
 
-def _of_flanks(study: Study) -> Iterator[tuple[str, Residual]]:
-    """Instant centre and tangency of every flank: a groove's two share their centre."""
+def _flank_residuals(study: Study) -> Iterator[tuple[str, Residual]]:
+    """Instant centre and tangency of every flank; the two flanks of a groove have one centre."""
     shape, faces = study.cam, cam.faces_of(study.design.drive.face, study.design.drive.cam)
-    # rounding grows with the distance, which a motion long against the base circle carries beyond it
+    # rounding grows with the distance from the cam centre, which a long motion makes greater than the base radius
     farthest = max(1.0, shape.extent / study.reach)
     for flank in shape.flanks:
         only, face, first = shape.only(flank.name), faces[flank.name], flank is shape.flank
@@ -80,44 +83,48 @@ def _of_flanks(study: Study) -> Iterator[tuple[str, Residual]]:
 
 
 def _worst(residual: np.ndarray, bound: np.ndarray) -> Residual:
-    """Of residuals with their own bounds (n,) the one that comes nearest to its bound, or lies farthest beyond."""
+    """The residual that is greatest relative to its bound, of residuals (n,) with bounds (n,)."""
     i = int(np.argmax(residual / np.maximum(bound, LEAST_BOUND)))
     return Residual(float(residual[i]), float(np.broadcast_to(bound, residual.shape)[i]))
 
 
 def _three_centres(study: Study) -> Residual:
-    """Kennedy's theorem at some of the angles, for enough triples of bodies to hold every centre (``proving_triples``), of a long linkage
-    every one on the frame and of a pair (``joining_triples``); a triple whose bound would be meaningless is left out where it is so."""
+    """Kennedy's theorem at some of the angles, for enough triples of bodies to include every centre.
+
+    Of a long linkage the triples include every centre on the frame and of a pair. Triples whose bound exceeds ``_MAX_BOUND``
+    are left out.
+    """
     step = max(1, study.theta.size // _POSITIONS)
     kinematics = unit_speed_kinematics(
         study.mechanism.linkage, study.drive.displacement[0][::step], study.driver_ranges
     )
-    found = moving_collinearity(kinematics, study.driver_ranges.plan.size)
-    bound = 16.0 * EPS * study.linkage.condition[::step] * found.error_bound
-    well = bound <= _MEANINGLESS
-    worst = _worst(found.zero[well], bound[well]) if well.any() else Residual(0.0, 0.0)
-    return replace(worst, left_out=well.size - int(np.count_nonzero(well)), cases=f"{well.size} triples")
+    collinearity = moving_collinearity(kinematics, study.driver_ranges.plan.size)
+    bound = 16.0 * EPS * study.linkage.condition[::step] * collinearity.error_bound
+    valid = bound <= _MAX_BOUND
+    worst = _worst(collinearity.zero[valid], bound[valid]) if valid.any() else Residual(0.0, 0.0)
+    return replace(worst, left_out=valid.size - int(np.count_nonzero(valid)), cases=f"{valid.size} triples")
 
 
-def _over_lever(study: Study) -> np.ndarray:
-    """How many times longer the linkage is than the contact force's lever on the driver (n,), 1 at least: the force
-    is as uncertain."""
+def _lever_ratio(study: Study) -> np.ndarray:
+    """Size of the linkage over the lever of the contact force on the driver (n,), at least 1: the force's error grows with it."""
     size = study.driver_ranges.plan.size if study.driver_ranges.plan.driver.revolute else 1.0
     with np.errstate(divide="ignore"):
         return np.fmax(1.0, size / np.abs(study.dynamics.lever))
 
 
-# -- of several drives on a shaft --------------------------------------------------------------------------
+# -- several drives on a shaft -----------------------------------------------------------------------------
 
 
 def _power_balance(camshaft: Camshaft[Study], proof: Mapping[str, Residual]) -> Residual:
-    """What the curve of the sum gives at these angles against where each drive, by its own angle, takes it: into kinetic and
-    potential energy and friction; relative to the peak of these terms."""
+    """Power of the shaft by its load curve less the power into kinetic energy, potential energy and friction of all drives.
+
+    Relative to the peak of these terms.
+    """
     terms, derived = [], 0.0
     for name in camshaft.loading_drives:
-        there, own = camshaft.drive_study(name), proof.get(f"{camshaft.slugs[name]}.power_balance")
-        terms += dynamics.power_terms(there.linkage, there.dynamics, there.loading)
-        derived += 0.0 if own is None else own.derived
-    given = shaft.value(camshaft.cams_load, camshaft.theta) * camshaft.omega
-    peak = max(float(np.abs(term).max(initial=0.0)) for term in [*terms, given]) or 1.0
-    return Residual(float(np.abs(given - sum(terms)).max()) / peak, derived)
+        study, residual = camshaft.drive_study(name), proof.get(f"{camshaft.slugs[name]}.power_balance")
+        terms += dynamics.power_terms(study.linkage, study.dynamics, study.loading)
+        derived += 0.0 if residual is None else residual.derived
+    shaft_power = shaft.value(camshaft.cams_load, camshaft.theta) * camshaft.omega
+    peak = max(float(np.abs(term).max(initial=0.0)) for term in [*terms, shaft_power]) or 1.0
+    return Residual(float(np.abs(shaft_power - sum(terms)).max()) / peak, derived)

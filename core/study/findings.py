@@ -1,4 +1,4 @@
-"""What a study exceeds: the findings of each stage, from its refined extremes."""
+"""Findings of a study: the limits that each stage exceeds, by its refined extremes."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from core.study import cam_checks, quantity_requests
 from core.study.camshaft import Camshaft
 from core.study.drive_forces import has_servo, servo_part, servo_turn
 from core.study.extremes import cam_extremes, extremes_of, search_together
-from core.study.limits import own_findings
+from core.study.limits import limit_findings
 from core.study.quantities import TRANSMISSION, member_of, names_of, quantities_of, quantity, shape_of
 from core.study.stages import memory
 from core.study.study import Study
@@ -28,17 +28,17 @@ if TYPE_CHECKING:
     from core.stability import Stability
 
 
-# -- what the servo's motor cannot give -------------------------------------------------------------------------
+# -- limits of the servo motor ----------------------------------------------------------------------------------
 
 
-ROUNDING = 1e-9  # of a limit: less above it is none
+ROUNDING = 1e-9  # of a limit: a smaller excess is rounding
 
 
 def _largest(study: Study, *names: str) -> Extreme:
-    """Of the quantities that the servo has, the largest size [SI]."""
-    there = names_of(study.design)
-    found = extremes_of(study, "dynamics", tuple(name for name in names if name in there))
-    return max((end for each in found.values() for end in (each.low, each.high)), key=lambda end: abs(end.value))
+    """Extreme that is greatest in size, of those named quantities that the servo has [SI units]."""
+    present = names_of(study.design)
+    extremes = extremes_of(study, "dynamics", tuple(name for name in names if name in present))
+    return max((side for e in extremes.values() for side in (e.low, e.high)), key=lambda side: abs(side.value))
 
 
 def _peak(study: Study) -> tuple[float, float | None]:
@@ -61,11 +61,11 @@ LIMITS: tuple[tuple[str, str, str, str, Callable[[Study], tuple[float, float | N
     ("servo-rms", ERROR, "rated_torque_nm", "N·m", _rms),
     ("servo-speed", WARNING, "rated_rpm", "rpm", _speed),
 )
-"""Code, severity, field of [servo], unit, and what reaches it with its cam angle [deg]."""
+"""Code, severity, field of [servo], unit, and function of a study: value and cam angle [deg]."""
 
 
 def servo_findings(study: Study) -> Iterator[Finding]:
-    """The limits of the motor that a design passes. Raises NoSolution as the stage dynamics does."""
+    """Limits of the motor that a design exceeds. Raises NoSolution as the stage ``dynamics``."""
     if not has_servo(study.design) or study.jam is not None:
         return
     servo = servo_part(study)
@@ -78,7 +78,7 @@ def servo_findings(study: Study) -> Iterator[Finding]:
             yield Finding(code, severity, f"servo.{field}", angle, {"value": value, "limit": limit, "unit": unit})
 
 
-# -- what a study exceeds ---------------------------------------------------------------------------------------
+# -- findings of all stages -------------------------------------------------------------------------------------
 
 
 _ORDER = {ERROR: 0, WARNING: 1, NOTE: 2}
@@ -86,83 +86,82 @@ _CONTACT, _ELASTIC_CONTACT = ("contact_force",), ("elastic_contact_force",)
 
 
 def findings_of(study: Study, stages: Sequence[str] = ()) -> tuple[Finding, ...]:
-    """What the named stages (all, where none is named) exceed, the gravest first. Raises NoSolution as the stages do.
+    """Findings of the named stages, of all where none is named, the gravest first. Raises NoSolution as the stages do.
 
-    Of a design that lists its drives: what each exceeds as far as it has answers, its name among the values and its field that of the
-    whole file; why one has none; and what all do together.
+    Of a design that lists its drives: the findings of every drive, with its name among the values and a field in the file of
+    the design, as far as its stages have a solution; why a drive has none; and the findings of the shaft.
     """
-    found = list(_of_camshaft(study.camshaft, stages) if study.design.listed else _of_stages(study, stages))
-    return tuple(sorted(found, key=lambda f: _ORDER[f.severity]))
+    findings = list(
+        _camshaft_findings(study.camshaft, stages) if study.design.listed else _stage_findings(study, stages)
+    )
+    return tuple(sorted(findings, key=lambda f: _ORDER[f.severity]))
 
 
-def _of_stages(study: Study, stages: Sequence[str]) -> Iterator[Finding]:
+def _stage_findings(study: Study, stages: Sequence[str]) -> Iterator[Finding]:
     _search_together(study, stages or study.stages)
     for name in stages or study.stages:
-        yield from _OF_STAGE[name](study)
-        yield from own_findings(study, name)
+        yield from _FINDINGS[name](study)
+        yield from limit_findings(study, name)
         if name == "dynamics":
             yield from servo_findings(study)
 
 
-# -- of one drive ------------------------------------------------------------------------------------------
+# -- one drive ---------------------------------------------------------------------------------------------
 
 
-def _of_motion(study: Study) -> list[Finding]:
+def _motion_findings(study: Study) -> list[Finding]:
     return motion.findings(program(study.design.drive.motion))
 
 
 def _search_together(study: Study, stages: Sequence[str]) -> None:
-    """The extremes that the findings of these stages ask for, so that the turn is gone through once for all of them."""
-    drive, asked = study.design.drive, {}
+    """Search the extremes of all quantities that these findings need at once, in one pass over the turn."""
+    drive, names = study.design.drive, {}
     if "linkage" in stages:
-        asked["linkage"] = _singular(study)
+        names["linkage"] = _singular(study)
     if "cam" in stages:
-        asked["cam"] = cam.limits_of(drive.face, drive.cam)
+        names["cam"] = cam.limits_of(drive.face, drive.cam)
     if {"cam", "dynamics"} <= set(stages) and not study.is_form_closed:
-        asked["dynamics"] = _CONTACT
-    search_together(study, {stage: names for stage, names in asked.items() if names})
+        names["dynamics"] = _CONTACT
+    search_together(study, {stage: only for stage, only in names.items() if only})
 
 
 def _singular(study: Study) -> tuple[str, ...]:
     """Quantities of the linkage that must not vanish."""
-    names = quantities_of(study, "linkage")
-    return tuple(n for n in names if n in mechanism.SINGULAR or shape_of(n) == TRANSMISSION)
+    return tuple(n for n in quantities_of(study, "linkage") if n in mechanism.SINGULAR or shape_of(n) == TRANSMISSION)
 
 
-def _of_linkage(study: Study) -> list[Finding]:
+def _linkage_findings(study: Study) -> list[Finding]:
     names = _singular(study)
-    found = extremes_of(study, "linkage", names) if names else {}
-    singular = {name: each for name, each in found.items() if name in mechanism.SINGULAR}
-    transmission = {member_of(name): each for name, each in found.items() if name not in singular}
+    extremes = extremes_of(study, "linkage", names) if names else {}
+    singular = {name: e for name, e in extremes.items() if name in mechanism.SINGULAR}
+    transmission = {member_of(name): e for name, e in extremes.items() if name not in singular}
     return mechanism.findings(study.driver_ranges, singular, transmission, study.by_crank)
 
 
-def _of_cam(study: Study) -> list[Finding]:
+def _cam_findings(study: Study) -> list[Finding]:
     drive, extremes = study.design.drive, cam_extremes(study)
-    # where the search over the turn has solved it; of a general linkage the study itself asks whether a cam can push it
-    there = study if study.mechanism.ranged else study.at(piecewise_angles(study.program))
-    grounds = {flank.name: there.frame_pair_kind(flank.body) for flank in there.cam.flanks}
+    # at the angles of the search, which are solved; of a linkage the study checks whether a cam can drive it
+    solved = study if study.mechanism.ranged else study.at(piecewise_angles(study.program))
+    pair_kinds = {flank.name: solved.frame_pair_kind(flank.body) for flank in solved.cam.flanks}
 
     def least_at(name: str, base_radius_mm: float) -> float:
-        """The refined least value of a quantity of the cam with another base radius; NaN where there is none."""
+        """Refined least value of a quantity of the cam with another base radius; NaN where it has none."""
         other = study.with_design(with_drive(study.design, cam=replace(drive.cam, base_radius_mm=base_radius_mm)))
         try:
-            return find_extremes(lambda angles: {name: quantity(name).value(other.at(angles))}, other.program)[
-                name
-            ].low.value
+            row = quantity(name)
+            return find_extremes(lambda angles: {name: row.value(other.at(angles))}, other.program)[name].low.value
         except NoSolution:
             return math.nan
 
-    found = cam.findings(extremes, grounds[cam.INNER], drive.face, drive.cam, least_at)
-    found += cam.further_findings(
-        extremes, grounds, drive.face, drive.cam, cam.second_entry(drive.mechanism, drive.cam)
-    )
-    found += cam.wall_findings(_wall(study), drive.cam) if cam.OUTER in grounds else []
-    return found + cam_checks.findings(study)
+    findings = cam.findings(extremes, pair_kinds[cam.INNER], drive.face, drive.cam, least_at)
+    second = cam.second_entry(drive.mechanism, drive.cam)
+    findings += cam.further_findings(extremes, pair_kinds, drive.face, drive.cam, second)
+    findings += cam.wall_findings(_thinnest_wall(study), drive.cam) if cam.OUTER in pair_kinds else []
+    return findings + cam_checks.cam_findings(study)
 
 
-def _wall(study: Study) -> Wall | None:
-    """The wall of a groove that is gone."""
+def _thinnest_wall(study: Study) -> Wall | None:
+    """Wall between the flanks of a groove where it has no thickness left; None where it has."""
 
     def compute() -> Wall | None:
         return cam.thinnest_wall(lambda theta: study.at_theta(theta).cam, study.cam, study.angles)
@@ -171,40 +170,36 @@ def _wall(study: Study) -> Wall | None:
     return wall
 
 
-def _of_dynamics(study: Study) -> list[Finding]:
+def _dynamics_findings(study: Study) -> list[Finding]:
     drive, jam = study.design.drive, study.jam
     jams = [] if jam is None or study.loading.empty else [dynamics.jam_finding(jam, study.jamming_pair)]
     if "cam" not in study.stages:
-        found = [*dynamics.findings(None, study.loading, "", lambda: 0.0), *jams]
+        findings = [*dynamics.findings(None, study.loading, "", lambda: 0.0), *jams]
     else:
         contact = None if study.is_form_closed else extremes_of(study, "dynamics", _CONTACT)["contact_force"]
-        wanted = getattr(drive.loads, "least_contact_force_n", None)
+        limit = getattr(drive.loads, "least_contact_force_n", None)
         noun = "" if cam.row_of(drive.face).rolls else drive.face.noun
-        found = [
-            *dynamics.findings(contact, study.loading, noun, lambda: _lift_off_rpm(study), wanted),
-            *jams,
-        ]
+        findings = [*dynamics.findings(contact, study.loading, noun, lambda: _lift_off_rpm(study), limit), *jams]
         if study.is_form_closed and jam is None and not study.loading.empty:
-            found += dynamics.change_findings(study.flank_impacts, drive.cam.form)
-        found += (
-            cam_checks.force_findings(study) + quantity_requests.pressure_findings(study) + _of_elastic_follower(study)
-        )
+            findings += dynamics.change_findings(study.flank_impacts, drive.cam.form)
+        findings += cam_checks.shaft_room_findings(study)
+        findings += quantity_requests.pressure_findings(study) + _elastic_follower_findings(study)
     if study.undetermined and not study.loading.empty:
         pairs = ", ".join(name for name in study.linkage.pairs if name in study.undetermined)
-        found.append(Finding("undetermined-reactions", NOTE, "linkage.links", None, {"pairs": pairs}))
-    found += dynamics.element_findings(lambda angles: study.at(angles).linkage, study.program, study.loading)
-    return [*found, *(shaft.findings(study.flywheel) if study.levels_torque and jam is None else [])]
+        findings.append(Finding("undetermined-reactions", NOTE, "linkage.links", None, {"pairs": pairs}))
+    findings += dynamics.element_findings(lambda angles: study.at(angles).linkage, study.program, study.loading)
+    return [*findings, *(shaft.findings(study.flywheel) if study.levels_torque and jam is None else [])]
 
 
 def _lift_off_rpm(study: Study) -> float:
-    """The speed from which on the follower leaves the cam, as it does at the design's own."""
-    own = abs(study.omega)
-    found = study.lift_off if study.jam is None else None
-    return (own if found is None else min(found.omega, own)) * 30.0 / math.pi
+    """Lift-off speed of a follower that leaves the cam at the speed of the design [rpm]."""
+    speed = abs(study.omega)
+    lift_off = study.lift_off if study.jam is None else None
+    return (speed if lift_off is None else min(lift_off.omega, speed)) * 30.0 / math.pi
 
 
-def _of_elastic_follower(study: Study) -> list[Finding]:
-    """That there is no steady response; that the elastic follower leaves a cam on which the rigid one would stay."""
+def _elastic_follower_findings(study: Study) -> list[Finding]:
+    """An elastic follower without a steady response, or one that leaves a cam on which a rigid follower would stay."""
     if not study.is_elastic:
         return []
     try:
@@ -213,7 +208,7 @@ def _of_elastic_follower(study: Study) -> list[Finding]:
         return [Finding("no-elastic-follower", WARNING, error.field, None, {"why": error.problem, "hint": error.hint})]
     if study.is_form_closed or study.jam is not None or study.loading.empty:
         return []
-    if extremes_of(study, "dynamics", _CONTACT)["contact_force"].low.value <= 0.0:  # the finding of separation says so
+    if extremes_of(study, "dynamics", _CONTACT)["contact_force"].low.value <= 0.0:  # reported as separation
         return []
     least = extremes_of(study, "dynamics", _ELASTIC_CONTACT)["elastic_contact_force"].low
     if least.value > 0.0:
@@ -222,49 +217,49 @@ def _of_elastic_follower(study: Study) -> list[Finding]:
     return [Finding("elastic-separation", WARNING, "loads", math.degrees(least.theta), values)]
 
 
-def _of_stability(study: Study) -> list[Finding]:
-    flexible = study.design.shaft is not None and study.design.shaft.elastic is not None
-    return _of_flexible_shaft(study.flexible_shaft) if flexible else []
+def _stability_findings(study: Study) -> list[Finding]:
+    is_flexible = study.design.shaft is not None and study.design.shaft.elastic is not None
+    return _flexible_shaft_findings(study.flexible_shaft) if is_flexible else []
 
 
-def _of_flexible_shaft(asked: Callable[[], Stability]) -> list[Finding]:
+def _flexible_shaft_findings(stability: Callable[[], Stability]) -> list[Finding]:
     from core.stability import findings
 
     try:
-        return findings(asked())
+        return findings(stability())
     except NoStability as error:
         return [Finding("no-stability", NOTE, error.field, None, {"why": error.problem, "hint": error.hint})]
 
 
-_OF_STAGE: Mapping[str, Callable[[Study], list[Finding]]] = {
-    "motion": _of_motion,
-    "linkage": _of_linkage,
-    "cam": _of_cam,
-    "dynamics": _of_dynamics,
-    "stability": _of_stability,
+_FINDINGS: Mapping[str, Callable[[Study], list[Finding]]] = {
+    "motion": _motion_findings,
+    "linkage": _linkage_findings,
+    "cam": _cam_findings,
+    "dynamics": _dynamics_findings,
+    "stability": _stability_findings,
 }
 
 
-# -- of several on a shaft ---------------------------------------------------------------------------------
+# -- several drives on a shaft -----------------------------------------------------------------------------
 
 
-def _of_camshaft(camshaft: Camshaft[Study], stages: Sequence[str]) -> Iterator[Finding]:
+def _camshaft_findings(camshaft: Camshaft[Study], stages: Sequence[str]) -> Iterator[Finding]:
     for i, (name, study) in enumerate(camshaft.drives.items()):
-        for f in _of_drive(study, stages):
-            yield replace(f, field=path_of(i, f.field), values={**f.values, "drive": name})
+        for finding in _drive_findings(study, stages):
+            yield replace(finding, field=path_of(i, finding.field), values={**finding.values, "drive": name})
     for name, error in camshaft.failures.items():
         yield _failure(name, error)
     if not stages or "motion" in stages:
-        yield from _of_timing(camshaft.design)
-    there = not camshaft.failures.keys() & set(camshaft.loading_drives)
-    if there and (not stages or "dynamics" in stages):
-        yield from _of_torque(camshaft)
-    if there and camshaft.design.camshaft.elastic is not None and (not stages or "stability" in stages):
-        yield from _of_flexible_shaft(camshaft.flexible_shaft)
+        yield from _timing_findings(camshaft.design)
+    has_torque = not camshaft.failures.keys() & set(camshaft.loading_drives)
+    if has_torque and (not stages or "dynamics" in stages):
+        yield from _torque_findings(camshaft)
+    if has_torque and camshaft.design.camshaft.elastic is not None and (not stages or "stability" in stages):
+        yield from _flexible_shaft_findings(camshaft.flexible_shaft)
 
 
-def _of_drive(study: Study, stages: Sequence[str]) -> Iterator[Finding]:
-    """Its findings, stage by stage as far as it has answers."""
+def _drive_findings(study: Study, stages: Sequence[str]) -> Iterator[Finding]:
+    """Findings of a drive, stage by stage up to the first that has no solution."""
     for stage in study.stages:
         if stages and stage not in stages:
             continue
@@ -275,11 +270,13 @@ def _of_drive(study: Study, stages: Sequence[str]) -> Iterator[Finding]:
 
 
 def _failure(name: str, error: NoSolution) -> Finding:
+    """A drive without a solution."""
     at = error.cam_angles[0][0] if error.cam_angles else None
     return Finding("no-drive", ERROR, error.field, at, {"drive": name, "why": error.problem, "hint": error.hint})
 
 
-def _of_timing(design: Design) -> Iterator[Finding]:
+def _timing_findings(design: Design) -> Iterator[Finding]:
+    """Sequence conditions that are broken, and conditions that contradict each other."""
     for i, (row, at) in enumerate(zip(design.timing, distances(design), strict=True)):
         if not at.kept:
             values: dict[str, float | str] = {"first": row.first, "second": row.second, "after_deg": at.after_deg}
@@ -291,21 +288,22 @@ def _of_timing(design: Design) -> Iterator[Finding]:
         yield Finding("timing-contradicts", ERROR, f"timing[{ring[0]}]", None, too_much)
 
 
-def _of_torque(camshaft: Camshaft[Study]) -> Iterator[Finding]:
-    """Of the balance cam and the flywheel."""
+def _torque_findings(camshaft: Camshaft[Study]) -> Iterator[Finding]:
+    """Findings of the balance cam and the flywheel."""
     try:
         study = camshaft.balancer
     except NoSolution as error:
         yield _failure("the balance cam", error)
         return
     if study is not None:
-        for each in _of_drive(study, ()):
-            yield replace(each, field=_of_balancer(each.field), values={**each.values, "drive": BALANCER})
+        for finding in _drive_findings(study, ()):
+            field = _balancer_field(finding.field)
+            yield replace(finding, field=field, values={**finding.values, "drive": BALANCER})
     if camshaft.levels_torque:
         yield from shaft.findings(camshaft.flywheel)
 
 
-def _of_balancer(field: str) -> str:
-    """The balancer's field that a finding of it as a drive names."""
+def _balancer_field(field: str) -> str:
+    """Field of [balancer] for a field of the balance cam as a drive."""
     table, _, key = field.partition(".")
     return f"{BALANCER}.{key}" if table in ("cam", "loads") else BALANCER

@@ -1,4 +1,4 @@
-"""Many designs at once: one design with some of its numbers varied, and what is asked of a quantity over the turn of each."""
+"""Many designs at once: one design with some of its numbers varied, and figures of every variant."""
 
 from __future__ import annotations
 
@@ -17,9 +17,16 @@ from core.study.stages import evaluations
 
 @frozen(eq=False)
 class Many:
-    """Of m designs: what was asked -> value (m,), and cam angle [deg] (m,) of an extreme, else NaN; in the unit of the quantity's column.
+    """Figures of m designs.
 
-    reason  (m,) why a design has no value, or none to build by: code of the error or finding; else empty
+    Attributes
+    ----------
+    value : mapping of str -> ndarray (m,)
+        Requested figure -> its values, in the unit of the quantity's column; NaN where a design has no solution.
+    angle_deg : mapping of str -> ndarray (m,) [deg]
+        Cam angles of extremes; NaN for other figures.
+    reason : ndarray (m,)
+        Code of the error or finding because of which a design has no value, or cannot be built; else empty.
     """
 
     value: Mapping[str, np.ndarray]
@@ -35,59 +42,69 @@ def many(
     polish: bool = True,
     executor: Any = None,
 ) -> Many:
-    """What is asked of each of m designs, which differ in the numbers at some paths.
+    """Figures of m designs that differ in the numbers at some paths.
 
-    values      path -> (m,), in the unit of the field, as ``design.put`` takes it
-    quantities  ``"<column>:max"``, or min, abs, rms, mean, range (``OVER_TURN``) of a quantity by its column, as
-                ``pressure_angle_deg:max``; or one of ``TOTALS``. Of several drives on a shaft ``drives[0].<column>:max``, and
-                ``torque_nm:max`` of what all ask of it together
-    polish      extremes are refined; without it they are those of the nodes, to about 1e-3
-    executor    any of the shape of ``concurrent.futures.Executor``; values do not depend on it
+    Parameters
+    ----------
+    design : Design
+    values : mapping of str -> ndarray (m,)
+        Path -> its numbers, in the unit of the field, as for ``design.put``.
+    quantities : sequence of str
+        Column and statistic of a quantity, as ``pressure_angle_deg:max`` (``STATISTICS``), or one of ``TOTALS``. Of several
+        drives on a shaft ``drives[0].<column>:max``, and ``torque_nm:max`` of their total torque.
+    polish : bool
+        Refine the extremes; without it they are those of the nodes, to about 1e-3.
+    executor : concurrent.futures.Executor or None
+        Evaluates the blocks; the values do not depend on it.
 
-    A design that has no answer is NaN, with its reason. Raises ValueError for what cannot be asked.
+    Returns
+    -------
+    Many
+
+    Raises
+    ------
+    ValueError
+        Where the design lacks a path or a quantity, or the numbers have no common shape (m,).
     """
-    from core.study.batch import (
-        block,
-        block_size,  # with all that it needs, when it is asked
-    )
+    from core.study.batch import block, block_size  # imported with all it needs on the first call
 
     infos = number_fields(design, values)
-    given, asked = _given(values), [quantity_request(design, each) for each in quantities]
-    if not asked:
-        raise ValueError("quantities: none is asked for")
-    rows = np.array(list(given.values()))
+    columns, requests = _columns(values), [quantity_request(design, key) for key in quantities]
+    if not requests:
+        raise ValueError("quantities: give at least one")
+    rows = np.array(list(columns.values()))
     evaluations["many"] += rows.shape[1]
     size = block_size(design)
     parts = [rows[:, first : first + size] for first in range(0, rows.shape[1], size)]
-    work = partial(block, design, infos, tuple(asked), polish)
+    work = partial(block, design, infos, tuple(requests), polish)
     if executor is None:
-        found = []
+        results = []
         for part in parts:
             checkpoint()
-            found.append(work(part))
+            results.append(work(part))
     else:
-        found = [future.result() for future in [executor.submit(work, part) for part in parts]]
-    value, theta = (np.concatenate(rows, axis=1) for rows in zip(*((f.value, f.theta) for f in found), strict=True))
+        results = [future.result() for future in [executor.submit(work, part) for part in parts]]
+    value, theta = (np.concatenate(rows, axis=1) for rows in zip(*((r.value, r.theta) for r in results), strict=True))
     return Many(
-        {each.key: value[i] / each.unit for i, each in enumerate(asked)},
-        {each.key: np.rad2deg(theta[i]) for i, each in enumerate(asked)},
-        np.concatenate([f.reason for f in found]),
+        {request.key: value[i] / request.unit for i, request in enumerate(requests)},
+        {request.key: np.rad2deg(theta[i]) for i, request in enumerate(requests)},
+        np.concatenate([result.reason for result in results]),
     )
 
 
-def _given(values: Mapping[str, Any]) -> dict[str, np.ndarray]:
-    """The columns as numbers (m,). Raises ValueError, naming the path."""
+def _columns(values: Mapping[str, Any]) -> dict[str, np.ndarray]:
+    """Path -> its numbers (m,). Raises ValueError, which names the path."""
     if not values:
         raise ValueError("values: no path is varied")
-    found: dict[str, np.ndarray] = {}
-    for path, each in values.items():
-        rows = np.asarray(each)
-        if rows.dtype.kind not in "iuf":
-            raise ValueError(f"{path}: numbers are needed, not {rows.dtype}")
-        if rows.ndim != 1 or not rows.size:
-            raise ValueError(f"{path}: a list of numbers is needed, at least one; it has the shape {rows.shape}")
-        first, other = next(iter(found.items()), (path, rows))
-        if rows.size != other.size:
-            raise ValueError(f"{path}: {rows.size} values, but {first} has {other.size}: as many are needed")
-        found[path] = rows.astype(float)
-    return found
+    columns: dict[str, np.ndarray] = {}
+    for path, numbers in values.items():
+        row = np.asarray(numbers)
+        if row.dtype.kind not in "iuf":
+            raise ValueError(f"{path}: numbers are needed, not {row.dtype}")
+        if row.ndim != 1 or not row.size:
+            raise ValueError(f"{path}: a list of numbers is needed, at least one; it has the shape {row.shape}")
+        first_path, first = next(iter(columns.items()), (path, row))
+        if row.size != first.size:
+            raise ValueError(f"{path}: {row.size} values, but {first_path} has {first.size}: give equally many")
+        columns[path] = row.astype(float)
+    return columns

@@ -193,7 +193,7 @@ def usual_limit(drive: Study, key: str) -> float | None:
     if not key.startswith("pressure_angle"):
         return None
     stated = drive.design.drive.limits.pressure_angle_rise_deg
-    usual = LIMITS["pressure_angle_rise_deg"].usual(drive)
+    usual = LIMITS["pressure_angle_rise_deg"].typical(drive)
     return stated if stated is not None else None if usual is None else usual.value
 
 

@@ -325,7 +325,7 @@ def _own_limits(design: Design) -> Iterator[Bounded]:
     if design.listed or design.drive.cam is None:
         return
     own = design.drive.limits
-    usual = LIMITS["pressure_angle_rise_deg"].usual(Study(design))
+    usual = LIMITS["pressure_angle_rise_deg"].typical(Study(design))
     angles = [each for each in (own.pressure_angle_rise_deg, own.pressure_angle_return_deg) if each is not None]
     steepest = min(angles) if angles else None if usual is None else usual.value
     if steepest is not None:

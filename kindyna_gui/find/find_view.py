@@ -21,7 +21,7 @@ from PySide6.QtWidgets import (
 
 from core.design import Design, get, with_only
 from core.errors import KindynaError
-from core.find import ON_SHAFT, Solution, Stated, UsualValue, find, offered, offered_on_shaft, varied
+from core.find import ON_SHAFT, LimitValue, Solution, Stated, find, offered, offered_on_shaft, varied
 from core.numerics.lazy import Cancelled
 from core.study import Study
 from kindyna_gui.background_view import BackgroundView
@@ -75,7 +75,7 @@ class FindView(BackgroundView):
         self.searches = 0
         self._count = TrialCount()
         self._typed: dict[str, float | None] = {}  # limits as the user wants them; None: taken away
-        self._usual: Mapping[str, UsualValue] = {}  # those that hold else
+        self._usual: Mapping[str, LimitValue] = {}  # those that hold else
         self.what, self.place, self.limits, self.plot = WordBox(), WordBox(), LimitRows(), XYPlot("", "")
         self.plot.setMinimumSize(220, 110)
         self.what.setAccessibleName("What is wanted")
@@ -312,7 +312,7 @@ class FindView(BackgroundView):
 class SearchResult(NamedTuple):
     """The limits that hold where none is typed, and the answer, or why there is none."""
 
-    usual: Mapping[str, UsualValue]
+    usual: Mapping[str, LimitValue]
     result: Solution | KindynaError
 
 

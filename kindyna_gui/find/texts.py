@@ -17,10 +17,10 @@ from core.find import (
     LIMITS,
     OF_PRESSURE,
     ON_SHAFT,
-    OWN,
+    USER,
     WANTED,
+    LimitValue,
     Solution,
-    UsualValue,
     usual_limits,
 )
 from core.frozen import frozen
@@ -81,7 +81,7 @@ def figure_of(design: Design, key: str) -> LimitText:
     if key in LIMITS:
         row, unit = LIMITS[key], split_unit(key)[1]
         info = _OWN.get(key) or _BESIDE_OWN[key]
-        return LimitText(info.label, _BOUNDS["_max" if row.most else "_min"], info, unit)
+        return LimitText(info.label, _BOUNDS["_max" if row.is_upper else "_min"], info, unit)
     path, end = key[:-4], key[-4:]
     info, unit = _entry(design, path)
     return LimitText(_owned(design, path), _BOUNDS[end], replace(info, optional=True), unit)
@@ -92,11 +92,11 @@ def title_of(what: str) -> str:
     return (ON_SHAFT[what] if what in ON_SHAFT else WANTED[what]).title
 
 
-def usual_of(design: Design, what: str) -> Mapping[str, UsualValue]:
+def usual_of(design: Design, what: str) -> Mapping[str, LimitValue]:
     """Those that hold where the user has typed none."""
     if what not in ON_SHAFT:
         return usual_limits(design, what)
-    return {key: UsualValue(value, "", "") for key, value in ON_SHAFT[what].stated(design).items() if value is not None}
+    return {key: LimitValue(value, "", "") for key, value in ON_SHAFT[what].stated(design).items() if value is not None}
 
 
 @frozen
@@ -109,14 +109,14 @@ class ActiveLimit:
 
 
 def holding(
-    keys: Sequence[str], usual: Mapping[str, UsualValue], typed: Mapping[str, float | None]
+    keys: Sequence[str], usual: Mapping[str, LimitValue], typed: Mapping[str, float | None]
 ) -> Mapping[str, ActiveLimit]:
     """The limits that hold, by key in their order; one that is typed takes the place of the same one only."""
     over_turn = typed.get(ANY_PRESSURE) is not None  # which stands for rise and return
     found = {
         key: ActiveLimit(float(f"{each.value:.{USUAL_DIGITS}g}"), True, each.reason)
         for key, each in usual.items()
-        if not (over_turn and key in OF_PRESSURE and each.source != OWN)
+        if not (over_turn and key in OF_PRESSURE and each.source != USER)
     }
     found |= {key: ActiveLimit(value) for key, value in typed.items() if value is not None}
     return {key: found[key] for key in keys if key in found and typed.get(key, 0.0) is not None}
@@ -144,7 +144,7 @@ def start_value(key: str, solution: Solution | None) -> float:
             solution.before.get(key) if key in LIMITS else solution.present.get(key[:-4], solution.before.get(key[:-4]))
         )
     if known is None or not isfinite(known) or (key in LIMITS and known <= 0.0):
-        return START[LIMITS[key].most] if key in LIMITS else 0.0
+        return START[LIMITS[key].is_upper] if key in LIMITS else 0.0
     return float(f"{known:.{START_DIGITS}g}")
 
 

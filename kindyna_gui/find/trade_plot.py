@@ -43,7 +43,7 @@ def show_solution(plot: XYPlot, design: Design, solution: Solution) -> None:
         rules.append(Rule(limit, text, SCREEN.limit, level=True))
     rules.append(Rule(answer[0], short(answer[0], min(MARK_DIGITS, solution.digits)), SCREEN.ink, low=True))
     plot.name_axes(axis_title(design, path), axis_title(design, key))
-    colour = SCREEN.family("pressure-angle" if key in LIMITS and LIMITS[key].most else "curvature")
+    colour = SCREEN.family("pressure-angle" if key in LIMITS and LIMITS[key].is_upper else "curvature")
     plot.show_lines([Line(x, _what_matters(y, [answer[1], now[1], limit]), colour)], rules=rules, dots=dots)
     beside = BESIDE * float(np.ptp(x))  # else a dot at the end of the curve is cut
     plot.show_range((float(x.min()) - beside, float(x.max()) + beside))

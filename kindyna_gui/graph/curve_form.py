@@ -20,15 +20,15 @@ from core.output.graph import (
     LEAST_WIDTH,
     MARKS,
     MOST_WIDTH,
+    SHAFT,
     SIDES,
-    WHOLE,
     ColumnHeading,
     DesignSource,
     Graph,
     GraphCurve,
     Source,
+    column_label,
     compatible_units,
-    words_of,
 )
 from core.units import KINDS
 from kindyna_gui.forms.number_box import NumberBox, WordBox
@@ -161,12 +161,12 @@ class CurveForm(QWidget):
             ("the chosen one", ""),
             *((name, name) for name in drives),
             ("all, a curve each", ALL),
-            ("the shaft as a whole", WHOLE),
+            ("the shaft", SHAFT),
         )
         boxes["drive"].show_choices(rows, curve.drive)
         for part in (boxes["drive"], self._drive_label):
             part.setVisible(bool(drives) or bool(curve.drive))
-        for axis, usual in (("x", 0), ("y", source.usual(headings) if source is not None else 1)):
+        for axis, usual in (("x", 0), ("y", source.default_column(headings) if source is not None else 1)):
             self._show_column(axis, headings, usual)
         others = [
             (f"{i}  {name_of_row(each)}", each.key) for i, each in enumerate(graph.curves, 1) if each.key != curve.key
@@ -209,7 +209,7 @@ class CurveForm(QWidget):
         ]
         chosen = named.name if named else value or _first(headings, usual)
         if all(name != chosen for _, name in rows):
-            rows.append((f"({words_of(chosen)})" if chosen else "…", chosen))
+            rows.append((f"({column_label(chosen)})" if chosen else "…", chosen))
         self.boxes[axis].show_choices(rows, chosen)
         heading = named or (headings[usual] if not value and len(headings) > usual else None)
         own = heading.unit if heading is not None else ""
@@ -221,7 +221,7 @@ class CurveForm(QWidget):
     def _first_of_design(self) -> str:
         """The channel that a curve of the design at hand begins with."""
         source, headings = self._headings(GraphCurve(), self._source_of) if self._source_of is not None else (None, ())
-        return headings[source.usual(headings)].name if source is not None and headings else ""
+        return headings[source.default_column(headings)].name if source is not None and headings else ""
 
     # -- what the user does ---------------------------------------------------------------------------------
 
@@ -256,7 +256,7 @@ def _first(headings: tuple[ColumnHeading, ...], usual: int) -> str:
 
 def name_of_row(curve: GraphCurve) -> str:
     """A curve by its name, else by what it is to be drawn from."""
-    column = words_of(curve.y) if curve.y else "first column"
+    column = column_label(curve.y) if curve.y else "first column"
     return curve.name or ", ".join(part for part in (column, curve.drive, Path(curve.source).stem) if part)
 
 

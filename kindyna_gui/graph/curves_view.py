@@ -36,26 +36,26 @@ from core.output.graph import (
     DesignSource,
     Graph,
     GraphCurve,
+    GraphData,
     GraphPoint,
-    Plotted,
     Series,
     add_curve,
     angle_at,
     copy_curve,
     from_data,
-    gap,
+    graph_data,
     move_curve,
     numbers_csv,
-    on_path,
-    plotted,
+    path_values,
+    point_distance,
     quantity_kind,
-    ready,
+    ready_graphs,
     remove_curve,
     to_data,
     with_curve,
 )
-from core.output.graph.curves import GraphPicture
-from core.output.graph.model import ENDING, load_setup, relative, save_setup
+from core.output.graph.curves import GraphImage
+from core.output.graph.model import ENDING, load_setup, save_setup, with_relative_paths
 from core.study import STAGES, Quantity, Study, quantity
 from core.study.member_quantities import gain_per_turn
 from core.units import conversion_factor
@@ -96,7 +96,7 @@ class CurvesView(View):
         super().__init__(session, player)
         self._kept_part: dict[str, Any] = {}  # of the last run: shown once all files are read
         self.graph, self.row = self._kept(), 0
-        self.found = Plotted((), (), "", "", {}, {}, {})
+        self.found = GraphData((), (), "", "", {}, {}, {})
         self.sources = GraphSources(self)
         self.stack = QUndoStack(self)
         self.stack.setUndoLimit(MOST_STEPS)
@@ -229,13 +229,13 @@ class CurvesView(View):
         self.sources.design = DesignSource(session.whole, "", session.names[session.chosen])
         self._offer_ready()
         self.sources.want(curve.source for curve in self.graph.curves)
-        self.found = plotted(self.graph, self.sources)
+        self.found = graph_data(self.graph, self.sources)
         self._draw()
 
     def _offer_ready(self) -> None:
         """The menu of graphs that the design at hand has ready; each takes the place of the graph, which undo brings back."""
         assert self.sources.design is not None
-        rows, menu = ready(self.sources.design), self.ready_button.menu()
+        rows, menu = ready_graphs(self.sources.design), self.ready_button.menu()
         self.ready_button.setEnabled(bool(rows))
         if [(action.text(), action.statusTip()) for action in menu.actions()] == [(row.text, row.tip) for row in rows]:
             return
@@ -248,7 +248,7 @@ class CurvesView(View):
 
     def _show_ready(self, name: str) -> None:
         assert self.sources.design is not None
-        graph = next((row.graph for row in ready(self.sources.design) if row.name == name), None)
+        graph = next((row.graph for row in ready_graphs(self.sources.design) if row.name == name), None)
         if graph is not None:
             self.row = 0
             self._change(graph)
@@ -271,7 +271,7 @@ class CurvesView(View):
         self._pull_if_seen()
 
     def _draw(self) -> None:
-        waits = " ".join(dict.fromkeys(({**self.found.faults, **self.found.lacking}).values()))
+        waits = " ".join(dict.fromkeys(({**self.found.faults, **self.found.missing}).values()))
         drawn = [
             replace(curve, name="", colour="", width=1.0, dash="solid", mark="none")
             for curve in self.graph.curves
@@ -334,7 +334,7 @@ class CurvesView(View):
             if first := self._first_of_all(curve):
                 name = name.replace(f", {first}", ", all drives", 1)
             colour = self.plot.colour(drawn[0]) if drawn else ""
-            fault, lacking = (texts.get(curve.key, "") for texts in (self.found.faults, self.found.lacking))
+            fault, lacking = (texts.get(curve.key, "") for texts in (self.found.faults, self.found.missing))
             note = lacking or self._note(curve)
             rows.append(
                 CurveRow(f"{number}  {name}", colour, curve.shown, "" if lacking else fault, note, bool(lacking))
@@ -375,7 +375,7 @@ class CurvesView(View):
                 f"{letter}: {with_unit(short(point.x, 6), found.x_unit)}, {y} ({found.series[point.series].name}){at}"
             )
         if len(points) == 2:
-            apart = gap(found, *points)
+            apart = point_distance(found, *points)
             parts.append(f"Δx {with_unit(short(apart.x, 6), found.x_unit)}")
             if isfinite(apart.y):
                 rung = self.plot.rungs[self.plot.axis_of(points[0].series)]
@@ -391,7 +391,7 @@ class CurvesView(View):
     def _on_path(self, point: GraphPoint, angle: float) -> str:
         """Speed and acceleration there, where the curve is a path."""
         curve = self.graph.curve(self.found.series[point.series].key)
-        rows = on_path(self.sources(curve.source), curve, angle) if curve is not None else ()
+        rows = path_values(self.sources(curve.source), curve, angle) if curve is not None else ()
         found = [(row.name, row.value, readable(row.unit, abs(row.value))) for row in rows]
         return "".join(f", {name} {with_unit(short(value / rung.size, 6), rung.symbol)}" for name, value, rung in found)
 
@@ -536,7 +536,7 @@ class CurvesView(View):
     def _keep(self) -> None:
         folder = self._folder()
         part = self._kept_part or self.plot.part
-        data = {"folder": str(folder or ""), "graph": to_data(relative(self.graph, folder)), "part": part}
+        data = {"folder": str(folder or ""), "graph": to_data(with_relative_paths(self.graph, folder)), "part": part}
         Settings().graph = json.dumps(data)
 
     def _kept(self) -> Graph:
@@ -600,7 +600,7 @@ class CurvesView(View):
         width, height = max(self.plot.width(), 480), max(self.plot.height(), 320)
         name = self.graph.title or self.session.whole.name
         return graph_file(
-            GraphPicture(self.graph, self.found, ending, width, height, name), self.plot.shown, self.plot.bands
+            GraphImage(self.graph, self.found, ending, width, height, name), self.plot.shown, self.plot.bands
         )
 
     def export_picture(self) -> None:

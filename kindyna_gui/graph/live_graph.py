@@ -11,7 +11,7 @@ from PySide6.QtCore import QPointF, QRectF, Qt, QTimer, Signal
 from PySide6.QtGui import QKeyEvent, QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QWidget
 
-from core.output.graph import Graph, GraphPoint, Plotted, point_at
+from core.output.graph import Graph, GraphData, GraphPoint, point_at
 from kindyna_gui.pictures.plots.graph_plot import NO_BANDS, Bands, GraphPlot
 from kindyna_gui.pictures.plots.graph_ranges import Shown, about, moved, narrower
 
@@ -44,7 +44,7 @@ class LiveGraph(GraphPlot):
         self._wheel = QTimer(self, singleShot=True, interval=WHEEL_MS)
 
     def show_graph(
-        self, graph: Graph, found: Plotted, keep: bool = False, message: str = "", bands: Bands = NO_BANDS
+        self, graph: Graph, found: GraphData, keep: bool = False, message: str = "", bands: Bands = NO_BANDS
     ) -> None:
         before = self.shown
         super().show_graph(graph, found, keep and bool(self._past), message, bands)
@@ -229,7 +229,7 @@ class LiveGraph(GraphPlot):
         """The last point by a pixel, or to the next point of a curve that goes back."""
         *others, last = self.points
         series = self.found.series[last.series]
-        if series.ordered:
+        if series.is_ordered:
             wide = self.shown.x[1] - self.shown.x[0]
             pixel = sign * wide / max(self._view.width(), 1.0)
             at = last.x * 10.0**pixel if self.graph.x.log else last.x + pixel

@@ -8,7 +8,7 @@ from PySide6.QtCore import QPoint
 from PySide6.QtGui import QPainter
 from PySide6.QtWidgets import QWidget
 
-from core.output.graph.curves import GraphPicture
+from core.output.graph.curves import GraphImage
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.pictures.paper import RATIO, png, svg
 from kindyna_gui.pictures.plots.graph_plot import NO_BANDS, Bands, GraphPlot
@@ -19,13 +19,13 @@ from kindyna_gui.pictures.style import LIGHT
 PIXEL = 0.26  # mm of paper that a pixel is
 
 
-def graph_file(picture: GraphPicture, shown: Shown | None = None, bands: Bands = NO_BANDS) -> bytes:
+def graph_file(picture: GraphImage, shown: Shown | None = None, bands: Bands = NO_BANDS) -> bytes:
     """The file's bytes; shown: the part of the graph, None: all of it; bands: as ``show_graph``."""
     ensure_app(offscreen=True)
     raster = picture.ending == ".png"
     plot = GraphPlot(theme=replace(LIGHT, ratio=RATIO) if raster else LIGHT)
     plot.resize(picture.width, picture.height)
-    plot.show_graph(picture.graph, picture.found, bands=bands)
+    plot.show_graph(picture.graph, picture.data, bands=bands)
     plot.grab()  # the axes find their sizes
     plot.show_part(shown or plot.shown)
     if raster:
@@ -37,7 +37,7 @@ def graph_file(picture: GraphPicture, shown: Shown | None = None, bands: Bands =
         painter.scale(PIXEL * UNITS, PIXEL * UNITS)
         QWidget.render(plot, painter, QPoint())
 
-    curves = ", ".join(each.name for each in picture.found.series)
+    curves = ", ".join(each.name for each in picture.data.series)
     return vector_pdf(picture.name, f"Curves: {curves}", picture.width * PIXEL, picture.height * PIXEL, paint)
 
 

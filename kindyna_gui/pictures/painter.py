@@ -32,9 +32,9 @@ def paint(drawn: Drawn) -> dict[str, bytes]:
         return {
             f"{name}{ending}": draw(drawn, ending) for name, draw in SNAPSHOTS.items() for ending in (".svg", ".png")
         }
-    from core.output.graph.curves import GraphPicture
+    from core.output.graph.curves import GraphImage
 
-    if isinstance(drawn, GraphPicture):
+    if isinstance(drawn, GraphImage):
         from kindyna_gui.pictures.graph_file import graph_file
 
         return {f"graph{drawn.ending}": graph_file(drawn)}

@@ -1,20 +1,20 @@
-"""A graph: curves of any columns of tables and designs on axes by unit, their differences, and what is read off them."""
+"""Graphs: curves of any columns of tables and designs on axes by unit, their differences, and read-outs."""
 
 from core.output.graph.curves import (
-    AxisOf,
+    GraphData,
     GraphPoint,
-    Plotted,
     PointDistance,
     Series,
+    ValueAxis,
     angle_at,
     angle_marks,
-    columns_of,
+    curve_series,
+    data_columns,
     difference,
-    gap,
+    graph_data,
     numbers_csv,
-    plotted,
     point_at,
-    series_of,
+    point_distance,
 )
 from core.output.graph.model import (
     ALL,
@@ -26,8 +26,8 @@ from core.output.graph.model import (
     MARKS,
     MOST_WIDTH,
     RIGHT,
+    SHAFT,
     SIDES,
-    WHOLE,
     Graph,
     GraphAxis,
     GraphCurve,
@@ -52,21 +52,21 @@ from core.output.graph.sources import (
     ReadyGraph,
     Source,
     TableSource,
-    on_path,
+    column_label,
+    path_values,
     read_numbers,
     read_source,
     read_table_file,
-    ready,
-    words_of,
+    ready_graphs,
 )
 from core.units import compatible_units, quantity_kind
 
 __all__ = [
     "ALL", "ANGLES", "AUTO", "DASHES", "LEAST_WIDTH", "LEFT", "MACHINE", "MARKS", "MOST_WIDTH", "RIGHT",
-    "SIDES", "TIME", "WHOLE", "AxisOf", "ColumnHeading", "DesignSource", "Graph", "GraphAxis", "GraphCurve",
-    "GraphPoint", "NumberTable", "Plotted", "PointDistance", "PointValue", "Progress", "ReadyGraph", "Series",
-    "Source", "TableSource", "add_curve", "angle_at", "angle_marks", "columns_of", "compatible_units",
-    "copy_curve", "difference", "from_data", "gap", "is_colour", "move_curve", "numbers_csv", "on_path",
-    "plotted", "point_at", "quantity_kind", "read_numbers", "read_source", "read_table_file", "ready",
-    "remove_curve", "series_of", "to_data", "unit_of_column", "with_curve", "words_of",
+    "SHAFT", "SIDES", "TIME", "ColumnHeading", "DesignSource", "Graph", "GraphAxis", "GraphCurve", "GraphData",
+    "GraphPoint", "NumberTable", "PointDistance", "PointValue", "Progress", "ReadyGraph", "Series", "Source",
+    "TableSource", "ValueAxis", "add_curve", "angle_at", "angle_marks", "column_label", "compatible_units",
+    "copy_curve", "curve_series", "data_columns", "difference", "from_data", "graph_data", "is_colour",
+    "move_curve", "numbers_csv", "path_values", "point_at", "point_distance", "quantity_kind", "read_numbers",
+    "read_source", "read_table_file", "ready_graphs", "remove_curve", "to_data", "unit_of_column", "with_curve",
 ]  # fmt: skip

@@ -1,4 +1,4 @@
-"""What a graph is: curves as rows, axes, titles; and what can be done with the rows. It holds no numbers."""
+"""Rows of a graph: curves, axes and titles without numbers, their changes and their files."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from core.measured.units import LONGEST, unit_in
 from core.project.files import read_text, write
 from core.units import split_unit, unit_symbol
 
-# -- what a graph is --------------------------------------------------------------------------------------------
+# -- rows -------------------------------------------------------------------------------------------------------
 
 
 AUTO, LEFT, RIGHT = "auto", "left", "right"
@@ -27,30 +27,34 @@ SIDES = (AUTO, LEFT, RIGHT)
 DASHES: Mapping[str, tuple[float, ...]] = MappingProxyType(
     {"solid": (), "dashed": (7.0, 4.0), "dotted": (1.5, 3.0), "dash-dot": (10.0, 3.0, 1.5, 3.0)}
 )
-"""Name of a stroke -> dashes and gaps, pixels."""
+"""Name of a stroke -> dashes and gaps [pixels]."""
 ANGLES = "every 30°"
 MARKS = ("none", "circle", "square", "triangle", "cross", "plus", ANGLES)
-"""On the points of a curve, or, with their number beside them, where the angle of a design's turn is a multiple of 30°."""
-ALL, WHOLE = "(all)", "(shaft)"
-"""In place of a drive's name: each of them, a curve for each; and what the shaft has as a whole."""
+"""Marks on the points of a curve; with ``ANGLES``, labelled marks at every 30° of a design's turn."""
+ALL, SHAFT = "(all)", "(shaft)"
+"""Instead of a drive's name: a curve for every drive; quantities of the shaft."""
 LEAST_WIDTH, MOST_WIDTH = 0.5, 6.0
-MOST_ROWS = 200  # of a file, before the rest is left out
+MOST_ROWS = 200  # of a file; further rows are omitted
 
 
 @frozen
 class GraphCurve:
-    """One row.
+    """One curve.
 
-    key      by which other rows name this one
-    source   a table's or a design's file; empty: the design at hand
-    drive    of a design of several: its name, ``ALL``, ``WHOLE``; empty: the one that is chosen
-    x, y     columns by name, or by number from 1; empty: the angle, or the first column; and the first after it
-    x_unit, y_unit   to be shown in; empty: that of the column
-    minus    key of a curve that is subtracted
-    side     one of ``SIDES``; auto: curves of one kind share an axis, the first on the left
-    name     in the legend; empty: of source and column
-    colour   #rrggbb; empty: by quantity
-    width    pixels; dash: key of ``DASHES``; mark: one of ``MARKS``
+    Attributes
+    ----------
+    key : name by which other rows refer to this one
+    source : file of a table or a design; empty: the current design
+    drive : name of a drive, ``ALL``, ``SHAFT``; empty: the selected drive
+    x, y : columns by name, or by number from 1; empty: the angle or the first column, and the first one after it
+    x_unit, y_unit : units on display; empty: those of the columns
+    minus : key of a curve to subtract
+    side : one of ``SIDES``; auto: curves of one kind share an axis, the first kind on the left
+    name : name in the legend; empty: from source and column
+    colour : #rrggbb; empty: by quantity
+    width : [pixels]
+    dash : key of ``DASHES``
+    mark : one of ``MARKS``
     """
 
     key: str = ""
@@ -72,7 +76,13 @@ class GraphCurve:
 
 @frozen
 class GraphAxis:
-    """An axis. title: empty: of what is drawn; low, high: its range, None: to the curves."""
+    """An axis.
+
+    Attributes
+    ----------
+    title : empty: from the curves
+    low, high : range; None: from the curves
+    """
 
     title: str = ""
     log: bool = False
@@ -82,7 +92,7 @@ class GraphAxis:
 
 @frozen
 class Graph:
-    """Curves in the order of drawing, with the axes along the bottom, on the left and on the right."""
+    """Curves in the order of drawing, with the axes at the bottom, on the left and on the right."""
 
     title: str = ""
     curves: tuple[GraphCurve, ...] = ()
@@ -91,82 +101,82 @@ class Graph:
     right: GraphAxis = field(default_factory=GraphAxis)
 
     def curve(self, key: str) -> GraphCurve | None:
-        """The row of a key; None where it is gone."""
+        """The row of a key; None where it is removed."""
         return next((curve for curve in self.curves if curve.key == key), None)
 
     def number(self, key: str) -> int:
-        """Its place in the list, from 0. Raises StopIteration."""
+        """Index of the row of a key. Raises StopIteration."""
         return next(i for i, curve in enumerate(self.curves) if curve.key == key)
 
 
-# -- rows ---------------------------------------------------------------------------------------------------
+# -- changes of rows ----------------------------------------------------------------------------------------
 
 
 def _free_key(graph: Graph) -> str:
-    taken = {curve.key for curve in graph.curves} | {curve.minus for curve in graph.curves}
-    return next(f"c{i}" for i in range(1, len(graph.curves) + len(taken) + 2) if f"c{i}" not in taken)
+    used = {curve.key for curve in graph.curves} | {curve.minus for curve in graph.curves}
+    return next(f"c{i}" for i in range(1, len(graph.curves) + len(used) + 2) if f"c{i}" not in used)
 
 
 def add_curve(graph: Graph, curve: GraphCurve, at: int | None = None) -> Graph:
-    """One row more, with a key of its own; at: its place, None: the last."""
+    """The graph with one more row, which gets a new key; ``at``: its index, None: the last."""
     rows = list(graph.curves)
     rows.insert(len(rows) if at is None else at, replace(curve, key=_free_key(graph)))
     return replace(graph, curves=tuple(rows))
 
 
 def copy_curve(graph: Graph, index: int) -> Graph:
-    """A row again, behind itself."""
+    """The graph with a copy of a row behind it."""
     return add_curve(graph, graph.curves[index], index + 1)
 
 
 def remove_curve(graph: Graph, index: int) -> Graph:
-    """A row less; those that name it stay, and say so."""
+    """The graph without a row; rows that refer to it remain, and report it."""
     return replace(graph, curves=(*graph.curves[:index], *graph.curves[index + 1 :]))
 
 
 def move_curve(graph: Graph, index: int, to: int) -> Graph:
-    """A row to another place; what is drawn later lies above."""
+    """The graph with a row at another index; later rows are drawn on top."""
     rows = list(graph.curves)
     rows.insert(to, rows.pop(index))
     return replace(graph, curves=tuple(rows))
 
 
 def with_curve(graph: Graph, index: int, curve: GraphCurve) -> Graph:
-    """A row changed. Raises KindynaError where it would be subtracted from itself, directly or by way of others."""
+    """The graph with a changed row. Raises KindynaError where a curve would be subtracted from itself."""
     rows = list(graph.curves)
     rows[index] = replace(curve, key=rows[index].key)
-    made = replace(graph, curves=tuple(rows))
-    require_no_ring(made, rows[index].key)
-    return made
+    result = replace(graph, curves=tuple(rows))
+    require_no_cycle(result, rows[index].key)
+    return result
 
 
-def require_no_ring(graph: Graph, key: str) -> None:
-    """Raises KindynaError where a curve is subtracted from itself, directly or by way of others."""
-    seen, at = [key], graph.curve(key)
-    while at is not None and at.minus:
-        if at.minus in seen:
-            numbers = " - ".join(str(graph.number(each) + 1) for each in (*seen, at.minus))
+def require_no_cycle(graph: Graph, key: str) -> None:
+    """Raises KindynaError where a curve is subtracted from itself, directly or through others."""
+    seen, curve = [key], graph.curve(key)
+    while curve is not None and curve.minus:
+        if curve.minus in seen:
+            numbers = " - ".join(str(graph.number(name) + 1) for name in (*seen, curve.minus))
             raise KindynaError(f"minus leads back to itself (curves {numbers}); choose another curve")
-        seen.append(at.minus)
-        at = graph.curve(at.minus)
+        seen.append(curve.minus)
+        curve = graph.curve(curve.minus)
 
 
-# -- as text ------------------------------------------------------------------------------------------------
+# -- plain data -----------------------------------------------------------------------------------------------
 
 
 def to_data(graph: Graph) -> dict[str, Any]:
-    """Plain data, for JSON; what is at its default is left out."""
-    made: dict[str, Any] = {name: _shortened(getattr(graph, name)) for name in ("x", "left", "right")}
-    return {"title": graph.title, **made, "curves": [_shortened(curve) for curve in graph.curves]}
+    """Plain data for JSON, without values at their defaults."""
+    axes: dict[str, Any] = {name: _shortened(getattr(graph, name)) for name in ("x", "left", "right")}
+    return {"title": graph.title, **axes, "curves": [_shortened(curve) for curve in graph.curves]}
 
 
 def _shortened(part: Any) -> dict[str, Any]:
-    usual = asdict(type(part)())
-    return {name: value for name, value in asdict(part).items() if value != usual[name]}
+    default = asdict(type(part)())
+    return {name: value for name, value in asdict(part).items() if value != default[name]}
 
 
 def from_data(data: Any) -> Graph:
-    """The graph of such data. What is of another kind than it should be is left out: a file of settings may be older, or newer."""
+    """The graph of plain data. Values of a wrong type are ignored: settings may be from an older or newer version."""
     if not isinstance(data, Mapping):
         return Graph()
     axes = {name: _part(GraphAxis, data.get(name)) for name in ("x", "left", "right")}
@@ -194,45 +204,45 @@ _ALLOWED: Mapping[str, Callable[[Any], bool]] = MappingProxyType(
         "colour": lambda text: not text or is_colour(text), "width": lambda value: LEAST_WIDTH <= value <= MOST_WIDTH,
     }
 )  # fmt: skip
-"""Field of a row or an axis -> what it may be."""
+"""Field of a row or an axis -> whether a value is allowed."""
 
 
 def is_colour(text: str) -> bool:
-    """Whether it is ``#rrggbb``."""
+    """Whether the text is ``#rrggbb``."""
     return re.fullmatch("#[0-9A-Fa-f]{6}", text) is not None
 
 
 def _part(kind: Any, data: Any) -> Any:
-    made = kind()
-    for each in fields(kind):
-        if not isinstance(data, Mapping) or each.name not in data:
+    part = kind()
+    for name in [entry.name for entry in fields(kind)] if isinstance(data, Mapping) else ():
+        if name not in data:
             continue
-        value, usual = data[each.name], getattr(made, each.name)
-        wanted: Any = (int, float) if usual is None or isinstance(usual, float) else type(usual)
-        fits = isinstance(value, wanted) and (wanted is bool or not isinstance(value, bool))
-        if fits and (each.name not in _ALLOWED or value is None or _ALLOWED[each.name](value)):
-            made = replace(made, **{each.name: value})
-    return made
+        value, default = data[name], getattr(part, name)
+        type_: Any = (int, float) if default is None or isinstance(default, float) else type(default)
+        is_valid = isinstance(value, type_) and (type_ is bool or not isinstance(value, bool))
+        if is_valid and (name not in _ALLOWED or value is None or _ALLOWED[name](value)):
+            part = replace(part, **{name: value})
+    return part
 
 
-# -- A graph as a file ------------------------------------------------------------------------------------------
+# -- files ------------------------------------------------------------------------------------------------------
 
 
 ENDING = ".graph.json"
 
 
-def rooted(graph: Graph, folder: Path) -> Graph:
-    """The same with paths from the root, of paths from a folder."""
+def with_absolute_paths(graph: Graph, folder: Path) -> Graph:
+    """The graph with absolute paths instead of paths relative to a folder."""
     return replace(
         graph,
         curves=tuple(replace(c, source=str((folder / c.source).absolute()) if c.source else "") for c in graph.curves),
     )
 
 
-def relative(graph: Graph, folder: Path | None) -> Graph:
-    """The same with paths from a folder, where the files are inside it or beside it; those farther off stay whole."""
+def with_relative_paths(graph: Graph, folder: Path | None) -> Graph:
+    """The graph with paths relative to a folder, for files inside it or next to it; others stay absolute."""
 
-    def short(source: str) -> str:
+    def shorten(source: str) -> str:
         if not source or folder is None:
             return source
         try:
@@ -241,27 +251,27 @@ def relative(graph: Graph, folder: Path | None) -> Graph:
             return source
         return source if text.startswith(os.path.join("..", "..")) else text
 
-    return replace(graph, curves=tuple(replace(curve, source=short(curve.source)) for curve in graph.curves))
+    return replace(graph, curves=tuple(replace(curve, source=shorten(curve.source)) for curve in graph.curves))
 
 
 def save_setup(graph: Graph, path: Path) -> None:
-    """Write the rows of a graph, not their numbers. Raises FileError."""
-    data = to_data(relative(graph, path.absolute().parent))
+    """Write the rows of a graph, without numbers. Raises FileError."""
+    data = to_data(with_relative_paths(graph, path.absolute().parent))
     write(path, json.dumps(data, indent=1, ensure_ascii=False) + "\n")
 
 
 def load_setup(path: Path) -> Graph:
-    """Read them. Raises FileError, KindynaError where it is no such file."""
+    """Read the rows of a graph. Raises FileError, KindynaError where the file is none of a graph."""
     try:
         data = bounded_json(read_text(path))
     except ValueError:
         data = None
     if not isinstance(data, dict) or "curves" not in data:
-        raise KindynaError(f"{path.name}: no graph; wanted: a file that the graph page saved (*{ENDING})")
-    return rooted(from_data(data), path.absolute().parent)
+        raise KindynaError(f"{path.name}: not a graph; allowed: a file saved by the graph page (*{ENDING})")
+    return with_absolute_paths(from_data(data), path.absolute().parent)
 
 
-# -- units of the columns of a graph by the columns' names ------------------------------------------------------
+# -- units from names of columns --------------------------------------------------------------------------------
 
 
 _AT_END = re.compile(r"[\[(]([^\[(\])]*)[\])]$")
@@ -269,15 +279,17 @@ _AT_END = re.compile(r"[\[(]([^\[(\])]*)[\])]$")
 
 @lru_cache(maxsize=64)
 def unit_of_column(name: str) -> str:
-    """The unit that a column's name ends in: as in our own tables (``force_n``), in brackets, behind a comma, or as measured
-    tables have it; what stands in brackets and is no known unit is taken as it is; empty where there is none."""
+    """Unit at the end of a column's name; empty where there is none.
+
+    As in tables of KINDYNA (``force_n``), in brackets, behind a comma, or as in measured tables. An unknown unit in brackets
+    is returned unchanged.
+    """
     name = name.strip()[-LONGEST:]
     inside = _AT_END.search(name)
     if inside:
         return unit_symbol(inside[1]) or inside[1].strip()
-    own = split_unit(name)[1].symbol
-    if own:
-        return own
+    if symbol := split_unit(name)[1].symbol:
+        return symbol
     tail = re.split(r",\s*|_", name)
     return unit_symbol(unit_in(name)) or (unit_symbol(tail[-1]) if len(tail) > 1 else "")
 

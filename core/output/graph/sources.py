@@ -1,4 +1,4 @@
-"""Where the numbers of a graph come from: a table, or a design with its drives; each gives columns by name."""
+"""Sources of a graph's numbers: a table, or a design with its drives; each has columns by name."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ from core.output.export import camshaft_columns
 from core.output.graph.model import (
     ALL,
     ANGLES,
-    WHOLE,
+    SHAFT,
     Graph,
     GraphAxis,
     GraphCurve,
@@ -52,23 +52,29 @@ from core.study.quantities import label_of
 from core.study.quantity_requests import path_drives
 from core.units import quantity_kind
 
-# -- all columns of a text table as numbers, however long it is -------------------------------------------------
+# -- text tables as numbers -------------------------------------------------------------------------------------
 
 
-SAMPLE, LEAST_SAMPLE = 500, 50  # lines by which header, delimiter and decimal mark are found, fewer of long ones
-SAMPLE_TEXT = 100_000  # characters of them
-LINES_AT_ONCE, CELLS_AT_ONCE = 20_000, 1_000_000  # between two looks at whether the table is still wanted
-FEW = 3  # cells that are no numbers, of one column, before the rest is counted
+SAMPLE, LEAST_SAMPLE = 500, 50  # lines that determine header, delimiter and decimal mark, fewer of long lines
+SAMPLE_TEXT = 100_000  # characters in these lines
+LINES_AT_ONCE, CELLS_AT_ONCE = 20_000, 1_000_000  # between two checkpoints
+FEW = 3  # wrong cells of a column that are quoted; further ones are counted
 _COMMENTS = ("#", "%", "//")
 
 Progress = Callable[[float], object]
-"""Is called with how much is done, 0 ... 1."""
+"""Called with the completed part, 0 ... 1."""
 
 
 @frozen(eq=False)
 class NumberTable:
-    """A table. names: of its columns, each once; values (columns, rows), nan where nothing stands; notes: a line for whatever was
-    left out."""
+    """A table of numbers.
+
+    Attributes
+    ----------
+    names : different names of the columns
+    values : (columns, rows) numbers in the units of the columns, NaN in empty cells
+    notes : lines on omitted cells
+    """
 
     name: str
     names: tuple[str, ...]
@@ -77,14 +83,14 @@ class NumberTable:
 
 
 def read_table_file(path: Path, progress: Progress = lambda part: None) -> NumberTable:
-    """The table in a file. Raises FileError where it cannot be read, TableError where no row holds two numbers."""
+    """The table in a file. Raises FileError, TableError where no row holds two numbers."""
     return read_numbers(read_bytes(path), path.name, progress)
 
 
 def read_numbers(data: bytes, name: str, progress: Progress = lambda part: None) -> NumberTable:
-    """The numbers in a table's bytes; its delimiter, decimal mark and header are found as for measured tables.
+    """Numbers in the bytes of a table; delimiter, decimal mark and header are detected as in measured tables.
 
-    Blocks of lines that hold numbers and nothing else are read at once, others line by line. Raises TableError.
+    Blocks of lines with numbers only are read at once, others line by line. Raises TableError.
     """
     text, _ = decoded(data, name)
     require_lines(text, name)
@@ -95,7 +101,7 @@ def read_numbers(data: bytes, name: str, progress: Progress = lambda part: None)
     if wider := _wider(sheet, lines):
         sheet = read_sheet(sample, name, columns=wider)
     if sheet.columns > COLUMNS:
-        raise TableError(name, [RowFault(0, f"more than {COLUMNS} columns; wanted: at most {COLUMNS}")])
+        raise TableError(name, [RowFault(0, f"more than {COLUMNS} columns; allowed: at most {COLUMNS}")])
     reader = _Reader(sheet.delimiter, sheet.decimal, sheet.columns)
     begin = sheet.rows[0].line - 1
     require_cells(len(lines) - begin, sheet.columns, name)
@@ -108,25 +114,27 @@ def read_numbers(data: bytes, name: str, progress: Progress = lambda part: None)
         values[:, count : count + len(block)] = block.T
         count += len(block)
     values = values[:, :count] if count == values.shape[1] else values[:, :count].copy()
-    names = _named(sheet.names)
-    header = [] if any(sheet.names) else ["there is no header: columns are called by their numbers"]
+    names = _distinct_names(sheet.names)
+    header = [] if any(sheet.names) else ["no header: columns are named by their numbers"]
     return NumberTable(name, names, values, (*header, *reader.notes(names)))
 
 
 def _wider(sheet: Worksheet, lines: Sequence[str]) -> int:
-    """Columns of the header where it has more than most rows, and some row as many: those at the end are shorter, or rarely filled. 0
-    where it has not."""
+    """Number of columns in the header, where it exceeds that of most rows and some row has as many; else 0.
+
+    Columns at the end may be shorter, or rarely filled.
+    """
     begin = sheet.rows[0].line - 1
     above = next((line for line in reversed(lines[:begin]) if line.strip()), "")
-    wide = len(split(above.strip().lstrip("#%/"), sheet.delimiter))
-    if sheet.delimiter == "spaces" or wide <= sheet.columns:
+    count = len(split(above.strip().lstrip("#%/"), sheet.delimiter))
+    if sheet.delimiter == "spaces" or count <= sheet.columns:
         return 0
     mark = DELIMITERS[sheet.delimiter]
-    return wide if any(line.count(mark) >= wide - 1 for line in lines[begin:]) else 0
+    return count if any(line.count(mark) >= count - 1 for line in lines[begin:]) else 0
 
 
-def _named(headings: Sequence[str]) -> tuple[str, ...]:
-    """Each name once; a column without one is called by its number."""
+def _distinct_names(headings: Sequence[str]) -> tuple[str, ...]:
+    """Different names of the columns; a column without a name is named by its number."""
     counts = Counter(headings)
     return tuple(
         f"column {i}" if not name else name if counts[name] == 1 else f"column {i} {name}"
@@ -136,7 +144,7 @@ def _named(headings: Sequence[str]) -> tuple[str, ...]:
 
 @dataclass
 class _Reader:
-    """Lines to numbers; what was wrong in them is gathered."""
+    """Converts lines to numbers, and counts the faults in them."""
 
     delimiter: str
     decimal: str
@@ -148,12 +156,12 @@ class _Reader:
     empty: dict[int, LineRuns] = field(default_factory=dict)
 
     def block(self, lines: Sequence[str], at: int) -> np.ndarray:
-        """The rows (n, columns) of lines; at: the number of the first, from 0."""
-        made = self._at_once(lines)
-        return made if made is not None else self._one_by_one(lines, at)
+        """Numbers (n, columns) of lines, from the line with index ``at`` on."""
+        values = self._at_once(lines)
+        return values if values is not None else self._one_by_one(lines, at)
 
     def _at_once(self, lines: Sequence[str]) -> np.ndarray | None:
-        """None where anything but numbers stands there."""
+        """Numbers of lines that hold nothing else; None for other lines."""
         if self.decimal == "comma":
             if any("." in line for line in lines):
                 return None
@@ -161,17 +169,17 @@ class _Reader:
         if not any(lines):
             return np.zeros((0, self.columns))
         mark = None if self.delimiter == "spaces" else DELIMITERS[self.delimiter]
-        if mark is not None and lines[0].endswith(mark):  # as some programs end every line
+        if mark is not None and lines[0].endswith(mark):  # some programs end every line with a delimiter
             lines = [line.rstrip(mark) for line in lines]
         try:
-            made = np.loadtxt(lines, delimiter=mark, comments=None, ndmin=2)
+            values = np.loadtxt(lines, delimiter=mark, comments=None, ndmin=2)
         except ValueError:
             return None
-        return made if made.shape[1] == self.columns and not np.isinf(made).any() else None
+        return values if values.shape[1] == self.columns and not np.isinf(values).any() else None
 
     def _one_by_one(self, lines: Sequence[str], at: int) -> np.ndarray:
-        made = np.full((len(lines), self.columns), np.nan)
-        used = np.zeros(len(lines), dtype=bool)
+        values = np.full((len(lines), self.columns), np.nan)
+        is_row = np.zeros(len(lines), dtype=bool)
         for i, line in enumerate(lines):
             text = line.strip()
             if not text or text.startswith(_COMMENTS):
@@ -179,7 +187,7 @@ class _Reader:
             cells = split(
                 re.split(r"#|%|//", line, maxsplit=1)[0] if re.match(r"\s*[-+.\d]", line) else line, self.delimiter
             )
-            used[i] = True
+            is_row[i] = True
             if len(cells) < self.columns:
                 self.short.setdefault(len(cells), LineRuns()).add(at + i + 1)
             elif len(cells) > self.columns:
@@ -187,7 +195,7 @@ class _Reader:
             for column, cell in enumerate(cells[: self.columns]):
                 value = number(cell, self.decimal)
                 if value is not None and np.isfinite(value):
-                    made[i, column] = value
+                    values[i, column] = value
                 elif not cell:
                     self.empty.setdefault(column, LineRuns()).add(at + i + 1)
                 elif cell.lower() not in ("nan", "-", "na", "n/a"):
@@ -196,24 +204,24 @@ class _Reader:
                         shown.append(f"line {at + i + 1}: {cell[:30]!r}")
                     else:
                         self.more[column] += 1
-        return made[used]
+        return values[is_row]
 
     def notes(self, names: Sequence[str]) -> tuple[str, ...]:
         """A line for each kind of fault."""
-        made = []
+        notes = []
         for column, cells in sorted(self.wrong.items()):
             more = f"; and {self.more[column]} more" if self.more[column] else ""
-            made.append(f"{names[column]}, {'; '.join(cells)}{more}: no number, left out")
-        made += [f"{names[column]}: nothing in {lines}, a gap" for column, lines in sorted(self.empty.items())]
+            notes.append(f"{names[column]}, {'; '.join(cells)}{more}: not a number, omitted")
+        notes += [f"{names[column]}: empty in {lines}, a gap" for column, lines in sorted(self.empty.items())]
         for count, lines in sorted(self.short.items()):
             short = f"{lines} {'has' if lines.count == 1 else 'have'} {count} of {self.columns} columns"
-            made.append(f"{short}: those behind end, or have a gap, there")
+            notes.append(f"{short}: further columns have a gap")
         if self.long.count:
-            made.append(f"{self.long}: more than {self.columns} columns; what is behind them is left out")
-        return tuple(made)
+            notes.append(f"{self.long}: more than {self.columns} columns; further cells are omitted")
+        return tuple(notes)
 
 
-# -- where the numbers of a graph come from ---------------------------------------------------------------------
+# -- sources ----------------------------------------------------------------------------------------------------
 
 
 MACHINE, TIME = "machine_angle_deg", "time_s"
@@ -221,7 +229,7 @@ MACHINE, TIME = "machine_angle_deg", "time_s"
 
 @frozen
 class ColumnHeading:
-    """A column: its name, as rows of a graph have it, in words, its unit, the family that sets its colour."""
+    """A column: its name in rows of a graph, its label, its unit, and the family that determines its colour."""
 
     name: str
     label: str
@@ -233,7 +241,7 @@ _FAMILIES = ("velocity", "acceleration", "jerk", "force", "torque", "stress", "c
 
 
 def _heading(name: str) -> ColumnHeading:
-    """Of a column of which no more than the name is known."""
+    """Heading of a column of which only the name is known."""
     label, unit = without_unit(name), unit_of_column(name)
     kind = quantity_kind(unit).removeprefix("angular ")
     return ColumnHeading(
@@ -244,50 +252,62 @@ def _heading(name: str) -> ColumnHeading:
     )
 
 
-def words_of(column: str) -> str:
-    """A column of some design in words."""
+def column_label(column: str) -> str:
+    """Label of a column in any design."""
     return label_of(column) or _heading(column).label
 
 
 class MissingColumn(KindynaError):
-    """A design does not have what is to be drawn of it; ``words`` says so without the names of files and commands."""
+    """A design has no such column; ``description`` says so without names of files and commands."""
 
-    def __init__(self, text: str, words: str) -> None:
+    def __init__(self, text: str, description: str) -> None:
         super().__init__(text)
-        self.words = words
+        self.description = description
 
 
 class Source(Protocol):
-    """What curves are drawn from.
+    """Source of curves.
 
-    name     in words, for the legend
-    notes    what was left out of it
-    drives   names of drives; none where there is but one, or none at all
-    turns    whether its first column is the angle of a turn [deg]
+    Attributes
+    ----------
+    name : name in the legend
+    notes : lines on omitted parts
+    drives : names of the drives, where there are several
+    has_angle : whether its first column is the angle of a turn [deg]
     """
 
-    turns: bool
+    has_angle: bool
     name: str
     notes: tuple[str, ...]
     drives: tuple[str, ...]
 
     def parts(self, drive: str) -> tuple[str, ...]:
-        """The drives that a row's ``drive`` means: one, or each. Raises KindynaError."""
+        """Drives for a row's ``drive``: one, or all. Raises KindynaError."""
 
     def headings(self, drive: str) -> tuple[ColumnHeading, ...]:
-        """The columns of one of them; the first is what the others are usually drawn over. Raises KindynaError."""
+        """Columns of a drive; the first is the default abscissa. Raises KindynaError."""
 
-    def usual(self, headings: Sequence[ColumnHeading]) -> int:
-        """The place of the column that is drawn where none is named."""
+    def default_column(self, headings: Sequence[ColumnHeading]) -> int:
+        """Index of the column that is drawn by default."""
 
     def values(self, drive: str, names: Sequence[str]) -> tuple[np.ndarray, ...]:
-        """Those columns, row by row (n,). Raises KindynaError."""
+        """Columns by their names.
+
+        Returns
+        -------
+        tuple of ndarray (n,) [units of the headings]
+
+        Raises
+        ------
+        KindynaError
+            The design cannot be computed, or lacks a column.
+        """
 
 
 class TableSource:
-    """The columns of a table."""
+    """Columns of a table."""
 
-    turns = False
+    has_angle = False
     drives: tuple[str, ...] = ()
 
     def __init__(self, table: NumberTable) -> None:
@@ -296,44 +316,50 @@ class TableSource:
         self._headings = tuple(_heading(name) for name in table.names)
 
     def parts(self, drive: str) -> tuple[str, ...]:
-        """Names of the drives that a row stands for."""
+        """A table has no drives."""
         return ("",)
 
     def headings(self, drive: str) -> tuple[ColumnHeading, ...]:
-        """Its columns, for a drive of the design."""
+        """Columns of the table."""
         return self._headings
 
-    def usual(self, headings: Sequence[ColumnHeading]) -> int:
+    def default_column(self, headings: Sequence[ColumnHeading]) -> int:
         return 1
 
     def values(self, drive: str, names: Sequence[str]) -> tuple[np.ndarray, ...]:
-        """Columns (n,) by their names, in the units of the headings."""
+        """Columns by their names.
+
+        Returns
+        -------
+        tuple of ndarray (n,) [units of the headings]
+        """
         return tuple(self._values[name] for name in names)
 
 
 class DesignSource:
-    """The channels of a design's drives, and of its shaft. chosen: the drive that an empty name means."""
+    """Channels of a design's drives and of its shaft."""
 
-    turns = True
+    has_angle = True
     notes: tuple[str, ...] = ()
 
-    def __init__(self, design: Design, name: str = "", chosen: str = "") -> None:
-        self.design, self.name, self._chosen = design, name or design.name, chosen
+    def __init__(self, design: Design, name: str = "", selected: str = "") -> None:
+        """Use ``selected`` where a row names no drive."""
+        self.design, self.name, self._selected = design, name or design.name, selected
         self.drives = drive_names(design) if len(design.drives) > 1 else ()
 
     @cached_property
     def shaft(self) -> Camshaft[Study]:
-        """All drives together."""
+        """The shaft with all drives."""
         return Study(self.design).camshaft
 
     def parts(self, drive: str) -> tuple[str, ...]:
-        """Names of the drives that a row stands for."""
+        """Drives for a row's ``drive``. Raises MissingColumn."""
         if not self.drives:
             return ("",)
         if drive == ALL:
             return self.drives
-        name = drive or self._chosen or self.drives[0]
-        if name != WHOLE and name not in self.drives:
+        name = drive or self._selected or self.drives[0]
+        if name != SHAFT and name not in self.drives:
             text = f"{self.name} has no drive {name!r}; it has {', '.join(self.drives)}"
             raise MissingColumn(text, text)
         return (name,)
@@ -342,14 +368,14 @@ class DesignSource:
         return Study(only(self.design, self.drives.index(drive) if drive in self.drives else 0))
 
     def headings(self, drive: str) -> tuple[ColumnHeading, ...]:
-        """Its columns, for a drive of the design."""
+        """Columns of a drive, or of the shaft."""
         machine = ColumnHeading(MACHINE, "Machine angle", "°")
-        if drive == WHOLE:
+        if drive == SHAFT:
             names = [name for name, _ in camshaft_columns(self.shaft)]
-            own = (
+            sums = (
                 ColumnHeading(row.name, row.label, unit_of_column(row.name), row.family) for row in outputs(self.shaft)
             )
-            return (machine, *map(_heading, names), *own)
+            return (machine, *map(_heading, names), *sums)
         study = self._study(drive)
         angle = study.angle_name
         first = [ColumnHeading(study.angle_column, angle[:1].upper() + angle[1:], "°")]
@@ -358,50 +384,55 @@ class DesignSource:
         rows = (row for row in channels(study.design) if row.slug != study.angle_column)
         return (*first, *(ColumnHeading(row.slug, row.label, row.unit.symbol, row.family) for row in rows))
 
-    def usual(self, headings: Sequence[ColumnHeading]) -> int:
+    def default_column(self, headings: Sequence[ColumnHeading]) -> int:
         """The displacement where there is one, else the first channel."""
-        places = [i for i, each in enumerate(headings) if each.family]
-        named = (i for i in places if split_unit(headings[i].name)[0] == "displacement")
-        return next(named, places[0] if places else 1)
+        indices = [i for i, heading in enumerate(headings) if heading.family]
+        displacements = (i for i in indices if split_unit(headings[i].name)[0] == "displacement")
+        return next(displacements, indices[0] if indices else 1)
 
     def values(self, drive: str, names: Sequence[str]) -> tuple[np.ndarray, ...]:
-        """Columns (n,) by their names, in the units of the headings."""
-        found = self._of_shaft(names) if drive == WHOLE else self._of_drive(drive, names)
-        if MACHINE in names:
-            order = np.argsort(found[list(names).index(MACHINE)], kind="stable")
-            return tuple(column[order] for column in found)
-        return found
+        """Columns by their names.
 
-    def _of_shaft(self, names: Sequence[str]) -> tuple[np.ndarray, ...]:
+        Returns
+        -------
+        tuple of ndarray (n,) [units of the headings]
+        """
+        columns = self._shaft_columns(names) if drive == SHAFT else self._drive_columns(drive, names)
+        if MACHINE in names:
+            order = np.argsort(columns[list(names).index(MACHINE)], kind="stable")
+            return tuple(column[order] for column in columns)
+        return columns
+
+    def _shaft_columns(self, names: Sequence[str]) -> tuple[np.ndarray, ...]:
         rows = {row.name: row.values for row in outputs(self.shaft)}
         if not {MACHINE, *rows}.issuperset(names):
             rows |= dict(camshaft_columns(self.shaft))
         return tuple(self.shaft.angle_degrees if name == MACHINE else rows[name](self.shaft) for name in names)
 
-    def _of_drive(self, drive: str, names: Sequence[str]) -> tuple[np.ndarray, ...]:
+    def _drive_columns(self, drive: str, names: Sequence[str]) -> tuple[np.ndarray, ...]:
         study = self._study(drive)
         rows = {row.slug: row for row in channels(study.design)}
-        own = {
+        computed = {
             study.angle_column: lambda: study.angle_degrees,
             TIME: lambda: np.deg2rad(study.angle_degrees) / abs(study.omega),
             MACHINE: lambda: np.mod(np.degrees(self.shaft.positions[drive].machine_angle(study.theta)), 360.0),
         }
-        return tuple(own[name]() if name in own else rows[name].values(study) for name in names)
+        return tuple(computed[name]() if name in computed else rows[name].values(study) for name in names)
 
 
 def read_source(path: Path, progress: Progress = lambda part: None) -> Source:
-    """The source in a file: of a design where its name ends in .toml, else of a table. Raises KindynaError."""
+    """The source in a file: a design where its name ends in .toml, else a table. Raises KindynaError."""
     if path.suffix.lower() == ".toml":
         return DesignSource(load(path), path.stem)
     return TableSource(read_table_file(path, progress))
 
 
-# -- graphs that are ready to be shown --------------------------------------------------------------------------
+# -- ready graphs -----------------------------------------------------------------------------------------------
 
 
 @frozen
 class ReadyGraph:
-    """name: as the command calls it; text and tip: as a menu does; graph: of the design at hand."""
+    """A graph of the current design: its name in the command, text and tip of its menu entry."""
 
     name: str
     text: str
@@ -409,41 +440,41 @@ class ReadyGraph:
     graph: Graph
 
 
-def ready(source: DesignSource) -> tuple[ReadyGraph, ...]:
-    """Those that this design has."""
-    return (*_of_shaft(source), *_of_points(source))
+def ready_graphs(source: DesignSource) -> tuple[ReadyGraph, ...]:
+    """Ready graphs of a design."""
+    return (*_transfer_graphs(source), *_point_graphs(source))
 
 
 def _graph(title: str, *curves: GraphCurve, across: str = "", left: str = "") -> Graph:
-    made = Graph(title=title, x=GraphAxis(across), left=GraphAxis(left))
+    graph = Graph(title=title, x=GraphAxis(across), left=GraphAxis(left))
     for curve in curves:
-        made = add_curve(made, curve)
-    return made
+        graph = add_curve(graph, curve)
+    return graph
 
 
-def _of_shaft(source: DesignSource) -> Iterator[ReadyGraph]:
-    """The first drive across, those behind it upwards."""
+def _transfer_graphs(source: DesignSource) -> Iterator[ReadyGraph]:
+    """Path and speed of the object that several drives carry: the first drive across, the others upwards."""
     names = path_drives(source.shaft) if source.drives else ()
     if not names:
         return
-    first, *others = (travel_column(source.shaft, name) for name in names)
+    first, *ordinates = (travel_column(source.shaft, name) for name in names)
     paths = [
-        GraphCurve(drive=WHOLE, x=first, y=other, name=f"{name} over {names[0]}", mark=ANGLES, dash=dash)
-        for name, other, dash in zip(names[1:], others, ("dashed", "solid"), strict=False)
+        GraphCurve(drive=SHAFT, x=first, y=ordinate, name=f"{name} over {names[0]}", mark=ANGLES, dash=dash)
+        for name, ordinate, dash in zip(names[1:], ordinates, ("dashed", "solid"), strict=False)
     ]
-    led = f"what {', '.join(names[:-1])} and {names[-1]} carry together"
+    carried = f"the object that {', '.join(names[:-1])} and {names[-1]} carry together"
     path = _graph("Path of the transfer", *paths, across=names[0], left=", ".join(names[1:]))
-    yield ReadyGraph("path", "Path of the transfer", f"The path of {led}, marked by machine angle", path)
+    yield ReadyGraph("path", "Path of the transfer", f"The path of {carried}, marked by machine angle", path)
     along = (
-        GraphCurve(drive=WHOLE, x=MACHINE, y=column, name=name)
+        GraphCurve(drive=SHAFT, x=MACHINE, y=column, name=name)
         for column, name in ((SPEED, "Speed"), (ACCELERATION, "Acceleration"))
     )
     speed = _graph("Speed along the path", *along, left="Speed")
-    yield ReadyGraph("speed", "Speed along the path", f"Speed and acceleration of {led}", speed)
+    yield ReadyGraph("speed", "Speed along the path", f"Speed and acceleration of {carried}", speed)
 
 
-def _of_points(source: DesignSource) -> Iterator[ReadyGraph]:
-    """Of every point that is no joint, of a link that moves."""
+def _point_graphs(source: DesignSource) -> Iterator[ReadyGraph]:
+    """Paths of all points of moving links that are not joints."""
     drive = source.design.drive if not source.drives else None
     if drive is None or not drive.links:
         return
@@ -454,48 +485,50 @@ def _of_points(source: DesignSource) -> Iterator[ReadyGraph]:
             if point.name in joints:
                 continue
             name, along, height = point.name, rows[f"point.{point.name}_x"], rows[f"point.{point.name}_y"]
-            turned = rows.get(f"link.{link.number}")
+            angle = rows.get(f"link.{link.number}")
             path = _graph(f"Path of {name}", GraphCurve(x=along, y=height, name=f"Path of {name}", mark=ANGLES))
             yield ReadyGraph(
                 f"path:{name}",
                 f"Path of {name}",
-                f"Where {name} of link {link.number} is over the turn, marked by angle",
+                f"Path of {name} of link {link.number} over the turn, marked by angle",
                 path,
             )
-            moved = [GraphCurve(x=height, y=along, name=f"{name}, along", mark=ANGLES)]
-            moved += [GraphCurve(x=height, y=turned, name=f"Link {link.number}, angle")] if turned else []
-            tip = f"How far {name} moves along, and link {link.number} turns, with the height of {name}: of a wheel its bump plot"
+            curves = [GraphCurve(x=height, y=along, name=f"{name}, along", mark=ANGLES)]
+            curves += [GraphCurve(x=height, y=angle, name=f"Link {link.number}, angle")] if angle else []
+            tip = f"Displacement of {name} and rotation of link {link.number} over the height of {name}: the bump plot of a wheel"
             over = f"{name} over its height"
-            yield ReadyGraph(f"height:{name}", over, tip, _graph(over, *moved, across=f"Height of {name}"))
+            yield ReadyGraph(f"height:{name}", over, tip, _graph(over, *curves, across=f"Height of {name}"))
 
 
 @frozen
 class PointValue:
-    """What is read at a point of a path: its name, value and unit."""
+    """A value at a point of a path: its name, value and unit."""
 
     name: str
     value: float
     unit: str
 
 
-def on_path(source: Source, curve: GraphCurve, angle: float) -> tuple[PointValue, ...]:
-    """Speed along a path and size of the acceleration on it where the angle of the turn is so [deg]; nothing where the curve is no path:
-    neither x and y of one point of a linkage, nor two outputs that lead what several drives carry."""
+def path_values(source: Source, curve: GraphCurve, angle: float) -> tuple[PointValue, ...]:
+    """Speed along a path and magnitude of the acceleration at an angle of the turn [deg]; empty where the curve is no path.
+
+    A path has x and y of one point of a linkage, or two drives that carry an object together.
+    """
     if not isinstance(source, DesignSource):
         return ()
     part = source.parts(curve.drive)[0]
     point = curve.x.removesuffix("_x_mm")
-    if part == WHOLE and {curve.x, curve.y} <= {
+    if part == SHAFT and {curve.x, curve.y} <= {
         travel_column(source.shaft, name) for name in path_drives(source.shaft)
     }:
         columns: tuple[str, ...] = (SPEED, ACCELERATION)
-    elif part != WHOLE and (curve.x, curve.y) == (f"{point}_x_mm", f"{point}_y_mm") and point:
-        columns = tuple(f"{point}_{what}" for what in ("speed_mm_s", "ax_mm_s2", "ay_mm_s2"))
+    elif part != SHAFT and (curve.x, curve.y) == (f"{point}_x_mm", f"{point}_y_mm") and point:
+        columns = tuple(f"{point}_{quantity}" for quantity in ("speed_mm_s", "ax_mm_s2", "ay_mm_s2"))
     else:
         return ()
     headings = source.headings(part)
-    if not {each.name for each in headings}.issuperset(columns):
+    if not {heading.name for heading in headings}.issuperset(columns):
         return ()
     at, *values = source.values(part, (headings[0].name, *columns))
-    speed, *acceleration = (float(np.interp(angle, at, each, period=360.0)) for each in values)
+    speed, *acceleration = (float(np.interp(angle, at, column, period=360.0)) for column in values)
     return PointValue("speed", speed, "mm/s"), PointValue("acceleration", hypot(*acceleration), "mm/s²")

@@ -15,7 +15,7 @@ from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE
 from core.motion.extremes import Extremes
 from core.study import Quantity, Study, extremes_of
-from core.study.limits import OWN_BOUNDS, bounded
+from core.study.limits import USER_BOUNDS, bounded_quantities
 from core.study.member_quantities import gain_per_turn
 from core.study.quantity_requests import allowable_pressure
 from core.units import split_unit
@@ -46,9 +46,9 @@ def _undercut(study: Study) -> float:
 
 def _own(study: Study, quantity: str) -> Iterator[Limit]:
     """The user's own limits of a quantity, as far as stated."""
-    for key, (_, bounds) in OWN_BOUNDS.items():
+    for key, (_, bounds) in USER_BOUNDS.items():
         stated = getattr(study.design.drive.limits, key)
-        if stated is not None and quantity in bounded(study.design, key):
+        if stated is not None and quantity in bounded_quantities(study.design, key):
             yield Limit(stated * split_unit(key)[1].factor, bounds.line, f"limits.{key}")
 
 

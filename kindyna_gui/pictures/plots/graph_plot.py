@@ -13,7 +13,7 @@ from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QAccessible, QPainterPath
 from PySide6.QtWidgets import QGraphicsItem, QGraphicsSimpleTextItem, QWidget
 
-from core.output.graph import ANGLES, DASHES, RIGHT, Graph, GraphAxis, GraphPoint, Plotted, Series, angle_marks
+from core.output.graph import ANGLES, DASHES, RIGHT, Graph, GraphAxis, GraphData, GraphPoint, Series, angle_marks
 from kindyna_gui.pictures.items import Outline, Tag
 from kindyna_gui.pictures.plots.axis import Axis
 from kindyna_gui.pictures.plots.fixed_plot import EDGE, RIGHT_MARGIN, TOP_MARGIN, FixedPlot
@@ -64,7 +64,7 @@ class GraphPlot(FixedPlot):
     """
 
     def __init__(self, parent: QWidget | None = None, theme: Theme = SCREEN) -> None:
-        self.graph, self.found = Graph(), Plotted((), (), "", "", {}, {}, {})
+        self.graph, self.found = Graph(), GraphData((), (), "", "", {}, {}, {})
         self.rungs: tuple[DisplayUnit, ...] = ()
         self.shown = Shown((0.0, 1.0), ())
         self.points: tuple[GraphPoint, ...] = ()
@@ -111,7 +111,7 @@ class GraphPlot(FixedPlot):
         return made
 
     def show_graph(
-        self, graph: Graph, found: Plotted, keep: bool = False, message: str = "", bands: Bands = NO_BANDS
+        self, graph: Graph, found: GraphData, keep: bool = False, message: str = "", bands: Bands = NO_BANDS
     ) -> None:
         """Draw these curves; keep: the part that is shown stays, where the axes are the same; message: where there is none; bands: place
         of a curve -> its x and percentiles, between which machines lie, shaded."""
@@ -239,7 +239,7 @@ class GraphPlot(FixedPlot):
             connect="all" if whole_line else "finite",
             skipFiniteCheck=whole_line,
             antialias=True,
-            clipToView=series.ordered,
+            clipToView=series.is_ordered,
             downsampleMethod="peak",
         )
         item.setZValue(Z_CURVE + number)
@@ -368,11 +368,11 @@ class GraphPlot(FixedPlot):
             if x is None or not len(x) or not (across and upwards):  # without a curve, or without an extent
                 continue
             near = slice(None)
-            if series.ordered:
+            if series.is_ordered:
                 ends = np.searchsorted(x, (at.x() - NEAR * across, at.x() + NEAR * across))
                 near = slice(max(int(ends[0]) - 1, 0), int(ends[1]) + 1)
             away = np.hypot((x[near] - at.x()) / across, (y[near] - at.y()) / upwards)
-            if series.ordered:
+            if series.is_ordered:
                 away = np.append(away, abs(float(np.interp(at.x(), x, y, np.nan, np.nan)) - at.y()) / upwards)
             if not np.isfinite(away).any():
                 continue
@@ -383,7 +383,7 @@ class GraphPlot(FixedPlot):
 
     def _taken(self, number: int, x: float, i: int) -> GraphPoint:
         series = self.found.series[number]
-        if not series.ordered:
+        if not series.is_ordered:
             kept = series.x[series.x > 0.0] if self.graph.x.log else series.x
             other = series.y[series.x > 0.0] if self.graph.x.log else series.y
             return GraphPoint(number, float(kept[i]), float(other[i]))
@@ -416,7 +416,7 @@ class GraphPlot(FixedPlot):
         shown = Shown(bounded(shown.x), tuple(bounded(ends) for ends in shown.values))
         self.shown, self._fitted_for = shown, None
         rows = zip(self._items, self.found.series, strict=True)
-        thinned = [series.ordered and _is_wide(item.getOriginalDataset()[0], shown.x) for item, series in rows]
+        thinned = [series.is_ordered and _is_wide(item.getOriginalDataset()[0], shown.x) for item, series in rows]
         self._thin_out(
             [each for each, on in zip(self._items, thinned, strict=True) if not on], False
         )  # before it is shown so wide

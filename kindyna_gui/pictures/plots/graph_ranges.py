@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from core.frozen import frozen
-from core.output.graph import AxisOf, GraphAxis, Plotted, quantity_kind
+from core.output.graph import GraphAxis, GraphData, ValueAxis, quantity_kind
 from core.units import conversion_factor
 from kindyna_gui.pictures.plots.background import ANGLE_STEPS, LEAST_ACROSS, LEAST_VALUE_PIXELS, value_ticks
 from kindyna_gui.pictures.units import MINUS, DisplayUnit, nice_step, number, readable, short
@@ -30,7 +30,7 @@ class Shown:
     values: tuple[Ends, ...]
 
 
-def rungs(found: Plotted) -> tuple[DisplayUnit, ...]:
+def rungs(found: GraphData) -> tuple[DisplayUnit, ...]:
     """The unit that each axis of values is read in without an exponent."""
     made = []
     for axis in found.axes:
@@ -48,16 +48,16 @@ def scaled(values: np.ndarray, log: bool, size: float = 1.0) -> np.ndarray:
     return np.where(np.isfinite(made), made, np.nan)
 
 
-def whole(found: Plotted, x: GraphAxis, sizes: Sequence[DisplayUnit]) -> Shown:
+def whole(found: GraphData, x: GraphAxis, sizes: Sequence[DisplayUnit]) -> Shown:
     """All that is typed, or is to be seen. Of values above and below something is left free, and beside curves that go back."""
-    beside = BESIDE if any(not each.ordered for each in found.series) else 0.0
+    beside = BESIDE if any(not each.is_ordered for each in found.series) else 0.0
     across = _fitting([scaled(each.x, x.log) for each in found.series], x, 1.0, beside)
     if found.x_unit == "°" and not x.log and x.high is None and 350.0 < across[1] < 360.0:
         across = (across[0], 360.0)
     return Shown(across, tuple(_of(found, axis, rung) for axis, rung in zip(found.axes, sizes, strict=True)))
 
 
-def is_outline(found: Plotted, x: GraphAxis) -> bool:
+def is_outline(found: GraphData, x: GraphAxis) -> bool:
     """Whether lengths stand over lengths, and the curves go back: an outline, which wants one scale for both."""
     lengths = (
         quantity_kind(found.x_unit) == "length"
@@ -66,10 +66,10 @@ def is_outline(found: Plotted, x: GraphAxis) -> bool:
     )
     scales = (x, found.axes[0].scale) if lengths else ()
     free = all(s.low is None and s.high is None and not s.log for s in scales)
-    return lengths and free and any(not each.ordered for each in found.series)
+    return lengths and free and any(not each.is_ordered for each in found.series)
 
 
-def evenly(shown: Shown, found: Plotted, size: float, width: float, height: float) -> Shown:
+def evenly(shown: Shown, found: GraphData, size: float, width: float, height: float) -> Shown:
     """The same and more, with one scale along both axes of an outline; size: of the rung of its values."""
     (ends,) = shown.values
     up = size * conversion_factor(found.axes[0].unit, found.x_unit)
@@ -82,7 +82,7 @@ def _about(ends: Ends, wide: float) -> Ends:
     return middle - 0.5 * wide, middle + 0.5 * wide
 
 
-def _of(found: Plotted, axis: AxisOf, rung: DisplayUnit) -> Ends:
+def _of(found: GraphData, axis: ValueAxis, rung: DisplayUnit) -> Ends:
     return _fitting(
         [scaled(found.series[i].y, axis.scale.log, rung.size) for i in axis.series], axis.scale, rung.size, FREE
     )

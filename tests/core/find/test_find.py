@@ -121,7 +121,7 @@ def test_a_cam_sized_to_30_degrees_gives_30_degrees(tmp_path: Path) -> None:
     into = tmp_path / "sized.toml"
     code, text, faults = run(file(tmp_path), "base-radius", "--into", into)
     assert (code, faults) == (0, "")
-    assert "pressure_angle_rise_deg = 30, limit 30 (usual where the follower slides)" in text
+    assert "pressure_angle_rise_deg = 30, limit 30 (typical where the follower slides)" in text
     study = Study(load(into))
     assert f"{math.degrees(extremes_of(study, 'cam')['pressure_angle'].high.value):.10f}" == "30.0000000000"
     assert findings_of(study, ("cam",)) == ()
@@ -145,7 +145,7 @@ def test_a_limit_that_is_stated_takes_the_place_of_the_same_one_only(tmp_path: P
         "pressure_angle_return_deg": 30.0,
         "convex_radius_mm": 2.0,
     }
-    assert own["reasons"] == {"pressure_angle_return_deg": "usual where the follower slides"}
+    assert own["reasons"] == {"pressure_angle_return_deg": "typical where the follower slides"}
     assert own["answer"] == found(plain, "base-radius", "pressure_angle_rise_deg=25", "convex_radius_mm=2")["answer"]
     assert steeper["limits"] == {**own["limits"], "pressure_angle_rise_deg": 35.0}
     blunt = found(plain, "base-radius", "convex_radius_mm=2")

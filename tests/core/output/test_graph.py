@@ -21,10 +21,10 @@ from core.output.graph import (
     angle_marks,
     copy_curve,
     from_data,
+    graph_data,
     move_curve,
-    plotted,
     read_numbers,
-    ready,
+    ready_graphs,
     remove_curve,
     to_data,
     unit_of_column,
@@ -180,8 +180,8 @@ def test_how_the_wheel_moves_with_its_height_and_what_is_not_ready() -> None:
 
 def test_angles_along_a_path_stand_once_at_each_place() -> None:
     source: Source = DesignSource(load(UNIT))
-    rows = {each.name: each.graph for each in ready(source)}
-    clamp, lift = plotted(rows["path"], lambda _: source).series
+    rows = {each.name: each.graph for each in ready_graphs(source)}
+    clamp, lift = graph_data(rows["path"], lambda _: source).series
     marked = {text: (x, y) for x, y, text in angle_marks(lift)}
     assert marked["90-120°"] == pytest.approx((500.0 * np.deg2rad(24.0), 0.0), abs=1e-6)
     assert marked["0°"] == pytest.approx((500.0 * np.deg2rad(12.0), 150.0), abs=1e-6)
@@ -210,7 +210,7 @@ def test_a_column_with_a_value_in_every_tenth_row_is_joined_and_says_so(tmp_path
     lines = (f"{i},{i},{3 * i if i % 10 == 0 else ''}" for i in range(201))
     code, said, faults = run(file(tmp_path, "slow.csv", rows("t,a,b", *lines)), "--curve", "b", "--at", 25)
     assert (code, said) == (0, "B, slow: 75 at 25\n")
-    assert "B has values in 21 of 201 rows, none next to another: joined across the gaps" in faults
+    assert "B has values in 21 of 201 rows, all isolated: joined across the gaps" in faults
 
 
 @pytest.mark.parametrize("entry", ['"width": -5, "colour": "red"', '"side": "up", "dash": 3', '"width": NaN'])
@@ -231,11 +231,11 @@ def test_a_setup_with_entries_that_cannot_be_is_drawn_with_the_usual_ones(tmp_pa
 @pytest.mark.parametrize(
     ("text", "values", "note"),
     [
-        ("x,y\n1,2\n2,abc\n3,4\n", [2, np.nan, 4], "y, line 3: 'abc': no number, left out"),
-        ("x,y\n1,2\n2\n3,4\n", [2, np.nan, 4], "line 3 has 1 of 2 columns: those behind end, or have a gap, there"),
-        ("x,y,z\n1,2,3\n2,,3\n3,,3\n", [2, np.nan, np.nan], "y: nothing in lines 3-4, a gap"),
-        ("1;2,5\n2;3,5\n", [2.5, 3.5], "there is no header: columns are called by their numbers"),
-        ("x,y\n1,2\n2,3,9\n", [2, 3], "line 3: more than 2 columns; what is behind them is left out"),
+        ("x,y\n1,2\n2,abc\n3,4\n", [2, np.nan, 4], "y, line 3: 'abc': not a number, omitted"),
+        ("x,y\n1,2\n2\n3,4\n", [2, np.nan, 4], "line 3 has 1 of 2 columns: further columns have a gap"),
+        ("x,y,z\n1,2,3\n2,,3\n3,,3\n", [2, np.nan, np.nan], "y: empty in lines 3-4, a gap"),
+        ("1;2,5\n2;3,5\n", [2.5, 3.5], "no header: columns are named by their numbers"),
+        ("x,y\n1,2\n2,3,9\n", [2, 3], "line 3: more than 2 columns; further cells are omitted"),
     ],
 )
 def test_what_is_wrong_in_a_table_leaves_a_gap_and_a_line(text: str, values: list[float], note: str) -> None:
@@ -251,7 +251,7 @@ def test_a_long_table_is_read_whole_with_progress_and_its_wrong_rows_named() -> 
     table = read_numbers(("x,y\n" + "\n".join(lines)).encode(), "long.csv", seen.append)
     assert table.values.shape == (2, 50_000)
     assert np.flatnonzero(np.isnan(table.values[1])).tolist() == [30_000]
-    assert table.notes == ("y, line 30002: 'broken': no number, left out",)
+    assert table.notes == ("y, line 30002: 'broken': not a number, omitted",)
     assert seen == sorted(seen)
     assert len(seen) > 2
 
@@ -327,7 +327,7 @@ def test_rows_are_copied_moved_and_removed_and_name_each_other(tmp_path: Path) -
     assert from_data(older) == Graph(curves=(GraphCurve("c1", y="a"),))
     shorter = remove_curve(graph, 1)
     source: Source = DesignSource(load(LIFT))
-    found = plotted(shorter, lambda name: source)
+    found = graph_data(shorter, lambda name: source)
     assert [each.key for each in found.series] == [first]
     assert "has been removed" in found.faults[graph.curves[2].key]
     file(tmp_path, "t.csv", "x,y\n1,2\n2,3\n")
@@ -350,13 +350,13 @@ def test_axes_by_unit_and_a_profile_over_itself(tmp_path: Path) -> None:
     graph = Graph()
     for name in ("y_mm", "f_n", "g_kn", "e_j"):
         graph = add_curve(graph, GraphCurve(y=name))
-    found = plotted(graph, lambda name: table)
+    found = graph_data(graph, lambda name: table)
     axes = [(axis.side, axis.unit, axis.series) for axis in found.axes]
     assert axes == [("left", "mm", (0,)), ("right", "N", (1, 2)), ("right", "J", (3,))]
     np.testing.assert_array_equal(found.series[2].y, [3000.0, 3000.0, 7000.0])
-    assert not found.series[0].ordered
+    assert not found.series[0].is_ordered
     with_minus = with_curve(graph, 0, GraphCurve(y="y_mm", minus=graph.curves[1].key))
-    assert "x goes back" in plotted(with_minus, lambda name: table).faults[graph.curves[0].key]
+    assert "x decreases" in graph_data(with_minus, lambda name: table).faults[graph.curves[0].key]
 
 
 @pytest.mark.parametrize(

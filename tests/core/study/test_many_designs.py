@@ -245,7 +245,7 @@ def test_without_polish_extremes_are_near_and_means_the_same() -> None:
         ({"cam.base_radius_mm": []}, ["radius_mm:max"], "cam.base_radius_mm: a list of numbers"),
         ({"cam.base_radius_mm": ["wide"]}, ["radius_mm:max"], "cam.base_radius_mm: numbers are needed"),
         ({"shaft.rotation": [1.0]}, ["radius_mm:max"], "shaft.rotation: only a number"),
-        ({"cam.base_radius_mm": [50.0]}, [], "quantities: none"),
+        ({"cam.base_radius_mm": [50.0]}, [], "quantities: give at least one"),
         ({}, ["radius_mm:max"], "values: no path"),
     ],
 )

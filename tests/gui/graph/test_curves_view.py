@@ -151,7 +151,7 @@ def test_a_file_that_changes_is_read_again_and_one_that_vanishes_stays_with_a_no
     view.sources.compare()
     read(view)
     np.testing.assert_array_equal(view.found.series[1].y, [10, np.nan, 20, 40, 10])
-    assert "lift_mm, line 3: 'abc': no number, left out" in view.form.note.text()
+    assert "lift_mm, line 3: 'abc': not a number, omitted" in view.form.note.text()
     table.write_text("nothing of the kind\n", "utf-8")
     view.sources.compare()
     read(view)
@@ -180,7 +180,7 @@ def test_a_channel_that_the_design_has_no_longer_comes_back_with_it(view: Curves
     assert row.text() == "1  Arm angle  (not here)"
     assert row.foreground().color() == QColor(LIGHT.quiet), "greyed, not wrong"
     assert view.form.fault.isHidden()
-    wanted = f"{view.session.design.name} has no Arm angle; the curve comes back with a design that has it."
+    wanted = f"{view.session.design.name} has no Arm angle; the curve is drawn again for a design that has it."
     assert view.form.note.text() == row.toolTip() == wanted
     assert view.form.boxes["y"].currentText() == "(Arm angle)"
     view.session.start(LIFT)

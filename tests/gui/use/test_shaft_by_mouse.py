@@ -15,7 +15,7 @@ from core.design import distances
 from core.find import Solution
 from core.project import load
 from core.study import Study
-from core.study.cam_checks import radii
+from core.study.cam_checks import smallest_radii
 from kindyna_gui.drives.drives_view import NAME, DrivesView
 from kindyna_gui.drives.strip import BESIDE, ONE
 from kindyna_gui.find.find_view import FindView
@@ -214,7 +214,9 @@ def test_the_transfer_unit_is_worked_through_with_the_mouse(open_user: Open) -> 
     assert [each.code for each in findings.findings] == ["pressure-angle", "convex-radius"]
     hand.take_over("balancer")
     sharpest = min(
-        each.smallest.value for each in radii(session.shaft.balancer) if each.is_on_profile and not each.is_concave
+        each.smallest.value
+        for each in smallest_radii(session.shaft.balancer)
+        if each.is_on_profile and not each.is_concave
     )
     assert 1e3 * sharpest == pytest.approx(0.5 * session.whole.balancer.roller_radius_mm, rel=1e-6)
     findings = user.see("findings")
