@@ -28,7 +28,12 @@ from core.numerics.derivatives import cross
 def power_residual(kinematics: Kinematics, shape: CamShape | None, forces: Forces, loading: Loading) -> np.ndarray:
     """What cam or driver give against the rates of kinetic and potential energy and what friction takes (n,), relative to
     the peak of its terms and of ω|R||F_c|, the product that T_c ω is taken from: where the cam only holds, nothing else is
-    left."""
+    left.
+
+    References
+    ----------
+    Balance of energy, T ω = dE_k/dt + dE_p/dt + P_f - P_e.
+    """
     omega = forces.omega
     given = power_given(kinematics, forces)
     terms = power_terms(kinematics, forces, loading)
@@ -59,7 +64,12 @@ def power_terms(kinematics: Kinematics, forces: Forces, loading: Loading) -> lis
 
 
 def power_given(kinematics: Kinematics, forces: Forces) -> np.ndarray:
-    """What cam or driver, and inputs with motions of their own, give the mechanism (n,) [W]."""
+    """What cam or driver, and inputs with motions of their own, give the mechanism (n,) [W].
+
+    References
+    ----------
+    Balance of energy.
+    """
     given = forces.torque + forces.driver * kinematics.motion.displacement[1]
     for dyad in (each for each in kinematics.dyads if each.on and each.by_motion):
         body, on = (kinematics.bodies[name].turn[1] for name in (dyad.bodies[0], dyad.on))
@@ -68,17 +78,32 @@ def power_given(kinematics: Kinematics, forces: Forces) -> np.ndarray:
 
 
 def power_of_gravity(kinematics: Kinematics, loading: Loading, omega: float) -> np.ndarray:
-    """What the weight of all bodies gives the mechanism (n,) [W]: > 0 while they sink."""
+    """What the weight of all bodies gives the mechanism (n,) [W]: > 0 while they sink.
+
+    References
+    ----------
+    Balance of energy.
+    """
     return np.asarray(sum(power_of(mass, kinematics, omega) for mass in loading.masses))
 
 
 def power_of(element: Element, kinematics: Kinematics, omega: float) -> np.ndarray:
-    """What a force element gives the mechanism (n,) [W]: < 0 where it takes, as a damper always does."""
+    """What a force element gives the mechanism (n,) [W]: < 0 where it takes, as a damper always does.
+
+    References
+    ----------
+    Balance of energy.
+    """
     return np.asarray(-omega * element.potential(kinematics)[0] - element.lost(kinematics, omega))
 
 
 def kinetic_energy(kinematics: Kinematics, loading: Loading, omega: float, body: str | None = None) -> np.ndarray:
-    """Of all bodies, or of one (n,) [J] at constant speed [rad/s]: J ω²/2, J as they are worth at the shaft."""
+    """Of all bodies, or of one (n,) [J] at constant speed [rad/s]: J ω²/2, J as they are worth at the shaft.
+
+    References
+    ----------
+    Balance of energy.
+    """
     masses = tuple(mass for mass in loading.masses if body in (None, mass.body))
     return np.asarray(0.5 * omega * omega * replace(loading, masses=masses).inertia(kinematics, 1)[0])
 
@@ -89,6 +114,10 @@ def momentum_residual(kinematics: Kinematics, shape: CamShape | None, forces: Fo
     the peak of its terms, of a moment |r||F|. Power alone cannot see an error in a pin, the pivot or a frictionless guide.
 
     Outer forces are those of the frame, of the cam, of the driver, and of all force elements.
+
+    References
+    ----------
+    Balance of momentum; for the cam-driven slider Shin1995 (21), (22), (23), (24)-(26), corrected.
     """
     outer: list[Load] = [load for element in loading.elements for load in element.loads(kinematics, Rate(forces.omega))]
     for name, pair in kinematics.pairs.items():

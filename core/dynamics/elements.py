@@ -310,7 +310,7 @@ class BodyPoint:
 
 @frozen
 class Spring:
-    """A spring and a damper between places of two bodies: k (l - l0) + c l̇ pulls them together, l their distance.
+    """A spring and a damper between places of two bodies: F = k (l - l_0) + c l̇ pulls them together, l their distance.
 
     rate [N/m], length l0 [m], damping [N s/m]; field: path of its row in the file
     """

@@ -159,6 +159,11 @@ def newton_euler(
     the follower relative to it; F_c from the equilibrium of the driven bodies, never from T_c, which is 0/0 in a dwell (25),
     (26). A groove or a conjugate pair holds the follower from both sides: where the first flank would have to pull, the other one
     carries. Where friction jams the forces are infinite; the findings say so.
+
+    References
+    ----------
+    Newton and Euler: balance of the links, balance of the camshaft; virtual power, F_c = Q/l; Coulomb friction, friction in closed form;
+    Shin1995 (21), (22), (23), (24)-(27), corrected.
     """
     rate = Rate(omega, acceleration)
     n, friction_of_cam = kinematics.theta.shape[-1], loading.contact_friction

@@ -28,7 +28,12 @@ def input_of(body: str) -> str:
 
 def input_loads(kinematics: Kinematics, dyad: Dyad, effort: np.ndarray) -> Iterator[tuple[str, Load]]:
     """What a second driver does with an effort (n,): a torque [N m], or of what slides a force [N] along its line. By whom, and the load:
-    on its body, on the link against which that is driven, and, by the ratio, on the driver."""
+    on its body, on the link against which that is driven, and, by the ratio, on the driver.
+
+    References
+    ----------
+    Moments of the link about its pin; forces of the link along its line.
+    """
     (body,), (name,) = dyad.bodies, dyad.pairs
     for of, by, joint, share in (
         (body, dyad.on, name, 1.0),

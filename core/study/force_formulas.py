@@ -112,8 +112,10 @@ def _hertz(second: bool) -> tuple[Formula, ...]:
     return (
         Formula(f"{key}contact_pressure", title, (f"{p} = √(F_c E′ κ_rel/(π b))", "1/E′ = Σ (1 - ν²)/E"),
                 f"{p_key} F_c.flank E′ κ_rel b.width ν E.young", source, "core.stress.contact_pressure", member=member),
-        Formula(f"{key}subsurface_shear", title, (f"τ{index} = 0.3002831 {p}",), f"{shear} {p_key}", source, of, member=member),
-        Formula(f"{key}subsurface_shear_depth", title, (f"z{index} = 0.7861514 {a}",), f"{depth} {a_key}", source, of, member=member),
+        Formula(f"{key}subsurface_shear", title, (f"τ{index} = 0.300283 {p}",), f"{shear} {p_key}", source, of,
+                working=f"τ{index} = 0.30028310600078 {p}", values=p_key, member=member),
+        Formula(f"{key}subsurface_shear_depth", title, (f"z{index} = 0.786151 {a}",), f"{depth} {a_key}", source, of,
+                working=f"z{index} = 0.78615137775742 {a}", values=a_key, member=member),
         Formula(f"{key}contact_half_width", title, (f"{a} = 2 {p}/(E′ κ_rel)",), f"{a_key} {p_key} E′ κ_rel", source, of,
                 member=member),
         Formula(f"{key}roller_speed", "Speed of the roller", ("ω_r = ω (d - α′ ∓ d |t|/R_r)",), "ω_r ω d α′ t R_r",
@@ -191,7 +193,7 @@ _POWERS: tuple[Formula, ...] = (
     Formula("power.friction_{}", "Power", ("P = -μ |N| |v|",), "P.power μ N v.point", "Coulomb friction", _WALK),
     Formula("power.{}", "Power", ("P = F · v + M ω",), "P.power F.body v.point M.body ω.body", _ENERGY, "core.dynamics.power_of"),
     Formula("power_balance.springs", "Springs and dampers between points", ("F = k (l - l_0) + c l̇",),
-            "F.element k.spring l.spring l_0 c.damper l̇", "along the line between the points", "core.dynamics.elements.Spring.loads",
+            "F.element k.spring l.spring l_0 c.damper l̇", "along the line between the points", "core.dynamics.elements.Spring",
             lambda study, names: any(name.startswith("power.spring") for name in names)),
     Formula("power_balance", "Balance of power", ("T ω = dE_k/dt + dE_p/dt + P_f - P_e",), "T.shaft ω E_k E_p t.time P_f P_e",
             _ENERGY, "core.dynamics.power_residual", lambda study, names: bool({"contact_force", "driver_torque"} & set(names)),
@@ -216,6 +218,7 @@ _MOTOR, _MOTOR_LETTERS = "Speed and motor torque", "T_m T̄ k.motor ω̄ ω.shaf
 _WHEEL = "core.shaft.Flywheel"
 _GEAR = "core.shaft.speed"
 _HILL, _EDGES = "Kim1990 (21)", "Edges of the forbidden bands"
+_TONGUES = "core.stability.tongues.harmonic_tongues"
 _SERVO = "balance at the motor"
 
 _SHAFT: tuple[Formula, ...] = (
@@ -242,7 +245,7 @@ _SHAFT: tuple[Formula, ...] = (
     Formula("peak_power_w", "Torque of all drives", ("P = T ω̄",), "P.power T.peak ω̄", "power at constant speed",
             "core.study.camshaft.Camshaft.peak_power", is_shaft_of_drives),
     Formula("balancer_torque_nm", "Balance cam", ("x = 2(E_0 - W)/(F_0 + √(F_0² + 2 K (E_0 - W)))", "x′ = -(T - T̄)/(F_0 + K x)"),
-            "x.balance E_0 W.angle F_0.balance K.spring x′.balance T.all T̄", "energy of its spring", "core.shaft.balancer.Balance",
+            "x.balance E_0 W.angle F_0.balance K.spring x′.balance T.all T̄", "energy of its spring", "core.shaft.balancer.balance_drive",
             lambda study, names: study.design.balancer is not None and has_flywheel(study, names), remark="W = ∫(T - T̄) dθ of all drives"),
     Formula("servo_torque", "Servo", ("T_s = J_r i ÿ + (F + m ÿ + F_r) k/i",), "T_s.servo J_r i ÿ F.load m.servo F_r.servo k.losses",
             _SERVO, f"{_GEAR}.motor_torque"),
@@ -259,22 +262,23 @@ _STABILITY: tuple[Formula, ...] = (
     Formula("eta", "Frequency and inertia ratio", ("η = √(K_s/I_c)/ω̄",), "η K_s I_c ω̄", "Kim1990 (12)",
             "core.stability.critical_speeds.Machine.eta", is_flexible),
     Formula("q", "Frequency and inertia ratio", ("Q = M_v X′_m²/I_c",), "Q.inertia M_v X′_m I_c", "Kim1990",
-            "core.stability.critical_speeds.Machine.q", lambda study, names: is_flexible(study) and not study.design.listed),
+            "core.stability.critical_speeds.Machine", lambda study, names: is_flexible(study) and not study.design.listed),
     Formula("verdicts.exact", "Wind-up of the shaft, Hill's form",
             ("ζ″ + 4 π² [(η² + Q ψ)/D + (Q C/D)²] ζ = 2 π Q (C + U)/√D", "ζ = √D β"), "ζ ζ″ η Q.inertia ψ.load D C.hill U β.windup",
-            _HILL, "core.stability.integrator.WindUpEquation", is_flexible),
+            _HILL, "core.stability.coefficients.inertia_and_pull", is_flexible),
     Formula("verdicts.approximation", "Wind-up by Kim1990's approximation", ("ζ″ + 4 π² (η² + Q ψ) ζ = 2 π Q (C + U)",),
-            "ζ ζ″ η Q.inertia ψ.load C.hill U", "Kim1990 (22)", "core.stability.integrator.WindUpEquation", is_flexible,
+            "ζ ζ″ η Q.inertia ψ.load C.hill U", "Kim1990 (22)", "core.stability.coefficients.inertia_and_pull", is_flexible,
             remark="D is set to 1, and with it C left out of the left side; given besides the exact form"),
     Formula("bands.retuned", _EDGES, ("[R² - T(Q ψ/D + (Q C/D)²)] a = η² T(1/D) a",),
-            "R.orders T.toeplitz Q.inertia ψ.load D C.hill a.harmonics η", f"{_HILL}, harmonics", "core.stability.floquet",
+            "R.orders T.toeplitz Q.inertia ψ.load D C.hill a.harmonics η", f"{_HILL}, harmonics", _TONGUES,
             partial(_is_spring, "retuned"), remark="an eigenvalue problem"),
     Formula("bands.fixed", _EDGES, ("[R² - T((Q C/D)²)] a = η² T((1 + Q ψ_1)/D) a",),
             "R.orders T.toeplitz Q.inertia C.hill D a.harmonics η ψ_1",
-            f"{_HILL}, harmonics, for loads that do not change with the speed", "core.stability.floquet", partial(_is_spring, "fixed"),
+            f"{_HILL}, harmonics, for loads that do not change with the speed", _TONGUES, partial(_is_spring, "fixed"),
             remark="an eigenvalue problem"),
     Formula("bands.damped", "Edges with damping", ("(R T(D) R - Q T(ψ + κ) - 2 i ζ η R - η²) a = 0",),
-            "R.orders T.toeplitz D Q.inertia ψ.load κ.slope ζ.damping η a.harmonics", f"{_HILL}, harmonics", "core.stability.floquet",
+            "R.orders T.toeplitz D Q.inertia ψ.load κ.slope ζ.damping η a.harmonics", f"{_HILL}, harmonics",
+            "core.stability.floquet.monodromy",
             _is_damped, remark="real η are edges"),
     Formula("wind_up", "Steady response of the shaft", ("ϕ = T_s/K_s",), "ϕ T_s K_s", "Kim1990 (13), corrected",
             "core.stability.steady.SteadyTurn.wind_up"),

@@ -20,7 +20,7 @@ _LAW, _SHIN8 = "definition of a motion law", "Shin1995 (8)"
 _CENTRE = "Shin1995 (18), φ′ against the cam; Kennedy"
 _POSE, _FACE, _PARALLEL = "Shin1995 (20), for any pose", "support function of the face", "parallel curve"
 _VALUES, _CAM = "core.study.member_quantities", "core.cam.shape"
-_COORDINATE = f"{_VALUES}.coordinate"
+_COORDINATE, _ARM_AND_ROD = f"{_VALUES}.coordinate", "core.followers.cam_slider.cam_slider"
 
 
 def _rotated(axis: str, x: str, y: str) -> str:
@@ -37,27 +37,27 @@ _MOTION: tuple[Formula, ...] = (
     Formula("jerk", "Velocity, acceleration, jerk", ("y⃛ = ω³ y‴",), "y⃛ ω y‴", "constant speed ω", f"{_VALUES}.motion_by_time"),
     Formula("position_modulo", "Position modulo the advance", ("m = y - k a",), "m.modulo y k.advance a.advance",
             "advance of the motion", f"{_VALUES}.position_modulo"),
-    Formula("slider_position", "Slider position", ("L = L_0 + y",), "L L_0 y", _SHIN8, _COORDINATE),
+    Formula("slider_position", "Slider position", ("L = L_0 + y",), "L L_0 y", _SHIN8, _ARM_AND_ROD),
     Formula("phi", "Triangle of arm and rod",
             ("φ = atan2(H, L) + σ atan2(K, r² + (L₁ - L₂)(L₁ + L₂))",
              "K = √((A + (B + C))(C - (A - B))(C + (A - B))(A + (B - C)))"),
             "φ H L σ K.triangle r.triangle L₁ L₂ A.side B.side C.side", _TRIANGLE,
-            _COORDINATE, working="φ = atan2(H, L) + σ arccos((r² + L₁² - L₂²)/(2 r L₁))",
+            _ARM_AND_ROD, working="φ = atan2(H, L) + σ arccos((r² + L₁² - L₂²)/(2 r L₁))",
             values="H L σ r.triangle L₁ L₂"),
     Formula("beta", "Triangle of arm and rod",
             ("β = atan2(H, L) - σ atan2(K, r² - (L₁ - L₂)(L₁ + L₂))",
              "K = √((A + (B + C))(C - (A - B))(C + (A - B))(A + (B - C)))"),
             "β H L σ K.triangle r.triangle L₁ L₂ A.side B.side C.side", _TRIANGLE,
-            _COORDINATE, working="β = atan2(H, L) - σ arccos((r² + L₂² - L₁²)/(2 r L₂))",
+            _ARM_AND_ROD, working="β = atan2(H, L) - σ arccos((r² + L₂² - L₁²)/(2 r L₂))",
             values="H L σ r.triangle L₁ L₂"),
     Formula("phi_velocity", "Velocities of arm and rod", ("φ̇ = L̇ cos β/(L₁ sin(β - φ))",), "φ̇ L̇ β φ L₁", "Shin1995 (11), (12)",
-            _COORDINATE),
+            _ARM_AND_ROD),
     Formula("beta_velocity", "Velocities of arm and rod", ("β̇ = L̇ cos φ/(L₂ sin(φ - β))",), "β̇ L̇ β φ L₂", "Shin1995 (11), (12)",
-            _COORDINATE),
+            _ARM_AND_ROD),
     Formula("phi_acceleration", "Accelerations of arm and rod",
-            ("φ̈ = (L̈ cos β + L₁ φ̇² cos(φ - β) + L₂ β̇²)/(L₁ sin(β - φ))",), "φ̈ L̈ β φ L₁ L₂ φ̇ β̇", "Shin1995 (13), (14)", _COORDINATE),
+            ("φ̈ = (L̈ cos β + L₁ φ̇² cos(φ - β) + L₂ β̇²)/(L₁ sin(β - φ))",), "φ̈ L̈ β φ L₁ L₂ φ̇ β̇", "Shin1995 (13), (14)", _ARM_AND_ROD),
     Formula("beta_acceleration", "Accelerations of arm and rod",
-            ("β̈ = (L̈ cos φ + L₂ β̇² cos(φ - β) + L₁ φ̇²)/(L₂ sin(φ - β))",), "β̈ L̈ β φ L₁ L₂ φ̇ β̇", "Shin1995 (13), (14)", _COORDINATE),
+            ("β̈ = (L̈ cos φ + L₂ β̇² cos(φ - β) + L₁ φ̇²)/(L₂ sin(φ - β))",), "β̈ L̈ β φ L₁ L₂ φ̇ β̇", "Shin1995 (13), (14)", _ARM_AND_ROD),
 )  # fmt: skip
 
 _LINKAGE: tuple[Formula, ...] = (
@@ -78,7 +78,8 @@ _LINKAGE: tuple[Formula, ...] = (
               "V_P V_A V_PA ω_k r_P r_A", "Velocity 6.1", f"{_VALUES}.point_component", working=line, values=keys,
               remark="A and P on one link k")
       for axis, line, keys in (("x", "ẋ = ω x′", "ω x′"), ("y", "ẏ = ω y′", "ω y′.point"))),
-    Formula("point.{}_speed", "Velocities of points", ("V = √(ẋ² + ẏ²)",), "V.point ẋ ẏ.point", "Velocity 6.1", f"{_VALUES}.point_component"),
+    Formula("point.{}_speed", "Velocities of points", ("V = √(ẋ² + ẏ²)",), "V.point ẋ ẏ.point", "Velocity 6.1",
+            f"{_VALUES}.point_component"),
     *(Formula(f"point.{{}}_a{axis}", "Accelerations of points", ("a_P = a_A + (i α_k - ω_k²)(r_P - r_A)",),
               "a_P a_A α_k ω_k r_P r_A", "loop equations", f"{_VALUES}.point_component", working=line, values=keys)
       for axis, line, keys in (("x", "ẍ = ω² x″", "ω x″"), ("y", "ÿ = ω² y″", "ω y″.point"))),
