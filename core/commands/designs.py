@@ -33,7 +33,7 @@ from core.frozen import frozen
 from core.output.compare import Side, as_csv, as_document, as_rows, as_text, compared, side_of
 from core.output.explain import as_row, explained
 from core.output.explain import as_text as explain_as_text
-from core.output.export import bounded
+from core.output.export import bounded_study
 from core.output.lines import finding_line
 from core.output.report import report
 from core.output.report.document import ENDINGS, PARTS, Cover, Printed, document
@@ -269,7 +269,7 @@ def run_report(arguments: ReportArguments, painter: Painter | None) -> int:
         return _to_hand_on(study, arguments, painter)
     text = report(study)
     if arguments.out is not None:
-        made: dict[str, str | bytes] = {"report.txt": text, "summary.json": to_json(summary(bounded(study)))}
+        made: dict[str, str | bytes] = {"report.txt": text, "summary.json": to_json(summary(bounded_study(study)))}
         write_into(arguments.out, {**made, **_pictures(study, painter)})
     print(text, end="")
     return verdict(study)

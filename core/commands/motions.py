@@ -40,7 +40,7 @@ from core.frozen import frozen
 from core.laws import LAWS, Peaks, peaks
 from core.motion.curves import FlyingShear, Indexer, flying_shear, indexer
 from core.motion.split import shift_motion
-from core.output.channels import begun_text
+from core.output.channels import new_design_text
 from core.output.lines import columns, digits
 from core.output.summary import to_json
 from core.output.texts import (
@@ -64,14 +64,14 @@ from core.study import Study
 def begin(arguments: Any, make: Callable[[Any], Design]) -> int:
     """What is wanted as a design file, and on the terminal its peaks; the exit code."""
     from core.commands import DONE
-    from core.output.channels import begun_text
+    from core.output.channels import new_design_text
     from core.project import save
     from core.requests import require_in_range
 
     require_in_range(arguments.wanted)
     design = make(arguments.wanted)
     save(design, arguments.out)
-    print(begun_text(design))
+    print(new_design_text(design))
     return DONE
 
 
@@ -493,7 +493,7 @@ def run_motion(arguments: MotionArguments, painter: Painter | None) -> int:
         whole = load(arguments.into)
         index = number_of(whole, arguments.into_drive)
         save(with_only(whole, index, with_motion_of(only(whole, index), moved)), arguments.into, in_place=True)
-    print(begun_text(moved))
+    print(new_design_text(moved))
     return DONE
 
 

@@ -88,11 +88,11 @@ def _least_contact(study: Study, found: ExtremesByName) -> float | None:
 
 
 def _is_open(study: Study) -> bool:
-    return "cam" in study.stages and not study.is_form_closed and not study.loading.empty
+    return "cam" in study.stages and not study.is_form_closed and not study.loading.is_empty
 
 
 def _is_stressed(study: Study) -> bool:
-    return "cam" in study.stages and not study.loading.empty and bool(pairings(study))
+    return "cam" in study.stages and not study.loading.is_empty and bool(pairings(study))
 
 
 def _has_motor(study: Study) -> bool:
@@ -102,7 +102,7 @@ def _has_motor(study: Study) -> bool:
 FIGURES: tuple[RankingColumn, ...] = (
     RankingColumn(
         "peak_torque_nm", "Peak torque", "Largest torque at the camshaft over the turn at this speed, of all that acts on it",
-        lambda study: "cam" in study.stages and not study.loading.empty,
+        lambda study: "cam" in study.stages and not study.loading.is_empty,
         lambda study, found: _size(found["drive_torque"]), ("drive_torque",),
     ),
     RankingColumn(

@@ -107,7 +107,7 @@ def _lift_off(design: Design, path: str, wish: HoldingRequest, checked: Findings
     angles = piecewise_angles(contact.program)
     at = _sampled(contact, angles)
     curve = tuple((x, force if x == rpm else at(x * RPM)) for x in speeds)
-    reached, before = contact.at_own(found.omega).value, contact.at_own(own * RPM).value
+    reached, before = contact.least_at_speed(found.omega).value, contact.least_at_speed(own * RPM).value
     if abs(reached - force) <= KEPT * (force + abs(before)):
         reached = force  # but for rounding
 
@@ -141,9 +141,9 @@ def _lift_off(design: Design, path: str, wish: HoldingRequest, checked: Findings
 
 def _sampled(contact: ContactForce, angles: Angles) -> Callable[[float], float]:
     """Speed [rad/s] -> the least of the forces sampled over the turn [N]."""
-    if contact.rubs:
+    if contact.has_friction:
         return lambda omega: float(contact.at_speed(angles, omega).min())
-    parts = contact.parts(angles)
+    parts = contact.terms(angles)
     return lambda omega: float(parts.force(omega).min())
 
 
@@ -248,7 +248,7 @@ class _Springs:
     def trade(self, around: float) -> list[tuple[float, float]]:
         """Rates, and the least preload that serves with each; around: a rate that the curve is to show."""
         most = BESIDE * max(around, get(self.design, self.rate)) or self._usual_rate()
-        rates = np.linspace(0.0, most, FEWER if self.contact({}).rubs else RATES).tolist()
+        rates = np.linspace(0.0, most, FEWER if self.contact({}).has_friction else RATES).tolist()
         return [(rate, self.rough(self.preload, {self.rate: rate})) for rate in rates]
 
     def _usual_rate(self) -> float:

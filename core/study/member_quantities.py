@@ -454,7 +454,7 @@ def _energies(design: Design) -> Iterator[tuple[str, str]]:
     if not design.drive.loaded:
         return
     loading = loading_of(design.drive.mechanism, loads)
-    moving = [mass.body for mass in loading.masses if mass.acts]
+    moving = [mass.body for mass in loading.masses if mass.is_active]
     if moving:
         yield "bodies", ""
     yield from (("body", body) for body in moving if len(moving) > 1)

@@ -19,7 +19,7 @@ import numpy as np
 from core.cam import OUTER, SECOND, form_row, row_of
 from core.design import FOLLOWER_KINDS, MOTION, Design, Unit, split_unit
 from core.design.parts import LINEAR, ROTARY
-from core.dynamics import kinetic_energy, power_given, power_of, power_of_gravity
+from core.dynamics import element_power, gravity_power, input_power, kinetic_energy
 from core.dynamics.walk import input_of
 from core.frozen import frozen
 from core.mechanism import SINGULAR, body_name
@@ -467,23 +467,23 @@ OF_MEMBERS: Mapping[str, tuple[Quantity, ...]] = MappingProxyType(
         ),
         "load": (
             Quantity("power.load", "load_power_w", "Power of spring and external force", "P", "power",
-                     "dynamics", lambda s: power_of(s.loading.named["load"], s.linkage, s.omega)),
+                     "dynamics", lambda s: element_power(s.loading.named["load"], s.linkage, s.omega)),
         ),
         "drive": (
             Quantity("power.drive", "drive_power_w", "Power of the drive", "P_d", "power",
-                     "dynamics", lambda s: power_given(s.linkage, s.dynamics)),
+                     "dynamics", lambda s: input_power(s.linkage, s.dynamics)),
         ),
         "gravity": (
             Quantity("power.gravity", "gravity_power_w", "Power of gravity", "P_g", "power",
-                     "dynamics", lambda s: power_of_gravity(s.linkage, s.loading, s.omega)),
+                     "dynamics", lambda s: gravity_power(s.linkage, s.loading, s.omega)),
         ),
         "friction": (
             Quantity("power.friction_{}", "friction_{}_power_w", "Power of friction at {}", "P_μ {}", "power",
-                     "dynamics", lambda s, pair: -s.dynamics.rubbing[pair]),
+                     "dynamics", lambda s, pair: -s.dynamics.friction_power_by_pair[pair]),
         ),
         "element": (
             Quantity("power.{}", "{}_power_w", "Power of {}", "P {}", "power",
-                     "dynamics", lambda s, name: power_of(s.loading.named[name], s.linkage, s.omega)),
+                     "dynamics", lambda s, name: element_power(s.loading.named[name], s.linkage, s.omega)),
         ),
         "swing": (
             Quantity("driver_angle", "driver_angle_deg", "Driver angle", "φ", "angle",

@@ -21,20 +21,20 @@ from core.design import Design, Motion, NamedCurve, Segment, edited, faults
 from core.project import load
 from core.study import Study
 from kindyna_gui.blend import wizard as blend_wizard
-from kindyna_gui.blend.fields import NO_NUMBER, LiveBox
 from kindyna_gui.blend.questions import GOAL_TEXTS, Questions
 from kindyna_gui.blend.request import (
     WizardRequest,
+    begin_of,
     constants,
     count_text,
     first_request,
     open_candidates,
     plan,
+    range_text,
     ranged,
     shown_names,
 )
-from kindyna_gui.blend.settings import curve_of
-from kindyna_gui.blend.texts import begin_of, range_text
+from kindyna_gui.blend.settings import NO_NUMBER, LiveBox, curve_of
 from kindyna_gui.blend.wizard import BlendDialog
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.number_box import WordBox

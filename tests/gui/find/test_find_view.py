@@ -13,7 +13,7 @@ from window_user import Open, User, end_pauses, settle, wait_for
 from core.design import edited, get
 from core.find import WANTED, find
 from core.project import load
-from kindyna_gui.find.find_view import FindView
+from kindyna_gui.find import FindView
 from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.places import example
 

@@ -13,9 +13,9 @@ from core.project import load
 from core.study.stages import evaluations
 from kindyna_gui.blend.wizard import PLACES, BlendDialog
 from kindyna_gui.labels import law_label
+from kindyna_gui.look import linked
+from kindyna_gui.motion.laws_plot import RankingPanel
 from kindyna_gui.motion.laws_view import LawsView
-from kindyna_gui.motion.ranking import RankingPanel
-from kindyna_gui.note import linked
 from kindyna_gui.pictures.units import digits
 from kindyna_gui.places import example
 from kindyna_gui.requirements import NO_RANKING
