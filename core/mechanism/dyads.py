@@ -213,7 +213,9 @@ def two_slides(total: Derivatives, t1: Derivatives, t2: Derivatives) -> tuple[De
     def known(order: int, slides: Chain) -> np.ndarray:
         if not order:
             return total[0]
-        return total[order] - earlier(slides.part(0), t1, order) - earlier(slides.part(1), t2, order)
+        return (
+            total[order] - lower_order_terms(slides.part(0), t1, order) - lower_order_terms(slides.part(1), t2, order)
+        )
 
     slides = loop(t1[0], t2[0], cross(t1[0], t2[0]), known)
     return slides.part(0), slides.part(1)
@@ -444,7 +446,7 @@ def _rrp(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> DyadSolution
         return np.asarray(c - dot(path[0], t[0]))
 
     def known(order: int, both: Chain) -> np.ndarray:
-        path_term = path[order] if t.constant else path[order] + earlier(both.part(1, start), t, order)
+        path_term = path[order] if t.constant else path[order] + lower_order_terms(both.part(1, start), t, order)
         return path_term - centripetal(to_joint, both.part(0), order)
 
     def heading() -> np.ndarray:
@@ -538,9 +540,9 @@ def _rpp(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> DyadSolution
     by = guide.first.along / guide.second.along
     heading_b, angle_b = turned_like(known, by)
     direction_a = turned_like(known, by * inner.second.along / inner.first.along)
-    t1 = turning(inner.second.along * heading_b(), angle_b)
+    t1 = body_vector(inner.second.along * heading_b(), angle_b)
     y = ((outer.second.point - inner.first.point) / inner.first.along).imag
-    between = turning((inner.second.point - guide.second.point) * heading_b(), angle_b)
+    between = body_vector((inner.second.point - guide.second.point) * heading_b(), angle_b)
     distance = difference(p, g)
     s1, s2 = two_slides(difference(distance, offset_left(between, t1, y)), t1, t2)
     poses = (

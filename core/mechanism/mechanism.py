@@ -122,7 +122,7 @@ def _sliding_pose(pair: Joint, coordinate: Derivatives, offset: float, on: Pose)
     """Pose of a link on the line of a known one: its point is coordinate + offset [m] from the line's point."""
     heading, turn = turned_like(on, pair.first.along / pair.second.along)
     slide = Derivatives(lambda order: coordinate[order] if order else coordinate[0] + offset)
-    at = sum_of(on.fixed_point(pair.first.point), product(turning(pair.first.along * on.unit, on.turn), slide))
+    at = sum_of(on.fixed_point(pair.first.point), product(body_vector(pair.first.along * on.unit, on.turn), slide))
     return pose_through(at, pair.second.point, heading, turn)
 
 
