@@ -228,7 +228,6 @@ UNDOCUMENTED: tuple[str, ...] = (
     "core/find/",
     "core/followers/",
     "core/instant_centres/",
-    "core/laws/",
     "core/linkage_programs/",
     "core/measured/",
     "core/mechanism/",
