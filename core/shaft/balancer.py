@@ -380,6 +380,10 @@ def balance_drive(load: LoadCurve, balancer: Balancer, omega: float) -> Drive:
     """The balance cam as a drive of its own, whose cam angle is the machine angle less the balancer's phase.
 
     load: what is to be balanced at the speed omega [rad/s]. Raises NoSolution where the torque jumps, or nothing follows it.
+
+    References
+    ----------
+    Energy of its spring, x = 2(E_0 - W)/(F_0 + √(F_0² + 2 K (E_0 - W))).
     """
     (found,) = balance_drives(load, [balancer], omega)
     if isinstance(found, NoSolution):
