@@ -366,8 +366,8 @@ def _asked_of_one(study: Study, asked: QuantityRequest) -> tuple[float, float]:
         return total, np.nan
     if row is None:
         return OF_LOAD[asked.statistic](study.camshaft.load, study.design.camshaft)
-    if not has_quantity(study, row) or quantities_of(study, row.stage)[row.name].turns:
-        raise _NoValue(UNDERCUT if row.fitting else NO_VALUE)
+    if not has_quantity(study, row) or quantities_of(study, row.stage)[row.name].is_periodic:
+        raise _NoValue(UNDERCUT if row.needs_smooth_profile else NO_VALUE)
     if asked.statistic in ("rms", "mean"):
         angles, weight = nodes_of(study.program)
         return mean_statistic(

@@ -428,7 +428,7 @@ class Together:
                 one = extreme_statistic(
                     each.statistic, (ends.low.value, ends.low.theta), (ends.high.value, ends.high.theta)
                 )
-            nothing = self.lost_at(row.stage) | (anywhere if row.fitting else False)
+            nothing = self.lost_at(row.stage) | (anywhere if row.needs_smooth_profile else False)
             if round_ := self._goes_round(each.name):
                 nothing = nothing | round_[0]
                 self._because(round_[0], NO_VALUE)
