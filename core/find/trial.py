@@ -177,15 +177,15 @@ def sampled_together(
 ) -> Iterator[Sampled]:
     """The designs with other numbers (p, m) at these paths, by samples of every piece of the motion: those of them that can be
     computed together."""
-    from core.study.batch import together
+    from core.study.batch import is_batchable
     from core.study.quantity_requests import QuantityRequest
-    from core.study.stages_of_many import POINTS, Together
+    from core.study.stages_of_many import MAX_POSITIONS, DesignBlock
 
     read = [name for key in keys if key in USER_BOUNDS for name in bounded_quantities(design, key)]
-    if not rows.size or not all(together(design, paths, QuantityRequest("", name, "max", 1.0)) for name in read):
+    if not rows.size or not all(is_batchable(design, paths, QuantityRequest("", name, "max", 1.0)) for name in read):
         return
     stage = "dynamics" if any(LIMITS[key].needs_forces for key in keys) else "cam"
-    size = max(1, POINTS // piecewise_angles(Study(design).uncut).theta.size)
+    size = max(1, MAX_POSITIONS // piecewise_angles(Study(design).uncut).theta.size)
     for first in range(0, rows.shape[1], size):
         checkpoint()
         moved, fixed = design, {}
@@ -195,7 +195,7 @@ def sampled_together(
             else:
                 fixed[path] = row
         motion = None if moved is design else moved.drive.motion
-        one = Together(design, fixed, motion, rows[0, first : first + size].size)
+        one = DesignBlock(design, fixed, motion, rows[0, first : first + size].size)
         angles = piecewise_angles(one.program)
         try:
             linkage, curves = one.read(
@@ -204,8 +204,8 @@ def sampled_together(
         except NoSolution:  # all of them
             continue
         tops = tops_of(curves, one.count, angles)
-        lost = one.lost_at(stage)
-        for k in np.flatnonzero(~one.apart).tolist():
+        lost = one.failed_at(stage)
+        for k in np.flatnonzero(~one.separate).tolist():
             yield Sampled(first + k, None if lost[k] else tops[k], linkage)
 
 

@@ -38,7 +38,7 @@ class Search(NamedTuple):
 
 
 @np.errstate(invalid="ignore", over="ignore")  # infinite values, of which nothing is refined
-def refined(
+def refined_extremes(
     searches: Sequence[Search], sampled: Mapping[str, np.ndarray], angles: Angles, at: At, polish: bool
 ) -> dict[Search, tuple[np.ndarray, np.ndarray]]:
     """Value and cam angle [rad] of each search, both (m,), from the quantities (m, n) at the nodes (n,) of m designs. NaN is left out;
@@ -368,7 +368,7 @@ def _to_crease(
 # -- nodes -------------------------------------------------------------------------------------------------
 
 
-def nodes_of(program: Any) -> tuple[Angles, np.ndarray]:
+def clenshaw_curtis_nodes(program: Any) -> tuple[Angles, np.ndarray]:
     """Nodes (n,) of one turn by which extremes are bracketed, and the weights (n,) of a mean: of every piece those of Clenshaw and
     Curtis, both its ends among them."""
     theta, piece, weight = [], [], []

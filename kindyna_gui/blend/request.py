@@ -234,7 +234,9 @@ def count_text(request: WizardRequest) -> str:
     if not wanted.missing:
         return f"{_sequence(wanted)} requires {_settings(count)}{': given' if count else '; tick any for other curves'}"
     more = f"tick {_number(wanted.missing)}{' more' if count else ''}"
-    return f"{_sequence(wanted)} requires {_settings(count + wanted.missing)}, {count} given: {more}, or optimise the rest"
+    return (
+        f"{_sequence(wanted)} requires {_settings(count + wanted.missing)}, {count} given: {more}, or optimise the rest"
+    )
 
 
 def _sequence(wanted: SequencePlan) -> str:

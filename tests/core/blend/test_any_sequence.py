@@ -185,7 +185,10 @@ ANGLES = ("--start", "30", "--end", "330")
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (["C5-C6"], "C5-C6 requires 3 settings (4 heights and spans, 0 joins and the total span): 3 missing; still open:"),
+        (
+            ["C5-C6"],
+            "C5-C6 requires 3 settings (4 heights and spans, 0 joins and the total span): 3 missing; still open:",
+        ),
         (["C5-C6", "--stroke", "20", "--return-stroke", "9"], "1 missing; still open: span1, span2, a1, a2, end1"),
         (
             ["C5-C6", "--stroke", "20", "--set", "return1=9", "--set", "h2=8"],

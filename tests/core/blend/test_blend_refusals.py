@@ -127,7 +127,10 @@ def test_the_least_acceleration_is_an_end() -> None:
         ({"settings": {"h9": 1.0}}, "h9: unknown setting; allowed: h1 | "),
         ({"settings": {"h1": 0.0}}, "h1 = 0: outside its range; allowed: > 0 mm"),
         ({"settings": {"vcv": math.inf}}, "vcv = inf: outside its range; allowed: > 0 mm/deg"),
-        ({"sequence": "C1-C1"}, "sequence 'C1-C1': no sequence of this motion; allowed: C1-CV1-H2-P2 | C1-CV1-H2-H3-C4"),
+        (
+            {"sequence": "C1-C1"},
+            "sequence 'C1-C1': no sequence of this motion; allowed: C1-CV1-H2-P2 | C1-CV1-H2-H3-C4",
+        ),
         (
             {"type": "DRD-return", "constant": "return", "settings": {"vcv": 0.1, "vcv2": 0.2}},
             "vcv, vcv2: two names of the same setting of a return; give one",
