@@ -137,7 +137,7 @@ def elasticity(
     lever_arm = np.broadcast_to(np.abs(point_velocity), y.size)
     k = stiffness * lever_arm**2
     mass, closing = steady.inertia(moving, 1)[0], steady.potential(moving)[1]
-    dampers = sum((element.lost(moving, 1.0) for element in steady.elements), np.zeros(y.size))
+    dampers = sum((element.dissipation(moving, 1.0) for element in steady.elements), np.zeros(y.size))
     if not (mass > 0.0).all():
         raise NoSolution(
             "an elastic follower without a mass does not vibrate",

@@ -60,7 +60,7 @@ def paint(drawn: Drawn) -> Mapping[str, bytes]:
     """The pictures of a study, a chart or another figure by file name; none, and a line on stderr, where Qt cannot be loaded."""
     try:
         with importing():
-            from kindyna_gui.pictures.painter import paint as painted
+            from kindyna_gui.pictures.film import paint as painted
     except ImportError as error:
         if not _of_qt(error):
             raise

@@ -20,7 +20,7 @@ from kindyna_gui.settings import Settings
 A = TypeVar("A")
 
 if TYPE_CHECKING:
-    from kindyna_gui.documents.recovery_dialog import OnRecovery
+    from kindyna_gui.documents.texts import OnRecovery
 
 DESIGNS = {".toml": "Designs"}
 PICTURES = {".png": "PNG picture", ".svg": "SVG drawing"}
@@ -88,7 +88,7 @@ def give_help(dialog: QWidget, page: str) -> None:
     from the user."""
 
     def open() -> None:
-        from kindyna_gui.help.window import HelpWindow
+        from kindyna_gui.help import HelpWindow
 
         found = dialog.findChild(HelpWindow) or HelpWindow(dialog)
         found.open(*help_on(dialog.focusWidget() or dialog))
@@ -170,7 +170,7 @@ def _asked(box: QInputDialog, title: str, page: str, given: Callable[[], A], spe
     box.sizeHint()  # now it has its buttons
     buttons = box.findChild(QDialogButtonBox)
     if spell is not None and isinstance(buttons, QDialogButtonBox):
-        from kindyna_gui.documents.as_command import add_copy_of
+        from kindyna_gui.documents.texts import add_copy_of
 
         add_copy_of(buttons, lambda: spell(given()))
     value = given() if box.exec() else None
@@ -379,7 +379,7 @@ def ask_unfinished(parent: QWidget, lines: Sequence[str], closing: str, as_typed
 
 def ask_to_recover(parent: QWidget, entries: Sequence[Recoverable]) -> tuple[OnRecovery, Recoverable]:
     """What to do with unsaved work, and with which."""
-    from kindyna_gui.documents.recovery_dialog import RecoveryDialog
+    from kindyna_gui.documents.texts import RecoveryDialog
 
     dialog = RecoveryDialog(parent, entries)
     give_help(dialog, "tour#Unsaved work is kept")

@@ -199,7 +199,7 @@ def drawing(arguments: Any, painter: Painter | None) -> int:
     study = Study(load_one(arguments.design, arguments.drive))
     page = drawn(study, arguments.request)
     never_shown()
-    from kindyna_gui.pictures.sheet_file import sheet_file
+    from kindyna_gui.pictures.paper.sheets import sheet_file
 
     with quiet():
         data = sheet_file(page, arguments.out.suffix.lower())
@@ -214,7 +214,7 @@ def timing(arguments: Timing, painter: Painter | None) -> int:
     """The timing chart of a shaft, or its events as a table."""
     design = load(arguments.design)
     never_shown()
-    from kindyna_gui.pictures.timing_file import timing_file
+    from kindyna_gui.pictures.paper.timing_chart import timing_file
 
     with quiet():
         data = timing_file(design, arguments.out.suffix.lower(), arguments.axis)
@@ -234,7 +234,7 @@ def handover(arguments: Any, painter: Painter | None) -> int:
     study = studied(design)
     made = files_of(design, arguments.request)
     never_shown()
-    from kindyna_gui.export.handover import painted
+    from kindyna_gui.export_dialogs import painted
 
     with quiet():
         more = painted(study, arguments.request)
@@ -255,10 +255,8 @@ def tutorial(arguments: Tutorial, painter: Painter | None) -> int:
     never_shown()
     from kindyna_gui.places import default_design
     from kindyna_gui.screenshots import dismiss, hidden_window, png, rest
-    from kindyna_gui.window.tutorial.deeds import CannotDo
-    from kindyna_gui.window.tutorial.lessons import read
-    from kindyna_gui.window.tutorial.play import steps_played
-    from kindyna_gui.window.tutorial.strip import begin
+    from kindyna_gui.window.tutorial import begin, read, steps_played
+    from kindyna_gui.window.tutorial_steps import CannotDo
 
     lesson = read(arguments.name)
     if not arguments.play:

@@ -31,7 +31,7 @@ from core.laws import named_law
 from core.materials import MATERIALS
 from core.output.lines import shortest
 from core.output.load_text import row_name
-from kindyna_gui.preferences.units import in_units, number_text, point, size_of, symbol_of
+from kindyna_gui.settings import in_units, number_text, point, size_of, symbol_of
 
 SECTION_NAMES: Mapping[str, str] = MappingProxyType(
     {

@@ -1,4 +1,4 @@
-"""The look of the window: a quiet drawing office, light or dark as the user prefers, whatever the desktop's own theme is."""
+"""Palette, style sheets."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ from PySide6.QtGui import (
     QPalette,
     QPen,
     QPixmap,
+    QResizeEvent,
 )
 from PySide6.QtWidgets import (
     QAbstractButton,
@@ -26,6 +27,8 @@ from PySide6.QtWidgets import (
     QAbstractSpinBox,
     QApplication,
     QComboBox,
+    QHBoxLayout,
+    QLabel,
     QLineEdit,
     QMenu,
     QMenuBar,
@@ -38,10 +41,13 @@ from PySide6.QtWidgets import (
 from shiboken6 import isValid
 
 from core.findings import ERROR, NOTE, WARNING
+from kindyna_gui import settings
 from kindyna_gui.pictures.style import DARK, LIGHT, SCREEN, Theme, draw_in, of_theme
 from kindyna_gui.places import icon_file
-from kindyna_gui.preferences import kept
-from kindyna_gui.preferences.units import TOLD, as_kept, choose_letters
+from kindyna_gui.requirements import ways_of
+from kindyna_gui.settings import TOLD, as_kept, choose_letters
+
+# -- look ------------------------------------------------------------------------------------------------
 
 ICON_SCALES = (1, 2, 3)  # dots per pixel that icons are made for
 
@@ -126,10 +132,10 @@ RINGS = "focus rings"  # likewise: whether they are shown
 _SCHEMES = {"light": Qt.ColorScheme.Light, "dark": Qt.ColorScheme.Dark, "system": Qt.ColorScheme.Unknown}
 
 
-def wear(wanted: kept.Preferences, app: QApplication, desktop: Qt.ColorScheme | None = None) -> None:
+def wear(wanted: settings.Preferences, app: QApplication, desktop: Qt.ColorScheme | None = None) -> None:
     """Show everything as it is preferred; desktop: its theme, where another is known than that which Qt tells."""
     hints = app.styleHints()
-    kept.apply(wanted, app)
+    settings.apply(wanted, app)
     hints.setColorScheme(_SCHEMES[wanted.theme])
     scheme = hints.colorScheme() if desktop is None or wanted.theme != "system" else desktop
     dark = wanted.theme == "dark" or (wanted.theme == "system" and scheme == Qt.ColorScheme.Dark)
@@ -369,3 +375,96 @@ def sign(severity: str) -> QIcon:
         painter.end()
         made.addPixmap(picture)
     return made
+
+
+# -- note ------------------------------------------------------------------------------------------------
+
+
+def linked(sentence: str) -> str:
+    """A sentence, with what can be done about it as links to entries of the menus."""
+    ways = ways_of(sentence)
+    if not ways:
+        return sentence
+    from html import escape
+
+    return " ".join((escape(sentence), *(f'<a href="{way.entry}">{escape(way.text)}</a>' for way in ways)))
+
+
+class MessageLabel(QLabel):
+    """A text that wraps; an empty one hides the label."""
+
+    def __init__(self, colour: str) -> None:
+        super().__init__(wordWrap=True)
+        coloured(self, colour)
+        self.setForegroundRole(QPalette.ColorRole.WindowText)  # on paper it would be that of texts
+        self.setTextInteractionFlags(
+            Qt.TextInteractionFlag.TextSelectableByMouse | Qt.TextInteractionFlag.LinksAccessibleByMouse
+        )
+        self.hide()
+
+    def show_message(self, text: str) -> None:
+        """Show this text; the label takes no room where it is empty."""
+        if text != self.text() or self.isHidden() == bool(text):
+            self.setText(text)
+            self.setVisible(bool(text))
+
+
+def bold_label(text: str) -> QLabel:
+    """A heading inside a dialog."""
+    label = QLabel(text)
+    font = label.font()
+    font.setBold(True)
+    label.setFont(font)
+    return label
+
+
+class Note(MessageLabel):
+    """The line below a picture that names what it does not show, and why; it never widens its parent."""
+
+    def __init__(self, colour: str = "", margin: int = 6) -> None:
+        super().__init__(colour or SCREEN.limit)
+        self.setMargin(margin)
+        self.setMinimumSize(1, 1)
+
+
+class SteadyText(QWidget):
+    """A text that may change in every frame: what is around it is laid out anew only where it needs more lines than ever."""
+
+    def __init__(self, colour: str = "") -> None:
+        super().__init__()
+        self._label = QLabel(self, wordWrap=True)
+        self._label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        if colour:
+            coloured(self._label, colour)
+        self.setMinimumHeight(self._label.fontMetrics().height())
+
+    def text(self) -> str:
+        return self._label.text()
+
+    def show_text(self, text: str) -> None:
+        """Show this text; the height grows with it and does not shrink, so that nothing below jumps."""
+        if text != self.text():
+            self._label.setText(text)
+            self._grow()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        super().resizeEvent(event)
+        self._label.setGeometry(self.rect())
+        if event.size().width() != event.oldSize().width():  # what it needed when it was narrow says nothing now
+            self.setMinimumHeight(max(self._label.heightForWidth(self.width()), self._label.fontMetrics().height()))
+
+    def _grow(self) -> None:
+        needed = self._label.heightForWidth(self.width())
+        if needed > self.minimumHeight():
+            self.setMinimumHeight(needed)
+
+
+def beside(box: QWidget, text: QLabel) -> QHBoxLayout:
+    """What is chosen in a view, and beside it a text of two lines, which keeps its height so that nothing below it moves."""
+    row = QHBoxLayout()
+    row.setContentsMargins(6, 4, 6, 2)
+    row.setSpacing(8)
+    row.addWidget(box)
+    row.addWidget(text, 1)
+    text.setMinimumHeight(2 * text.fontMetrics().lineSpacing() + 2)
+    return row

@@ -133,7 +133,7 @@ def require_motion(design: Design) -> Motion:
 
 def why_no_forces(study: Study) -> str:
     """Why there are no forces that could be drawn, in a sentence that says what to give; empty where there are."""
-    if study.loading.empty:
+    if study.loading.is_empty:
         return NO_FORCES
     known = all(np.isfinite(force).all() for force in study.dynamics.pairs.values())
     return "" if known else "Forces are infinite where friction jams, and not drawn there."
@@ -148,7 +148,7 @@ def why_no_pressure(study: Study) -> str:
         return f"A {drive.face.noun} touches in a line without width: it has no contact pressure."
     if lacking := missing_inputs(drive.face, drive.cam):
         return f"{LACKS_SIZES}{', and '.join(lacking.values())}, in the form of the cam."
-    if study.loading.empty:
+    if study.loading.is_empty:
         return f"{NOTHING_PRESSES}, so nothing presses."
     if study.jam is not None:
         return "No contact pressure: friction jams, the forces are infinite."

@@ -14,10 +14,9 @@ from core.design import Design
 from core.errors import KindynaError
 from core.project.files import write
 from core.study import Quantity, Study
-from kindyna_gui import dialogs, waiting
+from kindyna_gui import background, dialogs
 from kindyna_gui.labels import reason
-from kindyna_gui.preferences.units import as_kept
-from kindyna_gui.settings import Settings
+from kindyna_gui.settings import Settings, as_kept
 from kindyna_gui.view import View
 
 Content = bytes | str
@@ -41,7 +40,7 @@ def written(parent: QWidget, path: Path | None, make: Callable[[], Content], *, 
     if path is None:
         return ""
     try:
-        made = _patiently(make) if paints else waiting.beside(parent, f"Writing {path.name}", make)
+        made = _patiently(make) if paints else background.beside(parent, f"Writing {path.name}", make)
         if made is None:
             return f"{path.name} was cancelled; nothing is written"
         write(path, made)

@@ -17,8 +17,8 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.linkage.mechanism_view import MechanismView
 from kindyna_gui.look import dress
 from kindyna_gui.pictures.app import ensure_app
-from kindyna_gui.pictures.drawing.layers import TWIST, layers_of
-from kindyna_gui.pictures.paper import png_bytes
+from kindyna_gui.pictures.drawing.parts import TWIST, layers_of
+from kindyna_gui.pictures.painter import png_bytes
 from kindyna_gui.player import Player
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import View
@@ -172,7 +172,7 @@ def _tab_by_tab(view: View) -> Iterator[str]:
 
 
 def _straight_and_polar(view: View) -> Iterator[str]:
-    from kindyna_gui.graph.graph_panel import FORMS as GRAPHS
+    from kindyna_gui.graph.graph_view import FORMS as GRAPHS
     from kindyna_gui.graph.graph_view import GraphView
 
     assert isinstance(view, GraphView)

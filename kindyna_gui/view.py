@@ -1,4 +1,4 @@
-"""What every view shares: it pulls from the session when, and only when, it is on the screen."""
+"""What every view shares."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from PySide6.QtCore import QEvent, QObject, Qt, QTimer, Signal
-from PySide6.QtGui import QAction, QShowEvent
+from PySide6.QtGui import QAction, QHideEvent, QShowEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QFrame,
@@ -28,15 +28,18 @@ from core.findings import Remedy
 from core.frozen import frozen
 from core.numerics.lazy import postponing
 from core.study import Study
+from kindyna_gui.background import Background
 from kindyna_gui.documents.session import Session
 from kindyna_gui.fault_log import short
 from kindyna_gui.labels import reason
 from kindyna_gui.look import on_paper
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
-from kindyna_gui.preferences.units import TOLD, is_usual
 from kindyna_gui.rebuilt import soon
 from kindyna_gui.requirements import NotHere, Way, ways_of
+from kindyna_gui.settings import TOLD, is_usual
+
+# -- view ------------------------------------------------------------------------------------------------
 
 
 def in_sight(widget: QWidget) -> bool:
@@ -330,7 +333,7 @@ class View(QWidget):
 
     def picture(self, ending: str) -> bytes:
         """What is shown as a file: ``.png`` or ``.svg``."""
-        from kindyna_gui.pictures.paper import png, svg
+        from kindyna_gui.pictures.painter import png, svg
 
         return self.on_paper(self._content, svg if ending == ".svg" else png)
 
@@ -515,4 +518,43 @@ class View(QWidget):
         return super().event(event)
 
 
-__all__ = ["NumberAtHand", "View", "ViewHost", "in_sight"]
+# -- background view -------------------------------------------------------------------------------------
+
+
+class BackgroundView(View):
+    """``refresh`` starts the jobs. Another design, a reason for nothing, or a view that is hidden ends what is being computed."""
+
+    def __init__(self, session: Session, player: Player, poll_ms: int | None = None) -> None:
+        super().__init__(session, player)
+        self._work = Background(self) if poll_ms is None else Background(self, poll_ms)
+
+    def _rest(self) -> None:
+        """Nothing is being computed any longer."""
+        self._work.stop()
+
+    def invalidate(self) -> None:
+        self._rest()
+        super().invalidate()
+
+    def show_reason(self, error: KindynaError) -> None:
+        self._rest()
+        super().show_reason(error)
+
+    @property
+    def busy(self) -> bool:
+        return self._pause.isActive() or self._work.busy
+
+    def settle(self) -> None:
+        super().settle()
+        if self._pause.isActive():
+            self._pause.stop()
+            self.pull()
+
+    def leave(self) -> None:
+        self._work.close()
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        super().hideEvent(event)
+        if self._work.busy:
+            self._rest()
+            self._stale = True

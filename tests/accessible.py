@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from kindyna_gui.pictures.plots.fixed_plot import FixedPlot
+from kindyna_gui.pictures.plots.plot import FixedPlot
 
 ROLES = QAccessible.Role
 CONTROLS = (

@@ -12,7 +12,7 @@ import hypothesis
 import pytest
 from hypothesis.database import DirectoryBasedExampleDatabase
 
-from kindyna_gui.gc_timer import tidy
+from kindyna_gui.background import tidy
 
 GUI_TESTS = Path(__file__).parent / "gui"
 EXAMPLES = 25  # of each property, others at each run

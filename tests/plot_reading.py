@@ -5,9 +5,9 @@ from PySide6.QtWidgets import QGraphicsSimpleTextItem
 
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.pictures.items import Tag
-from kindyna_gui.pictures.plots.extreme_marks import MarkText
+from kindyna_gui.pictures.plots.curves import CurvePlot
 from kindyna_gui.pictures.plots.lines import Cursor, CurveLine
-from kindyna_gui.pictures.plots.plot import CurvePlot
+from kindyna_gui.pictures.plots.marks import MarkText
 from kindyna_gui.pictures.style import LIGHT
 
 

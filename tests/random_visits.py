@@ -15,7 +15,7 @@ from random_dialogs import activate
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.studies.plots import SurveyPlot
 from kindyna_gui.window.main_window import open_window
-from kindyna_gui.window.tutorial.strip import TutorialStrip
+from kindyna_gui.window.tutorial import TutorialStrip
 
 LEFT = Qt.MouseButton.LeftButton
 

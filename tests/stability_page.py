@@ -7,7 +7,7 @@ from PySide6.QtCore import QPoint, Qt, QTimer
 from window_user import User, wait_for
 
 from kindyna_gui.places import example
-from kindyna_gui.stability.stability_view import StabilityView
+from kindyna_gui.stability_view import StabilityView
 
 KIM = example("kim_1990")
 LEFT = Qt.MouseButton.LeftButton

@@ -186,7 +186,7 @@ def gaps(shape: CamShape, face: Flat, positions: int) -> np.ndarray:
 
 
 def outline(shape: CamShape, face: Flat, kinematics: Kinematics) -> FaceOutline:
-    """The face as a plate, attached at the middle of its back; a little wider than its contacts if no width is stated."""
+    """The face as a plate, attached at the middle of its back; without a stated width a little wider than its range."""
     flank, m, dimensions = shape.flank, face_normal(face), si(face)
     size = float(np.abs(shape.flank.contact).max())
     if dimensions.face_half_width is None:

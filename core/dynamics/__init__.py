@@ -6,15 +6,15 @@ from core.dynamics.checks import (
     FlankChange,
     change_findings,
     element_findings,
+    element_power,
     findings,
     flank_changes,
+    gravity_power,
+    input_power,
     jam_finding,
     kinetic_energy,
     momentum_residual,
     peak_load,
-    power_given,
-    power_of,
-    power_of_gravity,
     power_residual,
     power_terms,
 )
@@ -33,11 +33,19 @@ from core.dynamics.elements import (
     ScheduledForce,
     Spring,
     Torsion,
-    combined,
+    combined_inertia,
 )
-from core.dynamics.forces import BEARING, CAM_FACE, JAMS, Forces, carried, newton_euler
-from core.dynamics.friction import GuideReaction, guide_reaction, limitless
-from core.dynamics.loading import LOADINGS, element_at, link_loading, loading_of, pairs_named, place_at, row_of_element
+from core.dynamics.forces import BEARING, CAM_FACE, JAMS, Forces, edge_forces, newton_euler
+from core.dynamics.friction import GuideReaction, guide_reaction, with_infinities
+from core.dynamics.loading import (
+    LOADINGS,
+    attachment_point,
+    element_at,
+    link_loading,
+    loading_of,
+    pairs_named,
+    row_of_element,
+)
 from core.process import lazy_attributes
 
 if TYPE_CHECKING:
@@ -50,26 +58,27 @@ if TYPE_CHECKING:
         INERTIA,
         KINDS,
         LOAD,
-        OF_MASSES,
+        MASS_KINDS,
         REACTION,
         SPRING,
         WEIGHT,
         ForceOnBody,
-        acting_of,
+        body_inertias,
+        element_forces,
         free_bodies,
-        masses_of,
-        unbalanced,
+        imbalance,
     )
 else:
     __getattr__ = lazy_attributes(__name__, "free_body", "contact_force", "flight")
 
 __all__ = [
-    "BEARING", "CAM_FACE", "CONTACT", "DRIVE", "FRICTION", "INERTIA", "JAMS", "KINDS", "LOAD", "LOADINGS", "OF_MASSES", "REACTION",
-    "SPRING", "WEIGHT", "BodyPoint", "ContactForce", "ContactMap", "Element", "FlankChange", "Flight", "Flights", "ForceOnBody",
-    "Forces", "Friction", "GuideReaction", "Inertia", "LeastForce", "LiftOff", "Load", "Loading", "Mass", "OutputForce", "OutputFriction",
-    "PointForce", "Rate", "ScheduledForce", "Spring", "Torsion", "acting_of", "carried", "change_findings", "combined",
-    "contact_map", "element_at", "element_findings", "findings", "flank_changes", "flights", "free_bodies", "guide_reaction",
-    "jam_finding", "kinetic_energy", "limitless", "link_loading", "loading_of", "masses_of", "momentum_residual", "newton_euler",
-    "pairs_named", "peak_load", "place_at", "power_given", "power_of", "power_of_gravity", "power_residual", "power_terms",
-    "row_of_element", "unbalanced", "with_impacts",
+    "BEARING", "CAM_FACE", "CONTACT", "DRIVE", "FRICTION", "INERTIA", "JAMS", "KINDS", "LOAD", "LOADINGS",
+    "MASS_KINDS", "REACTION", "SPRING", "WEIGHT", "BodyPoint", "ContactForce", "ContactMap", "Element", "FlankChange",
+    "Flight", "Flights", "ForceOnBody", "Forces", "Friction", "GuideReaction", "Inertia", "LeastForce", "LiftOff",
+    "Load", "Loading", "Mass", "OutputForce", "OutputFriction", "PointForce", "Rate", "ScheduledForce", "Spring",
+    "Torsion", "attachment_point", "body_inertias", "change_findings", "combined_inertia", "contact_map",
+    "edge_forces", "element_at", "element_findings", "element_forces", "element_power", "findings", "flank_changes",
+    "flights", "free_bodies", "gravity_power", "guide_reaction", "imbalance", "input_power", "jam_finding",
+    "kinetic_energy", "link_loading", "loading_of", "momentum_residual", "newton_euler", "pairs_named", "peak_load",
+    "power_residual", "power_terms", "row_of_element", "with_impacts", "with_infinities",
 ]  # fmt: skip

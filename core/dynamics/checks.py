@@ -1,4 +1,4 @@
-"""Limits of the forces: separation, jamming, nothing to move, elements that cannot act as they should."""
+"""Checks of the forces: balance of power and momentum, and findings of separation, jamming and ineffective elements."""
 
 from __future__ import annotations
 
@@ -6,12 +6,13 @@ import math
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from core.cam import CamShape, form_row
-from core.dynamics.elements import Element, Friction, Load, Loading, OverMotion, Rate, ScheduledForce, Spring, Torsion
+from core.dynamics.elements import Element, Friction, Load, Loading, MotionWindow, Rate, ScheduledForce, Spring, Torsion
 from core.dynamics.forces import Forces
 from core.dynamics.walk import input_loads, input_of
 from core.findings import ERROR, NOTE, WARNING, Finding
@@ -21,74 +22,164 @@ from core.motion import TURN, Angles, CompiledMotion
 from core.motion.extremes import Extreme, Extremes, Pieces, crossings, find_extremes, piecewise_angles
 from core.numerics.derivatives import cross
 
-# -- proof of the forces by laws they were not computed from ----------------------------------------------------
+# -- independent balances of power and momentum -----------------------------------------------------------------
 
 
 @np.errstate(invalid="ignore")  # inf - inf where friction jams, which counts as balanced
 def power_residual(kinematics: Kinematics, shape: CamShape | None, forces: Forces, loading: Loading) -> np.ndarray:
-    """What cam or driver give against the rates of kinetic and potential energy and what friction takes (n,), relative to
-    the peak of its terms and of ω|R||F_c|, the product that T_c ω is taken from: where the cam only holds, nothing else is
-    left."""
+    """Power of cam or driver less the rates of kinetic and potential energy and the power of friction.
+
+    It is relative to the peak of its terms and of ω|R||F_c|, the product from which T_c ω is computed: in a position
+    where the cam only holds the follower the terms vanish.
+
+    Parameters
+    ----------
+    kinematics : Kinematics
+        At n cam angles.
+    shape : CamShape or None
+    forces : Forces
+    loading : Loading
+
+    Returns
+    -------
+    ndarray (n,), dimensionless
+    """
     omega = forces.omega
-    given = power_given(kinematics, forces)
+    power = input_power(kinematics, forces)
     terms = power_terms(kinematics, forces, loading)
     sizes = list(terms)
     if shape is not None:
-        sizes += [omega * np.abs(each.at) * each.force for each in forces.contacts]
+        sizes += [omega * np.abs(contact.at) * contact.force for contact in forces.contacts]
     else:
-        sizes.append(given)
-    return _relative(given - sum(terms), sizes)
+        sizes.append(power)
+    return _relative(power - sum(terms), sizes)
 
 
 def peak_load(element: Element, kinematics: Kinematics, omega: float) -> tuple[float, str]:
-    """The largest force of an element over the angles of the kinematics, at a steady speed [rad/s], and its unit; of what has no
-    force its largest couple."""
-    parts = list(element.loads(kinematics, Rate(omega)))
-    force = max((float(np.abs(load.force).max()) for load in parts), default=0.0)
-    couple = max((float(np.abs(load.couple).max()) for load in parts), default=0.0)
+    """Largest force of an element at a steady speed [rad/s] and its unit, or the largest couple without a force."""
+    loads = list(element.loads(kinematics, Rate(omega)))
+    force = max((float(np.abs(load.force).max()) for load in loads), default=0.0)
+    couple = max((float(np.abs(load.couple).max()) for load in loads), default=0.0)
     return (force, "N") if force or not couple else (couple, "N·m")
 
 
 def power_terms(kinematics: Kinematics, forces: Forces, loading: Loading) -> list[np.ndarray]:
-    """Where the power given goes [W], each (n,): into kinetic energy, into friction, into each force element."""
+    """Terms of the balance of power: into kinetic energy, into friction, and into each force element.
+
+    Parameters
+    ----------
+    kinematics : Kinematics
+        At n cam angles.
+    forces : Forces
+    loading : Loading
+
+    Returns
+    -------
+    list of ndarray (n,) [W]
+    """
     omega = forces.omega
-    terms = [0.5 * omega**3 * loading.inertia(kinematics, 2)[1], forces.lost]
+    terms = [0.5 * omega**3 * loading.inertia(kinematics, 2)[1], forces.friction_power]
     for element in loading.elements:
-        terms += [omega * element.potential(kinematics)[0], element.lost(kinematics, abs(omega))]
+        terms += [omega * element.potential(kinematics)[0], element.dissipation(kinematics, abs(omega))]
     return terms
 
 
-def power_given(kinematics: Kinematics, forces: Forces) -> np.ndarray:
-    """What cam or driver, and inputs with motions of their own, give the mechanism (n,) [W]."""
-    given = forces.torque + forces.driver * kinematics.motion.displacement[1]
-    for dyad in (each for each in kinematics.dyads if each.on and each.by_motion):
+def input_power(kinematics: Kinematics, forces: Forces) -> np.ndarray:
+    """Power of cam or driver, and of second drivers with motions, into the mechanism.
+
+    Parameters
+    ----------
+    kinematics : Kinematics
+        At n cam angles.
+    forces : Forces
+
+    Returns
+    -------
+    ndarray (n,) [W]
+    """
+    work = forces.torque + forces.driver * kinematics.motion.displacement[1]
+    for dyad in (dyad for dyad in kinematics.dyads if dyad.on and dyad.by_motion):
         body, on = (kinematics.bodies[name].turn[1] for name in (dyad.bodies[0], dyad.on))
-        given = given + forces.couples[input_of(dyad.bodies[0])] * (body - on)
-    return np.asarray(given * forces.omega)
+        work = work + forces.couples[input_of(dyad.bodies[0])] * (body - on)
+    return np.asarray(work * forces.omega)
 
 
-def power_of_gravity(kinematics: Kinematics, loading: Loading, omega: float) -> np.ndarray:
-    """What the weight of all bodies gives the mechanism (n,) [W]: > 0 while they sink."""
-    return np.asarray(sum(power_of(mass, kinematics, omega) for mass in loading.masses))
+def gravity_power(kinematics: Kinematics, loading: Loading, omega: float) -> np.ndarray:
+    """Power of the weight of all bodies into the mechanism, positive while they sink.
+
+    Parameters
+    ----------
+    kinematics : Kinematics
+        At n cam angles.
+    loading : Loading
+    omega : float
+        Speed [rad/s].
+
+    Returns
+    -------
+    ndarray (n,) [W]
+    """
+    return np.asarray(sum(element_power(mass, kinematics, omega) for mass in loading.masses))
 
 
-def power_of(element: Element, kinematics: Kinematics, omega: float) -> np.ndarray:
-    """What a force element gives the mechanism (n,) [W]: < 0 where it takes, as a damper always does."""
-    return np.asarray(-omega * element.potential(kinematics)[0] - element.lost(kinematics, omega))
+def element_power(element: Element, kinematics: Kinematics, omega: float) -> np.ndarray:
+    """Power of a force element into the mechanism, negative for a damper.
+
+    Parameters
+    ----------
+    element : Element
+    kinematics : Kinematics
+        At n cam angles.
+    omega : float
+        Speed [rad/s].
+
+    Returns
+    -------
+    ndarray (n,) [W]
+    """
+    return np.asarray(-omega * element.potential(kinematics)[0] - element.dissipation(kinematics, omega))
 
 
 def kinetic_energy(kinematics: Kinematics, loading: Loading, omega: float, body: str | None = None) -> np.ndarray:
-    """Of all bodies, or of one (n,) [J] at constant speed [rad/s]: J ω²/2, J as they are worth at the shaft."""
+    """Kinetic energy J ω²/2 of all bodies, or of one, at constant speed; J is the inertia reduced to the shaft.
+
+    Parameters
+    ----------
+    kinematics : Kinematics
+        At n cam angles.
+    loading : Loading
+    omega : float
+        Speed [rad/s].
+    body : str, optional
+
+    Returns
+    -------
+    ndarray (n,) [J]
+    """
     masses = tuple(mass for mass in loading.masses if body in (None, mass.body))
     return np.asarray(0.5 * omega * omega * replace(loading, masses=masses).inertia(kinematics, 1)[0])
 
 
 @np.errstate(invalid="ignore")
 def momentum_residual(kinematics: Kinematics, shape: CamShape | None, forces: Forces, loading: Loading) -> np.ndarray:
-    """Sum of outer forces and inertia forces of all bodies, and of their moments about the origin (n,), each relative to
-    the peak of its terms, of a moment |r||F|. Power alone cannot see an error in a pin, the pivot or a frictionless guide.
+    """Sum of outer forces and inertia forces of all bodies, and of their moments about the origin.
 
-    Outer forces are those of the frame, of the cam, of the driver, and of all force elements.
+    Each is relative to the peak of its terms, of a moment |r||F|. Outer forces are those of the frame, the cam, the
+    driver and all force elements. The balance of power is blind to an error in a pin, the pivot or a frictionless
+    guide.
+
+    Parameters
+    ----------
+    kinematics : Kinematics
+        At n cam angles.
+    shape : CamShape or None
+    forces : Forces
+    loading : Loading
+
+    Returns
+    -------
+    ndarray (n,), dimensionless
+        The larger of both.
     """
     outer: list[Load] = [load for element in loading.elements for load in element.loads(kinematics, Rate(forces.omega))]
     for name, pair in kinematics.pairs.items():
@@ -98,13 +189,13 @@ def momentum_residual(kinematics: Kinematics, shape: CamShape | None, forces: Fo
             couple = sign * forces.couples.get(name, np.zeros(1))
             outer.append(Load("", at, sign * forces.pairs.get(name, np.zeros(1, dtype=complex)), couple))
             if name == kinematics.driver_name:
-                turns = pair.kind == REVOLUTE
-                push = np.zeros(1, dtype=complex) if turns else forces.driver * kinematics.line(pair)
-                outer.append(Load("", at, push, forces.driver if turns else 0.0))
-    for dyad in (each for each in kinematics.dyads if each.on):  # its wheels are held by the frame
+                is_pin = pair.kind == REVOLUTE
+                force = np.zeros(1, dtype=complex) if is_pin else forces.driver * kinematics.line(pair)
+                outer.append(Load("", at, force, forces.driver if is_pin else 0.0))
+    for dyad in (dyad for dyad in kinematics.dyads if dyad.on):  # the frame carries its wheels
         loads = (load for _, load in input_loads(kinematics, dyad, forces.couples[input_of(dyad.bodies[0])]))
         outer += [load for load in loads if load.body != FRAME]
-    outer += [Load("", each.at, -each.force * each.pressing) for each in forces.contacts]
+    outer += [Load("", contact.at, -contact.force * contact.direction) for contact in forces.contacts]
     linear = [load.force for load in outer]
     moments = [cross(load.at, load.force) + load.couple for load in outer]
     products = [np.abs(load.at) * np.abs(load.force) + np.abs(load.couple) for load in outer]
@@ -121,8 +212,8 @@ def _relative(residual: np.ndarray, terms: Sequence[np.ndarray]) -> np.ndarray:
 
 
 _STILL = 1e-9  # of a length, or [rad], per radian of the turn: less is rounding
-_MEET = 1e-6  # of the way of the links: ends that come so near meet
-KEPT = 1e-9  # of the least contact force wanted: by which it may be missed
+_MEET = 1e-6  # of the links' largest displacement: ends at this distance meet
+LIMIT_TOLERANCE = 1e-9  # of the limit on the least contact force
 At = Callable[[Angles], Kinematics]
 
 
@@ -131,118 +222,131 @@ def findings(
     loading: Loading,
     noun: str,
     lift_off_rpm: Callable[[], float],
-    wanted: float | None = None,
+    least_force: float | None = None,
 ) -> list[Finding]:
-    """What the refined extremes of the contact force [N] exceed; contact: None where no follower can leave a cam; noun: of a face that does
-    not roll; lift_off_rpm: the speed from which the follower leaves the cam, asked for where it does; wanted: the least contact force
-    that is to be kept."""
-    if loading.empty:
+    """Findings of the refined extremes of the contact force [N].
+
+    contact: None where no follower can leave a cam; noun: of a face that does not roll; lift_off_rpm: function of the
+    speed from which the follower leaves the cam; least_force: the limit on the least contact force [N].
+    """
+    if loading.is_empty:
         return [Finding("no-load", NOTE, "loads", None)]
-    found = []
+    result = []
     face = {"face": noun} if noun else {}
     least = None if contact is None else contact.low
-    if least is not None and math.isfinite(least.value) and least.value <= 0.0:  # an infinite one is the jam's
-        lifted: dict[str, float | str] = {"force_n": least.value, "speed_rpm": lift_off_rpm(), **face}
-        found.append(Finding("separation", ERROR, "loads", math.degrees(least.theta), lifted))
-    elif least is not None and wanted and math.isfinite(least.value) and least.value < wanted * (1.0 - KEPT):
-        values = {"value": least.value, "limit": wanted}
-        found.append(
+    if least is not None and math.isfinite(least.value) and least.value <= 0.0:  # infinite where friction jams
+        separation: dict[str, float | str] = {"force_n": least.value, "speed_rpm": lift_off_rpm(), **face}
+        result.append(Finding("separation", ERROR, "loads", math.degrees(least.theta), separation))
+    elif (
+        least is not None
+        and least_force
+        and math.isfinite(least.value)
+        and least.value < least_force * (1.0 - LIMIT_TOLERANCE)
+    ):
+        values = {"value": least.value, "limit": least_force}
+        result.append(
             Finding("contact-force-low", WARNING, "loads.least_contact_force_n", math.degrees(least.theta), values)
         )
-    return found
+    return result
 
 
 def jam_finding(jam: Extreme, friction: Friction | None) -> Finding:
-    """Where friction jams hardest, and what: the pair that has the largest part in it, None: the face on the cam."""
+    """Finding of the pair with the largest part in the jam factor; None: the face on the cam."""
     at, values = math.degrees(jam.theta), {"factor": jam.value}
     if friction is None:
         return Finding("contact-jamming", ERROR, "loads.contact_friction", at, values)
-    if friction.own:
+    if friction.is_guide:
         return Finding("jamming", ERROR, friction.field, at, values)
     return Finding("pair-jamming", ERROR, friction.field, at, {**values, "pair": friction.pair})
 
 
 def element_findings(at: At, program: Pieces, loading: Loading) -> list[Finding]:
-    """Springs that have nothing to pull with, no length, or ends that meet, so that their force has no direction; torsion springs
-    that are wound up with every turn or whose links do not turn; dampers between which nothing moves; process forces that never work.
-    ``at`` gives the kinematics at any cam angles."""
-    every = [element for element in loading.others if isinstance(element, Spring | Torsion)]
+    """Findings of springs, dampers and process forces that cannot act as they should; ``at``: cam angles -> kinematics.
+
+    Springs without a rate, without length, or whose ends meet, so that their force has no direction; torsion springs
+    that every turn winds up, or whose links do not rotate; dampers without relative motion; process forces that never
+    act.
+    """
+
+    def finding(code: str, severity: str, element: Spring | Torsion | ScheduledForce, **values: float) -> Finding:
+        word = "process_force" if isinstance(element, ScheduledForce) else ""
+        name = re.sub(r"(?=\d)", " ", re.sub(r"^process", word, element.name), count=1).replace("_", " ")
+        return Finding(code, severity, element.field, None, {"name": name, **values})
+
+    springs = [element for element in loading.others if isinstance(element, Spring | Torsion)]
     processes = [element for element in loading.others if isinstance(element, ScheduledForce)]
-    found = [Finding("spring-idle", WARNING, row.field, None, {"name": _words(row)}) for row in every if not row.acts]
-    rows = [row for row in every if row.acts]
-    found += [
-        Finding("process-idle", WARNING, each.field, None, {"name": _words(each)})
-        for each in processes
-        if not each.acts
-    ]
-    processes = [each for each in processes if each.acts]
-    if not rows and not processes:
-        return found
-    angles = piecewise_angles(program)
-    kinematics = at(angles)
-    motion = kinematics.motion
-    for each in processes:
-        if not each.schedule.value(motion)[0].any():
-            code = "process-never" if isinstance(each.schedule, OverMotion) else "process-idle"
-            found.append(Finding(code, WARNING, each.field, None, {"name": _words(each)}))
+    result = [finding("spring-idle", WARNING, spring) for spring in springs if not spring.is_active]
+    result += [finding("process-idle", WARNING, process) for process in processes if not process.is_active]
+    springs = [spring for spring in springs if spring.is_active]
+    processes = [process for process in processes if process.is_active]
+    if not springs and not processes:
+        return result
+    kinematics = at(piecewise_angles(program))
+    for process in processes:
+        if not process.schedule.value(kinematics.motion)[0].any():
+            code = "process-never" if isinstance(process.schedule, MotionWindow) else "process-idle"
+            result.append(finding(code, WARNING, process))
     size = max(
         float(np.abs(pose.origin[0] - pose.origin[0][0]).max(initial=0.0)) for pose in kinematics.bodies.values()
     )
-    for row in rows:
-        if isinstance(row, Spring) and _coincide(row, kinematics, size):
-            found.append(Finding("spring-no-length", ERROR, row.field, None, {"name": _words(row)}))
+    for spring in springs:
+        if isinstance(spring, Spring) and _coincide(spring, kinematics, size):
+            result.append(finding("spring-no-length", ERROR, spring))
             continue
-        if isinstance(row, Torsion) and _still(row, kinematics):
-            found.append(Finding("torsion-still", WARNING, row.field, None, {"name": _words(row)}))
+        if isinstance(spring, Torsion) and _is_still(spring, kinematics):
+            result.append(finding("torsion-still", WARNING, spring))
             continue
-        if row.damping and _still(row, kinematics):
-            found.append(
-                Finding("damper-still", WARNING, f"{row.field}.{row.damping_key}", None, {"name": _words(row)})
+        if spring.damping and _is_still(spring, kinematics):
+            result.append(
+                replace(finding("damper-still", WARNING, spring), field=f"{spring.field}.{spring.damping_key}")
             )
-        if isinstance(row, Torsion):
-            turns = round(float(row.angle(kinematics)[-1] - row.angle(kinematics)[0]) / TURN)
-            if row.rate and turns:
-                found.append(
-                    Finding("spring-winds-up", ERROR, row.field, None, {"name": _words(row), "turns": float(turns)})
-                )
-        elif row.length or row.damping:
-            least = find_extremes(lambda there, row=row: {"": np.abs(row.between(at(there)))}, program)[""].low  # type: ignore[misc]
-            if least.value <= _MEET * max(size, row.length):
-                found.append(
-                    Finding("spring-ends-meet", ERROR, row.field, math.degrees(least.theta), {"name": _words(row)})
-                )
-    return found
+        if isinstance(spring, Torsion):
+            turns = round(float(spring.angle(kinematics)[-1] - spring.angle(kinematics)[0]) / TURN)
+            if spring.rate and turns:
+                result.append(finding("spring-winds-up", ERROR, spring, turns=float(turns)))
+        elif spring.length or spring.damping:
+            distance = partial(_distance, spring, at)
+            least = find_extremes(distance, program)[""].low
+            if least.value <= _MEET * max(size, spring.length):
+                meeting = finding("spring-ends-meet", ERROR, spring)
+                result.append(replace(meeting, cam_angle_deg=math.degrees(least.theta)))
+    return result
 
 
-def _words(row: Spring | Torsion | ScheduledForce) -> str:
-    word = "process_force" if isinstance(row, ScheduledForce) else ""
-    return re.sub(r"(?=\d)", " ", re.sub(r"^process", word, row.name), count=1).replace("_", " ")
+def _distance(spring: Spring, at: At, angles: Angles) -> dict[str, np.ndarray]:
+    return {"": np.abs(spring.between(at(angles)))}
 
 
-def _coincide(row: Spring, kinematics: Kinematics, size: float) -> bool:
-    """Whether both ends stand in one place at every angle, but for rounding."""
-    return bool((np.abs(row.between(kinematics)) <= _MEET * max(size, row.length)).all())
+def _coincide(spring: Spring, kinematics: Kinematics, size: float) -> bool:
+    """Whether both ends coincide at every angle, but for rounding."""
+    return bool((np.abs(spring.between(kinematics)) <= _MEET * max(size, spring.length)).all())
 
 
-def _still(row: Spring | Torsion, kinematics: Kinematics) -> bool:
-    """Whether what a damper works on moves nowhere, but for rounding."""
-    if isinstance(row, Torsion):
-        return bool((np.abs(row.angle(kinematics, 1)) <= _STILL).all())
-    return bool((np.abs(row.stretch(kinematics)) <= _STILL * np.abs(row.between(kinematics)).max(initial=0.0)).all())
+def _is_still(spring: Spring | Torsion, kinematics: Kinematics) -> bool:
+    """Whether the ends of a spring have no relative motion, but for rounding."""
+    length = np.abs(spring.between(kinematics)).max(initial=0.0) if isinstance(spring, Spring) else 1.0
+    return bool((np.abs(spring.elongation_rate(kinematics)) <= _STILL * length).all())
 
 
-# -- where the contact of a groove or of a conjugate pair goes over to the other flank --------------------------
+# -- change of the flank in contact, of a groove or a conjugate pair --------------------------------------------
 
 
-NO_DIRECTION = 1e-11  # of the largest force: a force below it has no direction
+NO_DIRECTION = 1e-11  # of the largest force: a smaller force has no direction
 
 ForcesAt = Callable[[Angles], tuple[Kinematics, Forces]]
 
 
 @frozen
 class FlankChange:
-    """theta [rad]; to: number of the flank that carries from there on; impact [m/s]: speed of what strikes it across the
-    play, along the normal; None without play, or where it comes back to the flank that it left: see ``with_impacts``."""
+    """Change of the flank in contact.
+
+    Attributes
+    ----------
+    theta : cam angle [rad]
+    to : index of the flank in contact from there on
+    impact : speed [m/s] of the impact across the play, along the normal; None without play, or where the follower
+        returns to the flank that it left
+    """
 
     theta: float
     to: int
@@ -250,41 +354,51 @@ class FlankChange:
 
 
 def flank_changes(at: ForcesAt, program: CompiledMotion) -> tuple[FlankChange, ...]:
-    """The cam angles at which F_c changes its sign, refined, in their order; jumps at joins of the motion included."""
-    found = sign_changes(lambda there: at(there)[1].carrying, program)
-    return tuple(FlankChange(theta, int(sign < 0.0)) for theta, sign in sorted(found) if sign != 0.0)
+    """Changes of the flank in contact, in the order of cam angle: sign changes of F_c, jumps at joins included."""
+    changes = sign_changes(lambda angles: at(angles)[1].signed_contact, program)
+    return tuple(FlankChange(theta, int(sign < 0.0)) for theta, sign in sorted(changes) if sign != 0.0)
 
 
 def sign_changes(force_at: Callable[[Angles], np.ndarray], program: CompiledMotion) -> list[tuple[float, float]]:
-    """The cam angles [rad] at which a force (n,) changes its sign, refined, jumps included, each with the sign afterwards. A force that
-    is nothing beside the largest has none."""
+    """Cam angles at which a force changes its sign, refined, jumps included, each with the sign afterwards.
+
+    A force that is negligible relative to the largest one has no sign.
+
+    Parameters
+    ----------
+    force_at : function Angles (n,) -> ndarray (n,) [N]
+    program : CompiledMotion
+
+    Returns
+    -------
+    list of (float, float)
+        Cam angle [rad] and sign ±1 or 0.
+    """
     angles = piecewise_angles(program)
     forces = force_at(angles)
     least = NO_DIRECTION * float(np.abs(forces).max(initial=0.0))
 
-    def carrying(there: Angles) -> np.ndarray:
-        force = force_at(there)
-        return np.where(np.abs(force) > least, force, 0.0)  # nor has one that a jam leaves without a value
+    def significant(at: Angles) -> np.ndarray:
+        force = force_at(at)
+        return np.where(np.abs(force) > least, force, 0.0)  # 0 too where a jam leaves no value
 
     value = np.where(np.abs(forces) > least, forces, 0.0)
-    roots = crossings(carrying, angles, value)
+    roots = crossings(significant, angles, value)
     inner = list(zip(roots.theta.tolist(), roots.piece.tolist(), strict=True))
-    found = [(theta, _sign_after(carrying, theta, piece, program)) for theta, piece in inner]
-    found += _jumps(angles, value, inner)
-    return found
+    changes = [(theta, _sign_after(significant, theta, piece, program)) for theta, piece in inner]
+    return changes + _jumps(angles, value, inner)
 
 
-def _sign_after(carrying: Callable[[Angles], np.ndarray], theta: float, piece: int, program: CompiledMotion) -> float:
-    end = float(program.ends[piece])
-    there = np.minimum(theta + 10.0 ** np.arange(-9.0, -2.0), end)
-    signs = np.sign(carrying(Angles(there, np.full(there.size, piece))))
+def _sign_after(force_at: Callable[[Angles], np.ndarray], theta: float, piece: int, program: CompiledMotion) -> float:
+    theta_after = np.minimum(theta + 10.0 ** np.arange(-9.0, -2.0), float(program.ends[piece]))
+    signs = np.sign(force_at(Angles(theta_after, np.full(theta_after.size, piece))))
     return next((float(sign) for sign in signs if sign), 0.0)
 
 
 def _jumps(angles: Angles, value: np.ndarray, inner: list[tuple[float, int]]) -> list[tuple[float, float]]:
-    """Changes that are no root inside a piece: at joins, and after stretches without force; angle and sign afterwards."""
+    """Sign changes at joins and after stretches without force, as no root inside a piece; angle and sign afterwards."""
     loaded = np.flatnonzero(value)
-    found = []
+    changes = []
     for i, j in zip(np.roll(loaded, 1).tolist(), loaded.tolist(), strict=True):
         if value[i] * value[j] > 0.0 or (j == i + 1 and angles.piece[i] == angles.piece[j]):
             continue
@@ -292,16 +406,16 @@ def _jumps(angles: Angles, value: np.ndarray, inner: list[tuple[float, int]]) ->
             continue
         before = j - 1 if j > i + 1 or i > j else j
         start = float(angles.theta[before if before >= 0 and angles.piece[before] == angles.piece[j] else j])
-        found.append((start, float(np.sign(value[j]))))
-    return found
+        changes.append((start, float(np.sign(value[j]))))
+    return changes
 
 
 def change_findings(changes: tuple[FlankChange, ...], form: Any) -> list[Finding]:
-    """A note for each change."""
-    found = []
+    """A note for each change of the flank in contact."""
+    findings = []
     for change in changes:
         values: dict[str, float | str] = {"to": form_row(form).sides[change.to]}
         if change.impact is not None:
             values |= {"play_mm": form.play_mm, "impact_m_s": change.impact}
-        found.append(Finding("flank-change", NOTE, "loads", math.degrees(change.theta), values))
-    return found
+        findings.append(Finding("flank-change", NOTE, "loads", math.degrees(change.theta), values))
+    return findings

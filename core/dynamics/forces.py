@@ -1,8 +1,10 @@
-"""Inverse dynamics: every reaction, the contact force and the torque that turns the cam or the driver (Shin1995 §4).
+"""Inverse dynamics: reactions, contact force, and the torque on the cam or on the driver.
 
-Forces follow from three kinds of walks through the mechanism: of its own loads, of one newton of contact force, and of one
-newton of friction in each pair that rubs. The contact force is what leaves nothing to be given to the driver; friction is
-found from the reactions, which are affine in it.
+Every force follows from three kinds of walks through the mechanism: with the applied loads, with one newton of contact
+force, and with one newton of friction in each pair that has friction. The contact force balances the driver; friction
+follows from the reactions, which are affine in it.
+
+Source: Shin, Kim and Ha 1995, section 4.
 """
 
 from __future__ import annotations
@@ -18,18 +20,18 @@ from core.dynamics.elements import Friction, Load, Loading, Rate
 from core.dynamics.friction import (
     JAMMED,
     GuideReaction,
-    below_jamming,
+    critical_friction,
     guide_reaction,
+    is_jammed,
     jam_factor,
-    jammed,
-    jams_most,
-    limitless,
+    jam_factor_bound,
     magnitudes,
+    with_infinities,
 )
 from core.dynamics.walk import Walk, input_loads, input_of
 from core.frozen import frozen
 from core.mechanism.kinematics import FRAME, REVOLUTE, Kinematics
-from core.numerics.derivatives import cross, dot, finite, opposite, spread
+from core.numerics.derivatives import cross, dot, negated, replace_nan, spread
 from core.numerics.lazy import Lazy, once
 
 # -- inverse dynamics -------------------------------------------------------------------------------------------
@@ -37,45 +39,68 @@ from core.numerics.lazy import Lazy, once
 
 BEARING = "bearing"
 CAM_FACE = "cam_face"
-"""Where a face slides on the cam, among what rubs."""
-JAMS = 1.0  # the factor from which friction may jam
-_NONE, _NO_FORCE = np.zeros(1), np.zeros(1, dtype=complex)
+"""Name of the friction of a face that slides on the cam, among the pairs."""
+JAMS = 1.0  # jam factor from which friction may jam
+_ZERO, _ZERO_FORCE = np.zeros(1), np.zeros(1, dtype=complex)
 
 
 class Contact(NamedTuple):
-    """One flank of the cam at n cam angles.
+    """Contact of one flank of the cam at n cam angles.
 
-    at        (n,) complex [m], where it is touched, in the global frame
-    pressing  (n,) complex: n + μ v̂, the force on the cam for one newton of contact, friction of a face that slides included
-    force     (n,) [N]; of a cam that holds the follower from both sides 0 where the other flank carries
-    lever     (n,) what one newton asks of the driver [m, or 1]
+    Attributes
+    ----------
+    at : ndarray (n,) complex [m]
+        Point of contact in the global frame.
+    direction : ndarray (n,) complex, dimensionless
+        n + μ v̂: force on the cam per newton of contact, with the friction of a face that slides.
+    force : ndarray (n,) [N]
+        0 where the second flank of a groove or conjugate pair is in contact.
+    lever : ndarray (n,) [m or dimensionless]
+        Driver effort that balances one newton of contact.
     """
 
     at: np.ndarray
-    pressing: np.ndarray
+    direction: np.ndarray
     force: np.ndarray
     lever: np.ndarray
 
 
 @frozen(eq=False)
 class Forces:
-    """All forces at n cam or crank angles, at constant speed ``omega`` [rad/s]; complex = global frame [N].
+    """All forces at n cam or crank angles, at constant speed ``omega`` [rad/s]; complex arrays are in the global frame.
 
-    pairs     pair name -> (n,) force by ``on`` on ``body``, friction included; ``bearing`` by the frame on the camshaft
-    couples   pair name -> (n,) couple [N m] by ``on`` on ``body``: of sliding pairs, of pins that rub, and
-              what drives a body beside the driver
-    contact   (n,) F_c [N], > 0 presses the follower on the cam; in a groove < 0 where the outer flank carries; 0 without a cam
-    contacts  where the cam is touched, flank by flank; empty without a cam
-    torque    (n,) T_c [N m], > 0 drives the cam (27); 0 without a cam
-    driver    (n,) on the driver where no cam moves it: torque [N m] counter-clockwise where it is pinned to the frame, force
-              [N] along its line where it slides; else 0
-    lever     (n,) what one newton on the flank that carries asks of the driver [m, or 1]; infinite without a cam
-    follower_torque  (n,) T_L [N m] that the contact gives the follower's link about its pivot (24); for a guide: force [N]
-    guide     the guide's normal force, friction and jamming factor; None where the design has no guide
-    lost      (n,) power [W] lost to friction; rubbing: pair, or ``CAM_FACE`` -> its share
-    jam       (n,) the factor that must stay below 1: the spectral radius of μ|∂N/∂f| over all pairs that rub
-    most_jamming  (n,) number of the pair, among those that rub, whose friction feeds on itself most
-    contact_jam  (n,) likewise: how much of the lever of the contact's normal force its friction takes away
+    Attributes
+    ----------
+    contact : ndarray (n,) [N]
+        F_c, positive where the follower presses on the cam; negative where the outer flank of a groove is in contact; 0
+        without a cam.
+    contacts : tuple of Contact
+        One per flank; empty without a cam.
+    torque : ndarray (n,) [N m]
+        T_c (27), positive where it drives the cam; 0 without a cam.
+    driver : ndarray (n,) [N m or N]
+        On a driver without a cam: torque counter-clockwise where it is pinned to the frame, force along its line where
+        it slides; otherwise 0.
+    lever : ndarray (n,) [m or dimensionless]
+        Driver effort that balances one newton on the flank in contact; infinite without a cam.
+    contact_jam : ndarray (n,), dimensionless
+        Share of the lever of the contact's normal force that its friction cancels.
+    friction_power : ndarray (n,) [W]
+        Power lost to friction.
+    friction_power_by_pair : mapping
+        Pair, or ``CAM_FACE`` -> its share (n,) [W].
+    pairs : mapping
+        Pair -> force (n,) complex [N] by ``on`` on ``body``, with friction; ``bearing``: by the frame on the camshaft.
+    couples : mapping
+        Pair -> couple (n,) [N m] by ``on`` on ``body``: of sliding pairs, of pins with friction, of second drivers.
+    jam : ndarray (n,), dimensionless
+        Jam factor, the spectral radius of μ|∂N/∂f| over all pairs with friction; below 1 unless the mechanism jams.
+    most_jamming : ndarray (n,) int, dimensionless
+        Index of the friction with the largest part in the jam factor.
+    follower_torque : ndarray (n,) [N m or N]
+        T_L (24) of the contact on the follower about its pivot; on a guide the force along it.
+    guide : GuideReaction or None
+        Reaction of the guide; None without a guide.
     """
 
     omega: float
@@ -85,8 +110,8 @@ class Forces:
     driver: np.ndarray
     lever: np.ndarray
     contact_jam: np.ndarray
-    lost: Lazy[np.ndarray] = Lazy()
-    rubbing: Lazy[Mapping[str, np.ndarray]] = Lazy()
+    friction_power: Lazy[np.ndarray] = Lazy()
+    friction_power_by_pair: Lazy[Mapping[str, np.ndarray]] = Lazy()
     pairs: Lazy[Mapping[str, np.ndarray]] = Lazy()
     couples: Lazy[Mapping[str, np.ndarray]] = Lazy()
     jam: Lazy[np.ndarray] = Lazy()
@@ -95,36 +120,33 @@ class Forces:
     guide: Lazy[GuideReaction | None] = Lazy()
 
     @property
-    def carrying(self) -> np.ndarray:
-        """Of a cam that holds the follower from both sides (n,) [N]: > 0 where the first flank carries, < 0 where the other."""
+    def signed_contact(self) -> np.ndarray:
+        """Contact force (n,) [N] of a cam with two flanks: positive at the first flank, negative at the second."""
         return self.contacts[0].force - self.contacts[1].force
 
 
 class _Case:
-    """A walk of loads with the contact force (n,) that leaves nothing to the driver; without a cam, what the driver is given."""
+    """Contact force (n,) without driver effort for one set of loads; driver effort of a mechanism without a cam."""
 
-    def __init__(self, walk: Walk, press: Walk | None) -> None:
-        self.walk, self.press = walk, press
-        self.contact = np.zeros(1) if press is None else -walk.needed / press.needed
-        self.driver = walk.needed if press is None else np.zeros(1)
+    def __init__(self, walk: Walk, unit_contact: Walk | None) -> None:
+        self.walk, self.unit_contact = walk, unit_contact
+        self.contact = np.zeros(1) if unit_contact is None else -walk.effort / unit_contact.effort
+        self.driver = walk.effort if unit_contact is None else np.zeros(1)
 
-    def carried(self, name: str) -> np.ndarray:
-        """What a pair carries (n,), a pin's force or the normal force of a slide, with what the contact adds to it."""
-        one = None if self.press is None else self.press.carried(name)
-        return _with_contact(self.walk.carried(name), self.contact, one, _NONE)
+    def reaction(self, name: str) -> np.ndarray:
+        """Force of a pin, or normal force of a slide (n,), with the share of the contact force."""
+        return self._with_contact(Walk.reaction, name)
 
     def couple(self, name: str) -> np.ndarray:
-        """The couple on a sliding pair (n,), likewise."""
-        return _with_contact(
-            self.walk.couple(name), self.contact, None if self.press is None else self.press.couple(name), _NONE
-        )
+        """Couple of a sliding pair (n,), with the share of the contact force."""
+        return self._with_contact(Walk.couple, name)
 
-
-def _with_contact(own: np.ndarray | None, contact: np.ndarray, one: np.ndarray | None, none: np.ndarray) -> np.ndarray:
-    """Own and contact's share; ``one``: of one newton of contact."""
-    if one is None:
-        return none if own is None else own
-    return contact * one if own is None else own + contact * one
+    def _with_contact(self, part: Callable[[Walk, str], np.ndarray | None], name: str) -> np.ndarray:
+        load_share = part(self.walk, name)
+        unit_share = None if self.unit_contact is None else part(self.unit_contact, name)
+        if unit_share is None:
+            return _ZERO if load_share is None else load_share
+        return self.contact * unit_share if load_share is None else load_share + self.contact * unit_share
 
 
 class _Reactions(NamedTuple):
@@ -135,156 +157,182 @@ class _Reactions(NamedTuple):
 
 
 class _Solution(NamedTuple):
-    """Contact force and what the driver is given, (n,) or (1,), with the friction that goes with them, and its size in each pair;
-    made when they are read: what it takes there per radian of the shaft [N m], the reactions, those of the guide, the jam
-    factor, and the number of the pair that jams most."""
+    """Contact force and driver effort, (n,) or (1,), with the friction that belongs to them.
+
+    sizes: friction of each pair. The functions return, evaluated when called: the work of friction per radian of the
+    shaft [N m], the reactions, the reaction of the guide, the jam factor, and the index of the pair that jams most.
+    """
 
     contact: np.ndarray
     driver: np.ndarray
     sizes: dict[str, np.ndarray]
-    lost: Callable[[], dict[str, np.ndarray]]
+    friction_work: Callable[[], dict[str, np.ndarray]]
     reactions: Callable[[], _Reactions]
     guide: Callable[[], GuideReaction] | None
     jam: Callable[[], np.ndarray]
-    most: Callable[[], np.ndarray]
+    most_jamming: Callable[[], np.ndarray]
 
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")
 def newton_euler(
     kinematics: Kinematics, shape: CamShape | None, loading: Loading, omega: float, acceleration: float = 0.0
 ) -> Forces:
-    """Forces at camshaft speed omega [rad/s, > 0] and acceleration [rad/s²] of the coordinate that the poses are differentiated by.
+    """Forces at camshaft speed omega and acceleration of the coordinate by which the poses are differentiated.
 
-    T_c = -d (C × F_c (n + μ v̂)) (27) at the contact C, where a face that slides rubs by μ F_c v̂ on the cam, v̂ the direction of
-    the follower relative to it; F_c from the equilibrium of the driven bodies, never from T_c, which is 0/0 in a dwell (25),
-    (26). A groove or a conjugate pair holds the follower from both sides: where the first flank would have to pull, the other one
-    carries. Where friction jams the forces are infinite; the findings say so.
+    T_c = -d (C × F_c (n + μ v̂)) (27) at the contact C, where a sliding face exerts the friction μ F_c v̂ on the cam,
+    v̂ the direction of the follower relative to it. F_c follows from the equilibrium of the driven bodies, not from
+    T_c, which is 0/0 in a dwell (25), (26). In a groove or a conjugate pair the second flank is in contact where the
+    first one would have to pull. Where friction jams the forces are infinite.
+
+    Parameters
+    ----------
+    kinematics : Kinematics
+        At n cam angles.
+    shape : CamShape or None
+        The cam; None without one.
+    loading : Loading
+    omega : float
+        Speed [rad/s], positive.
+    acceleration : float
+        Acceleration [rad/s²].
+
+    Returns
+    -------
+    Forces
+
+    References
+    ----------
+    Shin, Kim and Ha 1995, section 4, eqs. (24) to (27).
     """
     rate = Rate(omega, acceleration)
-    n, friction_of_cam = kinematics.theta.shape[-1], loading.contact_friction
+    n, cam_friction = kinematics.theta.shape[-1], loading.contact_friction
     flanks = () if shape is None else shape.flanks
-    pressing = tuple(_pressing(flank, shape.rotation_sign, friction_of_cam) for flank in flanks if shape is not None)
-    places: dict[str, np.ndarray] = {}
-    presses = [
-        Walk(kinematics, [Load(flank.body, flank.contact, opposite(push))], places)
-        for flank, push in zip(flanks, pressing, strict=True)
+    directions = tuple(_contact_direction(flank, shape.rotation_sign, cam_friction) for flank in flanks if shape)
+    points: dict[Any, Any] = {}
+    unit_contacts = [
+        Walk(kinematics, [Load(flank.body, flank.contact, negated(direction))], points)
+        for flank, direction in zip(flanks, directions, strict=True)
     ]
     contact_jam = np.zeros(n)
-    if friction_of_cam and shape is not None:
-        smooth = Walk(
-            kinematics, [Load(kinematics.carrier, shape.flank.contact, opposite(shape.flank.normal))], places
-        ).needed
-        contact_jam = spread(finite(1.0 - presses[0].needed / smooth, nan=0.0), n)
+    if cam_friction and shape is not None:
+        normal_load = Load(kinematics.carrier, shape.flank.contact, negated(shape.flank.normal))
+        frictionless = Walk(kinematics, [normal_load], points).effort
+        contact_jam = spread(replace_nan(1.0 - unit_contacts[0].effort / frictionless, nan=0.0), n)
         if (jams := contact_jam >= JAMS).any():
-            presses[0].needed = np.where(jams, smooth / JAMMED, presses[0].needed)
-    own = Walk(kinematics, [load for element in loading.elements for load in element.loads(kinematics, rate)], places)
-    signs = {f.pair: _direction(kinematics, f.pair) * np.sign(omega) for f in loading.frictions}
-    rubbing = {f.pair: Walk(kinematics, unit_friction(kinematics, f), places) for f in loading.frictions}
+            unit_contacts[0].effort = np.where(jams, frictionless / JAMMED, unit_contacts[0].effort)
+    loads = [load for element in loading.elements for load in element.loads(kinematics, rate)]
+    loads_walk = Walk(kinematics, loads, points)
+    signs = {f.pair: _slip_sign(kinematics, f.pair) * np.sign(omega) for f in loading.frictions}
+    friction_walks = {f.pair: Walk(kinematics, unit_friction(kinematics, f), points) for f in loading.frictions}
 
-    def carried_by(press: Walk | None) -> _Solution:
-        cases = {name: _Case(walk, press) for name, walk in rubbing.items()}
-        return _with_friction(kinematics, loading, _Case(own, press), cases, signs)
+    def solve_with(unit_contact: Walk | None) -> _Solution:
+        cases = {name: _Case(walk, unit_contact) for name, walk in friction_walks.items()}
+        return _with_friction(kinematics, loading, _Case(loads_walk, unit_contact), cases, signs)
 
-    found, shares = _carried(carried_by, presses)
-    torque = _NONE
+    solution, flank_forces = _solve_flanks(solve_with, unit_contacts)
+    torque = _ZERO
     contacts = tuple(
-        Contact(flank.contact, push, spread(share, n), spread(press.needed, n))
-        for flank, push, share, press in zip(flanks, pressing, shares, presses, strict=True)
+        Contact(flank.contact, direction, spread(force, n), spread(walk.effort, n))
+        for flank, direction, force, walk in zip(flanks, directions, flank_forces, unit_contacts, strict=True)
     )
     if shape is not None:
-        turning = [share * cross(at, push) for share, (at, push, *_) in zip(shares, contacts, strict=True)]
-        torque = np.asarray(-shape.rotation_sign * sum(turning[1:], turning[0]))
-        if not friction_of_cam:  # in a dwell no power goes in, only rounding
+        moments = [
+            force * cross(contact.at, contact.direction) for force, contact in zip(flank_forces, contacts, strict=True)
+        ]
+        torque = np.asarray(-shape.rotation_sign * sum(moments[1:], moments[0]))
+        if not cam_friction:  # in a dwell the power is 0, but for rounding
             torque = np.where(kinematics.motion.velocity_sign == 0.0, 0.0, torque)
 
-    def rubbing_power() -> dict[str, np.ndarray]:
-        taken = found.lost()
-        if friction_of_cam and shape is not None:
-            taken = {**taken, CAM_FACE: friction_of_cam * shares[0] * np.abs(shape.flank.sliding)}
-        return {name: spread(part * omega, n) for name, part in taken.items()}
+    def friction_power_by_pair() -> dict[str, np.ndarray]:
+        work = solution.friction_work()
+        if cam_friction and shape is not None:
+            work = {**work, CAM_FACE: cam_friction * flank_forces[0] * np.abs(shape.flank.sliding)}
+        return {name: spread(part * omega, n) for name, part in work.items()}
 
+    @once
     def reactions() -> _Reactions:
-        pairs, couples = found.reactions()
+        pairs, couples = solution.reactions()
         if contacts:
-            loaded = [-share * push for share, push in zip(shares, pressing, strict=True)]
-            pairs = {**pairs, BEARING: np.asarray(sum(loaded[1:], loaded[0]))}
+            on_cam = [-force * direction for force, direction in zip(flank_forces, directions, strict=True)]
+            pairs = {**pairs, BEARING: np.asarray(sum(on_cam[1:], on_cam[0]))}
         return _Reactions(*({name: spread(row, n) for name, row in rows.items()} for rows in (pairs, couples)))
 
-    kept = once(reactions)
-    pulled = [share for flank, share in zip(flanks, shares, strict=True) if flank.name == OUTER]
+    outer = [force for flank, force in zip(flanks, flank_forces, strict=True) if flank.name == OUTER]
     lever = np.full(n, np.inf) if not contacts else contacts[0].lever
-    for other in contacts[1:]:
-        lever = np.where(other.force > 0.0, other.lever, lever)
+    for contact in contacts[1:]:
+        lever = np.where(contact.force > 0.0, contact.lever, lever)
     forces = Forces(
         omega=omega,
-        pairs=lambda: kept().pairs,
-        couples=lambda: kept().couples,
-        contact=spread(shares[0] - pulled[0] if pulled else found.contact if not shares else shares[0], n),
+        pairs=lambda: reactions().pairs,
+        couples=lambda: reactions().couples,
+        contact=spread(
+            flank_forces[0] - outer[0] if outer else flank_forces[0] if flank_forces else solution.contact, n
+        ),
         contacts=contacts,
         torque=spread(torque, n),
-        driver=spread(found.driver, n),
+        driver=spread(solution.driver, n),
         lever=lever,
-        lost=lambda: spread(np.asarray(sum(rubbing_power().values(), _NONE)), n),
-        rubbing=rubbing_power,
-        most_jamming=lambda: spread(found.most(), n),
-        jam=lambda: np.maximum(found.jam(), contact_jam),
+        friction_power=lambda: spread(np.asarray(sum(friction_power_by_pair().values(), _ZERO)), n),
+        friction_power_by_pair=friction_power_by_pair,
+        most_jamming=lambda: spread(solution.most_jamming(), n),
+        jam=lambda: np.maximum(solution.jam(), contact_jam),
         contact_jam=contact_jam,
         follower_torque=lambda: np.zeros(n) if shape is None else _follower_torque(kinematics, contacts),
-        guide=found.guide,
+        guide=solution.guide,
     )
-    return limitless(forces) if any(jammed(force) for force in (*found.sizes.values(), *shares)) else forces
+    if any(is_jammed(force) for force in (*solution.sizes.values(), *flank_forces)):
+        return with_infinities(forces)
+    return forces
 
 
-def _carried(carried_by: Callable[[Walk | None], _Solution], presses: list[Walk]) -> tuple[_Solution, list[np.ndarray]]:
-    """The solution with the flank that carries at each angle, and the force on each flank (n,): the first one where it is
-    pressed; where it would have to pull, the other one, from the same equation with its own lever. With one flank alone it
-    is that, whatever the sign."""
-    first = carried_by(presses[0] if presses else None)
-    if len(presses) < 2:
-        return first, [first.contact for _ in presses]
+def _solve_flanks(
+    solve_with: Callable[[Walk | None], _Solution], unit_contacts: list[Walk]
+) -> tuple[_Solution, list[np.ndarray]]:
+    """The solution with the flank in contact at each angle, and the force on each flank (n,).
+
+    The first flank is in contact where it presses; where it would have to pull, the second one, by the same equation
+    with its lever. A single flank is in contact whatever the sign.
+    """
+    first = solve_with(unit_contacts[0] if unit_contacts else None)
+    if len(unit_contacts) < 2:
+        return first, [first.contact for _ in unit_contacts]
     pulls = ~(first.contact >= 0.0)
     if not pulls.any():
         return first, [first.contact, np.zeros(1)]
-    other = carried_by(presses[1])
-    shares = [np.where(pulls, 0.0, first.contact), np.where(pulls, other.contact, 0.0)]
-    return _chosen(pulls, other, first), shares
+    second = solve_with(unit_contacts[1])
+    forces = [np.where(pulls, 0.0, first.contact), np.where(pulls, second.contact, 0.0)]
+    return _choose(pulls, second, first), forces
 
 
-def _chosen(which: np.ndarray, one: Any, other: Any) -> Any:
-    """Of two solutions that or this, angle by angle."""
-    if isinstance(one, np.ndarray):
-        return np.where(which, one, other)
-    if callable(one):
-        return lambda: _chosen(which, one(), other())
-    if isinstance(one, dict):
-        return {name: _chosen(which, one[name], other[name]) for name in one}
-    if isinstance(one, tuple):
-        parts = [_chosen(which, a, b) for a, b in zip(one, other, strict=True)]
-        return type(one)(*parts)
-    if isinstance(one, GuideReaction):
-        return replace(
-            one,
-            **{
-                field.name: _chosen(which, getattr(one, field.name), getattr(other, field.name))
-                for field in fields(one)
-            },
-        )
-    return one
+def _choose(mask: np.ndarray, left: Any, right: Any) -> Any:
+    """The left solution where the mask (n,) is true, the right one elsewhere."""
+    if isinstance(left, np.ndarray):
+        return np.where(mask, left, right)
+    if callable(left):
+        return lambda: _choose(mask, left(), right())
+    if isinstance(left, dict):
+        return {name: _choose(mask, left[name], right[name]) for name in left}
+    if isinstance(left, tuple):
+        return type(left)(*(_choose(mask, a, b) for a, b in zip(left, right, strict=True)))
+    if isinstance(left, GuideReaction):
+        names = [field.name for field in fields(left)]
+        return replace(left, **{name: _choose(mask, getattr(left, name), getattr(right, name)) for name in names})
+    return left
 
 
-def _pressing(flank: Flank, sense: float, friction: float) -> np.ndarray:
-    """n + μ v̂ (n,): the force on the cam for one newton of contact, v̂ = ± i d n the direction of the follower relative to it."""
+def _contact_direction(flank: Flank, rotation_sign: float, friction: float) -> np.ndarray:
+    """Force on the cam per newton of contact, n + μ v̂ (n,), v̂ = ± i d n the direction of the relative motion."""
     if not friction:
         return flank.normal
-    rubs = sense * friction * np.sign(flank.sliding)
-    turned = np.empty(np.shape(rubs), dtype=complex)
-    turned.real, turned.imag = 1.0, rubs
-    # by a name: numpy turns round products with large nameless ones, which changes their last bits
-    return flank.normal * turned
+    tangential = rotation_sign * friction * np.sign(flank.sliding)
+    factor = np.empty(np.shape(tangential), dtype=complex)
+    factor.real, factor.imag = 1.0, tangential
+    # a named factor: numpy swaps products with large temporaries, which changes their last bits
+    return flank.normal * factor
 
 
 def unit_friction(kinematics: Kinematics, friction: Friction) -> list[Load]:
-    """One newton of friction (one newton metre in a pin) on ``body`` against positive slip, and the like on ``on``."""
+    """One newton of friction (one newton metre in a pin) on ``body`` against positive slip, the opposite on ``on``."""
     pair = kinematics.pairs[friction.pair]
     at = kinematics.bodies[pair.body].place(pair.point)
     force = np.zeros(1, dtype=complex) if pair.kind == REVOLUTE else -kinematics.line(pair)
@@ -292,68 +340,79 @@ def unit_friction(kinematics: Kinematics, friction: Friction) -> list[Load]:
     return [Load(pair.body, at, force, couple), Load(pair.on, at, -force, -couple)]
 
 
-def _direction(kinematics: Kinematics, name: str) -> np.ndarray:
-    """Which way a pair slips (n,): -1, 0, 1, as the motion's segment says; rounding beside a dwell must not toggle it."""
+def _slip_sign(kinematics: Kinematics, name: str) -> np.ndarray:
+    """Sign of a pair's slip (n,): -1, 0, 1, from the motion's segment, so that it is exact near a dwell."""
     forward = kinematics.sense * kinematics.motion.velocity_sign
     return forward if name == kinematics.driver_name else np.asarray(forward * np.sign(kinematics.slip(name)))
 
 
 def _normal(kinematics: Kinematics, name: str, force: np.ndarray) -> np.ndarray:
-    """The normal force N of a sliding pair (n,), along its line + 90 deg; of a pin the force itself."""
+    """Normal force N (n,) of a sliding pair, along its line + 90°; of a pin its force."""
     pair = kinematics.pairs[name]
     return force if pair.kind == REVOLUTE else dot(1j * kinematics.line(pair), force)
 
 
 def _with_friction(
-    kinematics: Kinematics, loading: Loading, case: _Case, rubbing: Mapping[str, _Case], signs: Mapping[str, np.ndarray]
+    kinematics: Kinematics,
+    loading: Loading,
+    case: _Case,
+    unit_cases: Mapping[str, _Case],
+    signs: Mapping[str, np.ndarray],
 ) -> _Solution:
-    """What the loads ask for, with the friction that goes with the reactions."""
-    sizes, jam, most = _sizes(kinematics, loading, case, rubbing, signs)
+    """Solution for the loads, with the friction that belongs to the reactions."""
+    sizes, jam, most_jamming = _sizes(kinematics, loading, case, unit_cases, signs)
     signed = {name: signs[name] * size for name, size in sizes.items()}
     contact, driver = case.contact, case.driver
     for name, size in signed.items():
-        contact, driver = contact + size * rubbing[name].contact, driver + size * rubbing[name].driver
+        contact, driver = contact + size * unit_cases[name].contact, driver + size * unit_cases[name].driver
 
-    def lost() -> dict[str, np.ndarray]:
+    def friction_work() -> dict[str, np.ndarray]:
         speed = kinematics.sense * kinematics.motion.displacement[1]
         slips = {name: 1.0 if name == kinematics.driver_name else kinematics.slip(name) for name in signed}
         return {name: size * slips[name] * speed for name, size in signed.items()}
 
     @once
     def reactions() -> _Reactions:
-        return _reactions(kinematics, case, contact, {name: (rubbing[name], size) for name, size in signed.items()})
+        return _reactions(kinematics, case, contact, {name: (unit_cases[name], size) for name, size in signed.items()})
 
     def guide() -> GuideReaction:
         n, name = kinematics.theta.shape[-1], loading.guide
-        normal, rubs = _normal(kinematics, name, reactions().pairs[name]), -signed[name] if name in signed else _NONE
-        return GuideReaction(spread(normal, n), spread(rubs, n), jam)
+        normal, friction = (
+            _normal(kinematics, name, reactions().pairs[name]),
+            -signed[name] if name in signed else _ZERO,
+        )
+        return GuideReaction(spread(normal, n), spread(friction, n), jam)
 
-    return _Solution(contact, driver, sizes, lost, reactions, guide if loading.guide else None, jam, most)
+    return _Solution(
+        contact, driver, sizes, friction_work, reactions, guide if loading.guide else None, jam, most_jamming
+    )
 
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")
 def _reactions(
     kinematics: Kinematics, case: _Case, contact: np.ndarray, signed: Mapping[str, tuple[_Case, np.ndarray]]
 ) -> _Reactions:
-    """Of the own loads, of friction of these sizes with their signs (n,), and of the contact force (n,)."""
-    shares = [(size, rubbing.walk) for rubbing, size in signed.values()]
-    if case.press is not None:
-        shares.append((contact, case.press))
+    """Reactions to the loads, to friction of these signed sizes (n,), and to the contact force (n,)."""
+    shares = [(size, unit_case.walk) for unit_case, size in signed.values()]
+    if case.unit_contact is not None:
+        shares.append((contact, case.unit_contact))
+
+    def parts(value: Callable[[Walk, str], np.ndarray | None], name: str) -> list[np.ndarray]:
+        rows = [value(case.walk, name)]
+        rows += [None if (unit := value(walk, name)) is None else size * unit for size, walk in shares]
+        return [row for row in rows if row is not None]
+
     pairs: dict[str, np.ndarray] = {}
     couples: dict[str, np.ndarray] = {}
     for name, pair in kinematics.pairs.items():
-        turns = pair.kind == REVOLUTE
-        for total, part_of in ((pairs, Walk.carried), *(() if turns else ((couples, Walk.couple),))):
-            parts = [part_of(case.walk, name)]
-            parts += [None if (one := part_of(walk, name)) is None else size * one for size, walk in shares]
-            given = [part for part in parts if part is not None]
-            total[name] = np.asarray(sum(given[1:], given[0])) if given else _NO_FORCE if turns else _NONE
-        if not turns:
+        is_pin = pair.kind == REVOLUTE
+        for total, value in ((pairs, Walk.reaction), *(() if is_pin else ((couples, Walk.couple),))):
+            rows = parts(value, name)
+            total[name] = np.asarray(sum(rows[1:], rows[0])) if rows else _ZERO_FORCE if is_pin else _ZERO
+        if not is_pin:
             pairs[name] = 1j * kinematics.line(pair) * pairs[name]
     for name in (input_of(dyad.bodies[0]) for dyad in kinematics.dyads if dyad.on):
-        parts = [case.walk.couple(name)]
-        parts += [None if (one := walk.couple(name)) is None else size * one for size, walk in shares]
-        couples[name] = np.asarray(sum((part for part in parts if part is not None), _NONE))
+        couples[name] = np.asarray(sum(parts(Walk.couple, name), _ZERO))
     for name, (_, size) in signed.items():
         if kinematics.pairs[name].kind == REVOLUTE:
             couples[name] = couples.get(name, 0.0) - size
@@ -363,115 +422,130 @@ def _reactions(
 
 
 def _sizes(
-    kinematics: Kinematics, loading: Loading, case: _Case, rubbing: Mapping[str, _Case], signs: Mapping[str, np.ndarray]
+    kinematics: Kinematics,
+    loading: Loading,
+    case: _Case,
+    unit_cases: Mapping[str, _Case],
+    signs: Mapping[str, np.ndarray],
 ) -> tuple[dict[str, np.ndarray], Callable[[], np.ndarray], Callable[[], np.ndarray]]:
-    """Friction of every pair that rubs (n,) [N; N m in pins], the jam factor (n,), and the number of the pair that jams most (n,),
-    both made when they are read.
+    """Friction of every pair (n,) [N; N m in pins]; functions of the jam factor and of the pair that jams most (n,).
 
-    A slide of some length rubs by both edges, each of them with its own share of the reaction and of the friction.
+    A slide of finite length has friction at both edges, each with its share of the reaction.
     """
     n, frictions = kinematics.theta.shape[-1], loading.frictions
     if not frictions:
         return {}, lambda: np.zeros(n), lambda: np.zeros(1, dtype=int)
     if len(frictions) == 1 and not frictions[0].length and kinematics.pairs[frictions[0].pair].kind != REVOLUTE:
         (friction,) = frictions
-        (normal,), (gain,) = (_carried_by(kinematics, friction, of) for of in (case, rubbing[friction.pair]))
+        (normal,), (gain,) = (_reaction_parts(friction, c) for c in (case, unit_cases[friction.pair]))
         reaction = guide_reaction(normal, signs[friction.pair], -gain, friction.coefficient)
         return {friction.pair: np.abs(reaction.friction)}, lambda: reaction.jam, lambda: np.zeros(1, dtype=int)
-    normals = [_carried_by(kinematics, f, case) for f in frictions]
+    normals = [_reaction_parts(f, case) for f in frictions]
     number = np.repeat(np.arange(len(frictions)), [len(parts) for parts in normals])
-    by_pair = [[part for f in frictions for part in _carried_by(kinematics, f, rubbing[g.pair])] for g in frictions]
+    by_pair = [[part for f in frictions for part in _reaction_parts(f, unit_cases[g.pair])] for g in frictions]
     parts = [part for row in (*normals, *by_pair) for part in row]
-    shape = np.broadcast_shapes((n,), *(np.shape(part) for part in parts))  # of many designs beside each other (m, n)
+    shape = np.broadcast_shapes((n,), *(np.shape(part) for part in parts))  # (m, n) for m designs
 
     def flat(row: Any) -> np.ndarray:
         return np.broadcast_to(row, shape).ravel()
 
     limits = [f.coefficient * f.radius for f in frictions]
     coefficients = np.array([flat(c) for c in limits] if any(map(np.ndim, limits)) else limits)[number]
-    gains = np.empty((number.size, number.size, flat(_NONE).size), dtype=complex)
+    gains = np.empty((number.size, number.size, flat(_ZERO).size), dtype=complex)
     for column, g in enumerate(number):
         for row, part in enumerate(by_pair[g]):
             gains[row, column] = flat(signs[frictions[g].pair] * part)
-    free = np.array([flat(part) for row in normals for part in row]).astype(complex)
-    found = magnitudes(free, gains, coefficients, below_jamming(gains, coefficients))
-    found = found * coefficients.reshape(number.size, -1)
-    sizes = {f.pair: found[number == i].sum(axis=0).reshape(shape) for i, f in enumerate(frictions)}
+    frictionless = np.array([flat(part) for row in normals for part in row]).astype(complex)
+    forces = magnitudes(frictionless, gains, coefficients, jam_factor_bound(gains, coefficients))
+    forces = forces * coefficients.reshape(number.size, -1)
+    sizes = {f.pair: forces[number == i].sum(axis=0).reshape(shape) for i, f in enumerate(frictions)}
     return (
         sizes,
         lambda: jam_factor(gains, coefficients).reshape(shape),
-        lambda: number[jams_most(gains, coefficients)].reshape(shape),
+        lambda: number[critical_friction(gains, coefficients)].reshape(shape),
     )
 
 
-def _carried_by(kinematics: Kinematics, friction: Friction, case: _Case) -> list[np.ndarray]:
-    """What carries the reaction of a pair that rubs, each (n,): the pair, or the two edges of a slide of some length."""
-    normal = case.carried(friction.pair)
-    return _edges(normal, case.couple(friction.pair), friction.length) if friction.length else [normal]
+def _reaction_parts(friction: Friction, case: _Case) -> list[np.ndarray]:
+    """Reactions of a pair with friction, (n,) each: the pair's, or those of the two edges of a slide."""
+    normal = case.reaction(friction.pair)
+    return _edge_forces(normal, case.couple(friction.pair), friction.length) if friction.length else [normal]
 
 
-def carried(kinematics: Kinematics, forces: Forces, friction: Friction) -> list[np.ndarray]:
-    """What a slide that rubs carries (n,), of some length by both of its edges: where the sign of one changes friction breaks."""
-    normal, couple = (
-        _normal(kinematics, friction.pair, forces.pairs[friction.pair]),
-        forces.couples.get(friction.pair, _NONE),
-    )
-    return _edges(normal, couple, friction.length)
+def edge_forces(kinematics: Kinematics, forces: Forces, friction: Friction) -> list[np.ndarray]:
+    """Normal force of a pair with friction, or of the two edges of a slide; friction jumps where one changes its sign.
+
+    Parameters
+    ----------
+    kinematics : Kinematics
+        At n cam angles.
+    forces : Forces
+    friction : Friction
+
+    Returns
+    -------
+    list of ndarray (n,) [N]
+        Complex for a pin.
+    """
+    normal = _normal(kinematics, friction.pair, forces.pairs[friction.pair])
+    return _edge_forces(normal, forces.couples.get(friction.pair, _ZERO), friction.length)
 
 
-def _edges(normal: np.ndarray, couple: np.ndarray, length: float) -> list[np.ndarray]:
-    """N, or of a slide of some length N/2 ± M/length."""
+def _edge_forces(normal: np.ndarray, couple: np.ndarray, length: float) -> list[np.ndarray]:
+    """N, or for a slide of finite length N/2 ± M/length."""
     return [0.5 * normal + couple / length, 0.5 * normal - couple / length] if length else [normal]
 
 
 def _follower_torque(kinematics: Kinematics, contacts: tuple[Contact, ...]) -> np.ndarray:
-    """T_L = -F_c (r_C × n) about the pivot that holds the follower's link (24), with the friction of the contact; along its
-    guide -F_c n·e; of all flanks."""
+    """Torque T_L = -F_c (r_C × n) on the follower (24), with friction, or force -F_c n·e along its guide."""
     if not kinematics.ground:
         return np.full(kinematics.theta.shape[-1], np.nan)
     pair = kinematics.pairs[kinematics.ground]
     if pair.kind != REVOLUTE:
-        rows = [-each.force * dot(each.pressing, kinematics.line(pair)) for each in contacts]
+        rows = [-contact.force * dot(contact.direction, kinematics.line(pair)) for contact in contacts]
     else:
         pivot = kinematics.bodies[pair.body].place(pair.point)
-        rows = [-each.force * cross(each.at - pivot, each.pressing) for each in contacts]
+        rows = [-contact.force * cross(contact.at - pivot, contact.direction) for contact in contacts]
     return np.asarray(sum(rows[1:], rows[0]))
 
 
-# -- which reactions statics does not fix -----------------------------------------------------------------------
+# -- statically indeterminate reactions -------------------------------------------------------------------------
 
 
 _RANK = 1e-9  # of the largest singular value
-_SHARE = 1e-7  # of the largest share in what may be added to the reactions
+_SHARE = 1e-7  # of the largest component in the null space
 
 
 def undetermined_pairs(kinematics: Kinematics) -> frozenset[str]:
-    """The pairs whose forces could be others in the same equilibrium: those with a share in the null space of the equations of
-    balance of all bodies, A R + loads = 0, at the angle where that is smallest (at a dead centre it is larger). The columns of A are
-    the two components of each pair, what drives, and what each second driver gives."""
+    """Pairs whose forces statics does not determine.
+
+    They have a component in the null space of the balance of all bodies, A R + loads = 0, at the angle where that space
+    is smallest (it is larger at a dead centre). The columns of A are the two components of each pair, the driver, and
+    each second driver.
+    """
     if not any(dyad.redundant for dyad in kinematics.dyads):
         return frozenset()
     matrices = _balance(kinematics)
     _, s, vh = np.linalg.svd(matrices[np.isfinite(matrices).all(axis=(1, 2))])
     ranks = (s > _RANK * s[:, :1]).sum(axis=1)
     best = int(ranks.argmax())
-    free = np.abs(vh[best, ranks[best] :])
-    shares = free.max(axis=0, initial=0.0)
-    moved = shares > _SHARE * max(float(shares.max(initial=0.0)), 1e-300)
-    return frozenset(name for i, name in enumerate(kinematics.pairs) if moved[2 * i : 2 * i + 2].any())
+    null_space = np.abs(vh[best, ranks[best] :])
+    shares = null_space.max(axis=0, initial=0.0)
+    undetermined = shares > _SHARE * max(float(shares.max(initial=0.0)), 1e-300)
+    return frozenset(name for i, name in enumerate(kinematics.pairs) if undetermined[2 * i : 2 * i + 2].any())
 
 
 def _balance(kinematics: Kinematics) -> np.ndarray:
-    """A (n, 3 bodies, columns), moments in parts of the size of the mechanism."""
+    """Matrix A (n, 3 bodies, columns), with moments relative to the size of the mechanism."""
     n = kinematics.theta.size
     bodies = [name for name in kinematics.bodies if name != FRAME]
     inputs = [dyad for dyad in kinematics.dyads if dyad.on]
     matrix = np.zeros((n, 3 * len(bodies), 2 * len(kinematics.pairs) + 1 + len(inputs)))
-    places = {name: kinematics.bodies[pair.body].place(pair.point) for name, pair in kinematics.pairs.items()}
-    size = max((float(np.abs(at - next(iter(places.values()))).max()) for at in places.values()), default=1.0) or 1.0
+    points = {name: kinematics.bodies[pair.body].place(pair.point) for name, pair in kinematics.pairs.items()}
+    size = max((float(np.abs(at - next(iter(points.values()))).max()) for at in points.values()), default=1.0) or 1.0
 
-    def put(column: int, name: str, force: np.ndarray, couple: float) -> None:
-        pair, at = kinematics.pairs[name], places[name]
+    def fill(column: int, name: str, force: np.ndarray, couple: float) -> None:
+        pair, at = kinematics.pairs[name], points[name]
         for body, sign in ((pair.body, 1.0), (pair.on, -1.0)):
             if body in bodies:
                 row = 3 * bodies.index(body)
@@ -480,13 +554,18 @@ def _balance(kinematics: Kinematics) -> np.ndarray:
                 matrix[:, row + 2, column] += sign * ((np.conj(at) * force).imag / size + couple)
 
     for i, (name, pair) in enumerate(kinematics.pairs.items()):
-        one = np.ones(1, dtype=complex)
-        turns = pair.kind == REVOLUTE
-        put(2 * i, name, one if turns else 1j * kinematics.line(pair), 0.0)
-        put(2 * i + 1, name, 1j * one if turns else 0.0 * one, 0.0 if turns else 1.0)
+        unit = np.ones(1, dtype=complex)
+        is_pin = pair.kind == REVOLUTE
+        fill(2 * i, name, unit if is_pin else 1j * kinematics.line(pair), 0.0)
+        fill(2 * i + 1, name, 1j * unit if is_pin else 0.0 * unit, 0.0 if is_pin else 1.0)
     driving, drives = kinematics.driver_pair, 2 * len(kinematics.pairs)
-    turns = driving.kind == REVOLUTE
-    put(drives, kinematics.driver_name, np.zeros(1, dtype=complex) if turns else kinematics.line(driving), float(turns))
+    is_pin = driving.kind == REVOLUTE
+    fill(
+        drives,
+        kinematics.driver_name,
+        np.zeros(1, dtype=complex) if is_pin else kinematics.line(driving),
+        float(is_pin),
+    )
     for i, dyad in enumerate(inputs, 1):
         for _, load in input_loads(kinematics, dyad, np.ones(1)):
             if load.body in bodies:

@@ -1,4 +1,4 @@
-"""Free bodies: every force on each body at each angle, inertia forces included, so that they close a polygon (d'Alembert)."""
+"""Free bodies: all forces on each body, inertia forces included, so that they close a polygon (d'Alembert)."""
 
 from __future__ import annotations
 
@@ -8,7 +8,17 @@ from types import MappingProxyType
 import numpy as np
 
 from core.cam import CamShape
-from core.dynamics.elements import Element, Inertia, Load, Loading, Mass, OutputForce, Rate, Spring, Torsion, combined
+from core.dynamics.elements import (
+    Element,
+    Inertia,
+    Load,
+    Loading,
+    Mass,
+    OutputForce,
+    Rate,
+    SpringDamper,
+    combined_inertia,
+)
 from core.dynamics.forces import BEARING, Forces
 from core.dynamics.walk import input_loads, input_of
 from core.frozen import frozen
@@ -19,26 +29,35 @@ REACTION, CONTACT, FRICTION, DRIVE, SPRING, LOAD, WEIGHT, INERTIA = (
     "reaction", "contact", "friction", "drive", "spring", "load", "weight", "inertia"
 )  # fmt: skip
 KINDS = (REACTION, CONTACT, FRICTION, DRIVE, SPRING, LOAD, WEIGHT, INERTIA)
-OF_MASSES = (WEIGHT, INERTIA)
+MASS_KINDS = (WEIGHT, INERTIA)
 
 
 @frozen(eq=False)
 class ForceOnBody:
     """One force on a body.
 
-    kind    row of ``KINDS``: reaction of a pair (normal to a slide that rubs), normal force of the cam, friction of either, what
-            drives, spring or damper, other force element, weight m g, inertia force -m a with the couple -I α̈
-    name    of the pair, flank, force element or body that it comes from
-    body    on which it acts; by: the other body of a pair or a contact, else empty
-    at      (n,) complex [m], global frame
-    force   (n,) complex [N]
-    couple  (n,) [N m], counter-clockwise
+    Attributes
+    ----------
+    kind : str
+        Row of ``KINDS``: reaction of a pair (normal to a slide with friction), normal force of the cam, friction of
+        either, drive, spring or damper, other force element, weight m g, inertia force -m a with the couple -I α̈.
+    name : str
+        Of the pair, flank, force element or body that it comes from.
+    body : str
+        On which it acts.
+    partner : str
+        The second body of the pair or contact; empty for other forces.
+    at : ndarray (n,) complex [m]
+        Point of application in the global frame.
+    force : ndarray (n,) complex [N]
+    couple : ndarray (n,) [N m]
+        Counter-clockwise.
     """
 
     kind: str
     name: str
     body: str
-    by: str
+    partner: str
     at: np.ndarray
     force: np.ndarray
     couple: np.ndarray
@@ -48,102 +67,106 @@ class ForceOnBody:
 def free_bodies(
     kinematics: Kinematics, shape: CamShape | None, loading: Loading, forces: Forces
 ) -> Mapping[str, tuple[ForceOnBody, ...]]:
-    """Body -> all that acts on it, for every body that moves, and ``cam`` where there is one; of each ΣF = 0 and ΣM = 0.
+    """Body -> all forces on it, for every moving body, and for ``cam`` where there is one; their sums ΣF and ΣM are 0.
 
-    The order is the one in which a polygon is drawn: what is given first (weight, inertia, springs, loads), then what answers.
+    They are in the order in which a polygon is drawn: first the applied forces (weight, inertia, springs, loads), then
+    the reactions.
     """
-    found: dict[str, list[ForceOnBody]] = {body: [] for body in kinematics.bodies if body != FRAME}
+    rows_of: dict[str, list[ForceOnBody]] = {body: [] for body in kinematics.bodies if body != FRAME}
     if shape is not None:
-        found[CAM] = []
-    for acting in (*given(kinematics, loading, forces.omega), *_answering(kinematics, shape, forces)):
-        if acting.body in found:
-            found[acting.body].append(acting)
-    return MappingProxyType({body: tuple(rows) for body, rows in found.items() if rows})
+        rows_of[CAM] = []
+    for row in (*_applied(kinematics, loading, forces.omega), *_reactions(kinematics, shape, forces)):
+        if row.body in rows_of:
+            rows_of[row.body].append(row)
+    return MappingProxyType({body: tuple(rows) for body, rows in rows_of.items() if rows})
 
 
-def given(kinematics: Kinematics, loading: Loading, omega: float) -> Iterator[ForceOnBody]:
-    """Weight and inertia force of every body, and what each force element puts on it, at constant speed [rad/s]."""
+def _applied(kinematics: Kinematics, loading: Loading, omega: float) -> Iterator[ForceOnBody]:
+    """Weight and inertia force of every body, and the loads of each force element, at constant speed [rad/s]."""
     n, rate = kinematics.theta.size, Rate(omega)
-    for body, whole in masses_of(loading).items():
+    for body, inertia in body_inertias(loading).items():
         gravity = next((mass.gravity for mass in loading.masses if mass.body == body and mass.gravity), 0j)
         if gravity:
-            yield from _acting(WEIGHT, body, Mass(body, whole, gravity).loads(kinematics, Rate(0.0)), n)
-        yield from _acting(INERTIA, body, Mass(body, whole).loads(kinematics, rate), n)
+            yield from _forces(WEIGHT, body, Mass(body, inertia, gravity).loads(kinematics, Rate(0.0)), n)
+        yield from _forces(INERTIA, body, Mass(body, inertia).loads(kinematics, rate), n)
     for element in loading.others:
-        if element.acts:
-            yield from acting_of(element, kinematics, omega)
+        if element.is_active:
+            yield from element_forces(element, kinematics, omega)
 
 
-def masses_of(loading: Loading) -> Mapping[str, Inertia]:
-    """Body -> its masses as one, of those that have any."""
-    bodies = dict.fromkeys(mass.body for mass in loading.masses if mass.acts)
+def body_inertias(loading: Loading) -> Mapping[str, Inertia]:
+    """Body -> combined inertia of its masses, for every body with a mass."""
+    bodies = dict.fromkeys(mass.body for mass in loading.masses if mass.is_active)
     return MappingProxyType(
-        {body: combined([mass.inertia for mass in loading.masses if mass.body == body]) for body in bodies}
+        {body: combined_inertia([mass.inertia for mass in loading.masses if mass.body == body]) for body in bodies}
     )
 
 
-def acting_of(element: Element, kinematics: Kinematics, omega: float) -> Iterator[ForceOnBody]:
-    """What one force element puts on the bodies, at constant speed [rad/s]."""
-    yield from _acting(kind_of(element), element.name, element.loads(kinematics, Rate(omega)), kinematics.theta.size)
+def element_forces(element: Element, kinematics: Kinematics, omega: float) -> Iterator[ForceOnBody]:
+    """Forces of one force element on the bodies, at constant speed [rad/s]."""
+    is_spring = isinstance(element, SpringDamper) or (isinstance(element, OutputForce) and element.rate)
+    loads = element.loads(kinematics, Rate(omega))
+    yield from _forces(SPRING if is_spring else LOAD, element.name, loads, kinematics.theta.size)
 
 
-def kind_of(element: Element) -> str:
-    """Spring or damper, or another force element."""
-    return (
-        SPRING if isinstance(element, Spring | Torsion) or (isinstance(element, OutputForce) and element.rate) else LOAD
-    )
-
-
-def _acting(kind: str, name: str, loads: Iterator[Load], n: int) -> Iterator[ForceOnBody]:
+def _forces(kind: str, name: str, loads: Iterator[Load], n: int) -> Iterator[ForceOnBody]:
     for load in loads:
         at, force = (spread(np.asarray(part, dtype=complex), n) for part in (load.at, load.force))
         yield ForceOnBody(kind, name, load.body, "", at, force, spread(np.atleast_1d(load.couple), n))
 
 
-def _answering(kinematics: Kinematics, shape: CamShape | None, forces: Forces) -> Iterator[ForceOnBody]:
-    """Reactions, friction, what drives, and the cam."""
+def _reactions(kinematics: Kinematics, shape: CamShape | None, forces: Forces) -> Iterator[ForceOnBody]:
+    """Reactions, friction, drive, and the forces of the cam."""
     n = kinematics.theta.size
-    still, none = np.zeros(n, dtype=complex), np.zeros(n)
+    zero_force, zero = np.zeros(n, dtype=complex), np.zeros(n)
     for name, pair in kinematics.pairs.items():
         at = spread(kinematics.bodies[pair.body if pair.body in kinematics.bodies else pair.on].place(pair.point), n)
-        force, couple = forces.pairs[name], forces.couples.get(name, none)
+        force, couple = forces.pairs[name], forces.couples.get(name, zero)
         parts = [(REACTION, force, couple)]
-        if pair.kind != REVOLUTE and name in forces.rubbing:
+        if pair.kind != REVOLUTE and name in forces.friction_power_by_pair:
             line = kinematics.line(pair)
-            rubs = spread(dot(line, force) * line, n)
-            parts = [(REACTION, force - rubs, couple), (FRICTION, rubs, none)]
-        elif name in forces.rubbing:
-            parts = [(REACTION, force, none), (FRICTION, still, couple)]
+            friction = spread(dot(line, force) * line, n)
+            parts = [(REACTION, force - friction, couple), (FRICTION, friction, zero)]
+        elif name in forces.friction_power_by_pair:
+            parts = [(REACTION, force, zero), (FRICTION, zero_force, couple)]
         if name == kinematics.driver_name and shape is None:
             turns = pair.kind == REVOLUTE
-            push = still if turns else spread(forces.driver * kinematics.line(pair), n)
+            push = zero_force if turns else spread(forces.driver * kinematics.line(pair), n)
             sign = 1.0 if pair.body == kinematics.output else -1.0
-            parts.append((DRIVE, sign * push, sign * forces.driver if turns else none))
+            parts.append((DRIVE, sign * push, sign * forces.driver if turns else zero))
         for kind, vector, moment in parts:
             yield ForceOnBody(kind, name, pair.body, pair.on, at, vector, moment)
             yield ForceOnBody(kind, name, pair.on, pair.body, at, -vector, -moment)
-    for dyad in (
-        each for each in kinematics.dyads if each.on
-    ):  # driven against a link, and from the driver by its ratio
-        name = input_of(dyad.bodies[0])
-        for by, load in input_loads(kinematics, dyad, forces.couples[name]):
-            at, force = spread(load.at, n), spread(load.force, n)
-            yield ForceOnBody(DRIVE, name, load.body, by, at, force, spread(np.asarray(load.couple), n))
+    for dyad in kinematics.dyads:
+        if dyad.on:  # driven against a link, and from the driver by its ratio
+            name = input_of(dyad.bodies[0])
+            for partner, load in input_loads(kinematics, dyad, forces.couples[name]):
+                at, force = spread(load.at, n), spread(load.force, n)
+                yield ForceOnBody(DRIVE, name, load.body, partner, at, force, spread(np.asarray(load.couple), n))
     if shape is None:
         return
     for flank, contact in zip(shape.flanks, forces.contacts, strict=True):
         normal = contact.force * flank.normal
-        rubs = contact.force * contact.pressing - normal
-        for kind, vector in ((CONTACT, normal), (FRICTION, rubs)):
-            if kind == CONTACT or contact.pressing is not flank.normal:
-                yield ForceOnBody(kind, flank.name, flank.body, CAM, contact.at, -vector, none)
-                yield ForceOnBody(kind, flank.name, CAM, flank.body, contact.at, vector, none)
-    yield ForceOnBody(REACTION, BEARING, CAM, FRAME, still, forces.pairs[BEARING], none)
+        friction = contact.force * contact.direction - normal
+        for kind, vector in ((CONTACT, normal), (FRICTION, friction)):
+            if kind == CONTACT or contact.direction is not flank.normal:
+                yield ForceOnBody(kind, flank.name, flank.body, CAM, contact.at, -vector, zero)
+                yield ForceOnBody(kind, flank.name, CAM, flank.body, contact.at, vector, zero)
+    yield ForceOnBody(REACTION, BEARING, CAM, FRAME, zero_force, forces.pairs[BEARING], zero)
 
 
-def unbalanced(rows: tuple[ForceOnBody, ...]) -> tuple[np.ndarray, np.ndarray]:
-    """What is left of a body's forces (n,) [N] and of their moments about the origin (n,) [N m]: rounding alone; of ``cam`` the
-    moment is what drives it."""
+def imbalance(rows: tuple[ForceOnBody, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """Sum of a body's forces and of their moments about the origin: rounding alone, but for the torque of the cam.
+
+    Parameters
+    ----------
+    rows : tuple of ForceOnBody
+        All forces on the body.
+
+    Returns
+    -------
+    force, moment : ndarray (n,) [N], [N m]
+    """
     force = np.sum([row.force for row in rows], axis=0)
     moment = np.sum([cross(row.at, row.force) + row.couple for row in rows], axis=0)
     return np.abs(force), moment

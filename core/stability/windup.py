@@ -155,7 +155,7 @@ def contact(
 
     def static_loading(follower: FollowerContact) -> Loading:
         if spring != RETUNED:
-            return follower.loading.smooth
+            return follower.loading.frictionless
         rate = factor * _unit(follower.sizes) / follower.sizes.stroke if follower.sizes.inertia else 0.0
         return Loading((), (OutputForce(rate * follower.sizes.lowest, rate),))
 

@@ -21,7 +21,7 @@ from core.motion import Angles
 from core.motion.curves import has_common_pieces
 from core.motion.extremes import crossings
 from core.motion.program import ShaftPosition
-from core.numerics.lazy import at_angles_of, column, design_by_design, taken
+from core.numerics.lazy import at_owners, column, map_columns, one_design
 from core.shaft import Flywheel, LoadCurve, combined, panel_angles, peaks, rms
 from core.shaft.curve import NODES, fitted, nodes, value
 from core.shaft.flywheel import energy_ranges
@@ -129,7 +129,7 @@ def block_results(
             is_inside &= np.asarray(segment.span_deg > 0.0)
         if motion is not None and not has_common_pieces(motion):
             for k in np.flatnonzero(is_inside).tolist():
-                if part_faults(taken(motion, design_by_design(k)), "motion"):
+                if part_faults(map_columns(motion, one_design(k)), "motion"):
                     results.reason[k] = FAULTY
     results.reason[~is_inside] = OUT_OF_RANGE
     good = np.flatnonzero(results.reason == "")
@@ -142,7 +142,7 @@ def block_results(
     remaining = {int(k): single for k in good} if single.size else {}
     if batched.size:
         compute = (
-            _drives_results if design.listed else partial(_drive_results, motion=taken(motion, at_angles_of(good)))
+            _drives_results if design.listed else partial(_drive_results, motion=map_columns(motion, at_owners(good)))
         )
         part, again = compute(design, infos, rows[:, good], [requests[i] for i in batched], polish)
         results.value[np.ix_(batched, good)], results.theta[np.ix_(batched, good)] = part.value, part.theta
@@ -557,7 +557,7 @@ def shortest_lives(block: DesignBlock) -> np.ndarray:
     ndarray (m,) [h]
         NaN where no roller has a load rating.
     """
-    ratings = {} if block.loading.empty else load_ratings(Study(block.design))
+    ratings = {} if block.loading.is_empty else load_ratings(Study(block.design))
     if not ratings:
         return np.full(block.count, np.nan)
 

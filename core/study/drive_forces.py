@@ -92,7 +92,7 @@ class DriveForces(DriveStudy):
 
         A drive that jams has no forces.
         """
-        if not self.loading.rubs:
+        if not self.loading.has_friction:
             return None
 
         def compute() -> Extreme | None:
@@ -115,7 +115,7 @@ class DriveForces(DriveStudy):
                 "cam.form",
                 "choose an open cam",
             )
-        if self.loading.empty:
+        if self.loading.is_empty:
             raise NoSolution(
                 "nothing presses the follower on the cam: there are no masses and no spring",
                 "loads",
@@ -626,7 +626,7 @@ def roller_speed(study: DriveForces, roller: str) -> np.ndarray:
 def roller_lives(study: DriveForces) -> tuple[RollerLife, ...]:
     """Life of every roller with a load rating; empty where nothing loads the cam, or friction jams."""
     ratings = load_ratings(study)
-    if not ratings or study.loading.empty or study.jam is not None:
+    if not ratings or study.loading.is_empty or study.jam is not None:
         return ()
 
     def compute() -> tuple[RollerLife, ...]:

@@ -172,7 +172,7 @@ def _thinnest_wall(study: Study) -> Wall | None:
 
 def _dynamics_findings(study: Study) -> list[Finding]:
     drive, jam = study.design.drive, study.jam
-    jams = [] if jam is None or study.loading.empty else [dynamics.jam_finding(jam, study.jamming_pair)]
+    jams = [] if jam is None or study.loading.is_empty else [dynamics.jam_finding(jam, study.jamming_pair)]
     if "cam" not in study.stages:
         findings = [*dynamics.findings(None, study.loading, "", lambda: 0.0), *jams]
     else:
@@ -180,11 +180,11 @@ def _dynamics_findings(study: Study) -> list[Finding]:
         limit = getattr(drive.loads, "least_contact_force_n", None)
         noun = "" if cam.row_of(drive.face).rolls else drive.face.noun
         findings = [*dynamics.findings(contact, study.loading, noun, lambda: _lift_off_rpm(study), limit), *jams]
-        if study.is_form_closed and jam is None and not study.loading.empty:
+        if study.is_form_closed and jam is None and not study.loading.is_empty:
             findings += dynamics.change_findings(study.flank_impacts, drive.cam.form)
         findings += cam_checks.shaft_room_findings(study)
         findings += quantity_requests.pressure_findings(study) + _elastic_follower_findings(study)
-    if study.undetermined and not study.loading.empty:
+    if study.undetermined and not study.loading.is_empty:
         pairs = ", ".join(name for name in study.linkage.pairs if name in study.undetermined)
         findings.append(Finding("undetermined-reactions", NOTE, "linkage.links", None, {"pairs": pairs}))
     findings += dynamics.element_findings(lambda angles: study.at(angles).linkage, study.program, study.loading)
@@ -206,7 +206,7 @@ def _elastic_follower_findings(study: Study) -> list[Finding]:
         study.follower_response.require_steady()
     except NoSolution as error:
         return [Finding("no-elastic-follower", WARNING, error.field, None, {"why": error.problem, "hint": error.hint})]
-    if study.is_form_closed or study.jam is not None or study.loading.empty:
+    if study.is_form_closed or study.jam is not None or study.loading.is_empty:
         return []
     if extremes_of(study, "dynamics", _CONTACT)["contact_force"].low.value <= 0.0:  # reported as separation
         return []

@@ -411,7 +411,7 @@ _FORCES: Mapping[str, SymbolSource] = {
     "F.flank": SymbolSource("force on the flank in contact", "n", lambda s, _: first(_contact(s).force), DYNAMICS, "contact_force_n"),
     **vector_symbols("C", "point of contact", "mm", lambda s, _: first_complex(_contact(s).at)),
     **vector_symbols("p.direction", "force on the cam for one newton, friction of the face included (a unit vector without)", "",
-              lambda s, _: first_complex(_contact(s).pressing)),
+              lambda s, _: first_complex(_contact(s).direction)),
     "μ.contact": SymbolSource("friction of face and cam"),
     "v̂": SymbolSource("direction in which the face slides on the cam"),
     "T_c": SymbolSource("cam torque"),

@@ -89,7 +89,7 @@ def worst_values(study: Study, stage: str) -> Iterator[tuple[str, float, Extreme
 
 
 def _has_forces(study: Study) -> bool:
-    return not study.loading.empty and study.jam is None
+    return not study.loading.is_empty and study.jam is None
 
 
 def limit_findings(study: Study, stage: str) -> list[Finding]:
@@ -318,7 +318,7 @@ def _quantity_curves(study: Study, key: str) -> Iterator[Curve]:
 
 
 def _missing_loads(study: Study) -> str:
-    return "masses or a spring in [loads]" if study.loading.empty else ""
+    return "masses or a spring in [loads]" if study.loading.is_empty else ""
 
 
 def _missing_contact(study: Study) -> str:

@@ -1,4 +1,4 @@
-"""What the quantities of ``core.study.quantities`` are read from: functions of a study that give (n,) in SI units."""
+"""Quantities of links, points, pairs and the cam: functions of a study with results (n,) in SI units."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ OF_POINT: Mapping[str, tuple[int, Part]] = MappingProxyType(
     {"x": (0, np.real), "y": (0, np.imag), "vx": (1, np.real), "vy": (1, np.imag), "ax": (2, np.real), "ay": (2, np.imag),
      "speed": (1, np.abs)}
 )  # fmt: skip
-"""Part of a point's motion -> order of its derivative, and what of the complex number."""
+"""Part of a point's motion -> order of its derivative, and function of the complex number."""
 
 
 def _direction(force: np.ndarray) -> np.ndarray:
-    """0 of no force, whatever the signs of its zeros."""
+    """Direction of a force [rad]; 0 for no force, whatever the signs of its zeros."""
     return np.angle(force + 0.0)
 
 
 OF_FORCE: Mapping[str, Part] = MappingProxyType({"x": np.real, "y": np.imag, "size": np.abs, "direction": _direction})
-"""Part of a force -> what of the complex number."""
+"""Part of a force -> function of the complex number."""
 
 
-# -- whether a design has it -------------------------------------------------------------------------------
+# -- conditions --------------------------------------------------------------------------------------------
 
 
 def always(study: Study) -> bool:
@@ -42,22 +42,22 @@ def always(study: Study) -> bool:
 
 
 def motor_runs(study: Study) -> bool:
-    """Not where the guide jams, nor where the motor stalls."""
+    """Whether the motor runs: no guide jams, and the motor does not stall."""
     return study.jam is None and (not study.levels_torque or study.flywheel.runs)
 
 
 def levelled_runs(study: Study) -> bool:
-    """Where a flywheel levels the speed, and the motor runs."""
+    """Whether the shaft has a flywheel, and its motor runs."""
     return study.levels_torque and motor_runs(study)
 
 
 def vibrates(study: Study) -> bool:
-    """Where a follower that is not rigid does the same every turn."""
+    """Whether the follower is elastic and its response is periodic."""
     return study.vibrates
 
 
 def turns_steadily(study: Study) -> bool:
-    """Where a flexible shaft has a steady response."""
+    """Whether a flexible shaft has a steady response."""
     return study.stability is not None and study.stability.steady_turn is not None
 
 
@@ -65,47 +65,96 @@ def turns_steadily(study: Study) -> bool:
 
 
 def moved(study: Study, order: int) -> np.ndarray:
-    """The follower's displacement, or its derivative by time."""
+    """Displacement of the follower, or a derivative by time.
+
+    Parameters
+    ----------
+    study : Study
+    order : int
+        Order of the derivative.
+
+    Returns
+    -------
+    ndarray (n,) [m or rad, by s^order]
+    """
     return study.motion.displacement[order] * study.omega**order
 
 
 def gain_of(study: Study, name: str) -> float:
-    """What a quantity grows by in a turn [SI]: the motion by its advance."""
+    """Growth of a quantity in one turn, in SI units: the advance of a motion, else 0."""
     motion = study.design.drive.motion
     return motion.gain * motion.scale if name == "displacement" and motion is not None else 0.0
 
 
 def modulo(study: Study) -> np.ndarray:
-    """The position less the whole advances of turns in it, 0 ... a; where it comes back the position itself."""
+    """Position modulo the advance per turn, 0 ... a; the position where the motion has no advance.
+
+    Returns
+    -------
+    ndarray (n,) [m or rad]
+    """
     motion, y = study.program.motion, study.motion.displacement[0]
     advance = abs(motion.gain) * motion.scale
     return np.asarray(np.mod(y, advance) if advance else y)
 
 
 def coordinate(study: Study, name: str, order: int = 0) -> np.ndarray:
-    """An angle of a link [rad] or a way along a guide [m] (n,), or its derivative by time of that order [per s^order]."""
+    """Angle of a link or displacement along a guide, or a derivative by time.
+
+    Parameters
+    ----------
+    study : Study
+    name : str
+        Name of the coordinate.
+    order : int
+        Order of the derivative.
+
+    Returns
+    -------
+    ndarray (n,) [m or rad, by s^order]
+    """
     return study.linkage.coordinates[name][order] * study.omega**order
 
 
 def singular(study: Study, code: str) -> np.ndarray:
-    """What must not vanish in a follower's linkage (n,): a row of ``SINGULAR``."""
+    """Quantity of ``SINGULAR`` that must not vanish in a linkage.
+
+    Returns
+    -------
+    ndarray (n,) [m or dimensionless]
+    """
     return np.asarray(study.linkage.singular[code])
 
 
 def transmission(study: Study, joint: str) -> np.ndarray:
-    """Transmission angle (n,) [rad] at a joint, 0 ... π/2."""
+    """Transmission angle at a joint, 0 ... π/2.
+
+    Returns
+    -------
+    ndarray (n,) [rad]
+    """
     return np.asarray(study.linkage.transmission[joint])
 
 
 def point_part(study: Study, point: str, what: str) -> np.ndarray:
-    """A row of ``OF_POINT``."""
+    """Position, velocity or acceleration of a point, or a part of it, as by ``OF_POINT``.
+
+    Returns
+    -------
+    ndarray (n,) [m, m/s or m/s²]
+    """
     order, part = OF_POINT[what]
     pose = study.linkage.bodies[study.linkage.body_of(point)]
     return part(pose.place(point, order) * study.omega**order)
 
 
 def force_part(study: Study, pair: str, what: str) -> np.ndarray:
-    """A row of ``OF_FORCE`` of what a pair carries."""
+    """Force in a pair, or a part of it, as by ``OF_FORCE``.
+
+    Returns
+    -------
+    ndarray (n,) [N or rad]
+    """
     return OF_FORCE[what](study.dynamics.pairs[pair])
 
 
@@ -117,20 +166,51 @@ def guide_of(study: Study) -> GuideReaction:
 
 
 def by_motor(torque: Callable[[Flywheel, Angles], np.ndarray]) -> Callable[[Study], np.ndarray]:
-    """That of the cam where no flywheel levels it. Raises NoSolution where the guide jams or the motor stalls."""
+    """Function of a study: torque of the flywheel's motor; the torque of the cam where there is no flywheel.
+
+    The function raises NoSolution where the guide jams or the motor stalls.
+
+    Parameters
+    ----------
+    torque : callable
+        Torque, ndarray (n,) [N m], of flywheel and angles.
+
+    Returns
+    -------
+    callable
+        Torque of a study, ndarray (n,) [N m].
+    """
     return lambda s: torque(s.flywheel, s.angles) if s.levels_torque or s.jam is not None else s.shaft_torque
 
 
 def speed(study: Study) -> np.ndarray:
-    """Angular velocity of the camshaft (n,) [rad/s]; constant where no flywheel lets it change."""
+    """Angular velocity of the camshaft; constant without a flywheel.
+
+    Returns
+    -------
+    ndarray (n,) [rad/s]
+    """
     if study.levels_torque or study.jam is not None:
         return study.flywheel.speed(study.angles)
     return spread(np.atleast_1d(study.omega), study.theta.shape[-1])
 
 
 def stress(study: Study, part: str, second: bool = False) -> np.ndarray:
-    """Of what the first roller or face touches, in a groove the flank that carries; or of the second roller."""
-    parts = [getattr(each, part) for name, each in study.stress.items() if (name == SECOND) == second]
+    """Stress on the first roller or face, in a groove on the flank in contact; or on the second roller.
+
+    Parameters
+    ----------
+    study : Study
+    part : str
+        Attribute of ContactStress.
+    second : bool
+        Take the second roller.
+
+    Returns
+    -------
+    ndarray (n,) [Pa or m]
+    """
+    parts = [getattr(contact, part) for name, contact in study.stress.items() if (name == SECOND) == second]
     return np.asarray(sum(parts[1:], parts[0]))
 
 
@@ -138,20 +218,35 @@ def stress(study: Study, part: str, second: bool = False) -> np.ndarray:
 
 
 def second_push(study: Study) -> np.ndarray:
-    """What one newton on the second roller pushes forward, times what one on the first does, as parts of that newton (n,):
-    negative where they push opposite ways."""
+    """Product of the parts of a force on the first and on the second roller that push the follower forward.
+
+    Returns
+    -------
+    ndarray (n,), dimensionless
+        Negative where the two rollers push in opposite directions.
+    """
     shape = study.cam
     return forward_push(study.linkage, shape.flank) * forward_push(study.linkage, shape.only(SECOND).flank)
 
 
 def second_roller_distance(study: Study) -> np.ndarray:
-    """Least distance (n,) [m] of the second roller from the cam centre."""
+    """Least distance of the second roller from the cam centre.
+
+    Returns
+    -------
+    ndarray (n,) [m]
+    """
     flank = study.cam.only(SECOND).flank
     return np.asarray(np.abs(flank.reference) - flank.radius)
 
 
 def line_of_centres(study: Study) -> np.ndarray:
-    """Unit vector (1,) from the cam centre along which Q is counted: to the follower's pivot; across a guide so that Q = y'."""
+    """Unit vector from the cam centre along which Q is measured: to the follower's pivot; across a guide, so that Q = y'.
+
+    Returns
+    -------
+    ndarray (1,) complex, dimensionless
+    """
     kinematics = study.linkage
     pair = kinematics.pairs[kinematics.ground]
     if pair.kind == SLIDING:
@@ -161,32 +256,52 @@ def line_of_centres(study: Study) -> np.ndarray:
 
 
 def centre_distance(study: Study) -> np.ndarray:
-    """Distance of the instant centre along the line of centres (n,) [m], infinite where it is at infinity."""
+    """Distance Q of the instant centre from the cam centre along the line of centres; infinite where it is at infinity.
+
+    Returns
+    -------
+    ndarray (n,) [m]
+    """
     centre = study.cam.flank.centre
     with np.errstate(divide="ignore"):
         return np.asarray((np.conj(line_of_centres(study)) * centre.point).real / centre.weight)
 
 
 def centre_velocity(study: Study) -> np.ndarray:
-    """V_Q = Q θ̇; its size, where the follower's pole moves and Q with it off any line."""
-    held = study.kind in FOLLOWER_KINDS
-    return study.omega * (centre_distance(study) if held else np.abs(study.cam.flank.centre.finite))
+    """Velocity of the instant centre V_Q = Q θ̇; its size for a linkage, in which Q follows no line.
+
+    Returns
+    -------
+    ndarray (n,) [m/s]
+    """
+    has_line = study.kind in FOLLOWER_KINDS
+    return study.omega * (centre_distance(study) if has_line else np.abs(study.cam.flank.centre.finite))
 
 
 def reference_velocity(study: Study) -> np.ndarray:
-    """Of the roller's centre, > 0 where V_Q is, which carries it along; its size, where the pole moves."""
+    """Velocity of the roller's centre, positive in the direction of V_Q; its size for a linkage.
+
+    Returns
+    -------
+    ndarray (n,) [m/s]
+    """
     kinematics = study.linkage
-    moved = study.omega * kinematics.follower.origin[1]
+    velocity = study.omega * kinematics.follower.origin[1]
     if study.kind not in FOLLOWER_KINDS:
-        return np.asarray(np.abs(moved))
+        return np.asarray(np.abs(velocity))
     pair = kinematics.pairs[kinematics.ground]
     if pair.kind == SLIDING:
-        return np.asarray((np.conj(kinematics.line(pair)) * moved).real)
+        return np.asarray((np.conj(kinematics.line(pair)) * velocity).real)
     arm = kinematics.follower.origin[0] - kinematics.bodies[pair.body].place(pair.point)
-    return np.asarray((np.conj(-1j * study.sense * arm / np.abs(arm)) * moved).real)
+    return np.asarray((np.conj(-1j * study.sense * arm / np.abs(arm)) * velocity).real)
 
 
 def polar_angle(study: Study) -> np.ndarray:
-    """0 ... 2π, 2π itself never."""
+    """Polar angle of the profile, 0 ≤ φ < 2π.
+
+    Returns
+    -------
+    ndarray (n,) [rad]
+    """
     angle = np.mod(np.angle(study.cam.flank.profile), 2.0 * np.pi)
     return np.where(angle >= 2.0 * np.pi, 0.0, angle)

@@ -20,7 +20,7 @@ from core.cam import OUTER, SECOND, form_row, row_of
 from core.design import FOLLOWER_KINDS, FRAME_LINK, MOTION, Design, Unit, split_unit
 from core.design.parts import LINEAR, ROTARY
 from core.design.topology import GROUP, INPUT, driver_pair, input_slides, is_pin, solving_order
-from core.dynamics import CAM_FACE, kinetic_energy, loading_of, power_given, power_of, power_of_gravity
+from core.dynamics import CAM_FACE, element_power, gravity_power, input_power, kinetic_energy, loading_of
 from core.dynamics.walk import input_of
 from core.errors import DesignError, NoSolution
 from core.frozen import frozen
@@ -452,23 +452,23 @@ OF_MEMBERS: Mapping[str, tuple[Quantity, ...]] = MappingProxyType(
         ),
         "load": (
             Quantity("power.load", "load_power_w", "Power of spring and external force", "P", "power",
-                     "dynamics", lambda s: power_of(s.loading.named["load"], s.linkage, s.omega)),
+                     "dynamics", lambda s: element_power(s.loading.named["load"], s.linkage, s.omega)),
         ),
         "drive": (
             Quantity("power.drive", "drive_power_w", "Power of the drive", "P_d", "power",
-                     "dynamics", lambda s: power_given(s.linkage, s.dynamics)),
+                     "dynamics", lambda s: input_power(s.linkage, s.dynamics)),
         ),
         "gravity": (
             Quantity("power.gravity", "gravity_power_w", "Power of gravity", "P_g", "power",
-                     "dynamics", lambda s: power_of_gravity(s.linkage, s.loading, s.omega)),
+                     "dynamics", lambda s: gravity_power(s.linkage, s.loading, s.omega)),
         ),
         "friction": (
             Quantity("power.friction_{}", "friction_{}_power_w", "Power of friction at {}", "P_μ {}", "power",
-                     "dynamics", lambda s, pair: -s.dynamics.rubbing[pair]),
+                     "dynamics", lambda s, pair: -s.dynamics.friction_power_by_pair[pair]),
         ),
         "element": (
             Quantity("power.{}", "{}_power_w", "Power of {}", "P {}", "power",
-                     "dynamics", lambda s, name: power_of(s.loading.named[name], s.linkage, s.omega)),
+                     "dynamics", lambda s, name: element_power(s.loading.named[name], s.linkage, s.omega)),
         ),
         "swing": (
             Quantity("driver_angle", "driver_angle_deg", "Driver angle", "φ", "angle",
@@ -634,7 +634,7 @@ def _energies(design: Design) -> Iterator[tuple[str, str]]:
     if not design.drive.loaded:
         return
     loading = loading_of(design.drive.mechanism, loads)
-    moved = [mass.body for mass in loading.masses if mass.acts]
+    moved = [mass.body for mass in loading.masses if mass.is_active]
     if moved:
         yield "bodies", ""
     yield from (("body", body) for body in moved if len(moved) > 1)

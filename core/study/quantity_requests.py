@@ -26,7 +26,7 @@ from core.units import split_unit
 def peak_pressures(study: Study) -> Mapping[str, Extreme]:
     """First flank of each roller -> greatest contact pressure [Pa], refined; empty where there is no pressure."""
     contacts = pairings(study)
-    if not contacts or study.loading.empty or study.jam is not None or has_undercut(study):
+    if not contacts or study.loading.is_empty or study.jam is not None or has_undercut(study):
         return {}
     names = {flank: name for flank, name in PRESSURES.items() if flank in contacts}
     extremes = extremes_of(study, "dynamics", tuple(names.values()))
@@ -36,7 +36,7 @@ def peak_pressures(study: Study) -> Mapping[str, Extreme]:
 def pressure_findings(study: Study) -> list[Finding]:
     """Contact pressures beyond their limits, or why a requested pressure cannot be given."""
     drive = study.design.drive
-    if study.loading.empty or study.jam is not None:
+    if study.loading.is_empty or study.jam is not None:
         return []
     if missing := stress.missing_input_findings(drive.face, drive.cam, drive.limits):
         return missing

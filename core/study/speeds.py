@@ -44,7 +44,7 @@ def at_speeds(design: Design, rpm: np.ndarray) -> AgainstSpeed:
         at_speed = replace(design, shaft=replace(shaft, speed_rpm=omega * 30.0 / pi))
         return Study(at_speed).camshaft.cams_load
 
-    has_friction = any(drive.loading.rubs for drive in study.drives.values())
+    has_friction = any(drive.loading.has_friction for drive in study.drives.values())
     load_at = cams_load if has_friction else separated(cams_load, shaft.speed_rpm * pi / 30.0)
     if balance is None:
         return against_speed(load_at, shaft, rpm)

@@ -84,14 +84,14 @@ def friction_switches(loading: Loading, slides: Sequence[Friction], is_form_clos
 
     def normal_force(friction: Friction, edge: int) -> Switch:
         def force(kinematics: Kinematics, forces: Forces) -> np.ndarray:
-            share = dynamics.carried(kinematics, forces, friction)[edge]
+            share = dynamics.edge_forces(kinematics, forces, friction)[edge]
             return np.asarray(share * np.abs(kinematics.motion.velocity_sign))
 
         return force
 
     switches = [normal_force(f, edge) for f in slides for edge in range(2 if f.length else 1)]
     if is_form_closed and loading.frictions:
-        switches.append(lambda kinematics, forces: forces.carrying)
+        switches.append(lambda kinematics, forces: forces.signed_contact)
     return switches
 
 

@@ -25,8 +25,8 @@ from core.motion import TURN, Angles, CompiledMotion, MotionState, program
 from core.motion.curves import has_common_pieces, with_all_pieces
 from core.motion.extremes import Extreme, Extremes
 from core.motion.program import SubdividedTurn
-from core.numerics.derivatives import Derivatives, cross, finite
-from core.numerics.lazy import Take, at_angles_of, column, design_by_design, repeated, taken, taker
+from core.numerics.derivatives import Derivatives, cross, replace_nan
+from core.numerics.lazy import ColumnMap, at_owners, column, map_columns, one_design, part_mapper, repeated_values
 from core.study.extremes import PROFILE_CURVATURES
 from core.study.highest import Search, clenshaw_curtis_nodes, refined_extremes
 from core.study.quantities import quantity
@@ -84,7 +84,7 @@ class BlockMotions:
         if self._has_common_pieces:
             self._stacked = CompiledMotion.from_columns(motion, count)
         else:  # the pieces depend on span and rise, or on a number of the curve
-            self._stacked = self._one_by_one([CompiledMotion(taken(motion, design_by_design(k))) for k in range(count)])
+            self._stacked = self._one_by_one([CompiledMotion(map_columns(motion, one_design(k))) for k in range(count)])
         self.starts, self.ends = (row.reshape(count, -1) for row in (self._stacked.starts, self._stacked.ends))
         self.pieces = self.starts.shape[1]
 
@@ -319,9 +319,9 @@ class DesignBlock:
             {name: getattr(plan, name) for name in ("points", "driver", "steps", "sides")},
             (self.design, self.loading),
         ]
-        return tuple((part, taker(part)) for part in parts)
+        return tuple((part, part_mapper(part)) for part in parts)
 
-    def study(self, state: MotionState, owner: np.ndarray, take: Take | None = None) -> Study:
+    def study(self, state: MotionState, owner: np.ndarray, take: ColumnMap | None = None) -> Study:
         """Study of all designs at the positions of a motion.
 
         Parameters
@@ -330,7 +330,7 @@ class DesignBlock:
             Motion at n positions.
         owner : ndarray (n,), dimensionless
             Number of the design of each position.
-        take : Take or None
+        take : ColumnMap or None
             Faster function that takes columns at these positions.
 
         Returns
@@ -338,7 +338,7 @@ class DesignBlock:
         Study
         """
         cache: dict[int, Any] = {}
-        take = take or at_angles_of(owner)
+        take = take or at_owners(owner)
         design, loading = _taken(self._parts[2], take, cache)
         study = Study(design, angles=state.angles)
         mechanism = self._mechanism_at(take, cache)
@@ -351,7 +351,7 @@ class DesignBlock:
         )
         return study
 
-    def _mechanism_at(self, take: Take, cache: dict[int, Any]) -> Any:
+    def _mechanism_at(self, take: ColumnMap, cache: dict[int, Any]) -> Any:
         parts, plan, _ = self._parts
         mechanism = replace(self.mechanism, **_taken(parts, take, cache))
         vars(mechanism)["plan"] = SolutionPlan(linkage=self.mechanism.plan.linkage, **_taken(plan, take, cache))
@@ -370,7 +370,7 @@ class DesignBlock:
             low, high = swept(self.program) if self.motions is None else self.motions.swept()
         every = np.broadcast_to(np.linspace(low, high, count, axis=-1), (self.count, count))
         for designs in self._chunks(count):
-            mechanism = self._mechanism_at(repeated(designs, count), {})
+            mechanism = self._mechanism_at(repeated_values(designs, count), {})
             y = every[designs]
             q = mechanism.start + mechanism.sense * y.ravel()
             yield designs, y, solve(mechanism.plan, at_driver(np.asarray(q)), Branch(0.0))
@@ -435,7 +435,7 @@ class DesignBlock:
         return self._middles[link]
 
     def values(
-        self, names: Sequence[str], state: MotionState, owner: np.ndarray, take: Take | None = None
+        self, names: Sequence[str], state: MotionState, owner: np.ndarray, take: ColumnMap | None = None
     ) -> dict[str, np.ndarray]:
         """Quantities and added readers at the positions of a motion; designs that fail are marked.
 
@@ -446,7 +446,7 @@ class DesignBlock:
             Motion at n positions, or at (m, n).
         owner : ndarray (n,) or (m, 1), dimensionless
             Number of the design of each position.
-        take : Take or None
+        take : ColumnMap or None
             As for ``study``.
 
         Returns
@@ -463,7 +463,12 @@ class DesignBlock:
         return self.read(stage, state, owner, take, rows)
 
     def read(
-        self, stage: str, state: MotionState, owner: np.ndarray, take: Take | None, function: Callable[[Study], Any]
+        self,
+        stage: str,
+        state: MotionState,
+        owner: np.ndarray,
+        take: ColumnMap | None,
+        function: Callable[[Study], Any],
     ) -> Any:
         """Result of a function of the study of all designs, solved up to a stage; designs that fail are marked.
 
@@ -474,7 +479,7 @@ class DesignBlock:
             Motion at n positions, or at (m, n).
         owner : ndarray (n,) or (m, 1), dimensionless
             Number of the design of each position.
-        take : Take or None
+        take : ColumnMap or None
             As for ``study``.
         function : callable
         """
@@ -599,7 +604,7 @@ class DesignBlock:
         design, top = np.arange(len(row)), np.where(np.isnan(row), -np.inf, row).argmax(axis=1)
         highest = row[design, top]
         neighbour = np.minimum(row[design, np.maximum(top - 1, 0)], row[design, np.minimum(top + 1, last)])
-        return finite(highest - neighbour, nan=np.inf) + EXTREME_ERROR * np.abs(highest)
+        return replace_nan(highest - neighbour, nan=np.inf) + EXTREME_ERROR * np.abs(highest)
 
     def _extremes_by_name(self, results: SearchResults) -> dict[str, Extremes]:
         """Name -> extremes of all designs, (m,) each; NaN for a side that was not searched."""
@@ -645,7 +650,7 @@ class DesignBlock:
             return state
         return self.motions.state(angles, owner)
 
-    def spread(self, angles: Angles, designs: slice = slice(None)) -> tuple[MotionState, np.ndarray, Take]:
+    def spread(self, angles: Angles, designs: slice = slice(None)) -> tuple[MotionState, np.ndarray, ColumnMap]:
         """Motion of some designs at the same angles of the plain design, for ``read``.
 
         Parameters
@@ -661,11 +666,11 @@ class DesignBlock:
             Motion at (m n,) positions.
         owner : ndarray (m n,), dimensionless
             Number of the design of each position.
-        take : Take
+        take : ColumnMap
             Function that takes columns at these positions.
         """
         n, numbers = angles.theta.size, np.arange(self.count)[designs]
-        owner, m, take = np.repeat(numbers, n), numbers.size, repeated(designs, n)
+        owner, m, take = np.repeat(numbers, n), numbers.size, repeated_values(designs, n)
 
         def tiled(row: np.ndarray) -> np.ndarray:
             return np.tile(row, m)
@@ -690,7 +695,7 @@ class DesignBlock:
 
     def _error_searches(self, stages: set[str], loads: bool) -> list[tuple[str, float]]:
         """Searches that decide whether friction jams, and whether a flank is undercut."""
-        searches = [(JAM, 1.0)] if (loads or "dynamics" in stages) and self.loading.rubs else []
+        searches = [(JAM, 1.0)] if (loads or "dynamics" in stages) and self.loading.has_friction else []
         if stages & {"cam", "dynamics"}:
             drive, recorder = self.plain.drive, _ReadRecorder()
             for flank in self._flanks():
@@ -742,7 +747,7 @@ class DesignBlock:
         return codes
 
 
-def _taken(part: tuple[Any, Any], take: Take, cache: dict[int, Any]) -> Any:
+def _taken(part: tuple[Any, Any], take: ColumnMap, cache: dict[int, Any]) -> Any:
     """A part with its columns taken; ``cache`` maps columns, by identity, to what they became."""
     original, make = part
     return original if make is None else make(take, cache)

@@ -176,7 +176,7 @@ def suggested(study: Study, path: str) -> Mapping[str, Limits]:
     number = own[0] if own else 0
     drive = list(study.drives.values())[number]
     there, found = set(request_columns(only(design, number))), {}
-    rows = SUGGESTED[:1] if drive.loading.empty else SUGGESTED  # no forces
+    rows = SUGGESTED[:1] if drive.loading.is_empty else SUGGESTED  # no forces
     for key in (key for key in rows if key.partition(":")[0] in there):
         found[path_of(number, key) if design.listed else key] = (None, usual_limit(drive, key))
     if design.listed and any(each.loads_shaft for each in study.drives.values()):

@@ -66,7 +66,7 @@ class Waves:
         self.study, self.waves, self.theta = study, study.design.waviness, study.theta
         self.omega: float = study.omega
         (self.flank, *_), self.amplitude = study.cam.flanks, 1e-3 * self.waves.amplitude_mm
-        self.loaded = not study.loading.empty and study.jam is None
+        self.loaded = not study.loading.is_empty and study.jam is None
         moving = self.moving.bodies[self.flank.body]
         way = moving.origin[1] + 1j * moving.turn[1] * (self.flank.contact - moving.origin[0])
         self.way = np.abs((np.conj(self.flank.normal) * way).real)

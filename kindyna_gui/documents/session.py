@@ -39,10 +39,8 @@ from core.motion.program import ShaftPosition
 from core.project import dumps, loads
 from core.project.on_disk import DesignFiles, OnDisk
 from core.study import Camshaft, Study
-from kindyna_gui.awaited import Awaited
-from kindyna_gui.documents.draft import Draft
-from kindyna_gui.documents.refusal import SAMPLES, Refusal, Texts, fault_texts, refusal_reasons
-from kindyna_gui.documents.undo_steps import UndoStep
+from kindyna_gui.background import Awaited
+from kindyna_gui.documents.edits import SAMPLES, Draft, Refusal, Texts, UndoStep, fault_texts, refusal_reasons
 from kindyna_gui.labels import name_of, reason, segment_of
 
 Work = tuple[Design, Draft | None, int]

@@ -1,23 +1,27 @@
-"""Opening and saving: the design's file and the examples."""
+"""Open, save, watch."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from PySide6.QtCore import QObject, Signal
+from PySide6.QtCore import QFileSystemWatcher, QObject, Qt, QTimer, Signal
 from PySide6.QtGui import QDropEvent
-from PySide6.QtWidgets import QApplication, QWidget
+from PySide6.QtWidgets import QApplication, QMenu, QToolButton, QWidget
 
 from core.design import Design, faults
 from core.errors import KindynaError
 from core.file_names import file_name
+from core.findings import WARNING
 from core.project import differences, load
 from core.project.on_disk import OnDisk
 from kindyna_gui import dialogs
 from kindyna_gui.dialogs import OnConflict, SaveAnswer, Unfinished
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import closing_text, difference_text, misses
+from kindyna_gui.look import sign
 from kindyna_gui.settings import Settings
+
+# -- opening and saving: the design's file and the examples ----------------------------------------------
 
 NOT_ON_DISK = {
     OnDisk.CHANGED: "has been changed on the disk by another program",
@@ -225,3 +229,118 @@ def dropped_design(event: QDropEvent) -> Path | None:
     """The path of a dragged design file, None where something else is dragged."""
     files = [Path(url.toLocalFile()) for url in event.mimeData().urls() if url.isLocalFile()]
     return files[0] if len(files) == 1 and files[0].suffix.lower() == ".toml" else None
+
+
+# -- file watch ------------------------------------------------------------------------------------------
+
+PAUSE_MS = 100  # a program may write in several steps
+
+
+class FileWatch(QObject):
+    """Compares the file, and those that its motions follow from, with what the session read or wrote last, whenever they or their folders
+    change.
+
+    The folder is watched because editors put a new file in the place of the old one, which ends the watch of that; and
+    each time the program comes to the front the file is compared once more, for disks that report no changes.
+
+    state     the file's, as compared last
+    sources   the files that its motions follow from and that have changed
+    changed   one of them has become another
+    """
+
+    changed = Signal()
+
+    def __init__(self, session: Session, parent: QObject) -> None:
+        super().__init__(parent)
+        self.state = OnDisk.SAME
+        self.sources: tuple[str, ...] = ()
+        self._session = session
+        self._system = QFileSystemWatcher(self)
+        self._soon = QTimer(self, singleShot=True, interval=PAUSE_MS)
+        self._soon.timeout.connect(self.compare)
+        self._system.fileChanged.connect(self._begin_pause)
+        self._system.directoryChanged.connect(self._begin_pause)
+        session.file_changed.connect(self._file_changed)
+        app = QApplication.instance()
+        if isinstance(app, QApplication):
+            app.applicationStateChanged.connect(self._begin_pause)
+        self._watch()
+
+    def compare(self) -> None:
+        """Compare now."""
+        self._soon.stop()
+        self._watch()
+        state = self._session.on_disk()
+        now = state, self._session.changed_sources() if state is OnDisk.SOURCE else ()
+        if now != (self.state, self.sources):
+            self.state, self.sources = now
+            self.changed.emit()
+
+    def _begin_pause(self, *_: object) -> None:
+        self._soon.start()
+
+    def _file_changed(self) -> None:
+        """Opened, saved, or another design: what is known of the file is new."""
+        if self.state is not OnDisk.SAME:
+            self.compare()
+        else:
+            self._watch()
+
+    def _watch(self) -> None:
+        path = self._session.path
+        targets = () if path is None else (path.resolve(), *(Path(name) for name in self._session.sources()))
+        wanted = {str(each) for target in targets for each in (target, target.parent) if each.exists()}
+        watched = {*self._system.files(), *self._system.directories()}
+        if watched - wanted:
+            self._system.removePaths(sorted(watched - wanted))
+        if wanted - watched:
+            self._system.addPaths(sorted(wanted - watched))
+
+
+# -- disk button -----------------------------------------------------------------------------------------
+
+TEXTS = {
+    OnDisk.SAME: ("", "", ""),
+    OnDisk.CHANGED: ("changed on disk", "{} has been changed by another program", "&Overwrite it with this design"),
+    OnDisk.GONE: ("file is gone", "{} has been moved or deleted by another program", "&Write it again"),
+    OnDisk.SOURCE: ("source changed", "{}, which a motion follows from, has been changed by another program", ""),
+}
+"""Text of the button, what has happened, and what writing the file would do."""
+
+
+class DiskButton(QToolButton):
+    """Offers what can be done: read the file again, save as another, write over it.
+
+    status_message (str): what has happened, for the status line
+    """
+
+    status_message = Signal(str)
+
+    def __init__(self, watch: FileWatch, documents: Documents) -> None:
+        super().__init__(autoRaise=True)
+        self._watch, self._documents = watch, documents
+        self.setIcon(sign(WARNING))
+        self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        self.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        menu = QMenu(self)
+        self._reload = menu.addAction("&Reload it", documents.reload)
+        menu.addAction("&Save as...", documents.save_as)
+        self._write = menu.addAction("", documents.overwrite)
+        self.setMenu(menu)
+        self.hide()
+        watch.changed.connect(self._changed)
+
+    def _changed(self) -> None:
+        state = self._watch.state
+        text, happened, write = TEXTS[state]
+        self.setText(text)
+        self._write.setText(write)
+        self._write.setVisible(bool(write))
+        self._reload.setVisible(state in (OnDisk.CHANGED, OnDisk.SOURCE))
+        self.setVisible(state is not OnDisk.SAME)
+        if happened:
+            sources = ", ".join(Path(name).name for name in self._watch.sources)
+            happened = happened.format(sources if state is OnDisk.SOURCE else self._documents.name)
+            self.setToolTip(f"{happened}. Click for what can be done.")
+            self.status_message.emit(happened)

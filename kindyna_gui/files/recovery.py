@@ -1,12 +1,16 @@
-"""Unsaved work survives the end of the process: it is on the disk soon after each change, and is offered at the next start."""
+"""Writes unsaved work beside the window, however busy that is."""
 
 from __future__ import annotations
 
 import os
 import signal
+from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
+from queue import Empty, SimpleQueue
+from threading import Event, Thread
+from time import monotonic
 from types import FrameType
 
 from PySide6.QtCore import QCoreApplication, QObject, QSocketNotifier, QTimer, Signal
@@ -15,13 +19,91 @@ from PySide6.QtWidgets import QWidget
 from core.design import Design
 from core.errors import KindynaError
 from core.project import dumps, recovery
-from core.project.recovery import Recoverable, Unsaved
+from core.project.recovery import Recoverable, RecoveryFile, Unsaved
 from kindyna_gui import dialogs
-from kindyna_gui.documents.draft import Draft
+from kindyna_gui.documents.edits import Draft
 from kindyna_gui.documents.session import Session
 from kindyna_gui.files.file_actions import Documents
-from kindyna_gui.files.recovery_writer import RecoveryWriter
 from kindyna_gui.places import state_folder
+
+# -- writes unsaved work beside the window, however busy that is -----------------------------------------
+
+PAUSE = 0.5  # seconds from one writing to the next
+PAUSE_AFTER_FAILURE = 5.0
+
+Work = Callable[[], Unsaved]
+"""Makes the text of unsaved work, in the writer's thread: it may not touch an object of Qt."""
+
+
+class RecoveryWriter(Thread):
+    """Keeps the recovery file at the latest work that was handed over; work that is replaced within a pause is skipped.
+
+    The queue alone connects it with the window: a put is complete even where a signal's handler cuts in.
+
+    failure   why the work at hand is not on the disk; empty where it is
+    """
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__(name="recovery", daemon=True)
+        self.failure = ""
+        self._file = RecoveryFile(folder)
+        self._queue: SimpleQueue[tuple[Work | None] | Event | str] = SimpleQueue()
+
+    def hand(self, work: Work | None) -> None:
+        """From now on this is the unsaved work; None where nothing is unsaved."""
+        self._queue.put((work,))
+
+    def flush(self, patience: float = 10.0) -> bool:
+        """Write what has been handed over without pause; False where it is not on the disk."""
+        done = Event()
+        self._queue.put(done)
+        return done.wait(patience) and not self.failure
+
+    def close(self, patience: float = 10.0) -> None:
+        """End, and remove the recovery file: nothing is unsaved."""
+        self.leave("close")
+        self.join(patience)
+
+    def leave(self, how: str = "leave") -> None:
+        """End once what has been handed over is written."""
+        self._queue.put(how)
+
+    def run(self) -> None:
+        waiting: tuple[Work | None] | None = None
+        due = 0.0
+        while True:
+            try:
+                item = self._queue.get(timeout=None if waiting is None else max(due - monotonic(), 0.0))
+            except Empty:
+                item = None
+            if isinstance(item, tuple):
+                waiting = item
+                if monotonic() < due:
+                    continue
+            if waiting is not None and item != "close":
+                due = monotonic() + (PAUSE if self._write(waiting[0]) else PAUSE_AFTER_FAILURE)
+                waiting = waiting if self.failure else None
+            if isinstance(item, Event):
+                item.set()
+            elif isinstance(item, str):
+                if item == "close":
+                    self._file.close()
+                return
+
+    def _write(self, work: Work | None) -> bool:
+        try:
+            if work is None:
+                self._file.clear()
+            else:
+                self._file.write(work())
+        except Exception as error:  # the thread goes on: the next work may be written
+            self.failure = str(error) or type(error).__name__
+        else:
+            self.failure = ""
+        return not self.failure
+
+
+# -- recovery --------------------------------------------------------------------------------------------
 
 CHECK_MS = 1500  # after a change: has it been written?
 ENDING = ("SIGTERM", "SIGHUP", "SIGINT")
@@ -120,7 +202,7 @@ class Recovery(QObject):
 
     def _is_saved(self, entry: Recoverable) -> bool:
         """Whether the file holds all of it; then it is removed."""
-        from kindyna_gui.documents.recovery_dialog import compare
+        from kindyna_gui.documents.texts import compare
 
         saved = not compare(entry.unsaved).lost
         if saved:
@@ -134,7 +216,7 @@ class Recovery(QObject):
 
     def _offer_each(self, entries: list[Recoverable]) -> None:
         """Until the user has chosen one, or put the rest off; what is done with is taken from the list."""
-        from kindyna_gui.documents.recovery_dialog import OnRecovery
+        from kindyna_gui.documents.texts import OnRecovery
 
         while entries:
             choice, chosen = dialogs.ask_to_recover(self._window, entries)
@@ -201,6 +283,3 @@ def write_before_the_end(app: QCoreApplication, keeper: Recovery) -> None:
         number = getattr(signal, name, None)
         if number is not None and signal.getsignal(number) is not signal.SIG_IGN:  # as ``nohup`` does
             signal.signal(number, end)
-
-
-__all__ = ["Recovery", "recovery_folder", "write_before_the_end"]

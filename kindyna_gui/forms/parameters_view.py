@@ -16,12 +16,9 @@ from core.findings import ERROR
 from core.study import Study
 from kindyna_gui.documents.session import SHAFT, Session
 from kindyna_gui.documents.texts import misses, waiting_text
-from kindyna_gui.forms.draft_bar import DraftBar
-from kindyna_gui.forms.field_parts import in_tab_order
-from kindyna_gui.forms.fields import Field, NameField
-from kindyna_gui.forms.form import Form, part_of
-from kindyna_gui.forms.load_texts import first_field, row_of
-from kindyna_gui.forms.loads_page import LoadsPage
+from kindyna_gui.forms.fields import Field, NameField, in_tab_order
+from kindyna_gui.forms.form import DraftBar, Form, part_of
+from kindyna_gui.forms.loads_page import LoadsPage, first_field, row_of
 from kindyna_gui.labels import SECTION_NAMES
 from kindyna_gui.look import coloured, sign
 from kindyna_gui.pictures.style import SCREEN

@@ -1,19 +1,32 @@
-"""The form of one curve: where it comes from, its columns and units, what is subtracted, its axis and how it is drawn."""
+"""Forms of curves and axes."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from PySide6.QtCore import QSignalBlocker, QSize, Signal
-from PySide6.QtGui import QColor, QIcon, QPixmap
-from PySide6.QtWidgets import QGridLayout, QLabel, QLineEdit, QWidget
+from PySide6.QtCore import QSignalBlocker, QSize, Qt, Signal
+from PySide6.QtGui import QColor, QIcon, QKeyEvent, QPainter, QPixmap
+from PySide6.QtWidgets import (
+    QCheckBox,
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QLineEdit,
+    QListWidget,
+    QListWidgetItem,
+    QMenu,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
 
 from core.design import Info, split_unit
 from core.errors import KindynaError
+from core.frozen import frozen
 from core.output.graph import (
     ALL,
     DASHES,
@@ -25,15 +38,166 @@ from core.output.graph import (
     ColumnHeading,
     DesignSource,
     Graph,
+    GraphAxis,
     GraphCurve,
     Source,
     column_label,
     compatible_units,
 )
 from core.units import KINDS
+from kindyna_gui.forms.load_rows import list_button, taken_by_list
 from kindyna_gui.forms.number_box import NumberBox, WordBox
-from kindyna_gui.note import MessageLabel
+from kindyna_gui.labels import no_number
+from kindyna_gui.look import MessageLabel, bold_label, coloured
 from kindyna_gui.pictures.style import DRIVES, FAMILIES, SCREEN
+
+# -- axes form -------------------------------------------------------------------------------------------
+
+AXES = {"x": "Along the bottom", "left": "On the left", "right": "On the right"}
+RANGE = Info("Range", "empty: as far as the curves go", optional=True)
+
+
+@frozen
+class AxisSays:
+    """What an axis shows by itself: its title, the unit it is read in, how many of the curves' unit that is."""
+
+    title: str = ""
+    symbol: str = ""
+    size: float = 1.0
+
+
+class AxesForm(QWidget):
+    """changed (Graph, str): the graph as it is to be, and what was changed."""
+
+    changed = Signal(object, str)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._graph, self._says = Graph(), dict.fromkeys(AXES, AxisSays())
+        self.title = QLineEdit()
+        self.title.setAccessibleName("Title of the graph")
+        self.title.editingFinished.connect(self._entitle)
+        self.titles: dict[str, QLineEdit] = {}
+        self.logs: dict[str, QCheckBox] = {}
+        self.ends: dict[tuple[str, str], NumberBox] = {}
+        self._units: dict[str, QLabel] = {}
+        self.message = MessageLabel(SCREEN.limit)
+        grid = QGridLayout(self)
+        grid.setContentsMargins(6, 4, 6, 4)
+        grid.setVerticalSpacing(3)
+        grid.setColumnStretch(1, 1)
+        label = QLabel("Title")
+        label.setBuddy(self.title)
+        grid.addWidget(label, 0, 0)
+        grid.addWidget(self.title, 0, 1)
+        for number, (axis, text) in enumerate(AXES.items()):
+            self._add(grid, 1 + 4 * number, axis, text)
+        grid.addWidget(self.message, 13, 0, 1, 2)
+        grid.setRowStretch(14, 1)
+
+    def _add(self, grid: QGridLayout, row: int, axis: str, text: str) -> None:
+        head, title, log, unit = bold_label(text), QLineEdit(), QCheckBox("Logarithmic"), QLabel()
+        title.setAccessibleName(f"Title, {text.lower()}")
+        log.setAccessibleName(f"Logarithmic, {text.lower()}")
+        coloured(unit, SCREEN.quiet)
+        grid.addWidget(head, row, 0, 1, 2)
+        named = QLabel("Title")
+        named.setBuddy(title)
+        grid.addWidget(named, row + 1, 0)
+        grid.addWidget(title, row + 1, 1)
+        grid.addWidget(QLabel("from"), row + 2, 0)
+        line = QHBoxLayout()
+        line.setSpacing(4)
+        for end, between in (("low", "to"), ("high", "")):
+            box = NumberBox(RANGE)
+            box.setAccessibleName(f"{'From' if end == 'low' else 'To'}, {text.lower()}")
+            box.setToolTip("Empty: as far as the curves go")
+            box.entered.connect(lambda value, axis=axis, end=end: self._limit(axis, end, value))
+            box.unreadable.connect(lambda axis=axis, end=end: self._refuse(axis, end))
+            box.withdrawn.connect(lambda: self.message.show_message(""))
+            line.addWidget(box, 1)
+            if between:
+                line.addWidget(QLabel(between))
+            self.ends[axis, end] = box
+        line.addWidget(unit)
+        grid.addLayout(line, row + 2, 1)
+        grid.addWidget(log, row + 3, 1)
+        title.editingFinished.connect(lambda axis=axis: self._name(axis))
+        log.toggled.connect(lambda on, axis=axis: self._to_powers(axis, on))
+        self.titles[axis], self.logs[axis], self._units[axis] = title, log, unit
+
+    def show_graph(self, graph: Graph, says: Mapping[str, AxisSays]) -> None:
+        """What is typed, and what stands there where nothing is."""
+        self._graph, self._says = graph, dict(says)
+        _show(self.title, graph.title, "none")
+        for axis in AXES:
+            scale, own = getattr(graph, axis), self._says.get(axis, AxisSays())
+            _show(self.titles[axis], scale.title, own.title or "by what is drawn")
+            self._units[axis].setText(own.symbol)
+            with QSignalBlocker(self.logs[axis]):
+                self.logs[axis].setChecked(scale.log)
+            for end in ("low", "high"):
+                box, value = self.ends[axis, end], getattr(scale, end)
+                if not box.pending and not (box.hasFocus() and box.refused):
+                    box.show_value(None if value is None else value / own.size)
+
+    # -- what the user does ---------------------------------------------------------------------------------
+
+    def _entitle(self) -> None:
+        if self.title.text().strip() != self._graph.title:
+            self.title.setModified(False)
+            self.changed.emit(replace(self._graph, title=self.title.text().strip()), "title")
+
+    def _name(self, axis: str) -> None:
+        text = self.titles[axis].text().strip()
+        if text != getattr(self._graph, axis).title:
+            self.titles[axis].setModified(False)
+            self._scale(axis, "title", title=text)
+
+    def _limit(self, axis: str, end: str, value: float | None) -> None:
+        own, scale = self._says.get(axis, AxisSays()), getattr(self._graph, axis)
+        wanted: GraphAxis = replace(scale, **{end: None if value is None else value * own.size})
+        if wanted.low is not None and wanted.high is not None and wanted.low >= wanted.high:
+            other = (wanted.high if end == "low" else wanted.low) / own.size
+            self._wrong(axis, end, f"{'less' if end == 'low' else 'more'} than {other:g}")
+        elif wanted.log and value is not None and value <= 0.0:
+            self._wrong(axis, end, "above 0 on a logarithmic axis")
+        else:
+            self.message.show_message("")
+            self.ends[axis, end].show_value(value)  # no longer being typed: what is undone is seen there
+            self._scale(axis, end, **{end: getattr(wanted, end)})
+
+    def _to_powers(self, axis: str, on: bool) -> None:
+        """Powers of ten, or not; an end that has no place among them stays typed, and does not count."""
+        scale = getattr(self._graph, axis)
+        lost = on and any(end is not None and end <= 0.0 for end in (scale.low, scale.high))
+        text = f"{AXES[axis]}: 0 and less is not on a logarithmic axis; what is typed does not count there"
+        self.message.show_message(text if lost else "")
+        self._scale(axis, "log", log=on)
+
+    def _wrong(self, axis: str, end: str, allowed: str) -> None:
+        self.ends[axis, end].set_refused(True)
+        self.message.show_message(
+            f"{AXES[axis]}, {'from' if end == 'low' else 'to'}: outside its range; allowed: {allowed}"
+        )
+
+    def _refuse(self, axis: str, end: str) -> None:
+        self.ends[axis, end].set_refused(True)
+        self.message.show_message(f"{AXES[axis]}: {no_number(self.ends[axis, end].text())}")
+
+    def _scale(self, axis: str, what: str, **changes: object) -> None:
+        self.changed.emit(
+            replace(self._graph, **{axis: replace(getattr(self._graph, axis), **changes)}), f"{axis} {what}"
+        )
+
+
+def _show(box: QLineEdit, text: str, usual: str) -> None:
+    box.setPlaceholderText(usual)
+    if box.text() != text and not (box.hasFocus() and box.isModified()):
+        box.setText(text)
+
+
+# -- curve form ------------------------------------------------------------------------------------------
 
 OPEN = "\0open"
 _COLOURS = tuple(dict.fromkeys((*DRIVES, *FAMILIES.values())))[:12]
@@ -267,4 +431,149 @@ def _patch(colour: str) -> QIcon:
     return QIcon(picture)
 
 
-__all__ = ["ChoiceBox", "CurveForm", "name_of_row"]
+# -- curve rows ------------------------------------------------------------------------------------------
+
+LIST_HEIGHT = 128
+EMPTY = "No curve yet: press Add, or drop files here"
+
+
+@frozen
+class CurveRow:
+    """What the list shows of a curve: name, colour, whether it is drawn; fault: why it is not; note: what was left out of it, or
+    what the design at hand has not of it (lacking)."""
+
+    name: str
+    colour: str
+    shown: bool
+    fault: str = ""
+    note: str = ""
+    lacking: bool = False
+
+
+class _List(QListWidget):
+    """moved (-1 or 1): Alt+Up, Alt+Down; removed: Delete."""
+
+    moved = Signal(int)
+    removed = Signal()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        if not taken_by_list(self, event):
+            super().keyPressEvent(event)
+
+    def sizeHint(self) -> QSize:
+        return QSize(260, LIST_HEIGHT)
+
+
+class CurveRows(QWidget):
+    """List and buttons.
+
+    chosen (int); ticked (int, bool): shown or hidden; removed, copied; moved (-1 or 1)
+    """
+
+    chosen = Signal(int)
+    ticked = Signal(int, bool)
+
+    def __init__(
+        self, slots: dict[str, Callable[[], object]], additions: Sequence[tuple[str, str, Callable[[], object]]]
+    ) -> None:
+        """slots: of copy, remove, up, down, undo, redo; additions: text, tip and slot of the menu of Add."""
+        super().__init__()
+        self.list = _List()
+        self.list.setAccessibleName("Curves")
+        self.list.setAlternatingRowColors(True)
+        self.list.setTextElideMode(Qt.TextElideMode.ElideMiddle)
+        self.list.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.list.setIconSize(QSize(18, 10))
+        self.list.currentRowChanged.connect(self._choose)
+        self.list.itemChanged.connect(self._tick)
+        self.list.moved.connect(lambda step: slots["up" if step < 0 else "down"]())
+        self.list.removed.connect(lambda: slots["remove"]())
+        self.menu = QMenu(self)
+        for text, tip, slot in additions:
+            action = self.menu.addAction(text)
+            action.setToolTip(tip)
+            action.setStatusTip(tip)
+            action.triggered.connect(lambda _=False, slot=slot: slot())
+        add = list_button("Add", "insert", "One curve more", None)
+        add.setMenu(self.menu)
+        add.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+        self.buttons = {
+            "add": add,
+            "copy": list_button("Copy", "duplicate", "The chosen curve once more", slots["copy"]),
+            "remove": list_button("Remove", "delete", "Take the chosen curve away (Del)", slots["remove"]),
+            "up": list_button("↑", "", "Further up in the list (Alt+Up)", slots["up"]),
+            "down": list_button("↓", "", "Further down in the list, drawn above (Alt+Down)", slots["down"]),
+            "undo": list_button(
+                "Undo", "undo", "Take the last change of the graph back (Ctrl+Z in this list)", slots["undo"]
+            ),
+            "redo": list_button("Redo", "redo", "Make it again (Ctrl+Y in this list)", slots["redo"]),
+        }
+        bar = QHBoxLayout()
+        bar.setContentsMargins(2, 1, 2, 1)
+        bar.setSpacing(0)
+        for name, button in self.buttons.items():
+            if name in ("undo", "redo"):
+                button.setEnabled(False)
+            if name in ("copy", "remove", "undo", "redo"):
+                button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonIconOnly)
+            button.setAccessibleName(button.text() if len(button.text()) > 1 else name)
+            bar.addWidget(button)
+        bar.addStretch(1)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(0)
+        buttons = QWidget()
+        buttons.setLayout(bar)
+        buttons.setMinimumWidth(1)
+        column.addWidget(buttons)
+        column.addWidget(self.list, 1)
+        self.list.setMinimumSize(1, 40)
+
+    def show_rows(self, rows: Sequence[CurveRow], row: int) -> None:
+        """These curves, one of them chosen."""
+        with QSignalBlocker(self.list):
+            while self.list.count() > len(rows):
+                self.list.takeItem(self.list.count() - 1)
+            while self.list.count() < len(rows):
+                self.list.addItem(QListWidgetItem())
+            for i, each in enumerate(rows):
+                self._fill(self.list.item(i), each)
+            self.list.setCurrentRow(row)
+        there = 0 <= row < len(rows)
+        enabled = {
+            "copy": there,
+            "remove": there,
+            "up": row > 0,
+            "down": there and row < len(rows) - 1,
+        }
+        for name, on in enabled.items():
+            self.buttons[name].setEnabled(on)
+
+    @staticmethod
+    def _fill(item: QListWidgetItem, row: CurveRow) -> None:
+        mark = "  (not drawn)" if row.fault else "  (not here)" if row.lacking else "  *" if row.note else ""
+        item.setText(row.name + mark)
+        item.setToolTip(row.fault or row.note or row.name)
+        item.setFlags(Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable | Qt.ItemFlag.ItemIsUserCheckable)
+        item.setCheckState(Qt.CheckState.Checked if row.shown else Qt.CheckState.Unchecked)
+        usual = item.listWidget().palette().text().color() if row.shown and not row.lacking else SCREEN.quiet
+        item.setForeground(QColor(SCREEN.limit if row.fault else usual))
+        item.setIcon(_swatch(row.colour))
+
+    def _choose(self, row: int) -> None:
+        self.chosen.emit(row)
+
+    def _tick(self, item: QListWidgetItem) -> None:
+        self.ticked.emit(self.list.row(item), item.checkState() == Qt.CheckState.Checked)
+
+
+def _swatch(colour: str) -> QIcon:
+    """A short line in a colour; nothing where there is none."""
+    picture = QPixmap(QSize(36, 20))
+    picture.setDevicePixelRatio(2.0)
+    picture.fill(Qt.GlobalColor.transparent)
+    if colour:
+        painter = QPainter(picture)
+        painter.fillRect(1, 4, 16, 2, QColor(colour))
+        painter.end()
+    return QIcon(picture)

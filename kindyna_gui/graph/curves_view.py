@@ -60,19 +60,16 @@ from core.study import STAGES, Quantity, Study, quantity
 from core.study.member_quantities import gain_of
 from core.units import conversion_factor
 from kindyna_gui import dialogs
-from kindyna_gui.documents.bands import Bands
+from kindyna_gui.documents.edits import UndoStep
+from kindyna_gui.documents.pins import Bands
 from kindyna_gui.documents.session import Session
-from kindyna_gui.documents.undo_steps import UndoStep
-from kindyna_gui.forms.list_parts import TwoGroups, list_button
-from kindyna_gui.graph.axes_form import AXES, AxesForm, AxisSays
-from kindyna_gui.graph.curve_form import CurveForm, name_of_row
-from kindyna_gui.graph.curve_rows import EMPTY, CurveRow, CurveRows
-from kindyna_gui.graph.graph_sources import GraphSources
+from kindyna_gui.forms.load_rows import TwoGroups, list_button
+from kindyna_gui.graph.curve_form import AXES, EMPTY, AxesForm, AxisSays, CurveForm, CurveRow, CurveRows, name_of_row
+from kindyna_gui.graph.graph_choice import GraphSources
 from kindyna_gui.graph.live_graph import LiveGraph
-from kindyna_gui.look import text_button
-from kindyna_gui.note import SteadyText
-from kindyna_gui.pictures.plots.graph_plot import LETTERS
-from kindyna_gui.pictures.plots.graph_plot import Bands as Shaded
+from kindyna_gui.look import SteadyText, text_button
+from kindyna_gui.pictures.plots.graph import LETTERS
+from kindyna_gui.pictures.plots.graph import Bands as Shaded
 from kindyna_gui.pictures.plots.lines import closed
 from kindyna_gui.pictures.units import readable, short, with_unit
 from kindyna_gui.player import Player
@@ -595,7 +592,7 @@ class CurvesView(View):
 
     def picture(self, ending: str) -> bytes:
         """What is shown of the graph, without its points."""
-        from kindyna_gui.pictures.graph_file import graph_file
+        from kindyna_gui.pictures.paper.sheets import graph_file
 
         width, height = max(self.plot.width(), 480), max(self.plot.height(), 320)
         name = self.graph.title or self.session.whole.name
@@ -623,7 +620,7 @@ class CurvesView(View):
         if not self.found.series:
             self.status_message.emit(self.no_picture)
             return
-        from kindyna_gui.waiting import beside
+        from kindyna_gui.background import beside
 
         found, picture = self.found, self.plot.grab().toImage()
         numbers = beside(self, "Copying the numbers", lambda: numbers_csv(found, "\t"))

@@ -1,36 +1,123 @@
-"""Graph: any channels in any number of plots, straight or polar; pictures and numbers of them."""
+"""Graph."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
+from types import MappingProxyType
 
-from PySide6.QtCore import QEvent, QObject, Qt, QTimer
-from PySide6.QtGui import QAction, QKeyEvent, QPalette, QShowEvent
-from PySide6.QtWidgets import (
-    QButtonGroup,
-    QGridLayout,
-    QHBoxLayout,
-    QScrollArea,
-    QSplitter,
-    QToolButton,
-    QWidget,
-)
+from PySide6.QtCore import QEvent, QObject, QSize, Qt, QTimer
+from PySide6.QtGui import QAction, QKeyEvent, QPainter, QPaintEvent, QPalette, QResizeEvent, QShowEvent
+from PySide6.QtWidgets import QButtonGroup, QGridLayout, QHBoxLayout, QScrollArea, QSplitter, QToolButton, QWidget
 
 from core.errors import KindynaError
+from core.frozen import frozen
 from core.motion.extremes import Extremes
 from core.output.channels import channels
 from core.study import Quantity, Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.graph_choice import USUAL_WIDTH, ChannelTree, Choice
-from kindyna_gui.graph.graph_panel import FORMS, Panel
-from kindyna_gui.graph.live_plot import LivePlot
+from kindyna_gui.graph.live_plot import LivePlot, LivePolar
 from kindyna_gui.graph.marked_view import MarkedView
 from kindyna_gui.look import icon, text_button
+from kindyna_gui.pictures.painter import curves_file
+from kindyna_gui.pictures.paper.sheets import columns_for, polar_file
 from kindyna_gui.pictures.plots.quantities import first_graph, stages_of, why_missing
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player, obey
 from kindyna_gui.rebuilt import Rebuilt
 from kindyna_gui.saving import save_numbers, save_picture
+
+# -- the plots of a graph: their two forms, and the panel that holds one ---------------------------------
+
+LEAST_STRAIGHT, LEAST_POLAR = 118, 280  # height of a plot before the column scrolls, pixels
+Plot = LivePlot | LivePolar
+
+
+@frozen
+class PanelForm:
+    """Straight or polar: name, tip, a plot of the form, and the file of a picture."""
+
+    label: str
+    tip: str
+    make: Callable[[int, int], Plot]
+    file: Callable[..., bytes]
+    least: int
+    columns: Callable[[int, float, float], int]
+
+
+FORMS: Mapping[str, PanelForm] = MappingProxyType(
+    {
+        "straight": PanelForm(
+            "Straight", "The cam angle along, the value upwards",
+            lambda i, n: LivePlot(names=i == 0, angles=i == n - 1), curves_file, LEAST_STRAIGHT, lambda *_: 1,
+        ),
+        "polar": PanelForm(
+            "Polar", "The cam angle round about, the value outwards",
+            lambda i, n: LivePolar(), polar_file, LEAST_POLAR, columns_for,
+        ),
+    }
+)  # fmt: skip
+
+
+class Panel(QWidget):
+    """One plot with a button that takes it away; a bar on its left where it takes what is ticked next."""
+
+    BAR = 3
+
+    def __init__(self, plot: Plot, take_away: Callable[[], None]) -> None:
+        super().__init__()
+        self.plot, self.active = plot, False
+        row = QHBoxLayout(self)
+        row.setContentsMargins(self.BAR + 1, 0, 0, 0)
+        row.addWidget(plot)
+        self.close_button = QToolButton(self, autoRaise=True)
+        self.close_button.setIcon(icon("close"))
+        self.close_button.setIconSize(QSize(12, 12))
+        self.close_button.setToolTip("Take this plot away")
+        self.close_button.setAccessibleName("Take this plot away")
+        self.close_button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.close_button.clicked.connect(take_away)
+
+    def offer_close(self, on: bool) -> None:
+        """Whether the button is there; the names of the curves stay clear of it."""
+        self.close_button.setVisible(on)
+        if isinstance(self.plot, LivePlot):  # a polar one always does
+            self.plot.keep_corner(float(self.close_button.sizeHint().width()) if on else 0.0)
+
+    def name_angle(self, study: Study) -> None:
+        """Cam angle or driver angle, also where no curve is drawn."""
+        if isinstance(self.plot, LivePlot):
+            self.plot.name_angle(study)
+
+    @property
+    def lacks_extremes(self) -> bool:
+        """Whether other curves are drawn than those whose extremes were shown last."""
+        return self.plot.lacks_extremes
+
+    def show_extremes(self, found: Mapping[str, Extremes] | None) -> None:
+        """Mark them."""
+        self.plot.show_extremes(found)
+
+    def set_active(self, on: bool) -> None:
+        self.active = on
+        self.update()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        super().resizeEvent(event)
+        size = self.close_button.sizeHint()
+        self.close_button.setGeometry(self.width() - size.width(), 0, size.width(), size.height())
+        self.close_button.raise_()
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        painter = QPainter(self)
+        painter.fillRect(self.rect(), self.palette().base())
+        if self.active:
+            painter.fillRect(0, 2, self.BAR, self.height() - 4, SCREEN.chosen)
+        painter.end()
+
+
+# -- graph view ------------------------------------------------------------------------------------------
 
 EMPTY = "Tick channels in the tree on the left to draw them here"
 TREE_SHARE = 0.4  # of the width, at most
@@ -294,6 +381,3 @@ class GraphView(MarkedView):
         """Ask for a file, and write the curves into it as a table."""
         if self.drawn:
             save_numbers(self, self.drawn, "graph")
-
-
-__all__ = ["GraphView"]

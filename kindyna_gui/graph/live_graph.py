@@ -12,7 +12,7 @@ from PySide6.QtGui import QKeyEvent, QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QWidget
 
 from core.output.graph import Graph, GraphData, GraphPoint, point_at
-from kindyna_gui.pictures.plots.graph_plot import NO_BANDS, Bands, GraphPlot
+from kindyna_gui.pictures.plots.graph import NO_CHANNEL_BANDS, Bands, GraphPlot
 from kindyna_gui.pictures.plots.graph_ranges import Shown, about, moved, narrower
 
 CLICK = 4.0  # pixels: a shorter drag is a click
@@ -44,7 +44,7 @@ class LiveGraph(GraphPlot):
         self._wheel = QTimer(self, singleShot=True, interval=WHEEL_MS)
 
     def show_graph(
-        self, graph: Graph, found: GraphData, keep: bool = False, message: str = "", bands: Bands = NO_BANDS
+        self, graph: Graph, found: GraphData, keep: bool = False, message: str = "", bands: Bands = NO_CHANNEL_BANDS
     ) -> None:
         before = self.shown
         super().show_graph(graph, found, keep and bool(self._past), message, bands)

@@ -1,29 +1,85 @@
-"""Curves over one turn, one plot in each dock."""
+"""Plots over a turn."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from math import degrees, radians
+from types import MappingProxyType
 
+import numpy as np
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QKeyEvent, QPalette
 from PySide6.QtWidgets import QStackedWidget
 
+from core.errors import KindynaError
+from core.motion import degrees as turn_degrees
 from core.motion.extremes import Extremes
-from core.study import Quantity, Study
-from kindyna_gui.documents.pins import Pins
+from core.study import Camshaft, Quantity, Study
+from kindyna_gui.documents.pins import Bands, Pins
 from kindyna_gui.documents.session import Session
-from kindyna_gui.graph.drives_plot import curves_of_all
 from kindyna_gui.graph.live_plot import LivePlot
 from kindyna_gui.graph.marked_view import MarkedView
-from kindyna_gui.note import Note
+from kindyna_gui.look import Note
 from kindyna_gui.pictures.plots.quantities import figures_of, quantities_for, rows_of, split, stages_of, why_empty
-from kindyna_gui.pictures.plots.under_mouse import MACHINE_ANGLE, MACHINE_TIP, CursorPlot
+from kindyna_gui.pictures.plots.xy import MACHINE_ANGLE, MACHINE_TIP, CursorPlot, Line
 from kindyna_gui.pictures.style import SCREEN
+from kindyna_gui.pictures.units import readable
 from kindyna_gui.player import Player, obey
 from kindyna_gui.requirements import NotHere, ways_of
 from kindyna_gui.saving import save_numbers, save_picture
 from kindyna_gui.view import NumberAtHand
+
+# -- drives plot -----------------------------------------------------------------------------------------
+
+TORQUE = "drive_torque"
+"""The quantity of which the drives on a shaft have a sum."""
+
+
+def curves_of_all(shaft: Camshaft[Study], usual: Sequence[str], bands: Bands) -> tuple[list[Line], str, list[str]]:
+    """The first of these quantities of each drive over the machine angle [deg] with its band, of torques their sum too; the title of
+    the axis; and a line for each drive that is left out."""
+    found, missing, first = [], [], None
+    for number, (name, study) in enumerate(shaft.drives.items()):
+        try:
+            rows, _ = split(study, rows_of(study, quantities_for(study, usual)))
+            values = rows[0].values(study) if rows else np.zeros(0)
+        except KindynaError as error:
+            missing.append(f"{name}: {error}")
+            continue
+        first = first or (rows[0] if rows else None)
+        if not rows or first is None or rows[0].unit.symbol != first.unit.symbol:
+            what = f"in {rows[0].unit.symbol}, not in {first.unit.symbol}" if rows and first else "none"
+            missing.append(f"{name}: {what}")
+            continue
+        band = bands.read(rows[:1], number).get(rows[0].slug)
+        place = shaft.positions[name]
+        shade = None if band is None else (place.machine_angle(np.deg2rad(turn_degrees(band.shape[1]))), band)
+        found.append((place.machine_angle(study.theta), values, SCREEN.drive(number), name, shade))
+    if first is None:
+        return [], "", missing
+    if first.name == TORQUE and len(found) > 1 and not missing:
+        sum_band = bands.of_shaft().get("")
+        shade = None if sum_band is None else (np.deg2rad(turn_degrees(sum_band.shape[1])), sum_band)
+        found.append((shaft.theta, shaft.torque, SCREEN.ink, "Shaft", shade))
+    rung = readable(first.unit.symbol, max(float(np.nanmax(np.abs(values))) for _, values, *_ in found))
+    lines = [
+        Line(*_closed(x, values / rung.size), colour, name, band=shade and _closed(shade[0], shade[1] / rung.size))
+        for x, values, colour, name, shade in found
+    ]
+    return lines, f"{first.label}, {rung.symbol}", missing
+
+
+def _closed(machine: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Machine angles (n,) [rad] and values (..., n) there as angles (n + 2,) [deg] in their order, from 0 to 360, and values."""
+    order = np.argsort(machine)
+    x, y = np.degrees(machine[order]), y[..., order]
+    part = (360.0 - x[-1]) / (x[0] + 360.0 - x[-1])
+    edge = y[..., -1:] + part * (y[..., :1] - y[..., -1:])
+    return np.concatenate(([0.0], x, [360.0])), np.concatenate((edge, y, edge), axis=-1)
+
+
+# -- curves over one turn, one plot in each dock ---------------------------------------------------------
 
 LEAST_WIDTH = 240  # below it labels and axes no longer fit
 
@@ -181,7 +237,7 @@ class PlotView(MarkedView):
 
     def picture(self, ending: str) -> bytes:
         """The plot on paper, without the cursor."""
-        from kindyna_gui.pictures.files import curves_file
+        from kindyna_gui.pictures.painter import curves_file
 
         self.pull()
         if self.shows_all:
@@ -194,4 +250,84 @@ class PlotView(MarkedView):
             super().keyPressEvent(event)
 
 
-__all__ = ["PlotView"]
+# -- stack view ------------------------------------------------------------------------------------------
+
+SHARES: Mapping[str, int] = MappingProxyType(
+    {"displacement": 22, "velocity": 18, "acceleration": 18, "jerk": 18, "pressure_angle": 24}
+)
+"""Quantity -> its share of the height; the first has the names of the segments above it, the last the angles below it."""
+
+
+class StackView(MarkedView):
+    """One plot for each of ``SHARES``; one that the design does not have says why."""
+
+    def __init__(self, session: Session, player: Player) -> None:
+        super().__init__(session, player)
+        first, *_, last = SHARES
+        self.plots = {name: LivePlot(names=name == first, angles=name == last) for name in SHARES}
+        self._drawn: dict[str, list[Quantity]] = {}
+        for plot in self.plots.values():
+            plot.setMinimumHeight(1)
+            plot.angle_moved.connect(self._turn)
+            self.offer_explanation(plot)
+            self.offer_deeds(plot, partial(self._rows_of, plot))
+            plot.addActions([self.marks, plot.whole_action])
+        self.set_column(*self.plots.values(), grows=self.plots[first])
+        for index, share in enumerate(SHARES.values()):
+            self.content.layout().setStretch(index, share)  # type: ignore[union-attr]
+        self.content.setBackgroundRole(QPalette.ColorRole.Base)
+        self.content.setAutoFillBackground(True)
+
+    @property
+    def stages(self) -> tuple[str, ...]:  # type: ignore[override]
+        """Those that the quantities shown need."""
+        return stages_of(quantities_for(self.session.study, tuple(SHARES)))
+
+    def refresh(self, study: Study) -> None:
+        for name, plot in self.plots.items():
+            drawn, missing = split(study, rows_of(study, quantities_for(study, (name,))))
+            self._drawn[name] = list(drawn)
+            plot.name_angle(study)
+            if drawn:
+                plot.set_curves(study, drawn, read=False, bands=self.bands.read(drawn))  # ``follow`` comes next
+            else:
+                plot.show_message("\n".join(missing) or why_empty(study, (name,)))
+        self.look_for_extremes(study)
+
+    def _rows_of(self, plot: LivePlot) -> list[Quantity]:
+        return next((rows for name, rows in self._drawn.items() if self.plots[name] is plot), [])
+
+    def lacking(self, study: Study) -> tuple[Quantity, ...]:
+        return tuple(row for name, plot in self.plots.items() if plot.lacks_extremes for row in self._drawn[name])
+
+    def show_extremes(self, found: Mapping[str, Extremes] | None) -> None:
+        for plot in self.plots.values():
+            if found is None or plot.lacks_extremes:  # those that were found before are not among them
+                plot.show_extremes(found)
+
+    def follow(self, theta: float) -> None:
+        for name, plot in self.plots.items():
+            plot.set_angle(theta, self.session.at(theta) if self._drawn[name] else None)
+        self.extremes.resume()
+
+    def number_at_hand(self) -> NumberAtHand | None:
+        chosen = next((name for name, plot in self.plots.items() if plot.underMouse()), "pressure_angle")
+        rows = self._drawn.get(chosen)
+        return NumberAtHand(rows[0].slug) if rows else None
+
+    def _turn(self, theta: float) -> None:
+        self.player.play(False)
+        self.player.set_theta(theta)
+
+    def picture(self, ending: str) -> bytes:
+        """The plots on paper, without the cursor."""
+        from kindyna_gui.pictures.painter import curves_file
+
+        self.pull()
+        drawn = [rows for rows in self._drawn.values() if rows]
+        bands = self.bands.read([row for rows in drawn for row in rows])
+        return curves_file(self.session.study, drawn, ending, self.marks.isChecked(), bands)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        if not obey(self.player, event):
+            super().keyPressEvent(event)

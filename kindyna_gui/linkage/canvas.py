@@ -1,15 +1,37 @@
-"""A window on the scene of the mechanism: zoom, pan, and joints that are taken with the mouse."""
+"""Zoom, pan, hit tests."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cached_property
 
+import numpy as np
 from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, QRectF, Qt, QTimer, Signal
-from PySide6.QtGui import QContextMenuEvent, QKeyEvent, QMouseEvent, QPainter, QResizeEvent, QTransform, QWheelEvent
+from PySide6.QtGui import (
+    QColor,
+    QContextMenuEvent,
+    QKeyEvent,
+    QMouseEvent,
+    QPainter,
+    QPainterPath,
+    QPen,
+    QPolygonF,
+    QResizeEvent,
+    QTransform,
+    QWheelEvent,
+)
 from PySide6.QtWidgets import QFrame, QGraphicsView
 
+from core.errors import KindynaError
+from core.mechanism.kinematics import FRAME
+from core.study import Study
 from kindyna_gui.pictures.drawing.assembly import Assembly
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
+from kindyna_gui.pictures.shapes import joined, outline
+from kindyna_gui.pictures.style import SCREEN
+from kindyna_gui.pictures.units import nearest
+
+# -- canvas ----------------------------------------------------------------------------------------------
 
 NOTCH, STEP = 120.0, 1.25  # of a wheel: its angle, and the factor by which it zooms
 FURTHEST, CLOSEST = 0.05, 400.0  # zoom, in parts of the scale at which the mechanism fits
@@ -318,4 +340,53 @@ class Canvas(QGraphicsView):
             self.show_region(self._centre, self._scale, keep_labels=True)
 
 
-__all__ = ["REST_MS", "Canvas", "joints_now"]
+# -- ghost -----------------------------------------------------------------------------------------------
+
+MM = 1e3
+WIDTH = 1.0  # pixels; Qt takes many times as long for wider lines
+
+
+class Ghost:
+    """Made of one study; lines at an angle in mm, y upwards."""
+
+    def __init__(self, study: Study) -> None:
+        self.study = study
+
+    @cached_property
+    def _outline(self) -> QPainterPath:
+        """Of the cam in its own frame."""
+        assert self.study.shape is not None
+        return joined(*(outline(MM * flank.profile) for flank in self.study.shape.flanks))
+
+    def path(self, theta: float) -> QPainterPath:
+        """Outline of the cam, what touches it, links as lines between their points; empty where there is no position."""
+        path = QPainterPath()
+        try:
+            kinematics, shape = self.study.linkage, self.study.shape
+        except KindynaError:
+            return path
+        at = nearest(self.study.theta, theta)
+        for name, pose in kinematics.bodies.items():
+            points = [complex(np.broadcast_to(pose.place(point), self.study.theta.shape)[at]) for point in pose.points]
+            if name != FRAME and len(points) > 1:
+                path.addPolygon(_polygon(points + points[:1]))
+        if shape is not None:
+            turned = QTransform().rotate(self.study.sense * float(np.rad2deg(self.study.theta[at])))
+            path.addPath(turned.map(self._outline))
+            if radius := MM * shape.flank.radius:
+                centre = MM * complex(shape.reference[at])
+                path.addEllipse(QPointF(centre.real, centre.imag), radius, radius)
+        return path
+
+
+def _polygon(points: list[complex]) -> QPolygonF:
+    return QPolygonF([QPointF(MM * p.real, MM * p.imag) for p in points])
+
+
+def paint_ghost(painter: QPainter, ghost: Ghost, theta: float, view: QTransform) -> None:
+    """In pixels of a view whose scene is in mm."""
+    colour = QColor(SCREEN.quiet)
+    colour.setAlpha(150)
+    painter.setPen(QPen(colour, WIDTH))
+    painter.setBrush(QColor(0, 0, 0, 0))
+    painter.drawPath(view.map(ghost.path(theta)))

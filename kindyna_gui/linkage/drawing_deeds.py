@@ -23,9 +23,8 @@ from core.mechanism.drawing_edits import (
 )
 from core.mechanism.drawn import Spot
 from core.project import dumps, loads
-from kindyna_gui.linkage.draw_tools import Made
+from kindyna_gui.linkage.draw_tools import Made, grid_step
 from kindyna_gui.linkage.drawn_linkage import DrawnLinkage
-from kindyna_gui.linkage.snapping import grid_step
 from kindyna_gui.linkage.typed_values import TypedValues
 
 SHIFT_CELLS = 4  # by which a copy stands beside what it is of

@@ -1,30 +1,56 @@
-"""Drawing a linkage with the mouse: the tools, the strip and the keys of the mode. While it is not used it costs nothing."""
+"""Drawing mode."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import partial
 from types import MappingProxyType
 from typing import Any
 
-from PySide6.QtCore import QEvent, QObject, QPointF, Qt, Signal
+from PySide6.QtCore import QEvent, QObject, QPointF, QSize, Qt, Signal
 from PySide6.QtGui import QAction, QActionGroup, QColor, QKeyEvent, QKeySequence, QMouseEvent, QPainter, QPen
-from PySide6.QtWidgets import QMenu, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QVBoxLayout, QWidget
 
 from kindyna_gui.documents.session import Session
 from kindyna_gui.linkage.canvas import Canvas
-from kindyna_gui.linkage.choosing import Choosing
-from kindyna_gui.linkage.draw_bar import DrawBar
-from kindyna_gui.linkage.draw_tools import CHOOSE, MANY, TOOLS, DrawTool
+from kindyna_gui.linkage.choosing import Choosing, Stroke
+from kindyna_gui.linkage.draw_tools import CHOOSE, MANY, TOOLS, DrawTool, Snap, point_at, snapped
 from kindyna_gui.linkage.drawing_deeds import DEEDS, Deed, Deeds
 from kindyna_gui.linkage.drawn_linkage import DrawnLinkage
 from kindyna_gui.linkage.sketch_picture import Marked
-from kindyna_gui.linkage.snapping import Snap, point_at, snapped
-from kindyna_gui.linkage.stroke import Stroke
 from kindyna_gui.linkage.typed_values import TypedValues
-from kindyna_gui.look import icon
+from kindyna_gui.look import SteadyText, icon, tool_bar
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
+
+# -- the strip of the drawing tools ----------------------------------------------------------------------
+
+
+class DrawBar(QWidget):
+    """The strip of tools over the drawing, and below them what the drawing lacks and what is to be clicked."""
+
+    def __init__(self, actions: Sequence[QAction]) -> None:
+        super().__init__()
+        self.tools = tool_bar("Draw", self)
+        self.tools.setIconSize(QSize(20, 20))
+        for action in actions:
+            self.tools.addAction(action)
+        self.prompt = QLabel()
+        self.state = SteadyText()
+        row = QHBoxLayout()
+        row.setContentsMargins(0, 0, 0, 0)
+        row.addWidget(self.tools)
+        row.addWidget(self.prompt, 1)
+        self.prompt.setMinimumWidth(1)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(4, 1, 4, 2)
+        column.setSpacing(1)
+        column.addLayout(row)
+        column.addWidget(self.state)
+        self.hide()
+
+
+# -- drawing mode ----------------------------------------------------------------------------------------
 
 SHEET_MM = 260.0  # width of an empty sheet
 _FIRST = "0123456789.-+("
@@ -325,6 +351,3 @@ MENU_TOOLS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     }
 )
 """What is under the mouse -> the tools that its menu offers to begin there."""
-
-
-__all__ = ["MENU_TOOLS", "DrawingMode"]

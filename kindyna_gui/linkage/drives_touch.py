@@ -1,25 +1,105 @@
-"""Several drives drawn together, under the mouse: a cam is turned against the others, a profile is read, and each has its menu."""
+"""Several drives, loads under the mouse."""
 
 from __future__ import annotations
 
 from cmath import phase
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from math import degrees
+from types import MappingProxyType
 
 import numpy as np
 from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QCursor, QKeyEvent
 from PySide6.QtWidgets import QApplication
 
-from core.design import drive_names, phase_room, split_unit, turn_drive
+from core.design import drive_names, entries, phase_room, split_unit, turn_drive
+from core.followers.dragging import joints_of
 from kindyna_gui.documents.session import Session
+from kindyna_gui.labels import name_of
 from kindyna_gui.linkage.canvas import Canvas
+from kindyna_gui.linkage.picking import Picker, rows_at
 from kindyna_gui.pictures.drawing.assembly import Assembly
+from kindyna_gui.pictures.drawing.cam_parts import on_cam
+from kindyna_gui.pictures.drawing.geometry import Geometry
+from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.pictures.units import measure, short
 from kindyna_gui.player import Player
-from kindyna_gui.timing.canvas import FINE, STEP, DraggedDrive
-from kindyna_gui.touched import Answer, BesideMouse, Thing, open_menu, typed_on
+from kindyna_gui.timing_canvas import FINE, STEP, DraggedDrive
+from kindyna_gui.touch_targets import Answer, BesideMouse, Thing, open_menu, typed_on
 from kindyna_gui.view import View
+
+# -- touch -----------------------------------------------------------------------------------------------
+
+# -- what lies where ------------------------------------------------------------------------------------------
+
+LINKS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "arm": ("follower.slider_arm_mm", "follower.arm_mm", "follower.face_offset_mm"),
+        "rod": ("follower.rod_mm",),
+        "slider": ("follower.guide_height_mm",),
+        "follower": ("follower.offset_mm",),
+    }
+)
+"""Body of a follower -> the fields that say how large it is, the first that a design has."""
+
+
+def thing_at(canvas: Canvas, scene: MechanismScene, picker: Picker, at: complex) -> Thing | None:
+    """The uppermost thing at a place [mm], with its field; None on the bare sheet."""
+    geometry = scene.geometry
+    if geometry is None:
+        return None
+    return next((found for look in LOOKS if (found := look(canvas, scene, picker, at, geometry)) is not None), None)
+
+
+def _pin(canvas: Canvas, scene: MechanismScene, picker: Picker, at: complex, geometry: Geometry) -> Thing | None:
+    name = canvas.joint_at(canvas.viewportTransform().map(QPointF(at.real, at.imag)), rims=False)
+    drag = joints_of(geometry.study.design).get(name)
+    return None if drag is None else Thing(drag.label[:1].upper() + drag.label[1:], drag.field, "pressure_angle")
+
+
+def _load(canvas: Canvas, scene: MechanismScene, picker: Picker, at: complex, geometry: Geometry) -> Thing | None:
+    rows = [row for row in rows_at(canvas, at) if row]
+    return Thing(name_of(geometry.study.design, rows[0]), rows[0]) if rows else None
+
+
+def _face(canvas: Canvas, scene: MechanismScene, picker: Picker, at: complex, geometry: Geometry) -> Thing | None:
+    inside = abs(at - complex(geometry.reference[scene.index])) <= geometry.face_radius
+    if not inside or geometry.face_radius == 0.0:
+        return None
+    noun = geometry.study.design.drive.face.noun
+    return Thing(noun[:1].upper() + noun[1:], geometry.face_path, "contact_force")
+
+
+def _link(canvas: Canvas, scene: MechanismScene, picker: Picker, at: complex, geometry: Geometry) -> Thing | None:
+    name = picker.face_at(geometry, geometry.moving, at)
+    if name is None:
+        return None
+    design = geometry.study.design
+    number = next((n for n, body in geometry.study.mechanism.bodies.items() if body == name), 0)
+    typed = [
+        row.path for section in ("follower", "linkage") if section in design.tables for row in entries(design, section)
+    ]
+    links = design.drive.linkage.links if design.drive.links else ()
+    own = [f"linkage.links[{i}].points" for i, link in enumerate(links) if link.number == number]
+    path = next((path for path in LINKS.get(name, ()) if path in typed), "")
+    path = path or next(
+        (path for path in typed if own and path.startswith(own[0])), "follower" if not links else "linkage"
+    )
+    return Thing(f"Link {number}" if links else name[:1].upper() + name[1:], path)
+
+
+def _cam(canvas: Canvas, scene: MechanismScene, picker: Picker, at: complex, geometry: Geometry) -> Thing | None:
+    if not on_cam(geometry, scene.index, at):
+        return None
+    sized = hasattr(geometry.study.design.drive.cam, "base_radius_mm")
+    return Thing("Cam", "cam.base_radius_mm" if sized else "cam", "pitch_curvature", profile=True)
+
+
+LOOKS = (_pin, _load, _face, _link, _cam)
+"""What may lie under the mouse, the uppermost first."""
+
+
+# -- drives touch ----------------------------------------------------------------------------------------
 
 REACH = 8.0  # pixels from a profile within which it is read
 
@@ -127,7 +207,7 @@ class DrivesTouch:
 
     def key(self, event: QKeyEvent) -> bool:
         """A phase that is typed while a drive is held goes in with Return; False: the key is another's."""
-        from kindyna_gui.forms.typed_number import parsed
+        from kindyna_gui.forms.number_box import parsed
 
         held = self._held
         if held is None:
@@ -154,6 +234,3 @@ class DrivesTouch:
         self._session.let_go(held.path, self._work if back else None)
         self.began(False)
         self.tell()
-
-
-__all__ = ["DrivesTouch"]

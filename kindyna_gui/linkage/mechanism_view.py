@@ -21,17 +21,15 @@ from core.study import Study
 from kindyna_gui.documents.pins import Pins
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import misses
-from kindyna_gui.drives.rows import drive_rows
-from kindyna_gui.drives.strip import ON_SHAFT, ONE, DriveStrip
+from kindyna_gui.drives import ON_SHAFT, ONE, DriveStrip, drive_rows
 from kindyna_gui.labels import allowed_text, no_number, reason, value_text
-from kindyna_gui.linkage.canvas import Canvas, rims_now
-from kindyna_gui.linkage.ghost import Ghost, paint_ghost
-from kindyna_gui.linkage.load_places import next_row, paint_row, rows_at
-from kindyna_gui.linkage.picking import Picker, Taken
-from kindyna_gui.note import Note, linked
+from kindyna_gui.linkage.canvas import Canvas, Ghost, paint_ghost, rims_now
+from kindyna_gui.linkage.picking import Picker, Taken, next_row, paint_row, rows_at
+from kindyna_gui.look import Note, linked
 from kindyna_gui.pictures.drawing.assembly import OF_CHOSEN, OF_EACH, Assembly
 from kindyna_gui.pictures.drawing.geometry import MM
-from kindyna_gui.pictures.drawing.layers import (
+from kindyna_gui.pictures.drawing.mechanism import MechanismScene
+from kindyna_gui.pictures.drawing.parts import (
     COLOURS,
     DIMENSIONS,
     EVERY_LAYER,
@@ -43,7 +41,6 @@ from kindyna_gui.pictures.drawing.layers import (
     goes_on,
     layers_of,
 )
-from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.pictures.style import LIGHT, SCREEN
 from kindyna_gui.player import Player, obey
 from kindyna_gui.requirements import ONLY_LINKAGES, why_no_forces, why_no_pressure
@@ -53,7 +50,7 @@ if TYPE_CHECKING:  # made when it is first wanted
     from kindyna_gui.linkage.drawing_mode import DrawingMode
     from kindyna_gui.linkage.drives_touch import DrivesTouch
     from kindyna_gui.linkage.underlay import UnderlayDesk
-    from kindyna_gui.touched import Thing
+    from kindyna_gui.touch_targets import Thing
 
 PROFILE_REACH = 8.0  # pixels from the profile within which it is read
 RUN_PARTS = 12  # of a turn: what one move of the mouse may run the machine
@@ -513,19 +510,19 @@ class MechanismView(View):
 
     def _answer(self, hold: Hold) -> None:
         """What stands beside the mouse while something is held."""
-        from kindyna_gui.touched import answers
+        from kindyna_gui.touch_targets import answers
 
         hold.lines = answers(self.session.study, hold.field, tuple(self.session.stages_on_screen()))
 
     def _type(self, event: QKeyEvent) -> bool:
         """A number typed while something is held goes to its field with Return."""
-        from kindyna_gui.touched import typed_on
+        from kindyna_gui.touch_targets import typed_on
 
         hold = self.held
         if hold is None:
             return False
         if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
-            from kindyna_gui.forms.typed_number import parsed
+            from kindyna_gui.forms.number_box import parsed
 
             value = parsed(hold.typed, split_unit(hold.field)[1]) if hold.typed else None
             if value is None:
@@ -602,7 +599,7 @@ class MechanismView(View):
             self._host.focus_field(thing.path)
 
     def _thing_at(self, at: complex) -> Thing | None:
-        from kindyna_gui.linkage.touch import thing_at
+        from kindyna_gui.linkage.drives_touch import thing_at
 
         if not self.up_to_date or self.in_trouble or self.shows_sheet:
             return None
@@ -610,7 +607,7 @@ class MechanismView(View):
 
     def _open_menu(self, place: QPointF, on_screen: QPoint) -> None:
         """What can be done with what lies under the mouse."""
-        from kindyna_gui.touched import open_menu
+        from kindyna_gui.touch_targets import open_menu
 
         if not self.shows_sheet and self._host is not None:
             open_menu(self._thing_at(complex(place.x(), place.y())), self, self._host, on_screen)
@@ -633,7 +630,7 @@ class MechanismView(View):
             paint_row(self.canvas, painter, self.session.load)
             self.picker.paint(painter)
             if self.held is not None:
-                from kindyna_gui.touched import paint_beside
+                from kindyna_gui.touch_targets import paint_beside
 
                 here = self.canvas.viewportTransform().map(QPointF(self.held.at.real, self.held.at.imag))
                 paint_beside(painter, self.held.shown, here, self.canvas.viewport().rect())
@@ -676,8 +673,7 @@ class MechanismView(View):
 
     def picture(self, ending: str) -> bytes:
         """What is visible, in the size it has on the screen; a PNG has twice the dots."""
-        from kindyna_gui.pictures.files import MechanismSheet
-        from kindyna_gui.pictures.paper import ENLARGED, RATIO, png, svg
+        from kindyna_gui.pictures.painter import ENLARGED, RATIO, MechanismSheet, png, svg
 
         self.pull()
         vector = ending == ".svg"

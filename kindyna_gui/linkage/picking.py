@@ -1,4 +1,4 @@
-"""Points, links and pairs of the drawn mechanism, chosen with the mouse: what can be chosen is marked, and read out before the click."""
+"""Picking and choosing."""
 
 from __future__ import annotations
 
@@ -11,18 +11,36 @@ from PySide6.QtCore import QObject, QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import QColor, QFont, QPainter, QPen
 from PySide6.QtWidgets import QGraphicsPathItem
 
-from core.design import FRAME_LINK, LINK, PAIR, POINT, AttachedEnd, Attachment, Held, PairPlace, link_points, places_for
-from core.dynamics import pairs_named, place_at
+from core.design import (
+    FRAME_LINK,
+    HOLDS,
+    LINK,
+    PAIR,
+    POINT,
+    AttachedEnd,
+    Attachment,
+    Held,
+    PairPlace,
+    get,
+    link_points,
+    load_lists,
+    places_for,
+)
+from core.dynamics import Torsion, attachment_point, element_at, pairs_named, row_of_element
+from core.errors import NoSolution
 from core.frozen import frozen
-from core.output.load_text import held_text
+from core.output.load_text import attachment_text
 from kindyna_gui.linkage.canvas import Canvas
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
+from kindyna_gui.pictures.drawing.load_parts import spirals
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.pictures.style import SCREEN
 
+# -- picking ---------------------------------------------------------------------------------------------
+
 NEAR, ALONG = 11.0, 7.0  # pixels from a named place, and from a line of a link, within which it is meant
 UPON = 2.5  # pixels from its line within which a place on the face of a link is meant to be upon it
-RING = 6.0  # radius of a mark, pixels
+MARK_RADIUS = 6.0  # radius of a mark, pixels
 
 Taken = Callable[[Sequence[Held | None]], object]
 """Called with what was chosen, in the order of the holds; with nothing where it shall be placed as it can."""
@@ -180,7 +198,7 @@ class Picker(QObject):
         held, geometry = candidate.held, self._geometry
         assert isinstance(held, Attachment)
         assert geometry is not None
-        place = place_at(held, geometry.study.mechanism)
+        place = attachment_point(held, geometry.study.mechanism)
         return PickCandidate(self._at(held.link, place.at * MM), candidate.at)
 
     def _at(self, link: int, local: complex) -> Attachment:
@@ -241,17 +259,17 @@ class Picker(QObject):
         fill.setAlpha(50)
         painter.setBrush(fill)
         for at in {each.at for each in self.candidates()}:
-            painter.drawEllipse(self._pixel(at), RING, RING)
+            painter.drawEllipse(self._pixel(at), MARK_RADIUS, MARK_RADIUS)
         for held in (*self._got, *self._beside):
             for at in places_now(self._geometry, held, self._scene.index) if self._geometry and held else ():
                 painter.setBrush(colour)
-                painter.drawEllipse(self._pixel(at), RING - 1.0, RING - 1.0)
+                painter.drawEllipse(self._pixel(at), MARK_RADIUS - 1.0, MARK_RADIUS - 1.0)
         if self._under is not None and self._geometry is not None:
             painter.setBrush(Qt.BrushStyle.NoBrush)
             painter.setPen(QPen(colour, 2.4))
             here = self._pixel(self._under.at)
-            painter.drawEllipse(here, RING + 3.0, RING + 3.0)
-            self._name(painter, here, held_text(self._geometry.study.design, self._under.held))
+            painter.drawEllipse(here, MARK_RADIUS + 3.0, MARK_RADIUS + 3.0)
+            self._name(painter, here, attachment_text(self._geometry.study.design, self._under.held))
 
     def _name(self, painter: QPainter, here: QPointF, text: str) -> None:
         font = QFont(self._canvas.font())
@@ -311,9 +329,98 @@ def places_now(geometry: Geometry, held: Held, index: int) -> Iterator[complex]:
         if nodes:
             yield sum(nodes) / len(nodes)
         return
-    place = place_at(held, built)
+    place = attachment_point(held, built)
     body = geometry.bodies.get(place.body)
     yield place.at * MM if body is None else complex(body.track(place.at * MM)[index])
 
 
-__all__ = ["PickCandidate", "Picker", "foot", "places_now"]
+# -- load places -----------------------------------------------------------------------------------------
+
+SYMBOLS = frozenset({"spring", "damper", "load", "torque"})
+"""What the keys of the drawing's parts begin with that show a row of the loads."""
+REACH = 9.0  # pixels from a row within which it is meant
+CHOSEN_MARK_RADIUS = 9.0  # radius of the mark of the chosen one, pixels
+BETWEEN = 6.0  # width of its line between two ends, pixels
+
+
+def row_places(geometry: Geometry, path: str, index: int) -> list[complex]:
+    """Where a row of the loads stands at a sample [mm]: one place, or its two ends; none where it cannot be said."""
+    design = geometry.study.design
+    found: list[complex] = []
+    try:
+        row = get(design, path)
+        element = element_at(geometry.study.loading, path)
+        if isinstance(element, Torsion):
+            return [complex(track[index]) for track in spirals(element, geometry)]
+        for hold in HOLDS[path.partition(".")[2].partition("[")[0]]:
+            held = hold.read(row)
+            found += [_output(geometry, index)] if held is None else list(places_now(geometry, held, index))[:1]
+    except (KeyError, NoSolution):
+        return []
+    return found
+
+
+def _output(geometry: Geometry, index: int) -> complex:
+    """The point of the output that its motion moves."""
+    kinematics = geometry.kinematics
+    return complex(kinematics.bodies[kinematics.output].place(kinematics.driver_pair.point)[index]) * MM
+
+
+def row_paths(geometry: Geometry) -> Iterator[str]:
+    """The rows of the loads by their paths."""
+    drive = geometry.study.design.drive
+    for name in load_lists(drive):
+        yield from (f"loads.{name}[{i}]" for i in range(len(getattr(drive.loads, name))))
+
+
+def rows_at(canvas: Canvas, at: complex) -> list[str]:
+    """The rows of the loads under a place [mm], the nearest first."""
+    geometry = canvas.drawn.geometry
+    if geometry is None:
+        return []
+    near = []
+    for i, path in enumerate(row_paths(geometry)):
+        places = row_places(geometry, path, canvas.drawn.index)
+        if places:
+            distance = abs(at - foot(at, places[0], places[-1])) * canvas.scale_now
+            near.append((distance, i, path))
+    found = [path for distance, _, path in sorted(near) if distance <= REACH]
+    return list(dict.fromkeys((*found, *_drawn_at(canvas, at))))
+
+
+def _drawn_at(canvas: Canvas, at: complex) -> Iterator[str]:
+    """The rows whose symbols are drawn at a place [mm]; empty for the loads that have no row."""
+    reach = REACH / canvas.scale_now
+    under = QRectF(at.real - reach, at.imag - reach, 2.0 * reach, 2.0 * reach)
+    scene = canvas.drawn
+    for key, part in scene.parts.items() if isinstance(scene, MechanismScene) else ():
+        what, _, name = key.partition(".")
+        item = part.item
+        drawn = what in SYMBOLS and isinstance(item, QGraphicsPathItem) and item.isVisible() and item.opacity() > 0.0
+        if drawn and item.mapToScene(item.path()).intersects(under):  # type: ignore[attr-defined]
+            yield row_of_element(name)
+
+
+def next_row(rows: list[str], chosen: str) -> str:
+    """Of the rows under the mouse the one that a further click means."""
+    return rows[(rows.index(chosen) + 1) % len(rows)] if chosen in rows else rows[0]
+
+
+def paint_row(canvas: Canvas, painter: QPainter, path: str) -> None:
+    """Mark the chosen row; in pixels of the viewport."""
+    geometry = canvas.drawn.geometry
+    if geometry is None or not path:
+        return
+    pixels = [
+        canvas.viewportTransform().map(QPointF(at.real, at.imag))
+        for at in row_places(geometry, path, canvas.drawn.index)
+    ]
+    pale = QColor(SCREEN.chosen)
+    pale.setAlpha(70)
+    painter.setBrush(Qt.BrushStyle.NoBrush)
+    if len(pixels) > 1:
+        painter.setPen(QPen(pale, BETWEEN, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
+        painter.drawLine(pixels[0], pixels[-1])
+    painter.setPen(QPen(QColor(SCREEN.chosen), 1.6))
+    for pixel in pixels:
+        painter.drawEllipse(pixel, CHOSEN_MARK_RADIUS, CHOSEN_MARK_RADIUS)

@@ -16,7 +16,7 @@ from core.design.topology import driver_turns, input_slides
 from core.frozen import frozen
 from core.mechanism.drawn import Places, edges_of, frame_of, input_pin, line_of_slider, pose_of
 from core.mechanism.drivers import wheel_pairs
-from kindyna_gui.linkage.snapping import (
+from kindyna_gui.linkage.draw_tools import (
     ANGLE,
     GRID,
     LINE,

@@ -32,8 +32,8 @@ from kindyna_gui import dialogs
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.linkage.canvas import Canvas
-from kindyna_gui.linkage.snapping import nearest_mark
-from kindyna_gui.linkage.typed_boxes import Box, Typed, TypedBoxes
+from kindyna_gui.linkage.draw_tools import nearest_mark
+from kindyna_gui.linkage.typed_values import Box, Typed, TypedBoxes
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.settings import Settings
 

@@ -25,24 +25,29 @@ from PySide6.QtWidgets import (
 
 from core.design import Info, require_motion
 from core.errors import KindynaError
-from core.measured import MotionFit, into_design, is_workbook, sheet_names
+from core.measured import MotionFit, is_workbook, sheet_names, with_measured_motion
 from core.measured.columns import LETTERS
 from core.output.measured_text import figures
 from core.project.files import read_bytes
 from kindyna_gui import dialogs
 from kindyna_gui.background import Background
-from kindyna_gui.documents.as_command import UNSAVED, add_copy_of
 from kindyna_gui.documents.session import Session
+from kindyna_gui.documents.texts import UNSAVED, add_copy_of
 from kindyna_gui.forms.number_box import NameBox, NumberBox, WordBox
-from kindyna_gui.forms.put_dialog import PutDialog
+from kindyna_gui.forms.request_form import PutDialog
 from kindyna_gui.labels import sentence
-from kindyna_gui.measured.entries import EntryTable, counted, fault_entries, fit_entries
-from kindyna_gui.measured.form import ReadingForm
-from kindyna_gui.measured.plot import show_residuals, show_rows
-from kindyna_gui.measured.request import TableAnswer, TableReader, TableRequest, as_command, spelled, symbol
-from kindyna_gui.measured.segments import SegmentTable
+from kindyna_gui.look import bold_label
+from kindyna_gui.measured.form import ReadingForm, TableAnswer, TableReader, TableRequest, as_command, spelled, symbol
+from kindyna_gui.measured.segments import (
+    EntryTable,
+    SegmentTable,
+    counted,
+    fault_entries,
+    fit_entries,
+    show_residuals,
+    show_rows,
+)
 from kindyna_gui.measured.sheet import SheetTable, fault_marks, fit_marks
-from kindyna_gui.note import bold_label
 from kindyna_gui.pictures.plots.xy import XYPlot
 
 AT_ONCE = 0.15  # seconds that an answer is waited for before the dialog says that it is being computed
@@ -278,7 +283,7 @@ class MeasuredDialog(PutDialog):
         self.form.ask_trust(answer.layout, answer.fit is not None and bool(answer.fit.contradicted))
         if answer.layout is not None:
             how = answer.layout
-            units = {how.quantity: how.unit.name, **{each.quantity: each.unit.name for each in how.beside}}
+            units = {how.quantity: how.unit.name, **{each.quantity: each.unit.name for each in how.other_columns}}
             for quantity, box in self.errors.items():
                 self.units[quantity].setText(symbol(units[quantity]) if quantity in units else "")
                 for each in (self.labels[quantity], box, self.units[quantity]):
@@ -357,7 +362,7 @@ class MeasuredDialog(PutDialog):
         self.readings.addItem("Which rows are wrong?", ())
         for rows in found.outliers.readings if found is not None else ():
             assert found is not None
-            self.readings.addItem(f"{found.table.named(rows)} ({len(rows)} rows)", rows)
+            self.readings.addItem(f"{found.table.lines_text(rows)} ({len(rows)} rows)", rows)
         readings = self.readings.count() > 1
         self.readings.setVisible(readings)
         self.readings.set_waits(readings)
@@ -449,7 +454,7 @@ class MeasuredDialog(PutDialog):
     def accept(self) -> None:
         """Put the motion into the design, where the table gives one."""
         if self.put_button.isEnabled() and self.answer.fit is not None:
-            self.put(into_design(self._session.design, self.answer.fit), f"Import {self._path.name}")
+            self.put(with_measured_motion(self._session.design, self.answer.fit), f"Import {self._path.name}")
 
 
 def import_measured(session: Session, parent: QWidget) -> MeasuredDialog | None:

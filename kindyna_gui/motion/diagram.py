@@ -1,9 +1,10 @@
-"""The displacement over one turn with what can be taken hold of, the marks of the joins, and the motion before the
-last edit: a picture that is kept and only changed."""
+"""Displacement diagram."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from math import hypot
 
 import numpy as np
 import pyqtgraph as pg
@@ -11,22 +12,282 @@ from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QAccessible, QColor, QFontMetricsF, QPainter
 from PySide6.QtWidgets import QWidget
 
-from core.design import UNITS, Design, Motion, SplineCurve, join_angles, join_levels, require_motion
+from core.design import UNITS, Design, Motion, SplineCurve, join_angles, join_levels, join_range, require_motion
+from core.design.edits import is_dwell
 from core.frozen import frozen
+from core.motion import Join
 from core.output.lines import shortest
 from core.study import Quantity, Study
-from kindyna_gui.labels import value_text
-from kindyna_gui.motion.grips import LEVEL, LINE, DiagramScale, Grip, places
-from kindyna_gui.motion.marks import JoinMark, marks
+from kindyna_gui.labels import sentence, value_text
 from kindyna_gui.pictures.items import text_size
-from kindyna_gui.pictures.plots.background import Span, spans
-from kindyna_gui.pictures.plots.curves import Curve
-from kindyna_gui.pictures.plots.frame import Z_CURVE, Z_REFERENCE
-from kindyna_gui.pictures.plots.plot import NO_BANDS, CurvePlot
-from kindyna_gui.pictures.plots.ranges import peak, shown_range
+from kindyna_gui.pictures.plots.curves import NO_BANDS, CurvePlot
+from kindyna_gui.pictures.plots.lines import Z_CURVE, Z_REFERENCE
+from kindyna_gui.pictures.plots.plot import Span, peak, shown_range, spans
+from kindyna_gui.pictures.plots.quantities import Curve
 from kindyna_gui.pictures.style import DASHED, SCREEN, SMALL, THIN, brush, font
-from kindyna_gui.pictures.units import readable, short, with_unit
-from kindyna_gui.preferences.units import point, sized, symbol_of
+from kindyna_gui.pictures.units import MINUS, digits, nice_below, readable, short, with_unit
+from kindyna_gui.settings import point, sized, symbol_of
+
+# -- grips -----------------------------------------------------------------------------------------------
+
+POINT, LINE, LEVEL = "point", "line", "level"
+REACH, LINE_REACH = 7.0, 4.0  # pixels from a point, from a line
+AWAY = 8.0  # a dwell's line begins so many pixels from its ends, which belong to the points
+TREMBLE = 3.0  # pixels that a hand may tremble in a direction that it does not mean
+ANGLE_STEP = 0.5  # degrees
+LEVEL_PIXELS = 2.5  # the most that a step of levels, 1, 2 or 5 times a power of ten, is high
+FINE = 0.1  # of the travel, and of the steps
+
+
+@frozen
+class Grip:
+    """Something to take hold of: a join's point (angle and level), the line through it (its angle), or the level line
+    of a dwell. ``segment``: of a dwell's line the dwell, else the segment before the join."""
+
+    kind: str
+    join: int
+    segment: int
+
+    @property
+    def turns(self) -> bool:
+        """Whether it can be drawn along the cam angle."""
+        return self.kind != LEVEL and self.join > 0
+
+    @property
+    def lifts(self) -> bool:
+        """Whether it can be drawn to another level."""
+        return self.kind != LINE
+
+
+@frozen
+class DiagramScale:
+    """How the diagram is laid out: pixels from ``left`` to ``right`` are 0 ... 360 degrees, from ``bottom`` up to
+    ``top`` (pixels count downwards) the levels ``low`` ... ``high``."""
+
+    left: float
+    right: float
+    top: float
+    bottom: float
+    low: float
+    high: float
+
+    def x(self, angle: float) -> float:
+        return self.left + angle / 360.0 * (self.right - self.left)
+
+    def y(self, level: float) -> float:
+        return self.bottom - (level - self.low) / (self.high - self.low) * (self.bottom - self.top)
+
+    def angle(self, x: float) -> float:
+        return min(max((x - self.left) / self.degree, 0.0), 360.0)
+
+    @property
+    def degree(self) -> float:
+        """Pixels that are one degree."""
+        return max(self.right - self.left, 1.0) / 360.0
+
+    @property
+    def unit(self) -> float:
+        """Pixels that are one unit of level."""
+        return max(self.bottom - self.top, 1.0) / (self.high - self.low)
+
+    @property
+    def level_step(self) -> float:
+        """A round step of levels that a hand can aim at."""
+        return nice_below(LEVEL_PIXELS / self.unit)
+
+
+def places(motion: Motion, scale: DiagramScale) -> Iterator[tuple[int, float, float]]:
+    """Every join and where it stands [pixels]; join 0 stands at both ends."""
+    levels = join_levels(motion)
+    for join, angle in enumerate(join_angles(motion)):
+        yield join, scale.x(angle), scale.y(levels[join])
+    yield 0, scale.x(360.0), scale.y(levels[0] + motion.gain)
+
+
+def grip_at(motion: Motion, scale: DiagramScale, x: float, y: float) -> Grip | None:
+    """What the mouse would take hold of: the nearest point, else the nearest line, else the level line of a dwell."""
+    joins_at, last = list(places(motion, scale)), len(motion.segments) - 1
+    away, join = min((hypot(x - px, y - py), join) for join, px, py in joins_at)
+    if away <= REACH:
+        return Grip(POINT, join, join - 1 if join else last)
+    if not scale.top <= y <= scale.bottom:
+        return None
+    lines = [(abs(x - px), join) for join, px, _ in joins_at if join > 0]
+    away, join = min(lines, default=(math.inf, 0))
+    if away <= LINE_REACH:
+        return Grip(LINE, join, join - 1)
+    for i, segment in enumerate(motion.segments):
+        _, begin, level = joins_at[i]
+        if is_dwell(segment) and begin + AWAY < x < joins_at[i + 1][1] - AWAY and abs(y - level) <= LINE_REACH:
+            return Grip(LEVEL, i, i)
+    return None
+
+
+def segment_at(motion: Motion, angle: float) -> int:
+    """The segment at a cam angle [deg]; at a join the one behind it."""
+    return max(i for i, begin in enumerate(join_angles(motion)) if begin <= angle)
+
+
+def snapped(value: float, step: float, direction: int = 0) -> float:
+    """The nearest multiple of a step, or the next one up (direction 1) or down (-1), in decimals."""
+    count = value / step
+    whole = {0: round(count), 1: math.floor(count + 1e-6) + 1, -1: math.ceil(count - 1e-6) - 1}[direction]
+    return round(whole * step, 10) + 0.0
+
+
+def snapped_angle(angle: float) -> float:
+    """A cam angle [deg] snapped where it was pointed at; a round one, which was typed or stepped to, stays."""
+    typed = round(angle, 2)
+    return typed + 0.0 if abs(typed - angle) < 1e-6 else snapped(angle, ANGLE_STEP)
+
+
+class Pull:
+    """One pull at a grip, from the press of the button on: each move of the mouse gives the angle and the level that
+    the join shall have, None where it keeps what it had.
+
+    A direction counts once the hand has moved in it by more than it trembles, so a point drawn sideways keeps its
+    level. Values snap to steps, ``fine`` ten times finer at a tenth of the travel; ``one_direction``: only in the direction in
+    which the hand has moved more. An angle stays between its neighbours.
+    """
+
+    def __init__(self, motion: Motion, grip: Grip, scale: DiagramScale) -> None:
+        self.motion, self.grip = motion, grip
+        self._scale = scale  # as it was: the diagram may grow meanwhile
+        self._angle, self._level = join_angles(motion)[grip.join], join_levels(motion)[grip.join]
+        self._range = join_range(motion, grip.join)
+        self._travel = [0.0, 0.0]  # of the hand, pixels
+        self._moved = [0.0, 0.0]  # of the join, pixels
+        self._intended = [False, False]
+
+    def move(
+        self, dx: float, dy: float, fine: bool = False, one_direction: bool = False
+    ) -> tuple[float | None, float | None]:
+        """The hand has moved on by so many pixels."""
+        for k, by in enumerate((dx, dy)):
+            self._travel[k] += by
+            self._moved[k] += by * (FINE if fine else 1.0)
+            self._intended[k] = self._intended[k] or abs(self._travel[k]) > TREMBLE
+        sideways = abs(self._travel[0]) >= abs(self._travel[1])
+        turns = self.grip.turns and self._intended[0] and (not one_direction or sideways or not self.grip.lifts)
+        lifts = self.grip.lifts and self._intended[1] and (not one_direction or not sideways or not self.grip.turns)
+        by = FINE if fine else 1.0
+        return self._turned(by) if turns else None, self._lifted(by) if lifts else None
+
+    def _turned(self, by: float) -> float:
+        wanted = snapped(self._angle + self._moved[0] / self._scale.degree, ANGLE_STEP * by)
+        low, high = self._range
+        return min(max(wanted, low), high)
+
+    def _lifted(self, by: float) -> float:
+        return snapped(self._level - self._moved[1] / self._scale.unit, self._scale.level_step * by)
+
+
+def nudged(
+    motion: Motion, join: int, scale: DiagramScale, direction: tuple[int, int], fine: bool = False
+) -> tuple[float | None, float | None]:
+    """Angle and level of a join one step on by keys: -1, 0 or 1 in angle and in level."""
+    by = FINE if fine else 1.0
+    low, high = join_range(motion, join)
+    angle = min(max(snapped(join_angles(motion)[join], ANGLE_STEP * by, direction[0]), low), high)
+    level = snapped(join_levels(motion)[join], scale.level_step * by, direction[1])
+    return angle if direction[0] and join else None, level if direction[1] else None
+
+
+# -- marks -----------------------------------------------------------------------------------------------
+
+LETTERS = "svaj"
+_PER = ("", "/rad", "/rad²", "/rad³")
+_ORDERS = ("displacement", "velocity", "acceleration", "jerk")
+_JERK = 3
+
+
+@frozen
+class JoinMark:
+    """One quantity at a join: its letter; where it jumps the size of the jump, bare and with its unit; the tone of the theme.
+
+    A jump of jerk is usual and stays quiet; every other one is red.
+    """
+
+    letter: str
+    size: str = ""
+    sized: str = ""
+    tone: str = "good"
+
+    @property
+    def jumps(self) -> bool:
+        """Whether the quantity jumps there."""
+        return bool(self.size)
+
+    @property
+    def loud(self) -> bool:
+        """Whether the jump is a fault, and not only worth knowing."""
+        return self.tone == "limit"
+
+    @property
+    def colour(self) -> str:
+        """The colour of that tone."""
+        return str(getattr(SCREEN, self.tone))
+
+
+def marks(join: Join, motion: Motion) -> tuple[JoinMark, ...]:
+    """s, v, a and j at a join."""
+    return tuple(_mark(join, motion, order) for order in range(4))
+
+
+def _mark(join: Join, motion: Motion, order: int) -> JoinMark:
+    if not join.jumps[order]:
+        return JoinMark(LETTERS[order])
+    size = jump_text(join, order, motion).lstrip(MINUS)
+    sized = with_unit(size, UNITS[motion.unit].symbol + _PER[order])
+    return JoinMark(LETTERS[order], size, sized, "quiet" if order == _JERK else "limit")
+
+
+def jump_text(join: Join, order: int, motion: Motion) -> str:
+    """The jump with its sign, in the motion's unit per radian of cam angle."""
+    return digits(float(join.jump[order]) / motion.scale, 3)
+
+
+FIRST = 3  # of the variants: the first loud jump with its size
+
+Parts = tuple[tuple[str, str], ...]
+"""Texts and their colours, from left to right."""
+
+
+def variants(row: Sequence[JoinMark]) -> tuple[Parts, ...]:
+    """The texts for the marks of a join, the longest first: every jump with its size and unit; only the loud ones;
+    without units; only the first; none."""
+    loud = next((mark for mark in row if mark.loud), None)
+    return (
+        tuple((_mark_text(mark, mark.sized), mark.colour) for mark in row),
+        tuple((_mark_text(mark, mark.sized if mark.loud else ""), mark.colour) for mark in row),
+        tuple((_mark_text(mark, mark.size if mark.loud else ""), mark.colour) for mark in row),
+        tuple((_mark_text(mark, mark.size if mark is loud else ""), mark.colour) for mark in row),
+        tuple((_mark_text(mark, ""), mark.colour) for mark in row),
+    )
+
+
+def _mark_text(mark: JoinMark, size: str) -> str:
+    if not mark.jumps:
+        return mark.letter
+    return f"Δ{mark.letter}\u00a0{size}" if size else f"Δ{mark.letter}"
+
+
+def join_text(join: Join, motion: Motion) -> str:
+    """``s v a Δj``: a letter where the quantity is continuous, its jump where not; the first loud one with its size."""
+    return " ".join(text for text, _ in variants(marks(join, motion))[FIRST])
+
+
+def join_help(join: Join, motion: Motion) -> str:
+    """The join in sentences: what is continuous there, and how far the rest jumps."""
+    jumping = [k for k in range(4) if join.jumps[k]]
+    smooth = [_ORDERS[k] for k in range(4) if k not in jumping]
+    rows = [f"continuous in {', '.join(smooth)}"] if smooth else []
+    unit = UNITS[motion.unit].symbol
+    rows += [f"{_ORDERS[k]} jumps by {with_unit(jump_text(join, k, motion), unit + _PER[k])}" for k in jumping]
+    return "\n".join(map(sentence, rows))
+
+
+# -- diagram ---------------------------------------------------------------------------------------------
 
 FLAT = 50.0  # shown above and below a motion without any rise, in its unit
 ANGLES = 21  # height of the numbers below, pixels
@@ -320,6 +581,3 @@ def rooms_beside(ends: Sequence[float]) -> list[tuple[bool, float]]:
         facing = 0 <= other <= last - 1 and lefts[other] is not left
         rooms.append((left, room / 2.0 if facing else room))
     return rooms
-
-
-__all__ = ["JoinLabel", "MotionDiagram", "label_text", "numbered", "rooms_beside", "step_name"]

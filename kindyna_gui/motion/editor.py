@@ -1,4 +1,4 @@
-"""The displacement diagram under the hand: joins are drawn by mouse or moved by keys, and the design follows."""
+"""Diagram under the mouse."""
 
 from __future__ import annotations
 
@@ -7,19 +7,121 @@ from math import radians
 from types import MappingProxyType
 
 from PySide6.QtCore import QEvent, QPointF, Qt, Signal
-from PySide6.QtGui import QContextMenuEvent, QFocusEvent, QHelpEvent, QKeyEvent, QMouseEvent, QWheelEvent
-from PySide6.QtWidgets import QToolTip, QWidget
+from PySide6.QtGui import (
+    QContextMenuEvent,
+    QFocusEvent,
+    QHelpEvent,
+    QKeyEvent,
+    QMouseEvent,
+    QPalette,
+    QResizeEvent,
+    QWheelEvent,
+)
+from PySide6.QtWidgets import QToolTip, QVBoxLayout, QWidget
 
 from core.design import Design, move_join, require_motion
 from core.errors import KindynaError
+from core.motion.extremes import Extremes
 from core.motion.split import shift_motion
 from core.output.lines import shortest
+from core.study import Quantity, Study
+from kindyna_gui.documents.pins import Bands
 from kindyna_gui.documents.session import Session
+from kindyna_gui.graph.live_plot import LivePlot
 from kindyna_gui.labels import law_label
-from kindyna_gui.motion.diagram import JoinLabel, MotionDiagram, label_text, step_name
-from kindyna_gui.motion.grips import ANGLE_STEP, LEVEL, LINE, POINT, Grip, Pull, grip_at, nudged, segment_at, snapped
-from kindyna_gui.motion.marks import join_help
+from kindyna_gui.motion.diagram import (
+    ANGLE_STEP,
+    LEVEL,
+    LINE,
+    POINT,
+    Grip,
+    JoinLabel,
+    MotionDiagram,
+    Pull,
+    grip_at,
+    join_help,
+    label_text,
+    nudged,
+    segment_at,
+    snapped,
+    step_name,
+)
+from kindyna_gui.pictures.plots.quantities import rows_of
 from kindyna_gui.player import Player, obey
+
+# -- derivatives -----------------------------------------------------------------------------------------
+
+QUANTITIES = ("velocity", "acceleration", "jerk")
+LEAST = 350  # pixels of height, from which on the three stand below the displacement
+DIAGRAM, PLOT, LAST = 34, 20, 26  # shares of the height; the last plot has the angles below it
+
+
+class DerivativePlots(QWidget):
+    """The diagram, and below it the plots of ``QUANTITIES``, which are drawn only while there is room for them.
+
+    angle_moved     (cam angle [rad]): a click into one of the plots, or the cursor drawn there
+    room_changed    there is room for the plots, or no longer
+    """
+
+    angle_moved = Signal(float)
+    room_changed = Signal()
+
+    def __init__(self, diagram: MotionDiagram) -> None:
+        super().__init__()
+        self.setBackgroundRole(QPalette.ColorRole.Base)
+        self.setAutoFillBackground(True)
+        self._diagram = diagram
+        self.plots = tuple(LivePlot(names=False, angles=name == QUANTITIES[-1]) for name in QUANTITIES)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(0)
+        column.addWidget(diagram, DIAGRAM)
+        for plot in self.plots:
+            plot.setMinimumHeight(1)
+            plot.hide()
+            plot.angle_moved.connect(self.angle_moved)
+            column.addWidget(plot, LAST if plot is self.plots[-1] else PLOT)
+
+    @property
+    def roomy(self) -> bool:
+        """Whether the plots are there."""
+        return not self.plots[0].isHidden()
+
+    def show_study(self, study: Study, bands: Bands) -> None:
+        """Draw velocity, acceleration and jerk of a study, with the bands of what is made."""
+        if self.roomy:
+            for plot, quantity in zip(self.plots, QUANTITIES, strict=True):
+                rows = rows_of(study, (quantity,))
+                plot.set_curves(study, rows, read=False, bands=bands.read(rows))
+
+    def lacking(self, study: Study) -> tuple[Quantity, ...]:
+        """The channels of the plots whose extremes are not marked yet."""
+        pairs = zip(self.plots, QUANTITIES, strict=True) if self.roomy else ()
+        return tuple(row for plot, quantity in pairs if plot.lacks_extremes for row in rows_of(study, (quantity,)))
+
+    def show_extremes(self, found: Mapping[str, Extremes] | None) -> None:
+        """Mark the extremes of each plot, by its quantity; None: mark none."""
+        for plot in self.plots:
+            if found is None or plot.lacks_extremes:  # those that were found before are not among them
+                plot.show_extremes(found)
+
+    def set_angle(self, theta: float, at_angle: Study) -> None:
+        """Move the cursors to cam angle theta [rad]; at_angle: the study there."""
+        if self.roomy:
+            for plot in self.plots:
+                plot.set_angle(theta, at_angle)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        super().resizeEvent(event)
+        roomy = self.height() >= LEAST
+        if roomy != self.roomy:
+            for plot in self.plots:
+                plot.setVisible(roomy)
+            self._diagram.show_angles(not roomy)
+            self.room_changed.emit()
+
+
+# -- editor ----------------------------------------------------------------------------------------------
 
 SHAPES: Mapping[str, Qt.CursorShape] = MappingProxyType(
     {
@@ -326,6 +428,3 @@ class MotionEditor(MotionDiagram):
             text = f"Segment {grip.segment + 1} ends, segment {grip.join + 1} begins\n"
             text += join_help(joins[grip.segment], self.motion)
         return f"{text}\n\n{HOW}"
-
-
-__all__ = ["DIRECTIONS", "HOW", "MotionEditor"]

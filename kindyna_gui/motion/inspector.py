@@ -15,15 +15,14 @@ from kindyna_gui.forms.fields import Field, FieldSpec
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.forms.parameters_view import ParametersView
 from kindyna_gui.labels import law_label, segment_of, value_text
-from kindyna_gui.motion.actions import perform
-from kindyna_gui.motion.bar import SegmentBar
 from kindyna_gui.motion.curve_fields import SegmentCurveForm
 from kindyna_gui.motion.head import MotionHead
 from kindyna_gui.motion.law_picker import LawBox
-from kindyna_gui.motion.segments_model import COLUMNS, LAW
+from kindyna_gui.motion.segments_table import COLUMNS, LAW
+from kindyna_gui.motion.segments_view import SegmentBar, perform
 from kindyna_gui.player import Player
-from kindyna_gui.preferences.units import TOLD
 from kindyna_gui.rebuilt import Rebuilt
+from kindyna_gui.settings import TOLD
 
 SPACING = 6  # pixels between a name and its field
 

@@ -1,24 +1,66 @@
-"""A law is picked from small pictures: by mouse, by arrow keys, or by typing a part of its name."""
+"""Law picker."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from types import MappingProxyType
 
+import numpy as np
 from PySide6.QtCore import QEvent, QObject, QPoint, QRect, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QHelpEvent, QKeyEvent, QMouseEvent, QPainter, QPaintEvent
 from PySide6.QtWidgets import QFrame, QLabel, QLineEdit, QScrollArea, QToolTip, QVBoxLayout, QWidget
 
 from core.frozen import frozen
-from core.laws import EVERY_LAW, law_groups
+from core.laws import EVERY_LAW, law_groups, named_law, peaks
 from kindyna_gui.forms.number_box import WordBox
-from kindyna_gui.labels import law_label
+from kindyna_gui.labels import law_label, sentence
 from kindyna_gui.look import coloured
-from kindyna_gui.motion.law_list import law_tip, matching, peaks_text
 from kindyna_gui.pictures.items import wrapped
-from kindyna_gui.pictures.plots.law_icon import paint_law
+from kindyna_gui.pictures.plots.quantities import paint_law
 from kindyna_gui.pictures.style import SCREEN, SMALL, font
+from kindyna_gui.pictures.units import short
 from kindyna_gui.rebuilt import soon
+
+# -- law list --------------------------------------------------------------------------------------------
+
+MOVING = 1e-9  # a velocity at an end above this is one [rise/span]
+
+
+def matching(text: str) -> dict[str, tuple[str, ...]]:
+    """The groups with those laws that have all words of a text in their name or that of their group."""
+    words = text.lower().split()
+    kept = {}
+    for name, slugs in law_groups().items():
+        hits = tuple(s for s in slugs if all(w in f"{s} {law_label(s)} {name}".lower() for w in words))
+        if hits:
+            kept[name] = hits
+    return kept
+
+
+def peaks_text(slug: str) -> str:
+    """``Cv 1.76  Ca 5.53  Cj 69.5``; what the law has instead where there are none."""
+    law = named_law(slug)
+    if law.is_dwell or not law.pieces:
+        return law.own
+    own = peaks(law)
+    rows = (("Cv", own.cv), ("Ca", own.ca), ("Cj", own.cj))
+    return "  ".join(f"{name} {short(value, 3)}" for name, value in rows)
+
+
+def law_tip(slug: str) -> str:
+    """What a law is, in a line or two."""
+    law = named_law(slug)
+    text = sentence(law.help or law.source)
+    if law.pieces and not law.is_dwell:
+        text += "\nPeaks for unit rise and span; jerk counts the inside of the law only"
+        if float(np.abs(law(np.array([0.0, 1.0]))[1]).max()) > MOVING:
+            text += "\nIt begins or ends in motion: the velocity jumps where it meets a dwell"
+        elif peaks(law).jumps_at_an_end:
+            text += "\nIts acceleration jumps where it meets a dwell"
+    return text
+
+
+# -- law picker ------------------------------------------------------------------------------------------
 
 COLUMNS = 4
 CELL = QSize(142, 106)
@@ -303,6 +345,3 @@ class LawBox(WordBox):
             self.open(event.text())
         else:
             super().keyPressEvent(event)
-
-
-__all__ = ["LawBox", "LawGrid", "LawPicker"]

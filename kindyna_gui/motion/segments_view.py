@@ -1,44 +1,270 @@
-"""The motion: start and stroke, the displacement diagram, the segments as a table, and what their curves take."""
+"""Motion view."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
-from math import radians
+from math import degrees, radians
+from types import MappingProxyType
 
 import numpy as np
-from PySide6.QtCore import QPoint, Qt, QTimer, Signal
+from PySide6.QtCore import QPoint, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QResizeEvent
-from PySide6.QtWidgets import QBoxLayout, QFrame, QLabel, QScrollArea, QSplitter, QVBoxLayout, QWidget
+from PySide6.QtWidgets import (
+    QBoxLayout,
+    QFrame,
+    QHBoxLayout,
+    QLabel,
+    QLayout,
+    QMenu,
+    QScrollArea,
+    QSplitter,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
 
-from core.design import Design, is_assumed, motion_of
+from core.design import (
+    Design,
+    insert_segment,
+    is_assumed,
+    lacks,
+    mirror_stroke,
+    motion_of,
+    remove_laid_out,
+    require_motion,
+)
 from core.errors import KindynaError
+from core.frozen import frozen
 from core.motion.extremes import Extremes
+from core.motion.split import LEAST_CUT, copy_segment, split_segment
 from core.study import Quantity, Study
-from kindyna_gui.documents.refusal import SAMPLES, Refusal
+from kindyna_gui.documents.edits import SAMPLES, Refusal
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import closing_text, joins_of, misses, motion_waits, waiting_paths
-from kindyna_gui.forms.draft_bar import DraftBar
-from kindyna_gui.forms.field_parts import in_tab_order
-from kindyna_gui.forms.fields import Field, add_vary
+from kindyna_gui.forms.fields import Field, add_vary, in_tab_order
+from kindyna_gui.forms.form import DraftBar
 from kindyna_gui.graph.marked_view import MarkedView
-from kindyna_gui.labels import segment_of
-from kindyna_gui.look import coloured
-from kindyna_gui.motion.actions import PATH, perform
-from kindyna_gui.motion.bar import SegmentBar
+from kindyna_gui.labels import reason, segment_of
+from kindyna_gui.look import coloured, icon
 from kindyna_gui.motion.curve_fields import SegmentCurveForm
-from kindyna_gui.motion.derivatives import DerivativePlots
-from kindyna_gui.motion.editor import MotionEditor
-from kindyna_gui.motion.grips import ANGLE_STEP, snapped
+from kindyna_gui.motion.diagram import ANGLE_STEP, snapped, snapped_angle
+from kindyna_gui.motion.editor import DerivativePlots, MotionEditor
 from kindyna_gui.motion.head import NO_STROKE, MotionHead
-from kindyna_gui.motion.segments_model import LAW, RISE, SPAN, SegmentsModel
-from kindyna_gui.motion.segments_table import SegmentsTable
+from kindyna_gui.motion.segments_table import LAW, RISE, SPAN, SegmentsModel, SegmentsTable
 from kindyna_gui.pictures.plots.quantities import rows_of
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import soon
-from kindyna_gui.requirements import require_motion
+from kindyna_gui.requirements import require_motion as require_motion_of_view
 from kindyna_gui.view import ViewHost
+
+# -- actions ---------------------------------------------------------------------------------------------
+
+Change = Callable[[Design, int, float | None], Design]
+"""The design with a segment changed; a cam angle [deg] where that matters."""
+
+
+@frozen
+class SegmentAction:
+    """One row.
+
+    text    of a button; entry: of a menu
+    step    name of the step of the undo stack; {n} is the segment's number
+    able    whether it makes sense for a segment
+    after   which segment is chosen then: so many further on
+    whole   it takes a motion that is whole
+    button  it has one below the table; else it stands in menus only
+    """
+
+    text: str
+    entry: str
+    tip: str
+    icon: str
+    step: str
+    change: Change
+    able: Callable[[Design, int], bool]
+    after: int = 0
+    whole: bool = False
+    button: bool = True
+
+    def makes_sense(self, design: Design, index: int) -> bool:
+        """Whether it can be done with a segment of a design, whose motion need not be whole."""
+        motion = motion_of(design)
+        if motion is None or motion.follows is not None or index >= len(motion.segments):
+            return False  # none, or one that is changed in other files
+        return not (self.whole and lacks(design)) and self.able(design, index)
+
+
+def _span(design: Design, index: int) -> float:
+    return require_motion(design).segments[index].span_deg
+
+
+def _has_room(design: Design, index: int) -> bool:
+    return _span(design, index) > 2.0 * LEAST_CUT
+
+
+ACTIONS: Mapping[str, SegmentAction] = MappingProxyType(
+    {
+        "insert": SegmentAction(
+            "Insert",
+            "Insert segment",
+            "A dwell behind the chosen segment, of half its span (Ins)",
+            "insert",
+            "Insert segment behind segment {n}",
+            lambda design, index, _: insert_segment(design, index),
+            _has_room,
+            after=1,
+        ),
+        "insert_before": SegmentAction(
+            "Insert before",
+            "Insert before",
+            "A dwell before the chosen segment, of half its span",
+            "insert",
+            "Insert segment before segment {n}",
+            lambda design, index, _: insert_segment(design, index, before=True),
+            _has_room,
+            button=False,
+        ),
+        "split": SegmentAction(
+            "Split",
+            "Split segment",
+            "Cut the chosen segment where the cam stands, or in its middle. A dwell, constant velocity, a polynomial "
+            "and a spline go on as before; of any other law both parts run from rest to rest, and the follower stands "
+            "at the cut where it stood before",
+            "split",
+            "Split segment {n}",
+            split_segment,
+            _has_room,
+            whole=True,
+        ),
+        "duplicate": SegmentAction(
+            "Duplicate",
+            "Duplicate segment",
+            "A copy behind the chosen segment: both take half of its span and half of its rise, so no other join moves",
+            "duplicate",
+            "Duplicate segment {n}",
+            lambda design, index, _: copy_segment(design, index),
+            _has_room,
+            after=1,
+            whole=True,
+        ),
+        "mirror": SegmentAction(
+            "Mirror",
+            "Mirror stroke",
+            "The next stroke the other way becomes the mirror image of this one: its curves backwards, its spans, its "
+            "rises turned round. The dwells give or take the difference",
+            "mirror",
+            "Mirror the stroke of segment {n}",
+            lambda design, index, _: mirror_stroke(design, index),
+            lambda design, index: mirror_stroke(design, index) is not design,
+            whole=True,
+        ),
+        "delete": SegmentAction(
+            "Delete",
+            "Delete segment",
+            "Take the chosen segment away; the one before it gets its span (Del)",
+            "delete",
+            "Delete segment {n}",
+            lambda design, index, _: remove_laid_out(design, index),
+            lambda design, _: len(require_motion(design).segments) > 1,
+        ),
+    }
+)
+
+
+PATH = "motion.segments"
+"""At which edits of whole segments are made, and refused."""
+
+
+def perform(session: Session, name: str, index: int, theta: float) -> int | None:
+    """Do one of ``ACTIONS`` with a segment as one step, at a cam angle [rad]; the number of the segment that is to be chosen then, None
+    where it makes no sense or is refused."""
+    action, design = ACTIONS[name], session.typed
+    if not action.makes_sense(design, index):
+        return None
+    session.end_gesture()
+    try:
+        changed = action.change(design, index, snapped_angle(degrees(theta)))
+    except KindynaError as error:
+        session.refuse(PATH, reason(design, error))
+        return None
+    done = session.lay_out(changed, action.step.format(n=index + 1), PATH)
+    session.end_gesture()
+    return index + action.after if done else None
+
+
+# -- a row of buttons for what can be done with the chosen segment ---------------------------------------
+
+
+class SegmentBar(QWidget):
+    """The rows of ``ACTIONS`` as buttons; without their texts where there is no room for these.
+
+    wanted             (name, cam angle [deg] or None): a button was clicked, or an entry of ``menu``
+    abilities_changed  (dict: name -> whether it makes sense now)
+    """
+
+    wanted = Signal(str, object)
+    abilities_changed = Signal(dict)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._able: dict[str, bool] = {}
+        self.buttons = {name: self._button(name) for name, row in ACTIONS.items() if row.button}
+        row = QHBoxLayout(self)
+        row.setContentsMargins(4, 1, 4, 3)
+        row.setSpacing(0)
+        for button in self.buttons.values():
+            row.addWidget(button)
+        row.addStretch(1)
+        row.setSizeConstraint(QLayout.SizeConstraint.SetNoConstraint)
+        self._text_width = sum(button.sizeHint().width() for button in self.buttons.values()) + 8
+
+    def _button(self, name: str) -> QToolButton:
+        row = ACTIONS[name]
+        button = QToolButton(autoRaise=True)
+        button.setText(row.text)
+        button.setIcon(icon(row.icon))
+        button.setToolTip(row.tip)
+        button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        button.setIconSize(QSize(16, 16))
+        button.clicked.connect(lambda: self.wanted.emit(name, None))
+        return button
+
+    def minimumSizeHint(self) -> QSize:
+        height = max(button.sizeHint().height() for button in self.buttons.values()) + 4
+        return QSize(len(self.buttons) * (height + 4), height)
+
+    def sizeHint(self) -> QSize:
+        return QSize(self._text_width, self.minimumSizeHint().height())
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        super().resizeEvent(event)
+        with_text = self.width() >= self._text_width
+        style = Qt.ToolButtonStyle.ToolButtonTextBesideIcon if with_text else Qt.ToolButtonStyle.ToolButtonIconOnly
+        for button in self.buttons.values():
+            button.setToolButtonStyle(style)
+
+    def show_segment(self, design: Design, index: int) -> None:
+        """Grey what makes no sense for a segment."""
+        able = {name: action.makes_sense(design, index) for name, action in ACTIONS.items()}
+        if able != self._able:
+            self._able = able
+            for name, button in self.buttons.items():
+                button.setEnabled(able[name])
+            self.abilities_changed.emit(able)
+
+    def menu(self, parent: QWidget, angle: float | None = None) -> QMenu:
+        """The same as a menu, which goes when it closes; angle: the cam angle that was pointed at [deg]."""
+        made = QMenu(parent)
+        made.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        for name, row in ACTIONS.items():
+            entry = made.addAction(icon(row.icon), row.entry, partial(self.wanted.emit, name, angle))
+            entry.setEnabled(self._able.get(name, False))
+        return made
+
+
+# -- segments view ---------------------------------------------------------------------------------------
 
 _KEYS = {"law": LAW, "span_deg": SPAN, "rise_mm": RISE, "rise_deg": RISE}
 TABLE_WIDTH = 420  # pixels, of the table where the form of the chosen segment stands beside it
@@ -186,7 +412,7 @@ class SegmentsView(MarkedView):
             clicked.connect(lambda _: window.show_fields("motion"))
 
     def refresh(self, study: Study) -> None:
-        require_motion(study.design)
+        require_motion_of_view(study.design)
         self._show_draft()
         if not self.head.fields:  # the first motion: only now it is known what its table needs
             self._sharing.start()
@@ -211,7 +437,7 @@ class SegmentsView(MarkedView):
         at, count = self.table.currentIndex(), self.model.rowCount()
         place = (at.row(), at.column())
         waits = motion_waits(self.session)
-        joins = joins_of(require_motion(typed)) if waits else study.program.joins
+        joins = joins_of(require_motion_of_view(typed)) if waits else study.program.joins
         self.model.show(typed, joins, waiting_paths(self.session))
         if self.model.rowCount() != count or not self.table.currentIndex().isValid():
             self.choose(*place)
@@ -225,7 +451,7 @@ class SegmentsView(MarkedView):
     def _show_draft(self) -> None:
         """Show what is missing of a motion that does not fit; meanwhile the diagram shows the last that did, and cannot be drawn at."""
         waits = motion_waits(self.session)
-        follows = require_motion(self.session.typed).follows is not None
+        follows = require_motion_of_view(self.session.typed).follows is not None
         self.diagram.locked = waits or follows
         self.table.setEnabled(not follows)
         self.draft.show_draft(misses(self.session) if waits else [], closing_text(self.session) if waits else "")
@@ -418,6 +644,3 @@ class SegmentsView(MarkedView):
         key, number = path.rpartition(".")[2].partition("_")[0], segment_of(path) or 0
         text = f"Mark {key} of segment {number + 1} as {'assumed' if on else 'known'}"
         self.session.mark_assumed(path, on, text)
-
-
-__all__ = ["SegmentsView"]

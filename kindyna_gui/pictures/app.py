@@ -14,7 +14,7 @@ from PySide6.QtGui import QFontDatabase
 from PySide6.QtWidgets import QApplication
 from shiboken6 import Shiboken
 
-from kindyna_gui.gc_timer import tidy_in_this_thread
+from kindyna_gui.background import tidy_in_this_thread
 from kindyna_gui.pictures.style import font
 
 _ROOT: Any = Shiboken.Object  # of every class of Qt

@@ -1,7 +1,4 @@
-"""One turn of a mechanism as an animation: GIF with one palette for all frames, or WebP without loss.
-
-The same design gives the same bytes.
-"""
+"""Animations."""
 
 from __future__ import annotations
 
@@ -23,15 +20,23 @@ from PySide6.QtWidgets import QWidget
 from core.design import Design
 from core.errors import KindynaError
 from core.output.export import Film
+from core.output.position import Snapshot
 from core.study import Study
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.pictures.drawing.assembly import Assembly
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
-from kindyna_gui.pictures.files import MechanismSheet
+from kindyna_gui.pictures.painter import PICTURES, MechanismSheet, chart_file
 from kindyna_gui.pictures.style import LIGHT
 
-if TYPE_CHECKING:  # loading Pillow takes a while that the window need not wait for
+if TYPE_CHECKING:
     from PIL import Image
+
+    from core.commands import Drawn
+
+
+# -- film ------------------------------------------------------------------------------------------------
+
+# The same design gives the same bytes.
 
 COLOURS, SAMPLE_FRAMES = 255, 6  # of the palette, and frames it is made from
 LEAST_SAMPLES = 1440  # of a turn, for smooth outlines
@@ -260,3 +265,46 @@ def shoot(
         return WRITERS[film.ending](camera, film, go_on or (lambda _: True))
     except _Stopped:
         return None
+
+
+# -- painter ---------------------------------------------------------------------------------------------
+
+
+def paint(drawn: Drawn) -> dict[str, bytes]:
+    """The pictures of a report, of a linkage at one angle, of a chart, of another figure, of a paper, of a graph: file name -> content;
+    of a report to hand on: its ending -> content. Raises NoSolution where the design has none."""
+    from core.output.report.document import Printed
+
+    ensure_app(offscreen=True)
+    if isinstance(drawn, Printed):
+        from kindyna_gui.pictures.paper.report import report_file
+
+        return {drawn.ending: report_file(drawn.document, drawn.ending) or b""}
+    if isinstance(drawn, Study):
+        without = () if "cam" in drawn.stages else ("cam.png",)
+        return {name: draw(drawn) for name, draw in PICTURES.items() if name not in without}
+    if isinstance(drawn, Snapshot):
+        from kindyna_gui.pictures.painter import SNAPSHOTS
+
+        return {
+            f"{name}{ending}": draw(drawn, ending) for name, draw in SNAPSHOTS.items() for ending in (".svg", ".png")
+        }
+    from core.output.graph.curves import GraphImage
+
+    if isinstance(drawn, GraphImage):
+        from kindyna_gui.pictures.paper.sheets import graph_file
+
+        return {f"graph{drawn.ending}": graph_file(drawn)}
+    from core.plot import Figure
+    from core.stability import Chart
+    from kindyna_gui.pictures.paper.sheets import figure_file
+
+    if isinstance(drawn, Chart) and drawn.machine is not None:
+        return {f"stability{ending}": chart_file(drawn, ending) for ending in (".svg", ".png")}
+    if not isinstance(drawn, Figure):
+        from kindyna_gui.pictures.paper.paper_figures import paper_file
+
+        if isinstance(drawn, Chart):
+            return {f"stability{ending}": paper_file(drawn, ending) for ending in (".svg", ".png")}
+        return {f"figure{ending}": paper_file(drawn, ending) for ending in (".svg", ".png")}
+    return {f"{drawn.name}{ending}": figure_file(drawn, ending) for ending in (".svg", ".png")}

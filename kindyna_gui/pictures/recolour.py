@@ -31,7 +31,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from kindyna_gui.pictures.plots.axis import Axis
+from kindyna_gui.pictures.plots.plot import Axis
 from kindyna_gui.pictures.style import BALANCE, DRIVES, FAMILIES, Theme, made_for, shade
 
 _HEX = re.compile(r"#[0-9A-Fa-f]{6}\b")

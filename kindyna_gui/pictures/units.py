@@ -1,4 +1,4 @@
-"""Numbers for reading: a unit in which the values need no exponent, round steps, a true minus sign."""
+"""Readable units, samples, detail."""
 
 from __future__ import annotations
 
@@ -7,13 +7,106 @@ import re
 import unicodedata
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
+from math import pi
 from types import MappingProxyType
 
 import numpy as np
 
 from core.frozen import frozen
+from core.study import Study
 from core.units import display_units
-from kindyna_gui.preferences.units import point, size_of, symbol_of
+from kindyna_gui.settings import point, size_of, symbol_of
+
+# -- detail ----------------------------------------------------------------------------------------------
+
+UNSEEN = 0.05  # pixels by which a line may be off: next to nothing of what antialiasing makes of an edge
+PIECES = (64, 8, 4)  # points that one piece of line may stand for, tried in turn
+PER_SCALE = 2.0  # a line thinned for one scale serves others up to so many times smaller
+
+
+def needed(points: np.ndarray, tolerance: float) -> np.ndarray:
+    """Indices (m,), ascending, of those points of a line through ``points`` (n,) complex that have to be kept.
+
+    No point left out lies further than ``tolerance`` from the straight piece that takes its place, so that extremes,
+    corners and jumps stay; the first and the last point are kept, all where the tolerance is 0, and all that stand
+    beside a gap (NaN).
+    """
+    n = points.size
+    if tolerance <= 0.0 or n < 3:
+        return np.arange(n)
+    kept = np.zeros(n, dtype=bool)
+    kept[-1] = True
+    starts = np.arange(0, n - 1, PIECES[0])
+    for length, shorter in zip(PIECES, (*PIECES[1:], 1), strict=True):
+        near = _near(points, starts, np.minimum(starts + length, n - 1), length, tolerance)
+        kept[starts[near]] = True
+        starts = (starts[~near, None] + np.arange(0, length, shorter)).ravel()
+        starts = starts[starts < n - 1]
+    kept[starts] = True
+    return np.flatnonzero(kept)
+
+
+def _near(points: np.ndarray, start: np.ndarray, end: np.ndarray, length: int, tolerance: float) -> np.ndarray:
+    """Whether all points between start and end (b,), indices, stand near the straight line between the two (b,)."""
+    chord = points[end] - points[start]
+    size = np.abs(chord)[:, None]
+    inner = points[np.minimum(start[:, None] + np.arange(1, length), end[:, None])] - points[start, None]
+    turned = inner * chord.conj()[:, None]  # along the line and beside it, times its length
+    room = tolerance * size
+    near = (np.abs(turned.imag) <= room) & (turned.real >= -room) & (np.abs(inner) <= size + tolerance)
+    return np.asarray(near.all(axis=1))
+
+
+def level(scale: float) -> float:
+    """The scale a line is thinned for where it is drawn at ``scale``: the next power of two from it on, so that a
+    picture that is zoomed little by little is not thinned anew each time."""
+    return float(PER_SCALE ** np.ceil(np.log2(scale)))
+
+
+# -- turn ------------------------------------------------------------------------------------------------
+
+TURN = 2.0 * pi
+
+
+@frozen(eq=False)
+class TurnSamples:
+    """The points of a curve over the turn: angles (m,) [deg] and the sample of each (m,); -1 is a gap."""
+
+    angles: np.ndarray
+    samples: np.ndarray
+
+    def of(self, values: np.ndarray, gain: float = 0.0) -> np.ndarray:
+        """Values (n,) along the curve (m,), NaN in gaps; gain: what they grow by in a turn."""
+        found = np.where(self.samples < 0, np.nan, values[self.samples])
+        return found + gain * (self.angles >= 360.0) if gain else found
+
+    def alike(self, other: TurnSamples | None) -> bool:
+        """Whether others stand at the same angles."""
+        return other is not None and np.array_equal(self.angles, other.angles)
+
+
+def line_of(study: Study) -> TurnSamples:
+    """Closed over the whole turn; with gaps where the mechanism cannot stand."""
+    degrees, n = np.rad2deg(study.theta), study.theta.size
+    if n == study.samples:
+        return TurnSamples(np.append(degrees, 360.0), np.append(np.arange(n), 0))
+    cuts = np.flatnonzero(np.diff(degrees) > 1.5 * 360.0 / study.samples) + 1
+    angles, samples = degrees, np.arange(n)
+    if n and degrees[0] == 0.0 and 360.0 - degrees[-1] < 1.5 * 360.0 / study.samples:
+        angles, samples = np.append(angles, 360.0), np.append(samples, 0)
+    return TurnSamples(np.insert(angles, cuts, degrees[cuts]), np.insert(samples, cuts, -1))
+
+
+def nearest(theta: np.ndarray, angle: float) -> int:
+    """The sample (of n angles in rising order [rad]) that is nearest to an angle, round the turn."""
+    n = theta.size
+    at = int(np.searchsorted(theta, angle))
+    before, after = (at - 1) % n, at % n
+    gaps = [abs((float(theta[i]) - angle + pi) % TURN - pi) for i in (before, after)]
+    return before if gaps[0] < gaps[1] else after
+
+
+# -- units -----------------------------------------------------------------------------------------------
 
 NOTHING_DRAWN = "Nothing is drawn yet"  # in the words for a plot
 MINUS, THIN_SPACE = "\u2212", "\u2009"

@@ -1,4 +1,4 @@
-"""The best design of a study: its goals, the search with its path while it runs, what it found, and taking that over."""
+"""Optimum, tolerances."""
 
 from __future__ import annotations
 
@@ -14,14 +14,19 @@ from PySide6.QtWidgets import QCheckBox, QGridLayout, QHBoxLayout, QLabel, QPush
 from core.design import Design
 from core.errors import KindynaError
 from core.numerics.lazy import Cancelled
-from core.varying import Optimum, StudyOfMany, optimise, remarks
+from core.varying import Made, Optimum, StudyOfMany, optimise, remarks
 from core.varying.tolerances import SHARE
 from kindyna_gui.background import Background
-from kindyna_gui.forms.amount import fill_choices
+from kindyna_gui.documents.pins import scatters
+from kindyna_gui.forms.fields import fill_choices
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.labels import reason
-from kindyna_gui.note import bold_label
-from kindyna_gui.studies.texts import OF, answer_html, label_of, value_text
+from kindyna_gui.look import bold_label, coloured
+from kindyna_gui.pictures.style import SCREEN
+from kindyna_gui.studies.rows import ToleranceRows, WaveRow
+from kindyna_gui.studies.texts import OF, answer_html, label_of, parts_html, tighter_html, value_text
+
+# -- best page -------------------------------------------------------------------------------------------
 
 GOALS = ("Goal", "And")
 NONE = ""
@@ -215,4 +220,58 @@ def _searched(study: StudyOfMany, tell: Callable[..., None]) -> tuple[Optimum, S
     return found, remarks(study, found)
 
 
-__all__ = ["BestPage", "Step"]
+# -- made page -------------------------------------------------------------------------------------------
+
+NO_TOLERANCE = "Without tolerances every machine is as designed."
+
+
+class MadePage(QWidget):
+    """The form of the tolerances, and what follows from them for what is asked."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.rows, self.waves = ToleranceRows(), WaveRow()
+        self.bands = QCheckBox("Bands in the plots")
+        self.bands.setToolTip(
+            "Over the cam angle: between which values 90 % of 2000 machines lie, and, paler, 99.73 % (percentiles 0.135 … 99.865)"
+        )
+        self.tighter, self.parts = QLabel(wordWrap=True), QLabel()
+        for label in (self.tighter, self.parts):
+            label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.note = QLabel(wordWrap=True)
+        coloured(self.note, SCREEN.quiet)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(8, 6, 6, 6)
+        column.setSpacing(8)
+        for part in (self.rows, self.waves, self.bands, self.tighter, self.note, self.parts):
+            column.addWidget(part)
+        column.addStretch(1)
+
+    def show_design(self, design: Design) -> None:
+        """The tolerances of this design."""
+        self.rows.show_rows(design)
+        self.waves.show_waves(design.waviness)
+        self.waves.setVisible(any(drive.cam is not None for drive in design.drives))
+        self.bands.setEnabled(scatters(design))
+
+    def show_made(self, design: Design, made: Made | None, sought: bool = False) -> None:
+        """What follows from them; None: nothing yet. sought: whether it is known which to tighten."""
+        few = made is not None and made.share is not None and made.share.value < SHARE
+        text = (
+            ""
+            if not few
+            else tighter_html(design, made)
+            if sought and made is not None
+            else "Which to tighten is sought …"
+        )
+        self.tighter.setText(text)
+        self.tighter.setVisible(bool(text))
+        self.parts.setText("" if made is None else parts_html(design, made))
+        self.note.setText(
+            NO_TOLERANCE
+            if not scatters(design)
+            else ""
+            if made is None
+            else "Part of what each quantity scatters, and its change by one unit more:"
+        )
+        self.note.setVisible(bool(self.note.text()))

@@ -1,20 +1,97 @@
-"""The board: designs that were kept as cards with a picture and their values, sorted, and reopened."""
+"""Kept cards."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from hashlib import sha256
+from pathlib import Path
 
 from PySide6.QtCore import QSize, Qt, Signal
-from PySide6.QtGui import QAction, QIcon, QKeyEvent, QPixmap
-from PySide6.QtWidgets import QHBoxLayout, QListView, QListWidget, QListWidgetItem, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtGui import QAction, QFont, QIcon, QKeyEvent, QPixmap
+from PySide6.QtWidgets import (
+    QAbstractItemView,
+    QHBoxLayout,
+    QListView,
+    QListWidget,
+    QListWidgetItem,
+    QPushButton,
+    QTableWidget,
+    QTableWidgetItem,
+    QVBoxLayout,
+    QWidget,
+)
 
+from core.bounds import bounded_json
 from core.design import Design
+from core.errors import KindynaError
 from core.frozen import frozen
-from kindyna_gui.forms.amount import fill_choices
+from core.project import dumps, loads
+from core.project.files import read_text, write_into
+from kindyna_gui.forms.fields import fill_choices
 from kindyna_gui.forms.number_box import WordBox
-from kindyna_gui.pictures.thumbnails import thumbnail
-from kindyna_gui.studies.cards_table import CardsTable, Values
+from kindyna_gui.forms.tables import CopyKey
+from kindyna_gui.pictures.painter import thumbnail
+from kindyna_gui.pictures.units import short
+from kindyna_gui.places import state_folder
+
+# -- cards table -----------------------------------------------------------------------------------------
+
+AT_HAND = "At hand"
+Values = Mapping[str, tuple[float, str]]
+"""Name -> (value, text, which begins with the name)."""
+
+
+class CardsTable(QTableWidget):
+    """Double-click a row to take its design over."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
+        self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
+        self.setAccessibleName("Cards compared")
+        CopyKey(self)
+        self.setToolTip("In parentheses how far a value lies from that of the design at hand")
+        self.redress()
+
+    def redress(self) -> None:
+        """As high and wide as its letters want it."""
+        self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 6)
+        self.resizeColumnsToContents()
+
+    def show_cards(self, own: Values, cards: Sequence[Values]) -> None:
+        """The design at hand, then these."""
+        names = list(dict.fromkeys(name for row in (own, *cards) for name in row))
+        self.setColumnCount(len(names))
+        self.setHorizontalHeaderLabels(names)
+        self.setRowCount(1 + len(cards))
+        self.setVerticalHeaderLabels([AT_HAND, *(str(i + 1) for i in range(len(cards)))])
+        bold = QFont(self.font())
+        bold.setBold(True)
+        for i, row in enumerate((own, *cards)):
+            for j, name in enumerate(names):
+                item = QTableWidgetItem(_text(name, row, own if i else {}))
+                item.setTextAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+                if not i:
+                    item.setFont(bold)
+                self.setItem(i, j, item)
+        self.resizeColumnsToContents()
+
+
+def _text(name: str, row: Values, own: Values) -> str:
+    if name not in row:
+        return "–"
+    value, text = row[name]
+    shown = text.removeprefix(f"{name} ")
+    before = own[name][0] if name in own else float("nan")
+    away = value - before
+    if away != away or not away:
+        return shown
+    return f"{shown} ({'+' if away > 0.0 else '−'}{short(abs(away), 3)})"
+
+
+# -- board -----------------------------------------------------------------------------------------------
 
 PICTURE = QSize(112, 72)  # pixels
 CARD_WIDTH, LINES = 304, 6
@@ -180,3 +257,31 @@ class Board(QWidget):
 def _place(card: Card, by: str) -> tuple[bool, float]:
     value = card.values[by][0] if by in card.values else float("nan")
     return value != value, value
+
+
+# -- kept cards ------------------------------------------------------------------------------------------
+
+FOLDER = "boards"
+
+
+def _file(of: str) -> Path:
+    return state_folder() / FOLDER / f"{sha256(of.encode()).hexdigest()[:24]}.json"
+
+
+def read_cards(of: str) -> list[Card]:
+    """Those of a design, by its file or its name; none where nothing was kept, or what was kept cannot be read."""
+    try:
+        rows = bounded_json(read_text(_file(of)))["cards"]
+        return [
+            Card(loads(row["design"]), {name: (value, text) for name, (value, text) in row["values"].items()})
+            for row in rows
+        ]
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, KindynaError):
+        return []
+
+
+def write_cards(of: str, cards: Sequence[Card]) -> None:
+    """Keep them. Raises FileError."""
+    rows = [{"design": dumps(card.design), "values": dict(card.values)} for card in cards]
+    text = json.dumps({"of": of, "cards": rows}, ensure_ascii=False, indent=1)
+    write_into(_file(of).parent, {_file(of).name: text})

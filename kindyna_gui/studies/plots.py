@@ -1,4 +1,4 @@
-"""What a survey of designs shows: curves over one number, a map over two, parallel coordinates of more; the design among them."""
+"""Survey plots."""
 
 from __future__ import annotations
 
@@ -11,11 +11,34 @@ from PySide6.QtGui import QColor, QMouseEvent, QPainterPath, QPen
 from core.frozen import frozen
 from core.varying import Survey
 from kindyna_gui.pictures.items import Outline, Tag, wrapped
-from kindyna_gui.pictures.plots.pulled_point import REACH, PulledPoint
-from kindyna_gui.pictures.plots.xy import Dots, Line, Rule, XYPlot
+from kindyna_gui.pictures.plots.xy import REACH, Dots, Line, PulledPoint, Rule, XYPlot
 from kindyna_gui.pictures.style import PURPLE, SCREEN, SMALL, rgb
 from kindyna_gui.pictures.units import short, ticks, with_unit
-from kindyna_gui.studies.contours import level_line
+
+# -- lines of one level over a grid of values ------------------------------------------------------------
+
+
+def level_line(x: np.ndarray, y: np.ndarray, z: np.ndarray, level: float) -> tuple[np.ndarray, np.ndarray]:
+    """Where values z (m, n) at x (n,) and y (m,), linear on the two triangles of each cell, reach a level: x and y of pieces of two
+    points, parted by NaN. A triangle with a corner that has no value has no line."""
+    corners = np.stack([*np.meshgrid(x, y), z], axis=-1)
+    a, b, c, d = corners[:-1, :-1], corners[:-1, 1:], corners[1:, 1:], corners[1:, :-1]
+    every = np.concatenate([np.stack([a, b, c], axis=2), np.stack([a, c, d], axis=2)]).reshape(-1, 3, 3)
+    above = every[..., 2] > level
+    through = np.isfinite(every[..., 2]).all(axis=1) & above.any(axis=1) & ~above.all(axis=1)
+    cut, above = every[through], above[through]
+    alone = np.where(above.sum(axis=1) == 1, above.argmax(axis=1), above.argmin(axis=1))  # on its side of the level
+    row = np.arange(alone.size)
+    ends = np.full((alone.size, 3, 2), np.nan)
+    first = cut[row, alone]
+    for i in (1, 2):
+        other = cut[row, (alone + i) % 3]
+        part = (level - first[:, 2]) / (other[:, 2] - first[:, 2])
+        ends[:, i - 1] = first[:, :2] + part[:, None] * (other - first)[:, :2]
+    return ends[..., 0].ravel(), ends[..., 1].ravel()
+
+
+# -- plots -----------------------------------------------------------------------------------------------
 
 FAINT, FULL, PASSED = 0.08, 0.72, 0.3  # opacity of the least value, of the greatest; what of it is left beyond a limit
 LEVELS = 7
@@ -485,6 +508,3 @@ def _across(at: np.ndarray, part: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     count = part.shape[1]
     y = np.concatenate([part, np.full((1, count), np.nan)]).T.ravel()
     return np.tile(np.append(at, np.nan), count), y
-
-
-__all__ = ["FrontPlot", "Measured", "ParallelPlot", "SurveyPlot"]

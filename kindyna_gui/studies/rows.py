@@ -15,11 +15,10 @@ from core.design.fields import info_of as field_info_of
 from core.design.limits import NORMAL, UNIFORM, WORST, Waviness
 from core.study import TOTALS
 from core.varying import Limits, Span
-from kindyna_gui.forms.amount import fill_choices
+from kindyna_gui.forms.fields import fill_choices
 from kindyna_gui.forms.number_box import NumberBox, WordBox
 from kindyna_gui.labels import no_number
-from kindyna_gui.look import coloured, icon
-from kindyna_gui.note import MessageLabel, bold_label
+from kindyna_gui.look import MessageLabel, bold_label, coloured, icon
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.rebuilt import Rebuilt, clear_menu
 from kindyna_gui.studies.texts import OF, info_of, label_of, name_of, number_text, unit_of, value_text, word_text

@@ -61,20 +61,16 @@ from core.varying.surveys import SEED
 from core.varying.tolerances import SHARE
 from kindyna_gui import dialogs
 from kindyna_gui.background import Background
-from kindyna_gui.background_view import BackgroundView
-from kindyna_gui.documents.bands import Bands, scatters
-from kindyna_gui.documents.refusal import Refusal
+from kindyna_gui.documents.edits import Refusal
+from kindyna_gui.documents.pins import Bands, scatters
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import in_sentence, reason, thousands
 from kindyna_gui.player import Player
-from kindyna_gui.studies.best_page import BestPage
-from kindyna_gui.studies.board import Board, Card
-from kindyna_gui.studies.kept_cards import read_cards, write_cards
-from kindyna_gui.studies.made_page import MadePage
-from kindyna_gui.studies.opening import StudyMenu
+from kindyna_gui.studies.best_page import BestPage, MadePage
+from kindyna_gui.studies.board import Board, Card, read_cards, write_cards
 from kindyna_gui.studies.plots import Measured
 from kindyna_gui.studies.rows import AskedRows, SpanRows
-from kindyna_gui.studies.survey_pages import SurveyPages
+from kindyna_gui.studies.study_runs import StudyMenu, SurveyPages
 from kindyna_gui.studies.texts import (
     group_of,
     label_of,
@@ -86,7 +82,7 @@ from kindyna_gui.studies.texts import (
     share_html,
     value_text,
 )
-from kindyna_gui.view import ViewHost
+from kindyna_gui.view import BackgroundView, ViewHost
 
 REFINED = 0  # in place of a number of designs
 COARSE, FINE = 16, 64  # designs along each number: first, and once there is time
@@ -913,7 +909,7 @@ class StudyView(BackgroundView):
 
     def picture(self, ending: str) -> bytes:
         """The plot that is shown, without the forms."""
-        from kindyna_gui.pictures.paper import png, svg
+        from kindyna_gui.pictures.painter import png, svg
 
         page: Any = self.pages.currentWidget()
         return self.on_paper(page, svg if ending == ".svg" else png)

@@ -20,14 +20,13 @@ from PySide6.QtWidgets import QApplication, QDialog
 from shiboken6 import isValid
 
 from core.frozen import frozen
-from kindyna_gui.documents.refusal import Refusal
+from kindyna_gui.documents.edits import Refusal
 from kindyna_gui.documents.session import Work
 from kindyna_gui.fault_log import FaultLog, short
-from kindyna_gui.note import Note
+from kindyna_gui.look import Note
 from kindyna_gui.view import View
-from kindyna_gui.window.base import Window
+from kindyna_gui.window.base import Window, title_of
 from kindyna_gui.window.docks import VIEWS
-from kindyna_gui.window.titles import title_of
 
 
 @frozen

@@ -21,13 +21,13 @@ from core.frozen import frozen
 from core.study import findings_of, names_of, quantity
 from core.units import compatible_units
 from kindyna_gui.forms.form import rows_of
+from kindyna_gui.forms.number_box import parsed
 from kindyna_gui.forms.tables import RowsModel, TableHeading, TableRow
-from kindyna_gui.forms.typed_number import parsed
-from kindyna_gui.help.window import sections
+from kindyna_gui.help import sections
 from kindyna_gui.labels import allowed_text, choice_text, entry_name, no_number, sentence, step_text, value_text
 from kindyna_gui.motion.head import stroke_entry
 from kindyna_gui.pictures.units import legible
-from kindyna_gui.preferences.units import symbol_of
+from kindyna_gui.settings import symbol_of
 from kindyna_gui.window.base import Window
 from kindyna_gui.window.docks import VIEWS
 

@@ -1,5 +1,4 @@
-"""Mechanisms to choose from as pictures: every follower with every face and form of its cam, the layouts of the cam slider,
-and the linkages that come with the program."""
+"""Gallery, circuits."""
 
 from __future__ import annotations
 
@@ -10,6 +9,7 @@ from math import ceil
 from pathlib import Path
 from types import MappingProxyType
 
+import numpy as np
 from PySide6.QtCore import QSize, Qt, QTimer
 from PySide6.QtGui import QIcon, QPixmap
 from PySide6.QtWidgets import (
@@ -27,18 +27,23 @@ from PySide6.QtWidgets import (
 )
 
 from core.design import FOLLOWER_KINDS, Design, Motion, edited, get
+from core.design.topology import driver_turns
 from core.followers.cam_slider import LAYOUT_LENGTHS, in_layout
 from core.frozen import frozen
+from core.mechanism.drivers import Circuit
 from core.project import load
 from kindyna_gui.dialogs import give_help
+from kindyna_gui.documents.texts import add_copy
 from kindyna_gui.files.beginnings import beginning, dwell_first, with_motion_kept
 from kindyna_gui.labels import choice_text, choice_tip
 from kindyna_gui.look import coloured
+from kindyna_gui.pictures.painter import thumbnail
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.pictures.thumbnails import thumbnail
 from kindyna_gui.places import FIRST_EXAMPLE, example, single_examples
 from kindyna_gui.requirements import lists_links
 from kindyna_gui.window.base import Window
+
+# -- gallery ---------------------------------------------------------------------------------------------
 
 THUMBS = (
     QSize(200, 140),
@@ -324,3 +329,59 @@ def mechanism_wanted(window: Window, offers: bool = False) -> GalleryChoice | No
 def new_mechanism_wanted(window: Window) -> GalleryChoice | None:
     """The same for a design that begins, whose motion can begin with its rise or its dwell."""
     return mechanism_wanted(window, offers=True)
+
+
+# -- the circuits of a linkage as pictures, of which one is chosen ---------------------------------------
+
+
+def _choice(number: int, circuit: Circuit) -> GalleryChoice:
+    ends = np.array([circuit.range.low, circuit.range.high])
+    turns = driver_turns(circuit.design.drive.linkage)
+    low, high = np.rad2deg(ends) if turns else 1e3 * ends
+    span = f"driver {low:.4g} ... {high:.4g} {'°' if turns else 'mm'}"
+    own = " (as it is now)" if circuit.here else ""
+    return GalleryChoice(f"{number}: {span}{own}", f"Circuit {number}: {span}{own}", lambda: circuit.design)
+
+
+class CircuitsDialog(QDialog):
+    """A picture of each circuit with the range of its driver; chosen: the circuit whose picture was double clicked or taken."""
+
+    def __init__(self, parent: QWidget, found: Sequence[Circuit]) -> None:
+        super().__init__(parent)
+        give_help(self, "linkages#Circuits")
+        self.setWindowTitle("Circuits of the linkage")
+        self._found = found
+        self.pictures = Pictures([_choice(i, circuit) for i, circuit in enumerate(found, 1)], THUMBS[0])
+        self.pictures.setAccessibleName("Circuits")
+        while self.pictures.paint_next():
+            pass
+        hint = QLabel("The ways to put these links together; the driver takes none of them into another.")
+        coloured(hint, SCREEN.quiet)
+        buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
+        buttons.accepted.connect(self.accept)
+        buttons.rejected.connect(self.reject)
+        add_copy(buttons, parent, "circuits", lambda: ("taken.toml", ["--take", str(self.pictures.currentRow() + 1)]))
+        self.pictures.itemActivated.connect(lambda _: self.accept())
+        column = QVBoxLayout(self)
+        column.addWidget(self.pictures, 1)
+        column.addWidget(hint)
+        column.addWidget(buttons)
+        columns = min(len(found), MOST_COLUMNS - 2)
+        rows = -(-len(found) // max(columns, 1))
+        grid = THUMBS[0] + BESIDE
+        self.resize(max(columns, 2) * grid.width() + 60, min(rows, 3) * grid.height() + BELOW.height())
+        self.pictures.setCurrentRow(next((i for i, circuit in enumerate(found) if circuit.here), 0))
+
+    @property
+    def chosen(self) -> Circuit:
+        """The circuit whose picture is marked."""
+        return self._found[self.pictures.currentRow()]
+
+
+def circuit_wanted(parent: QWidget, found: Sequence[Circuit]) -> Design | None:
+    """Ask for a circuit; None where the user stays with the one that is there."""
+    dialog = CircuitsDialog(parent, found)
+    accepted = dialog.exec() == QDialog.DialogCode.Accepted
+    chosen = dialog.chosen
+    dialog.deleteLater()
+    return chosen.design if accepted and not chosen.here else None

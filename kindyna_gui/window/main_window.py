@@ -18,42 +18,36 @@ from core.findings import Remedy
 from core.process import keep_freed_memory, resources
 from core.project import load, load_drawing
 from kindyna_gui import dialogs
+from kindyna_gui import settings as preferences
+from kindyna_gui.documents.edits import Refusal
 from kindyna_gui.documents.pins import Pins
-from kindyna_gui.documents.refusal import Refusal
 from kindyna_gui.documents.session import Session
-from kindyna_gui.export.exports import Exports
-from kindyna_gui.files.disk_button import DiskButton
-from kindyna_gui.files.file_actions import Documents, dropped_design
-from kindyna_gui.files.file_watch import FileWatch
+from kindyna_gui.export import Exports
+from kindyna_gui.files.file_actions import DiskButton, Documents, FileWatch, dropped_design
 from kindyna_gui.files.recovery import Recovery, write_before_the_end
 from kindyna_gui.look import wear
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.places import default_design, example
 from kindyna_gui.player import Player
-from kindyna_gui.preferences import kept as preferences
 from kindyna_gui.rebuilt import soon
 from kindyna_gui.requirements import STRANGE
 from kindyna_gui.saving import copy_picture, save_picture
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import NumberAtHand, View, in_sight, scroll_to
 from kindyna_gui.window import menus
-from kindyna_gui.window.base import Window
-from kindyna_gui.window.centre import CentralPages
-from kindyna_gui.window.design_actions import DesignActions
-from kindyna_gui.window.dock_sizes import DockShares
-from kindyna_gui.window.docks import CENTRE, VIEWS, Dock
+from kindyna_gui.window.actions import DesignActions
+from kindyna_gui.window.base import CentralPages, Titles, Window
+from kindyna_gui.window.docks import CENTRE, VIEWS, Dock, DockShares
 from kindyna_gui.window.faults import Faults
 from kindyna_gui.window.layouts import Layouts
 from kindyna_gui.window.status_line import StatusLine
-from kindyna_gui.window.task_layers import TaskLayers
-from kindyna_gui.window.tasks import TASKS
-from kindyna_gui.window.titles import Titles
+from kindyna_gui.window.tasks import TASKS, TaskLayers
 
 if TYPE_CHECKING:
-    from kindyna_gui.help.window import HelpWindow
-    from kindyna_gui.papers.figures_window import FiguresWindow
+    from kindyna_gui.help import HelpWindow
+    from kindyna_gui.papers import FiguresWindow
     from kindyna_gui.window.finder import Finder
-    from kindyna_gui.window.load_rows import LoadActions
+    from kindyna_gui.window.linkage_menus import LoadActions
     from kindyna_gui.window.welcome import Welcome
 
 LARGEST = QSize(1920, 1080)  # at first; on a larger screen a user may want to see something else too
@@ -138,7 +132,7 @@ class MainWindow(Window):
     @cached_property
     def loads(self) -> LoadActions:
         """What adds rows to the loads; imported when a view or a menu asks for it."""
-        from kindyna_gui.window.load_rows import LoadActions
+        from kindyna_gui.window.linkage_menus import LoadActions
 
         return LoadActions(self)
 
@@ -518,7 +512,7 @@ class MainWindow(Window):
     def show_help(self, name: str, words: str = "") -> None:
         """A page of the help, at these words."""
         if self._help is None:
-            from kindyna_gui.help.window import HelpWindow
+            from kindyna_gui.help import HelpWindow
 
             self._help = HelpWindow(self)
         self._help.open(name, words)
@@ -538,15 +532,14 @@ class MainWindow(Window):
 
     def begin_tutorial(self, name: str) -> None:
         """A lesson at this window, step by step."""
-        from kindyna_gui.window.tutorial.lessons import read
-        from kindyna_gui.window.tutorial.strip import begin
+        from kindyna_gui.window.tutorial import begin, read
 
         begin(self, read(name))
 
     def show_papers(self) -> None:
         """Figures of the papers, with what they say against what comes out here."""
         if self._papers is None:
-            from kindyna_gui.papers.figures_window import FiguresWindow
+            from kindyna_gui.papers import FiguresWindow
 
             self._papers = FiguresWindow(self, lambda name: self.documents.open_example(example(name)))
         self._papers.open()

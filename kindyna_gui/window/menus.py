@@ -1,8 +1,9 @@
-"""Menus and toolbar as data. The menus keep the order of the program of 1995: MAKE, COMPO, KINE, DYNA, GRAPH."""
+"""Menus."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from importlib import import_module
 from operator import attrgetter
 from typing import Any
@@ -11,13 +12,216 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QActionGroup, QKeySequence
 from PySide6.QtWidgets import QMenu, QToolBar, QWidget
 
+from core.design import FOLLOWER_KINDS, LAYOUTS
 from core.frozen import frozen
+from core.project.reading_faults import subjects
+from kindyna_gui.labels import choice_tip
 from kindyna_gui.look import icon, tool_bar
+from kindyna_gui.places import lessons
 from kindyna_gui.rebuilt import clear_menu
-from kindyna_gui.window import submenus
-from kindyna_gui.window.base import Window
+from kindyna_gui.window.base import Window, title_of, why_absent
 from kindyna_gui.window.docks import VIEWS
 from kindyna_gui.window.tasks import TASKS
+
+# -- submenus --------------------------------------------------------------------------------------------
+
+
+def fill_new(window: Window, menu: QMenu) -> None:
+    """A design of each kind, or a shaft of several drives."""
+    for slug, row in FOLLOWER_KINDS.items():
+        action = menu.addAction(row.label)
+        action.setStatusTip(f"Begin a design of this kind: {row.label}")
+        action.triggered.connect(partial(_without_state, window.documents.new, slug))
+    action = menu.addAction("Linkage by drawing")
+    action.setStatusTip("Begin with an empty sheet, on which links, pins and sliders are drawn with the mouse")
+    action.triggered.connect(partial(_without_state, new_drawing, window))
+    for name, title, tip in MOTIONS:
+        action = menu.addAction(title)
+        action.setStatusTip(tip)
+        action.triggered.connect(partial(_without_state, partial(new_motion, window), name))
+    action = menu.addAction("Shaft of cams...")
+    action.setStatusTip(
+        "Begin a shaft of several drives with one chosen by its picture; the list of drives adds others"
+    )
+    action.triggered.connect(partial(_without_state, new_shaft, window))
+
+
+MOTIONS = (
+    ("indexer", "Indexer...", "Begin with the steps of a table: stops, index angle, dwell, law"),
+    (
+        "flying_shear",
+        "Flying shear...",
+        "Begin with a carriage that runs with its material: length, synchronous window, return",
+    ),
+)
+"""Name in ``motion.begin_dialog.BEGINNINGS``, entry of the menu, and its sentence: the dialog is imported when it is opened."""
+
+
+def new_motion(window: Window, name: str) -> None:
+    """Ask for a motion to begin with."""
+    from kindyna_gui.motion.laws_plot import BEGINNINGS, beginning_wanted
+
+    if window.documents.may_leave():
+        design = beginning_wanted(window, name)
+        if design is not None:
+            window.documents.begin(design, BEGINNINGS[name].title)
+
+
+def new_shaft(window: Window) -> None:
+    """Begin a shaft of several drives."""
+    from kindyna_gui.window import shafts
+
+    shafts.new_shaft(window)
+
+
+def new_drawing(window: Window) -> None:
+    """Begin with an empty sheet."""
+    if window.documents.new_drawing():
+        window.draw(True, "bar")
+
+
+def fill_recent(window: Window, menu: QMenu) -> None:
+    """Files opened or saved lately."""
+    for number, path in enumerate(window.settings.recent, 1):
+        action = menu.addAction(f"&{number}  {_plain(path.name)}")
+        action.setToolTip(str(path))
+        action.setStatusTip(str(path))
+        action.triggered.connect(partial(_without_state, window.documents.open_path, path))
+    empty = menu.isEmpty()
+    menu.menuAction().setEnabled(not empty)
+    if not empty:
+        menu.addSeparator()
+        menu.addAction("&Clear list").triggered.connect(lambda: window.settings.clear_recent())
+
+
+def fill_examples(window: Window, menu: QMenu) -> None:
+    """The examples that come with the program, by subject, each with its paper."""
+    from core.papers import PAPERS  # before the menu opens nobody asks for them
+
+    for subject, rows in subjects():
+        menu.addSection(_plain(subject))
+        for row in rows:
+            paper = PAPERS[row.paper].label if row.paper else ""
+            action = menu.addAction(_plain(f"{row.name}\t{paper}" if paper else row.name))
+            action.setStatusTip(row.text)
+            action.setToolTip(row.text)
+            action.triggered.connect(partial(_without_state, window.documents.open_example, row.path))
+
+
+def fill_tutorials(window: Window, menu: QMenu) -> None:
+    """Lessons at the window."""
+    for name, title in lessons():
+        action = menu.addAction(title)
+        action.setStatusTip("Step by step at this window: what to do, where, and on as soon as it is done")
+        action.triggered.connect(partial(_without_state, window.begin_tutorial, name))
+
+
+def fill_layouts(window: Window, menu: QMenu) -> None:
+    """The layouts of the follower, where its kind has any."""
+    design = window.session.typed
+    layout = getattr(design.drive.mechanism, "layout", None)
+    menu.menuAction().setVisible(layout is not None)
+    if layout is None:
+        return
+    group = QActionGroup(menu)
+    for letter in LAYOUTS:
+        action = menu.addAction(f"&{letter}  {choice_tip(letter)}")
+        action.setCheckable(True)
+        action.setChecked(letter == layout)
+        action.setStatusTip(f"Layout {letter}: {choice_tip(letter)}; pivot and guide go to their sides")
+        group.addAction(action)
+        action.triggered.connect(partial(_without_state, partial(choose_layout, window), letter))
+
+
+def choose_layout(window: Window, letter: str) -> None:
+    """Another layout of the follower, as its field chooses it."""
+    window.session.edit("follower.layout", letter, f"Change layout to {letter}")
+    window.session.end_gesture()
+
+
+def fill_exports(window: Window, menu: QMenu) -> None:
+    """Everything that can be written besides the design."""
+    for row in window.exports.rows():
+        same = window.actions_by_key.get(f"exports.{row.act.__name__}")
+        keys = same.shortcut().toString(QKeySequence.SequenceFormat.NativeText) if same is not None else ""
+        action = menu.addAction(f"{row.text}\t{keys}" if keys else row.text)
+        action.setEnabled(not row.why_not)
+        action.setStatusTip(row.why_not or row.tip)
+        action.triggered.connect(partial(_without_state, lambda call: call(), row.act))
+
+
+def fill_pictures(window: Window, menu: QMenu) -> None:
+    """The pictures that are on the screen."""
+    for name, row in VIEWS.items():
+        view = window.view(name)
+        if row.picture and view is not None and view.on_screen():
+            title = title_of(name, window.session.design)
+            action = menu.addAction(f"{title}...")
+            action.setEnabled(not view.no_picture)
+            action.setStatusTip(view.no_picture.replace("\n", " ") or f"Write the picture {title} as PNG or SVG")
+            action.triggered.connect(partial(_without_state, window.export_picture, name))
+    menu.menuAction().setEnabled(not menu.isEmpty())
+
+
+def fill_docks(window: Window, menu: QMenu) -> None:
+    """Every dock, checked where it is shown."""
+    for dock in window.docks.values():
+        action = dock.toggleViewAction()
+        why = why_absent(dock.objectName(), window.session.design)
+        action.setStatusTip(why or f"Show or hide {dock.windowTitle()}")
+        action.setEnabled(action.isChecked() or not why)
+        menu.addAction(action)
+
+
+def fill_named_layouts(window: Window, menu: QMenu) -> None:
+    """Layouts that the user has kept, and the way to keep one more, or one less."""
+    action = menu.addAction("&Keep this layout...")
+    action.setStatusTip("Keep docks, pages and task as they stand under a name, for this run and the next")
+    action.triggered.connect(lambda: window.keep_layout())
+    names = window.settings.named_layouts
+    if not names:
+        return
+    menu.addSeparator()
+    for name in names:
+        action = menu.addAction(_plain(name))
+        action.setStatusTip(f"Docks, pages and task as they were kept under the name {name}")
+        action.triggered.connect(partial(_without_state, window.take_layout, name))
+    menu.addSeparator()
+    for name in names:
+        action = menu.addAction(_plain(f"Forget {name}"))
+        action.setStatusTip(f"Do without the layout {name}")
+        action.triggered.connect(partial(_without_state, window.forget_layout, name))
+
+
+def fill_layers(window: Window, menu: QMenu) -> None:
+    """What the drawing of the mechanism can show and hide."""
+    view = window.view("mechanism")
+    for action in view.layer_actions() if view is not None else ():
+        menu.addAction(action)
+    menu.menuAction().setVisible(not menu.isEmpty())
+
+
+def fill_colours(window: Window, menu: QMenu) -> None:
+    """The layers that colour the profile, where there is a cam."""
+    view = window.view("mechanism")
+    for action in view.layer_actions() if view is not None else ():
+        if action.actionGroup() is not None:
+            menu.addAction(action)
+    menu.menuAction().setVisible(not menu.isEmpty())
+
+
+def _without_state(slot: object, argument: object, *_: object) -> None:
+    """Call a slot without the checked state that ``triggered`` brings."""
+    assert callable(slot)
+    slot(argument)
+
+
+def _plain(text: str) -> str:
+    """A text without keys of access."""
+    return text.replace("&", "&&")
+
+
+# -- menus -----------------------------------------------------------------------------------------------
 
 Keys = QKeySequence.StandardKey
 
@@ -85,10 +289,10 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
         (
             Item("&New...", "designing.new_by_picture", None, Keys.New,
                  "Begin with a follower, its face and the form of its cam, or with a linkage, chosen by its picture"),
-            Submenu("New of a &kind", submenus.fill_new, "new"),
+            Submenu("New of a &kind", fill_new, "new"),
             Item("&Open...", "documents.open_file", None, Keys.Open, "Open a design file", "open"),
-            Submenu("Open &recent", submenus.fill_recent),
-            Submenu("&Examples", submenus.fill_examples),
+            Submenu("Open &recent", fill_recent),
+            Submenu("&Examples", fill_examples),
             SEPARATOR,
             Item("&Save", "documents.save", None, Keys.Save, "Save the design to its file", "save"),
             Item("Re&load", "documents.reload", None, None, "Read the design's file again; Undo brings back what was here"),
@@ -104,7 +308,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
                  "A linkage of Pyslvs, PMKS+ or Linkage, as text, address or file; what cannot be carried over is listed"),
             Item("Import &controller table...", "designing.import_controller", None, None,
                  "The table of a servo controller as the motion that the controller makes of it"),
-            Submenu("Expor&t", submenus.fill_exports, "exports"),
+            Submenu("Expor&t", fill_exports, "exports"),
             Item("Re&port...", "exports.report", None, "Ctrl+P",
                  "A report to hand on, as PDF or as HTML: inputs, drawings, curves, extremes, findings, certificate, equations"),
             SEPARATOR,
@@ -188,7 +392,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             SEPARATOR,
             _field("&Follower", "follower", "Lengths of the follower"),
             _field("&Cam", "cam", "Base circle and roller"),
-            Submenu("&Layout", submenus.fill_layouts, "layouts"),
+            Submenu("&Layout", fill_layouts, "layouts"),
             Submenu("Driv&er", _later("window.linkage_menus", "fill_drivers"), "drivers"),
             Submenu("Cam &roller", _later("window.linkage_menus", "fill_rollers"), "rollers"),
             _field("Lin&kage", "linkage", "Dimensions, driver and assembly of a linkage"),
@@ -215,7 +419,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             _field("Li&mits", "limits", "Your own limits of pressure angle, radii of curvature and contact force"),
             _view("find"),
             _view("study"),
-            Submenu("C&olour the profile", submenus.fill_colours, "colours"),
+            Submenu("C&olour the profile", fill_colours, "colours"),
             Item("&Inspect a measured cam...", "designing.inspect_measured", None, None,
                  "Lay a measured table of lift on the profile: deviations, the largest, in or out of tolerance"),
             SEPARATOR,
@@ -230,8 +434,8 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
         (
             _view("drives"),
             _field("&Loads", "loads", "Masses, springs and forces"),
-            Submenu("&Add to the loads", _later("window.load_rows", "fill_added"), "load rows"),
-            Submenu("Ta&ke from the loads", _later("window.load_rows", "fill_taken"), "taken load rows"),
+            Submenu("&Add to the loads", _later("window.linkage_menus", "fill_added"), "load rows"),
+            Submenu("Ta&ke from the loads", _later("window.linkage_menus", "fill_taken"), "taken load rows"),
             Item("Fin&d closing spring", "show_search", "spring", None,
                  "The least rate of the spring that keeps the follower on its cam up to the speed, with the preload it is traded for"),
             SEPARATOR,
@@ -277,7 +481,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             _view("graph"),
             _view("space"),
             SEPARATOR,
-            Submenu("Export &picture", submenus.fill_pictures),
+            Submenu("Export &picture", fill_pictures),
             Item("Export &numbers...", "exports.tables", None, "Ctrl+E",
                  "Write profile, kinematics and dynamics as CSV tables", "export"),
             Item("Export pr&ofile...", "exports.profile", None, "Ctrl+Shift+E",
@@ -289,9 +493,9 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
         (
             *(Item(task.title, "show_task", name, f"Ctrl+{number}", task.tip) for number, (name, task) in enumerate(TASKS.items(), 1)),
             SEPARATOR,
-            Submenu("&Docks", submenus.fill_docks),
-            Submenu("&Layers of the drawing", submenus.fill_layers),
-            Submenu("&Named layouts", submenus.fill_named_layouts),
+            Submenu("&Docks", fill_docks),
+            Submenu("&Layers of the drawing", fill_layers),
+            Submenu("&Named layouts", fill_named_layouts),
             SEPARATOR,
             Item("&Fit drawing", "fit", None, "Ctrl+0", "Bring the whole mechanism into sight", "fit"),
             Item("&Reset layout", "reset_layout", None, None, "Put all docks of this task back to where they were at first"),
@@ -303,7 +507,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             Item("&Welcome", "show_welcome", None, None, "Examples by subject, with pictures; a new design; files opened lately"),
             Item("Help on this fiel&d or view", "help_here", None, Keys.HelpContents, "On the field or the view that has the keys", "help"),
             Item("Shortc&uts", "show_help", "shortcuts", None, "Every key of the window"),
-            Submenu("Tutoria&l", submenus.fill_tutorials),
+            Submenu("Tutoria&l", fill_tutorials),
             Item("&Tour", "show_help", "tour", None, "What is where, in five minutes"),
             Item("&Making a motion", "show_help", "making", None, "The motion editor by mouse and keys; measured tables"),
             Item("&Blended motions", "show_help", "blending", None, "Which curve follows which; the card picker twice"),

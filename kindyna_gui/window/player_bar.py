@@ -32,7 +32,7 @@ from PySide6.QtWidgets import (
 from core.errors import KindynaError
 from core.study import Study
 from kindyna_gui.documents.session import Session
-from kindyna_gui.forms.text_keys import TextKeys
+from kindyna_gui.forms.number_box import TextKeys
 from kindyna_gui.look import icon
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import digits

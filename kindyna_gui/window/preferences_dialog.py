@@ -22,11 +22,11 @@ from PySide6.QtWidgets import (
 )
 
 from kindyna_gui.dialogs import give_help
-from kindyna_gui.forms.amount import fill_choices
+from kindyna_gui.forms.fields import fill_choices
 from kindyna_gui.labels import sentence
-from kindyna_gui.note import MessageLabel
+from kindyna_gui.look import MessageLabel
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.preferences.kept import FONTS, INCH, PAPERS, THEMES, UNITS, Preferences
+from kindyna_gui.settings import FONTS, INCH, PAPERS, THEMES, UNITS, Preferences
 
 
 class PreferencesDialog(QDialog):

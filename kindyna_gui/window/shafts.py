@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from kindyna_gui import dialogs
+from kindyna_gui import dialogs, drives
 from kindyna_gui.dialogs import OnShaft
-from kindyna_gui.drives import editing
-from kindyna_gui.drives.from_file import add_from_file
+from kindyna_gui.drives_view import add_from_file
 from kindyna_gui.settings import Settings
 from kindyna_gui.window.base import Window
 
@@ -20,7 +19,7 @@ def new_shaft(window: Window) -> None:
         return
     choice = new_mechanism_wanted(window)
     if choice is not None:
-        window.session.start(editing.listed(choice.begun(None), NEW_NAME))
+        window.session.start(drives.listed(choice.begun(None), NEW_NAME))
         window.show_view("drives")
 
 
@@ -30,7 +29,7 @@ def add_by_picture(window: Window) -> None:
 
     choice = new_mechanism_wanted(window)
     if choice is not None:
-        editing.add(window.session, choice.begun(None))
+        drives.add(window.session, choice.begun(None))
 
 
 def add_to_shaft(window: Window) -> None:
@@ -44,13 +43,13 @@ def add_to_shaft(window: Window) -> None:
         return
     answer = dialogs.ask_on_shaft(window, session.whole.name)
     if answer is OnShaft.NEW:
-        editing.list_them(session)
+        drives.list_them(session)
     elif answer is OnShaft.FILE:
         added = session.whole
         path = dialogs.design_to_open(window, Settings().folder)
         if path is None or not window.documents.open_path(path):
             return
-        editing.add(session, added)
+        drives.add(session, added)
     else:
         return
     window.show_view("drives")

@@ -1,7 +1,4 @@
-"""The tasks of the window as a table: what each shows large, and which docks stand beside it, of what size.
-
-They are the modules of the program of 1995. A task is a layout and nothing else: every view can be shown in every task.
-"""
+"""TASKS."""
 
 from __future__ import annotations
 
@@ -10,9 +7,15 @@ from dataclasses import field, replace
 from types import MappingProxyType
 
 from PySide6.QtCore import Qt
+from PySide6.QtGui import QAction
 
 from core.frozen import frozen
+from kindyna_gui.window.base import Window
 from kindyna_gui.window.docks import BOTTOM, CENTRE, LEFT, RIGHT, TOP, VIEWS
+
+# -- tasks -----------------------------------------------------------------------------------------------
+
+# They are the modules of the program of 1995. A task is a layout and nothing else: every view can be shown in every task.
 
 Area = Qt.DockWidgetArea
 
@@ -270,4 +273,30 @@ def task_with(name: str) -> str:
     return next(behind, next(iter(TASKS)))
 
 
-__all__ = ["INSPECTOR", "SEPARATOR", "TASKS", "DockExtent", "DockGroup", "Task", "task_with"]
+# -- task layers -----------------------------------------------------------------------------------------
+
+ASKED_FOR = sorted({layer for row in TASKS.values() for layer in row.layers})
+
+
+class TaskLayers:
+    """Of one window; at first as the rows of ``TASKS`` have it."""
+
+    def __init__(self, window: Window) -> None:
+        self._window = window
+        self._left: dict[str, dict[str, bool]] = {}
+        self._task = ""
+
+    def show(self, task: str) -> None:
+        """A task is in place."""
+        mechanism = self._window.view("mechanism")
+        assert mechanism is not None
+        actions = {
+            layer: action
+            for layer in ASKED_FOR
+            if (action := mechanism.findChild(QAction, f"layer:{layer}")) is not None
+        }
+        if self._task:
+            self._left[self._task] = {layer: action.isChecked() for layer, action in actions.items()}
+        for layer, action in actions.items():
+            action.setChecked(self._left.get(task, {}).get(layer, layer in TASKS[task].layers))
+        self._task = task

@@ -24,8 +24,8 @@ from core.project import load
 from core.project.reading_faults import Example, subjects
 from kindyna_gui import dialogs
 from kindyna_gui.look import coloured
+from kindyna_gui.pictures.painter import thumbnail
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.pictures.thumbnails import thumbnail
 from kindyna_gui.rebuilt import Rebuilt
 from kindyna_gui.window.base import Window
 

@@ -13,7 +13,7 @@ from benchmarks.table import Kernel, kernels
 from PySide6.QtWidgets import QGridLayout, QLabel
 
 from kindyna_gui.pictures.app import ensure_app
-from kindyna_gui.pictures.paper import MARGIN, RATIO, PaperSheet, png
+from kindyna_gui.pictures.painter import MARGIN, RATIO, PaperSheet, png
 from kindyna_gui.pictures.plots.xy import Dots, Line, XYPlot
 from kindyna_gui.pictures.style import BLUE, GREEN, LIGHT, ORANGE, PURPLE, VERMILION, Theme
 

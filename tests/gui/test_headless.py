@@ -24,7 +24,7 @@ from kindyna_gui.__main__ import main
 from kindyna_gui.headless import COMMANDS
 from kindyna_gui.places import example, examples
 from kindyna_gui.settings import Settings
-from kindyna_gui.stability.stability_view import StabilityView
+from kindyna_gui.stability_view import StabilityView
 from kindyna_gui.window.docks import VIEWS
 from kindyna_gui.window.tasks import TASKS
 

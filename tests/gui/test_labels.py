@@ -12,7 +12,7 @@ from core.errors import KindynaError, NoSolution
 from core.output.lines import shortest
 from core.project import load
 from core.study import Study
-from kindyna_gui.forms.typed_number import parsed
+from kindyna_gui.forms.number_box import parsed
 from kindyna_gui.labels import name_of, reason, sentence, step_text, value_text
 from kindyna_gui.places import example
 

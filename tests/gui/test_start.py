@@ -234,7 +234,7 @@ def test_a_window_without_the_libraries_of_qt_is_replaced_by_the_report(lift: Pa
 
 
 def test_a_mistake_of_our_own_is_not_taken_for_a_missing_library(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "kindyna_gui.pictures.painter", None)
+    monkeypatch.setitem(sys.modules, "kindyna_gui.pictures.film", None)
     with pytest.raises(ImportError):
         entry.paint(Study(LIFT, 36))
 

@@ -17,7 +17,7 @@ from core.papers import Claim
 from core.papers.kim1990_chart import readings as kim_readings
 from core.papers.kim1990_chart import shaft_of
 from core.stability import Verdict
-from kindyna_gui.stability.texts import verdict_table, waiting_text
+from kindyna_gui.stability_pages import verdict_table, waiting_text
 
 EXAMPLE = Path(__file__).parents[2] / "resources" / "examples" / "kim_1990.toml"
 STABLE, UNSTABLE, SILENT = Verdict("steady", True), Verdict("steady", False), Verdict("steady", None)

@@ -14,7 +14,7 @@ import numpy as np
 from core.cam import SECOND
 from core.design import UNITS
 from core.dynamics import CAM_FACE
-from core.dynamics.free_body import CONTACT, DRIVE, FRICTION, INERTIA, REACTION, WEIGHT, ForceOnBody, acting_of
+from core.dynamics.free_body import CONTACT, DRIVE, FRICTION, INERTIA, REACTION, WEIGHT, ForceOnBody, element_forces
 from core.dynamics.walk import input_of
 from core.frozen import frozen
 from core.mechanism import body_name, link_number
@@ -110,7 +110,7 @@ def _masses(study: Study, bodies: Iterable[str]) -> list[tuple[str, float, float
     """Body, mass, speed of its centre, inertia, angular velocity of all that moves on these bodies."""
     rows = []
     for mass in study.loading.masses:
-        if mass.acts and mass.body in bodies:
+        if mass.is_active and mass.body in bodies:
             pose, part = study.linkage.bodies[mass.body], mass.inertia
             speed = abs(complex(np.atleast_1d(pose.carried(part.centre)[1])[0])) * study.omega
             rows.append(
@@ -172,13 +172,13 @@ def _work_rate(study: Study, rows: list[ForceOnBody]) -> Calculation:
 
 def _of_friction(study: Study, pair: str) -> Calculation:
     if pair == CAM_FACE:
-        return _work_rate(study, _acting(study, lambda row: row.kind == FRICTION and "cam" in (row.body, row.by)))
+        return _work_rate(study, _acting(study, lambda row: row.kind == FRICTION and "cam" in (row.body, row.partner)))
     return _work_rate(study, _acting(study, lambda row: row.kind == FRICTION and row.name == pair))
 
 
 def _of_element(study: Study, name: str) -> Calculation:
     element = study.loading.named[name]
-    return _work_rate(study, list(acting_of(element, study.linkage, study.omega)))
+    return _work_rate(study, list(element_forces(element, study.linkage, study.omega)))
 
 
 def _of_drive(study: Study, _: str) -> Calculation:
@@ -241,7 +241,7 @@ def _virtual(study: Study) -> list[tuple[str, str, float]]:
             if (
                 row.kind in (REACTION, CONTACT)
                 or (row.kind == DRIVE and row.name not in motors)
-                or "cam" in (row.body, row.by)
+                or "cam" in (row.body, row.partner)
             ):
                 continue
             key = row.kind, named_force(row)
@@ -345,7 +345,7 @@ def _moments(study: Study, pair: str, rows: list[ForceOnBody]) -> tuple[str, tup
 def _bearing(study: Study, _: str, axis: str) -> Calculation:
     parts = []
     for i, (flank, each) in enumerate(zip(study.cam.flanks, study.dynamics.contacts, strict=True), 1):
-        push = complex(np.atleast_1d(each.pressing)[0])
+        push = complex(np.atleast_1d(each.direction)[0])
         value = push.real if axis == "x" else push.imag
         parts += [letter(f"F_{i}", f"contact force, flank {flank.name}", first(each.force), "n", DYNAMICS),
                   letter(f"p_{i}{axis}", f"its direction on the cam, {axis}", value, "", CAM)]  # fmt: skip

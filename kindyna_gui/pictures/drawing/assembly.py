@@ -18,13 +18,11 @@ from core.motion import TURN
 from core.motion.program import ShaftPosition
 from core.numerics.derivatives import ISOMETRIC, seen_from
 from core.study import Camshaft, Study
-from kindyna_gui.pictures.drawing import cam_parts, framing, load_parts, parts
-from kindyna_gui.pictures.drawing.framing import MARGIN_UNITS
+from kindyna_gui.pictures.drawing import cam_parts, load_parts, mechanism, parts
+from kindyna_gui.pictures.drawing.cam_parts import COLOURINGS, ColouredLoop, coloured, on_cam, reading_at, scale_of
 from kindyna_gui.pictures.drawing.geometry import Geometry
-from kindyna_gui.pictures.drawing.overlay import Overlay, VectorUnit
-from kindyna_gui.pictures.drawing.profile_colours import COLOURINGS, ColouredLoop, coloured, scale_of
-from kindyna_gui.pictures.drawing.profile_reading import on_cam, reading_at
-from kindyna_gui.pictures.drawing.vectors import FIELDS, arrows
+from kindyna_gui.pictures.drawing.mechanism import MARGIN_UNITS
+from kindyna_gui.pictures.drawing.overlay import FIELDS, Overlay, VectorUnit, arrows
 from kindyna_gui.pictures.items import DrawnPart, Loop, Tag
 from kindyna_gui.pictures.shapes import outline
 from kindyna_gui.pictures.style import BALANCE, BLUE, SCREEN, TEXT, Theme, rgb
@@ -103,7 +101,7 @@ class DriveFigure:
             self.parts.append(part)
         self.loops = [part.item for part in self.parts if isinstance(part.item, Loop)]
         self.ribbons = [part.item for part in self.parts if isinstance(part.item, ColouredLoop)]
-        self._whole = framing.whole(self.geometry, self.parts)
+        self._whole = mechanism.whole(self.geometry, self.parts)
         self.tag = Tag(name, theme.letters(colour), theme, TEXT, lean=(0.5, 0.3), backing=True)
         self.tag.setZValue(15.0)
         self.corner, self.index = 0j, 0
@@ -394,7 +392,7 @@ class Assembly(QGraphicsScene):
         if aspect != self._aspect and not self.about_shaft:  # as many in a row as make the picture largest
             self._aspect = aspect
             self._place()
-        return framing.fitted(self._whole, width, height)
+        return mechanism.fitted(self._whole, width, height)
 
     def show_region(self, visible: QRectF, scale: float, keep_labels: bool = False) -> None:
         """Lay scale bar and texts for a view that shows ``visible`` [mm] at ``scale`` [pixels per mm]."""

@@ -1,22 +1,45 @@
-"""The cam: filled outline with its zero mark, pitch curve, base circle, shaft, sense of rotation; and where it
-touches: normal and instant centre."""
+"""Cam, coloured profile."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import pairwise
 from types import MappingProxyType
 
 import numpy as np
-from PySide6.QtCore import QLineF
-from PySide6.QtGui import QPainterPath
-from PySide6.QtWidgets import QGraphicsLineItem
+from PySide6.QtCore import QLineF, QPointF, QRectF, Qt
+from PySide6.QtGui import QBrush, QColor, QLinearGradient, QPainter, QPainterPath, QPolygonF
+from PySide6.QtWidgets import QGraphicsItem, QGraphicsLineItem, QStyleOptionGraphicsItem, QWidget
 
-from core.cam import OUTER, SECOND
+from core.cam import INNER, OUTER, PRESSURE_LIMITS, SECOND, Flank
+from core.errors import KindynaError, NoSolution
+from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE, SLIDING
+from core.study.extremes import has_undercut
+from core.study.limits import limit_of
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry, Joint
-from kindyna_gui.pictures.items import DrawnPart, Loop, Outline, Tag, pinned, turning
+from kindyna_gui.pictures.items import DrawnPart, Loop, Outline, Tag, pinned, text_size, turning
 from kindyna_gui.pictures.shapes import arc_arrow, at, bearing, circle, cross, joined, outline, segments
-from kindyna_gui.pictures.style import CHAIN, DASHED, DOTTED, OUTLINE, SPARSE, THIN, Theme, brush
+from kindyna_gui.pictures.style import (
+    BLUE,
+    CHAIN,
+    DASHED,
+    DOTTED,
+    ORANGE,
+    OUTLINE,
+    SKY,
+    SPARSE,
+    THIN,
+    VERMILION,
+    YELLOW,
+    Theme,
+    brush,
+    no_pen,
+    rgb,
+)
+from kindyna_gui.pictures.units import readable, short, with_unit
+
+# -- cam parts -------------------------------------------------------------------------------------------
 
 Z_CAM, Z_CURVES, Z_SHAFT, Z_NORMAL = 2.0, 2.5, 3.5, 8.0
 RIM = 1.2  # of the plate of a grooved cam beyond its groove, in units
@@ -198,3 +221,300 @@ CENTRE_LINES: Mapping[str, Callable[[Joint, Geometry], tuple[complex, complex]]]
     {REVOLUTE: _line_of_centres, SLIDING: _across_the_guide}
 )
 """The line on which the instant centre stays (Kennedy), by the kind of pair that holds the follower."""
+
+
+# -- profile colours -------------------------------------------------------------------------------------
+
+COLOURS = 24  # between the ends of a scale
+WIDTH = 4.0  # of the coloured line, pixels
+MOST = 720  # pieces of a coloured line
+DIGITS = 2  # of the radius at the end of a scale
+MPA = 1e6  # Pa in one
+USUAL_PART = 98.0  # per cent of the profile whose curvature lies on the scale; a tip has the colour of its end
+NEUTRAL = "#B4BCC3"
+APART = 8.0  # between the texts of a scale, pixels
+Z_COLOURS = 2.7
+
+
+@frozen
+class ColourScale:
+    """Colours over a range of values, those beyond it in the colour of the nearer end, or ``beyond`` above it.
+
+    stops   part of the range 0 ... 1 and colour; ticks: value and text
+    """
+
+    title: str
+    low: float
+    high: float
+    stops: tuple[tuple[float, str], ...]
+    ticks: tuple[tuple[float, str], ...]
+    beyond: str = ""
+
+    def part(self, values: np.ndarray) -> np.ndarray:
+        """Where values (n,) stand in the range, 0 ... 1, and 2 beyond it where that has a colour of its own."""
+        part = (values - self.low) / (self.high - self.low)
+        over = (part > 1.0 + 1e-9) & bool(self.beyond)
+        return np.where(over, 2.0, np.clip(np.nan_to_num(part, nan=1.0), 0.0, 1.0))
+
+    def colour(self, part: float) -> QColor:
+        """The colour at a part of the range."""
+        if part > 1.0:
+            return QColor(self.beyond)
+        places = [place for place, _ in self.stops]
+        channels = np.array([rgb(colour) for _, colour in self.stops], dtype=float)
+        return QColor(*(round(float(np.interp(part, places, channel))) for channel in channels.T))
+
+    def gradient(self, width: float) -> QLinearGradient:
+        """From left to right over so many pixels."""
+        gradient = QLinearGradient(0.0, 0.0, width, 0.0)
+        for part, colour in self.stops:
+            gradient.setColorAt(part, QColor(colour))
+        return gradient
+
+
+def _pressure_scale(geometry: Geometry, theme: Theme) -> ColourScale:
+    """From 0 to the usual limit; what exceeds it has the colour of limits."""
+    kinematics = geometry.kinematics
+    kind = kinematics.pairs[kinematics.ground].kind if kinematics.ground else REVOLUTE
+    limit = PRESSURE_LIMITS[kind]
+    ticks = tuple((part * limit, f"{short(part * limit)}°") for part in (0.0, 0.5, 1.0))
+    stops = ((0.0, SKY), (0.45, YELLOW), (0.75, ORANGE), (1.0, VERMILION))
+    return ColourScale("Pressure angle to the usual limit", 0.0, limit, stops, ticks, theme.limit)
+
+
+def _curvature_scale(geometry: Geometry, theme: Theme) -> ColourScale:
+    """From concave to convex, named by the radii at the ends; only the convex half where nothing is concave."""
+    assert geometry.shape is not None
+    bends = np.concatenate([_curvature(geometry, flank) for flank in geometry.shape.flanks])
+    bends = bends[np.isfinite(bends)]
+    size = float(np.percentile(np.abs(bends), USUAL_PART)) if bends.size else 0.0
+    radius = float(f"{1.0 / size:.{DIGITS}g}") if size else 1.0
+    convex = ((0.0, NEUTRAL), (0.5, ORANGE), (1.0, VERMILION))
+    ends = ((0.0, "straight"), (1.0 / radius, f"convex R {short(radius)}"))
+    if not (bends < 0.0).any():
+        return ColourScale("Radius of curvature, mm", 0.0, 1.0 / radius, convex, ends)
+    both = ((0.0, BLUE), (0.25, SKY), *((0.5 + 0.5 * part, colour) for part, colour in convex))
+    ticks = ((-1.0 / radius, f"concave R {short(radius)}"), *ends)
+    return ColourScale("Radius of curvature, mm", -1.0 / radius, 1.0 / radius, both, ticks)
+
+
+def _stress_scale(geometry: Geometry, theme: Theme) -> ColourScale | None:
+    """From 0 to what the user or the materials allow, beyond which is the colour of limits; to the highest where none is known."""
+    study = geometry.study
+    try:
+        if not study.stress or has_undercut(study) or study.jam is not None:
+            return None
+        highest = max((float(np.max(each.pressure)) for each in study.stress.values()), default=0.0) / MPA
+    except KindynaError:
+        return None
+    allowed = limit_of(study, "contact_pressure_mpa")
+    top = float(f"{highest:.{DIGITS}g}") or 1.0 if allowed is None else allowed.value  # 1: nothing presses
+    ticks = tuple(
+        (part * top, f"{short(part * top, 4)} MPa" if part == 1.0 else short(part * top, 4)) for part in (0.0, 0.5, 1.0)
+    )
+    stops = ((0.0, NEUTRAL), (0.25, SKY), (0.5, YELLOW), (0.75, ORANGE), (1.0, VERMILION))
+    title = "Contact pressure" if allowed is None else "Contact pressure to what is allowed"
+    return ColourScale(title, 0.0, top, stops, ticks, "" if allowed is None else theme.limit)
+
+
+def _stress(geometry: Geometry, flank: Flank) -> np.ndarray:
+    """[MPa]"""
+    return np.asarray(geometry.study.stress[flank.name].pressure / MPA)
+
+
+def _pressure_angle(geometry: Geometry, flank: Flank) -> np.ndarray:
+    return np.rad2deg(flank.pressure_angle)
+
+
+def _curvature(geometry: Geometry, flank: Flank) -> np.ndarray:
+    """[1/mm]"""
+    return np.asarray(flank.profile_curvature / MM)
+
+
+@frozen
+class Colouring:
+    """scale: of a study's cam, None where it has no such values; values: of a flank, on that scale (n,)."""
+
+    scale: Callable[[Geometry, Theme], ColourScale | None]
+    values: Callable[[Geometry, Flank], np.ndarray]
+
+
+COLOURINGS: Mapping[str, Colouring] = MappingProxyType(
+    {
+        "pressure_colours": Colouring(_pressure_scale, _pressure_angle),
+        "curvature_colours": Colouring(_curvature_scale, _curvature),
+        "stress_colours": Colouring(_stress_scale, _stress),
+    }
+)
+"""Layer -> what the profile is coloured by."""
+
+
+class ColouredLoop(QGraphicsItem):
+    """A closed line whose pieces have the colours of their values: points (n,) [mm], part of the scale (n,).
+
+    Filled ribbons, as wide in pixels as ``look`` is told: a pen of that width would take a hundred times as long.
+    """
+
+    def __init__(self, points: np.ndarray, parts: np.ndarray, scale: ColourScale) -> None:
+        super().__init__()
+        step = max(1, points.size // MOST)
+        points, parts = points[::step], parts[::step]
+        along = np.roll(points, -1) - np.roll(points, 1)
+        self._points, self._across = _closed(points), _closed(1j * along / np.where(along == 0.0, 1.0, np.abs(along)))
+        bins = np.minimum(np.round(_closed(parts) * COLOURS), COLOURS + 1).astype(int)
+        cuts = np.flatnonzero(np.diff(bins)) + 1
+        self._runs = list(zip([0, *cuts], [*cuts, bins.size], strict=True))
+        self._brushes = [QBrush(scale.colour(bins[start] / COLOURS)) for start, _ in self._runs]
+        self._paths: list[QPainterPath] = []
+        self._scale = 0.0
+        x, y = points.real, points.imag
+        self._bounds = QRectF(float(x.min()), float(y.min()), float(np.ptp(x)), float(np.ptp(y)))
+
+    def look(self, scale: float) -> None:
+        """Be drawn at so many pixels per mm."""
+        if scale != self._scale:
+            self._scale, half = scale, 0.5 * WIDTH / scale * self._across
+            one, other = self._points + half, self._points - half
+            self._paths = [
+                outline(np.concatenate((one[start : stop + 1], other[start : stop + 1][::-1])))
+                for start, stop in self._runs
+            ]
+            self.update()
+
+    @property
+    def colours(self) -> set[str]:
+        """Those of its pieces."""
+        return {brush.color().name() for brush in self._brushes}
+
+    def boundingRect(self) -> QRectF:
+        return self._bounds
+
+    def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
+        painter.setPen(no_pen())
+        for fill, path in zip(self._brushes, self._paths, strict=False):
+            painter.fillPath(path, fill)
+
+
+def _closed(values: np.ndarray) -> np.ndarray:
+    return np.append(values, values[:1])
+
+
+def scale_of(layer: str, geometry: Geometry, theme: Theme) -> ColourScale | None:
+    """The scale of a layer of colours; None of any other, and where there is no cam."""
+    return COLOURINGS[layer].scale(geometry, theme) if layer in COLOURINGS and geometry.shape is not None else None
+
+
+def coloured(layer: str, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
+    """Every flank in the colours of a layer."""
+    scale = scale_of(layer, geometry, theme)
+    if scale is None or geometry.shape is None:
+        return
+    for flank in geometry.shape.flanks:
+        item = ColouredLoop(flank.profile * MM, scale.part(COLOURINGS[layer].values(geometry, flank)), scale)
+        yield DrawnPart(f"{layer}.{flank.name}", item, ("cam", layer), Z_COLOURS, turning(item, geometry.turned))
+
+
+def colour_bar(scale: ColourScale, width: float) -> Iterator[tuple[float, str]]:
+    """Where the ticks of a scale stand on a bar of so many pixels, and their texts."""
+    for value, text in scale.ticks:
+        yield width * (value - scale.low) / (scale.high - scale.low), text
+
+
+def bar_width(scale: ColourScale) -> float:
+    """The least width of a bar [pixels] on which the texts of the ticks, each within its ends, stand clear of each other."""
+    ticks = [(part, text_size(text)[0]) for part, text in colour_bar(scale, 1.0)]
+    return max(
+        ((APART + one + part * other - at * one) / (part - at) for (at, one), (part, other) in pairwise(ticks)),
+        default=0.0,
+    )
+
+
+# -- the values at a place of the profile, under the mouse -----------------------------------------------
+
+PROFILES: Mapping[str, str] = MappingProxyType({INNER: "Profile", OUTER: "Outer flank", SECOND: "Second cam"})
+STRAIGHT = 1e4  # a radius of curvature above so many sizes of the cam is none
+
+
+@frozen
+class ProfileReading:
+    """place: of the profile [mm] in the cam's own frame; cam_angle [deg] at which it is touched; radius from the cam centre
+    [mm]; pressure_angle [deg]; curvature [1/mm], positive where the cam is convex; flank: its name. Where forces are drawn also
+    force [N] on the flank and pressure [MPa] there, else None."""
+
+    flank: str
+    place: complex
+    cam_angle: float
+    radius: float
+    pressure_angle: float
+    curvature: float
+    force: float | None = None
+    pressure: float | None = None
+
+    @property
+    def text(self) -> str:
+        """In one line."""
+        bend = abs(self.curvature)
+        if bend * self.radius * STRAIGHT < 1.0:
+            curved = "straight"
+        else:
+            curved = f"{'convex' if self.curvature > 0.0 else 'concave'} R {short(1.0 / bend, 4)} mm"
+        return (
+            f"{PROFILES[self.flank]} at {self.cam_angle:.1f}°: radius {self.radius:.2f} mm, pressure angle "
+            f"{self.pressure_angle:.1f}°, {curved}{self._loaded}"
+        )
+
+    @property
+    def _loaded(self) -> str:
+        """Force and pressure, as far as they are known."""
+        text = ""
+        if self.force is not None:
+            rung = readable("N", abs(self.force))
+            text = f", force {with_unit(short(self.force / rung.size, 4), rung.symbol)}"
+        return text if self.pressure is None else f"{text}, contact pressure {short(self.pressure, 4)} MPa"
+
+
+def on_cam(geometry: Geometry, index: int, at: complex) -> bool:
+    """Whether a place [mm] of the global frame lies on the cam while the drawing stands at a sample."""
+    if not geometry.profile.size:
+        return False
+    own = at * np.exp(-1j * np.deg2rad(geometry.turned[index]))
+    outline = QPolygonF([QPointF(p.real, p.imag) for p in geometry.profile])
+    return outline.containsPoint(QPointF(own.real, own.imag), Qt.FillRule.OddEvenFill)
+
+
+def reading_at(
+    geometry: Geometry, index: int, at: complex, reach: float, by_forces: bool = False
+) -> ProfileReading | None:
+    """The sample of the profile that is nearest to a place [mm] of the global frame while the drawing stands at a sample, no
+    farther than ``reach`` [mm]; None where none is. by_forces: with force and contact pressure there."""
+    if geometry.shape is None:
+        return None
+    local = at * np.exp(-1j * np.deg2rad(geometry.turned[index]))
+    near = [(flank, np.abs(flank.profile * MM - local)) for flank in geometry.shape.flanks]
+    flank, away = min(near, key=lambda each: float(each[1].min()))
+    i = int(away.argmin())
+    if away[i] > reach:
+        return None
+    place = complex(flank.profile[i] * MM)
+    return ProfileReading(
+        flank.name,
+        place,
+        float(geometry.cam_angle[i]),
+        abs(place),
+        float(np.rad2deg(flank.pressure_angle[i])),
+        float(flank.profile_curvature[i] / MM),
+        *(_loads_at(geometry, flank.name, i) if by_forces else ()),
+    )
+
+
+def _loads_at(geometry: Geometry, flank: str, i: int) -> tuple[float | None, float | None]:
+    """Force [N] on a flank and contact pressure [MPa] at a sample, as far as they have an answer."""
+    study, shape = geometry.study, geometry.shape
+    assert shape is not None
+    try:
+        force = next(c.force[i] for f, c in zip(shape.flanks, study.dynamics.contacts, strict=True) if f.name == flank)
+        stress = study.stress.get(flank) if study.jam is None and not has_undercut(study) else None
+    except NoSolution:
+        return None, None
+    pressure = None if stress is None else float(stress.pressure[i]) / MPA
+    return float(force) if np.isfinite(force) else None, pressure

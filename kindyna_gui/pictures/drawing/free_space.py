@@ -8,8 +8,7 @@ import numpy as np
 from PySide6.QtCore import QPointF, QRectF
 
 from kindyna_gui.pictures.drawing.labels import DrawnDots
-from kindyna_gui.pictures.items import Tag
-from kindyna_gui.pictures.viewport import Viewport
+from kindyna_gui.pictures.items import Tag, Viewport
 
 GAPS = (9.0, 20.0, 34.0, 52.0)  # from a place to its text, pixels
 EDGE, PAD = 6.0, 1.5  # kept free along the picture's edge, and about a text, pixels

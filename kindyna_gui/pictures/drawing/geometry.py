@@ -19,7 +19,7 @@ from core.mechanism import body_name
 from core.mechanism.drivers import Wheel, WheelPair, wheel_pairs
 from core.mechanism.kinematics import FRAME, SLIDING, Kinematics, Pair
 from core.study import Study
-from kindyna_gui.pictures.turn import nearest
+from kindyna_gui.pictures.units import nearest
 from kindyna_gui.requirements import lists_links
 
 MM = 1e3  # mm in a metre
@@ -361,7 +361,7 @@ class Geometry:
     def elements(self) -> tuple[Element, ...]:
         """The force elements besides the masses; none where the loads have no answer."""
         try:
-            return tuple(element for element in self.study.loading.others if element.acts)
+            return tuple(element for element in self.study.loading.others if element.is_active)
         except NoSolution:
             return ()
 

@@ -1,8 +1,8 @@
-"""The drawing of a mechanism: a scene in mm, y upwards, that moves by moving what it holds."""
+"""The scene, layers, framing."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from functools import partial
 from math import degrees
 from types import MappingProxyType
@@ -13,36 +13,111 @@ from PySide6.QtCore import QRectF
 from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QGraphicsItem, QGraphicsScene
 
+from core.instant_centres import CentreTable
+from core.instant_centres.construction import Key
 from core.study import Study
-from kindyna_gui.pictures.drawing import cam_parts, framing, load_parts, parts, vectors, wheel_parts
-from kindyna_gui.pictures.drawing.dimension_parts import dimensions, strokes
-from kindyna_gui.pictures.drawing.framing import MARGIN_UNITS
-from kindyna_gui.pictures.drawing.geometry import Geometry
+from kindyna_gui.pictures.drawing import cam_parts, load_parts, overlay, parts
+from kindyna_gui.pictures.drawing.cam_parts import COLOURINGS, ColouredLoop, coloured, reading_at, scale_of
+from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.drawing.labels import Labels, TextBox
-from kindyna_gui.pictures.drawing.layers import (
+from kindyna_gui.pictures.drawing.overlay import (
+    BOTTOM_STRIP,
+    FIELDS,
+    TOP_STRIP,
+    Overlay,
+    VectorUnit,
+    dimension_strokes,
+    dimensions,
+)
+from kindyna_gui.pictures.drawing.parts import (
     DIMENSIONS,
     EVERY_LAYER,
-    LAYERS,
     LINKAGE_LAYERS,
     OF_FORCES,
     OF_LOADS,
     OF_STEP,
     TWIST,
-    Layer,
-    layers_of,
+    shaft,
 )
-from kindyna_gui.pictures.drawing.overlay import Overlay, VectorUnit
-from kindyna_gui.pictures.drawing.profile_colours import COLOURINGS, ColouredLoop, coloured, scale_of
-from kindyna_gui.pictures.drawing.profile_reading import reading_at
-from kindyna_gui.pictures.drawing.shaft_parts import shaft
-from kindyna_gui.pictures.drawing.vectors import FIELDS
-from kindyna_gui.pictures.items import DrawnPart, Loop, Outline, Tag
+from kindyna_gui.pictures.items import DrawnPart, Loop, Outline, Tag, Viewport
 from kindyna_gui.pictures.shapes import circle
 from kindyna_gui.pictures.style import OUTLINE, SCREEN, Theme, brush
-from kindyna_gui.pictures.viewport import Viewport
+from kindyna_gui.settings import sized
 
 if TYPE_CHECKING:
-    from kindyna_gui.pictures.drawing.construct import Construct
+    from kindyna_gui.pictures.drawing.centre_parts import Construct
+
+
+# -- framing ---------------------------------------------------------------------------------------------
+
+FAR_CENTRES = 12.0  # sizes of the mechanism
+MARGIN_UNITS = 4.5  # around all that moves, in units of the symbols
+_STANDING = ("rails", "ground", "pedestal", "rim", "dimensions")
+
+
+def whole(geometry: Geometry, parts: Iterable[DrawnPart]) -> QRectF:
+    """The rectangle that holds the mechanism over the whole turn [mm]: all that moves, the ground it stands on, and
+    the instant centre where it is near."""
+    low, high = geometry.core_box
+    rect = QRectF(low.real, low.imag, (high - low).real, (high - low).imag)
+    for part in parts:
+        if part.move is None and part.key.partition(".")[0] in _STANDING:
+            rect = rect.united(part.item.boundingRect())
+        if part.move is not None and part.key.startswith(("spring.", "load.")):
+            for i in range(0, geometry.samples, max(1, geometry.samples // 8)):
+                part.move(i)
+                rect = rect.united(part.item.sceneBoundingRect())
+        if part.move is not None and part.key.startswith("stem."):
+            for i in (int(np.argmin(np.abs(geometry.reference))), int(np.argmax(np.abs(geometry.reference)))):
+                part.move(i)
+                rect = rect.united(part.item.sceneBoundingRect())
+    q = geometry.near_centres
+    if q.size:
+        x, y = q.real, q.imag
+        left, below = float(x.min()), float(y.min())
+        rect = rect.united(QRectF(left, below, float(x.max()) - left + 1e-9, float(y.max()) - below + 1e-9))
+    room = MARGIN_UNITS * geometry.unit
+    return rect.adjusted(-room, -room, room, room)
+
+
+def with_centres(rect: QRectF, table: CentreTable, index: int, only: Collection[Key] | None = None) -> QRectF:
+    """A rectangle [mm] that holds another one and the instant centres at a sample, all or the chosen ones, but those farther away than
+    ``FAR_CENTRES`` of its size, beside which the mechanism would be a dot."""
+    reach = FAR_CENTRES * max(rect.width(), rect.height())
+    edge, middle = 0.03 * max(rect.width(), rect.height()), complex(rect.center().x(), rect.center().y())
+    for key, centres in table.centres.items():
+        if (only is not None and key not in only) or centres.far(table.size)[index]:
+            continue
+        place = MM * complex(centres.finite[index])
+        if abs(place - middle) <= reach:
+            rect = rect.united(QRectF(place.real - edge, place.imag - edge, 2.0 * edge, 2.0 * edge))
+    return rect
+
+
+def fitted(rect: QRectF, width: float, height: float, list_height: float = 0.0) -> tuple[QRectF, float]:
+    """What a picture of so many pixels shows when a rectangle [mm] fills it between the strips that texts need:
+    visible rectangle [mm] and scale [pixels per mm]. list_height: of a list at the top [pixels]."""
+    top = sized(TOP_STRIP) + list_height
+    room = max(height - top - sized(BOTTOM_STRIP), 0.3 * height)
+    scale = min(width / rect.width(), room / rect.height())
+    visible = _about(rect, width, height, scale)
+    visible.translate(0.0, -0.5 * (sized(BOTTOM_STRIP) - top) / scale)
+    return visible, scale
+
+
+def filled(rect: QRectF, width: float, height: float) -> tuple[QRectF, float]:
+    """The same without strips for texts."""
+    scale = min(width / rect.width(), height / rect.height())
+    return _about(rect, width, height, scale), scale
+
+
+def _about(rect: QRectF, width: float, height: float, scale: float) -> QRectF:
+    visible = QRectF(0.0, 0.0, width / scale, height / scale)
+    visible.moveCenter(rect.center())
+    return visible
+
+
+# -- mechanism -------------------------------------------------------------------------------------------
 
 USUAL_SIZE = (900.0, 675.0)  # of a picture whose size is not given, pixels
 
@@ -50,7 +125,7 @@ USUAL_SIZE = (900.0, 675.0)  # of a picture whose size is not given, pixels
 BUILDERS: tuple[Callable[[Geometry, Theme], Iterator[DrawnPart]], ...] = (
     cam_parts.cam,
     parts.roller,
-    wheel_parts.wheels,
+    parts.wheels,
     parts.linkage,
     cam_parts.contact,
 )
@@ -98,7 +173,7 @@ class MechanismScene(QGraphicsScene):
         self._shown = {name: layer.shown for name, layer in EVERY_LAYER.items()}
         self._region: tuple[QRectF, float] | None = None
         self._labels: Labels | None = None
-        self._fields: dict[str, vectors.Field] = {}
+        self._fields: dict[str, overlay.Field] = {}
         self.viewport = Viewport()
         self.construct: Construct | None = None
         self._step: int | None = None
@@ -132,7 +207,7 @@ class MechanismScene(QGraphicsScene):
         elif before is not None and not load_parts.same_loads(geometry, before, self._shown["masses"]):
             self._renew_loads()
         if geometry.numbered:
-            from kindyna_gui.pictures.drawing.construct import Construct
+            from kindyna_gui.pictures.drawing.centre_parts import Construct
 
             self.construct = Construct(geometry, self.theme, self.viewport, self._texts, self._step)
         for layer in FIELDS:
@@ -189,7 +264,7 @@ class MechanismScene(QGraphicsScene):
         """Take in what the picture must hold of what is shown."""
         assert self.geometry is not None
         shown = (part for part in self.parts.values() if self._shown[DIMENSIONS] or DIMENSIONS not in part.layers)
-        self._whole = framing.whole(self.geometry, shown)
+        self._whole = whole(self.geometry, shown)
         self.setSceneRect(self._whole)
 
     def _drop_vectors(self) -> None:
@@ -213,7 +288,7 @@ class MechanismScene(QGraphicsScene):
         if self.geometry is None or self.overlay is None or not self._shown[layer] or layer in self.overlay.vectors:
             return
         field = self._fields[layer] = FIELDS[layer](self.geometry)
-        for part in vectors.arrows(field, layer, self.geometry, self.theme):
+        for part in overlay.arrows(field, layer, self.geometry, self.theme):
             self._take(part)
         self.overlay.add_scale(VectorUnit(layer, field.family, field.unit, field.mm_per_unit(self.geometry)))
 
@@ -259,10 +334,10 @@ class MechanismScene(QGraphicsScene):
         """Labels keep clear of the vectors that are shown."""
         if self._labels is not None and self.geometry is not None:
             shown = [field for layer, field in self._fields.items() if self._shown[layer]]
-            values = strokes(self.geometry) if self._shown[DIMENSIONS] else []
+            values = dimension_strokes(self.geometry) if self._shown[DIMENSIONS] else []
             values += load_parts.strokes(self.geometry, self._shown.__getitem__)
             curves = () if self.construct is None or not self._shown["coupler"] else self.construct.paths()
-            drawn = (stroke for field in shown for stroke in vectors.strokes(field, self.geometry))
+            drawn = (stroke for field in shown for stroke in overlay.arrow_strokes(field, self.geometry))
             self._labels.avoid([*drawn, *values], curves)
 
     def _written(self, samples: np.ndarray) -> Iterator[TextBox]:
@@ -394,21 +469,21 @@ class MechanismScene(QGraphicsScene):
     def fit(self, width: float, height: float) -> tuple[QRectF, float]:
         """What a picture of so many pixels shows when the mechanism fills it between the strips that texts need:
         visible rectangle [mm] and scale [pixels per mm]."""
-        return framing.fitted(self._whole, width, height, self.construct.strip if self.construct is not None else 0.0)
+        return fitted(self._whole, width, height, self.construct.strip if self.construct is not None else 0.0)
 
     def fit_centres(self, width: float, height: float) -> tuple[QRectF, float]:
         """The same with the instant centres at the angle at hand, of the step of the circle diagram where one is shown."""
         rect, strip = self._whole, self.construct.strip if self.construct is not None else 0.0
         if self.geometry is not None:
             marks = self.construct.marks if self.construct is not None else None
-            rect = framing.with_centres(
+            rect = with_centres(
                 rect, self.geometry.study.centres, self.index, marks.only if marks is not None else None
             )
-        return framing.fitted(rect, width, height, strip)
+        return fitted(rect, width, height, strip)
 
     def fill(self, width: float, height: float) -> tuple[QRectF, float]:
         """The same without strips for texts."""
-        return framing.filled(self._whole, width, height)
+        return filled(self._whole, width, height)
 
     def show_region(self, visible: QRectF, scale: float, keep_labels: bool = False) -> None:
         """Lay labels, scale bar and texts for a view that shows ``visible`` [mm] at ``scale`` [pixels per mm]."""
@@ -442,6 +517,3 @@ class MechanismScene(QGraphicsScene):
                 texts = list(self._written(self._labels.samples))
                 self._labels.arrange((low, low + complex(visible.width(), visible.height())), scale, texts)
             self._move(self.index, self._angle)
-
-
-__all__ = ["EVERY_LAYER", "FIELDS", "LAYERS", "LINKAGE_LAYERS", "Layer", "MechanismScene", "layers_of"]

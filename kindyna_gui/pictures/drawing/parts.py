@@ -1,21 +1,30 @@
-"""The linkage and what holds it: bodies, pins, slides and fixed pivots, walked by pairs and points."""
+"""Links, pins, wheels, shaft."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import QRectF
 from PySide6.QtGui import QPainterPath
 
+from core.design.linkage import BELT, RACK
+from core.errors import NoSolution, ResultPending
+from core.frozen import frozen
+from core.mechanism import body_name
+from core.mechanism.drivers import Wheel, WheelPair
 from core.mechanism.kinematics import REVOLUTE, SLIDING
+from core.study import Study
+from kindyna_gui.pictures.drawing.cam_parts import edge_radius
 from kindyna_gui.pictures.drawing.geometry import Body, Geometry, Joint
-from kindyna_gui.pictures.items import DrawnPart, Outline, Silhouette, pinned, riding
+from kindyna_gui.pictures.items import DrawnPart, Outline, Silhouette, Tag, pinned, riding, turning
 from kindyna_gui.pictures.shapes import (
     EYE,
     HATCH,
     PIN,
+    at,
     circle,
     cross,
     hatched_box,
@@ -26,11 +35,112 @@ from kindyna_gui.pictures.shapes import (
     outline,
     pedestal,
     plate,
+    polyline,
     scaled,
     segments,
     stem,
 )
-from kindyna_gui.pictures.style import OUTLINE, THIN, Theme, brush
+from kindyna_gui.pictures.style import CHAIN, DASHED, OUTLINE, TEXT, THIN, VERMILION, Theme, brush
+from kindyna_gui.pictures.units import digits, nice_below
+from kindyna_gui.requirements import lists_links
+
+if TYPE_CHECKING:
+    from core.stability import SteadyTurn
+
+
+# -- what a drawing of a mechanism can show and hide -----------------------------------------------------
+
+
+@frozen
+class Layer:
+    """One row of what can be shown: its name for the user, and whether it is shown at first."""
+
+    label: str
+    shown: bool = True
+
+
+DIMENSIONS, TWIST, MODULO = "dimensions", "twist", "modulo"
+
+LAYERS: Mapping[str, Layer] = MappingProxyType(
+    {
+        "ground": Layer("Ground"),
+        "guide": Layer("Guide"),
+        "cam": Layer("Cam"),
+        "pitch": Layer("Pitch curve"),
+        "base": Layer("Base circle"),
+        "roller": Layer("Roller"),
+        "linkage": Layer("Linkage"),
+        "normal": Layer("Contact normal"),
+        "centre": Layer("Instant centre"),
+        "loads": Layer("Springs and loads"),
+        "masses": Layer("Centres of mass", shown=False),
+        "velocities": Layer("Velocities", shown=False),
+        "forces": Layer("Forces", shown=False),
+        "inertia": Layer("Weight and inertia forces", shown=False),
+        "pressure_colours": Layer("Profile coloured by pressure angle", shown=False),
+        "curvature_colours": Layer("Profile coloured by curvature", shown=False),
+        "stress_colours": Layer("Profile coloured by contact pressure", shown=False),
+        TWIST: Layer("Flexible shaft and its twist", shown=False),
+        DIMENSIONS: Layer("Dimensions", shown=False),
+        MODULO: Layer("Position modulo the advance", shown=False),
+        "labels": Layer("Labels"),
+        "scale": Layer("Scale bar"),
+    }
+)
+
+GHOSTS: Mapping[str, int] = MappingProxyType({f"poses{n}": n for n in (10, 15, 30, 45, 90)})
+"""Layers of ghost poses, with the degrees from one to the next."""
+
+LINKAGE_LAYERS: Mapping[str, Layer] = MappingProxyType(
+    {
+        "centres": Layer("Instant centres of all links", shown=False),
+        "kennedy": Layer("Kennedy's construction", shown=False),
+        "ratios": Layer("Velocity ratios to the driver", shown=False),
+        "chain": Layer("Velocity ratios from link to link", shown=False),
+        "coupler": Layer("Coupler curves", shown=False),
+        **{name: Layer(f"Ghost poses every {n}°", shown=False) for name, n in GHOSTS.items()},
+    }
+)
+"""What the drawing of a general linkage can show besides."""
+
+OF_STEP = ("centres", "kennedy")
+"""Layers that a step of the circle diagram needs."""
+
+COLOURS = ("pressure_colours", "curvature_colours", "stress_colours")
+"""Layers of which one at most is shown at a time."""
+
+OF_BODIES = ("forces", "inertia")
+"""Layers of the forces on the bodies."""
+
+OF_FORCES = (*OF_BODIES, "stress_colours")
+"""Layers that follow from the forces."""
+
+OF_LOADS = ("loads", "masses")
+"""Layers that follow from the loads alone."""
+
+_OF_CAMS = ("cam", "pitch", "base", "roller", "normal", "centre", *COLOURS)
+EVERY_LAYER: Mapping[str, Layer] = MappingProxyType({**LAYERS, **LINKAGE_LAYERS})
+
+
+def goes_on(study: Study) -> bool:
+    """Whether the motion does not come back, so that each turn begins an advance further on."""
+    motion = study.design.drive.motion
+    return motion is not None and bool(motion.gain)
+
+
+def layers_of(study: Study) -> tuple[str, ...]:
+    """The layers that have something to show of this kind of design."""
+    without = () if "cam" in study.stages else _OF_CAMS
+    without = (
+        *without,
+        *(() if goes_on(study) else (MODULO,)),
+        *(() if study.design.shaft is not None and study.design.shaft.elastic is not None else (TWIST,)),
+    )
+    rows = EVERY_LAYER if lists_links(study.design) else LAYERS
+    return tuple(name for name in rows if name not in without)
+
+
+# -- parts -----------------------------------------------------------------------------------------------
 
 BLOCK_LENGTH, BLOCK_HEIGHT = 5.2, 3.2  # of a slider, in units
 STEM, BUSH = (
@@ -234,3 +344,160 @@ def _roller(key: str, track: np.ndarray, radius: float, geometry: Geometry, them
 JOINTS: Mapping[str, Callable[[Joint, Geometry, Theme], Iterator[DrawnPart]]] = MappingProxyType(
     {REVOLUTE: _pin, SLIDING: _slide}
 )
+
+
+# -- shaft parts -----------------------------------------------------------------------------------------
+
+# The cam stands where the drawing has it; the pulley is ahead of it by the wind-up of the steady response, times a round number
+# that is stated beside it.
+
+SEEN = 30.0  # [deg] the largest twist is drawn at most so large, unless it is larger
+COILS, POINTS = 3, 240  # turns of the spring at rest, and points of its line
+INNER, OUTER = 0.3, 0.66  # its ends, in parts of the room about the cam's centre
+BEYOND, RIM = 1.06, 0.95  # of the pulley's rim: beyond the cam's edge; its inner edge in parts of the outer
+Z_PULLEY, Z_SPRING, Z_TWIST = 0.5, 3.2, 8.5
+
+
+def shaft(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
+    """Pulley, spring and twist; a sentence in their place where there is no steady response."""
+    turn, why = _steady(geometry)
+    rim = _rim(geometry)
+    below = float(geometry.reference.imag.mean()) >= 0.0  # away from the follower
+    said = Tag("", theme.letters(VERMILION), theme, TEXT, lean=(0.5, 0.0 if below else 1.0), backing=True)
+    said.setPos(0.0, -BEYOND * rim if below else BEYOND * rim)
+    if turn is None:
+        said.set_text(why)
+        yield DrawnPart("twist.text", said, (TWIST,), Z_TWIST)
+        return
+    twist = np.rad2deg(turn.wind_up_at_cam(geometry.study.theta))
+    times = magnification(twist)
+    drawn = geometry.sense * times * twist
+    ahead = geometry.turned + drawn
+    room = geometry.bearing_room
+    pulley = Outline(joined(circle(rim), circle(RIM * rim)), theme.pen(theme.quiet, OUTLINE))
+    yield DrawnPart("twist.pulley", pulley, (TWIST,), Z_PULLEY)
+    spoke = Outline(segments([(OUTER * room + 0j, rim + 0j)]), theme.pen(theme.seen(VERMILION), OUTLINE))
+    yield DrawnPart("twist.input", spoke, (TWIST,), Z_SPRING, turning(spoke, ahead))
+    behind = Outline(
+        segments([(edge_radius(geometry.profile) + 0j, rim + 0j)]), theme.pen(theme.cam_line, THIN, DASHED)
+    )
+    fixed = Outline(
+        circle(0.4 * geometry.unit, INNER * room + 0j),
+        theme.pen(theme.seen(VERMILION), THIN),
+        brush(theme.seen(VERMILION)),
+    )
+    yield DrawnPart("twist.fixed", fixed, (TWIST,), Z_SPRING, turning(fixed, geometry.turned))
+    yield DrawnPart("twist.cam", behind, (TWIST,), Z_SPRING, turning(behind, geometry.turned))
+    spring, arc = (Outline(QPainterPath(), theme.pen(theme.seen(VERMILION), width)) for width in (THIN, 3.0))
+
+    def move(i: int) -> None:
+        """In the cam's frame: the spring's inner end stays on the cam, its outer end and the arc's go with the pulley."""
+        spring.redraw(_spiral(INNER * room, OUTER * room, geometry.sense * 360.0 * COILS + drawn[i]))
+        arc.redraw(_spiral(RIM * rim, RIM * rim, drawn[i]))
+        for item in (spring, arc):
+            item.setRotation(float(geometry.turned[i]))
+        said.set_text(f"Twist {digits(twist[i], 3)}\N{DEGREE SIGN}, drawn {times:g} \N{MULTIPLICATION SIGN} as large")
+
+    yield DrawnPart("twist.spring", spring, (TWIST,), Z_SPRING, move)
+    yield DrawnPart("twist.arc", arc, (TWIST,), Z_TWIST)
+    yield DrawnPart("twist.text", said, (TWIST,), Z_TWIST)
+    name = Tag("input", theme.letters(VERMILION), theme, backing=True)
+    yield DrawnPart(
+        "twist.name", name, (TWIST, "labels"), Z_TWIST, pinned(name, BEYOND * rim * np.exp(1j * np.deg2rad(ahead)))
+    )
+
+
+def magnification(twist: np.ndarray) -> float:
+    """A round number that makes the largest twist (n,) [deg] well visible; 1 where it is that already."""
+    largest = float(np.abs(twist).max(initial=0.0))
+    return max(1.0, nice_below(SEEN / largest)) if largest > 0.0 else 1.0
+
+
+def _steady(geometry: Geometry) -> tuple[SteadyTurn | None, str]:
+    """The steady response, or why there is none to be drawn."""
+    if geometry.profile.size:
+        try:
+            return geometry.study.steady_turn, ""
+        except ResultPending as error:
+            return None, f"{error.problem[:1].upper()}{error.problem[1:]}"
+        except NoSolution:
+            pass
+    return None, "The flexible shaft has no steady response to be drawn"
+
+
+def _rim(geometry: Geometry) -> float:
+    """Beyond the cam, and where its roller runs [mm]."""
+    curves = [each for each in (geometry.profile, geometry.pitch) if each.size]
+    far = max((float(np.abs(each).max()) for each in curves), default=geometry.base_radius)
+    return BEYOND * far
+
+
+def _spiral(inner: float, outer: float, span: float) -> QPainterPath:
+    """From a radius at angle 0 to another at the angle ``span`` [deg], about the origin."""
+    part = np.linspace(0.0, 1.0, POINTS)
+    return polyline((inner + (outer - inner) * part) * np.exp(1j * np.deg2rad(span) * part))
+
+
+# -- wheel parts -----------------------------------------------------------------------------------------
+
+Z_WHEELS = 0.6
+
+
+def wheels(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
+    """Of a linkage with wheels whose radii are known."""
+    for number, pair in enumerate(geometry.wheels, 1):
+        for name, wheel in zip(("first", "second"), pair.round, strict=False):
+            body = geometry.bodies[body_name(wheel.link)]
+            item = Outline(_wheel(wheel, body.points[wheel.point]), theme.pen(theme.ink, THIN, CHAIN))
+            key = f"wheel{number}.{name}"
+            yield DrawnPart(key, item, ("linkage",), Z_WHEELS, riding(item, body.z, body.angle))
+        if pair.kind == RACK:
+            rack = geometry.bodies[body_name(pair.second.link)]
+            item = Outline(_rack(pair, geometry), theme.pen(theme.ink, THIN, CHAIN))
+            yield DrawnPart(f"wheel{number}.rack", item, ("linkage",), Z_WHEELS, riding(item, rack.z, rack.angle))
+        if pair.kind == BELT:
+            carrier = geometry.bodies[body_name(pair.carrier)]
+            item = Outline(_belt(pair, geometry), theme.pen(theme.ink, OUTLINE))
+            yield DrawnPart(f"wheel{number}.belt", item, ("linkage",), Z_WHEELS, riding(item, carrier.z, carrier.angle))
+
+
+def _wheel(wheel: Wheel, centre: complex) -> QPainterPath:
+    """The pitch circle, and a mark from its centre to it, along the link's x axis."""
+    path = circle(wheel.radius, centre)
+    path.moveTo(at(centre))
+    path.lineTo(at(centre + wheel.radius))
+    return path
+
+
+def _belt(pair: WheelPair, geometry: Geometry) -> QPainterPath:
+    """Both straight parts of an open belt, in the frame of the link that carries the wheels."""
+    carrier = geometry.bodies[body_name(pair.carrier)]
+    turned = np.exp(-1j * np.deg2rad(carrier.angle[0]))
+    one, other = (
+        complex((geometry.centre_of(wheel)[0] - carrier.z[0]) * turned) for wheel in (pair.first, pair.second)
+    )
+    way = other - one
+    lean = (pair.first.radius - pair.second.radius) / abs(way)
+    path = QPainterPath()
+    for side in (1.0, -1.0):
+        across = way / abs(way) * (lean + 1j * side * np.sqrt(max(1.0 - lean * lean, 0.0)))
+        path.moveTo(at(one + pair.first.radius * across))
+        path.lineTo(at(other + pair.second.radius * across))
+    return path
+
+
+def _rack(pair: WheelPair, geometry: Geometry) -> QPainterPath:
+    """The pitch line of a rack in its own frame, as far as its pinion rolls on it and half a radius more, and a mark where it begins."""
+    carrier, rack = (geometry.bodies[body_name(n)] for n in (pair.carrier, pair.second.link))
+    along = pair.along * carrier.turn
+    touching = geometry.centre_of(pair.first) - 1j * along * pair.first.radius
+    turned = rack.turn.conj()
+    local, way = (touching - rack.z) * turned, complex((along * turned).flat[0])
+    places = (local * way.conjugate()).real
+    base = 1j * way * float((local * way.conjugate()).imag.flat[0])
+    ends = [base + way * s for s in (places.min() - 0.5 * pair.first.radius, places.max() + 0.5 * pair.first.radius)]
+    path = QPainterPath()
+    path.moveTo(at(ends[0] - 1j * way * 0.2 * pair.first.radius))
+    path.lineTo(at(ends[0]))
+    path.lineTo(at(ends[1]))
+    return path

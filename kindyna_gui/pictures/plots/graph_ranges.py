@@ -10,9 +10,9 @@ import numpy as np
 from core.frozen import frozen
 from core.output.graph import GraphAxis, GraphData, ValueAxis, quantity_kind
 from core.units import conversion_factor
-from kindyna_gui.pictures.plots.background import ANGLE_STEPS, LEAST_ACROSS, LEAST_VALUE_PIXELS, value_ticks
+from kindyna_gui.pictures.plots.plot import ANGLE_STEPS, LEAST_ACROSS, LEAST_VALUE_PIXELS, value_ticks
 from kindyna_gui.pictures.units import MINUS, DisplayUnit, nice_step, number, readable, short
-from kindyna_gui.preferences.units import sized
+from kindyna_gui.settings import sized
 
 FREE = 0.05  # of the range, left free above and below the curves
 BESIDE = 0.08  # of the range of x, free on both sides of curves that go back

@@ -1,465 +1,553 @@
-"""Curves over one turn of the cam: ``CurvePlot``."""
+"""One base: axes, grid, ranges, cursor."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from math import degrees
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from html import escape
+from math import isfinite
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
-from PySide6.QtCore import QPointF, QRectF
-from PySide6.QtGui import QAccessible, QPen
-from PySide6.QtWidgets import QWidget
+import pyqtgraph as pg
+from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtGui import QBrush, QPainter, QPainterPath, QPen, QResizeEvent, QWheelEvent
+from PySide6.QtWidgets import QFrame, QGraphicsGridLayout, QGraphicsItem, QSizePolicy, QWidget
 
-from core.design import motion_of
-from core.motion.extremes import Extremes
-from core.study import Quantity, Study
-from core.study.quantities import TRANSMISSION, shape_of
-from kindyna_gui.pictures.items import Outline, text_size
-from kindyna_gui.pictures.plots.background import Span, angle_ticks, name_ticks, spans, value_ticks
-from kindyna_gui.pictures.plots.curves import Curve, drawn_alike, limits_of, moving, read_curves
-from kindyna_gui.pictures.plots.extreme_marks import Extreme, ExtremeMark, both_ends, lay_marks
-from kindyna_gui.pictures.plots.fixed_plot import FixedPlot
-from kindyna_gui.pictures.plots.frame import TOP_HEIGHT, Z_CURVE, Z_REFERENCE, Frame
-from kindyna_gui.pictures.plots.legend import Entry
-from kindyna_gui.pictures.plots.lines import Cursor, CurveLine, LimitLine, closed, shades, shades_entry
-from kindyna_gui.pictures.plots.ranges import FREE, readable_range, room_for, usual_range
-from kindyna_gui.pictures.plots.readouts import Readout, place_readouts
-from kindyna_gui.pictures.style import DASHED, SCREEN, TEXT, THIN, Theme
-from kindyna_gui.pictures.turn import TurnSamples, line_of, nearest
-from kindyna_gui.pictures.units import NOTHING_DRAWN, DisplayUnit, curve_words, legible, readable, short, with_unit
-from kindyna_gui.preferences.units import point, sized, symbol_of
+from core.design import Motion
+from core.frozen import frozen
+from core.laws import named_law
+from kindyna_gui.pictures.items import Outline, Tag, text_size, wrapped
+from kindyna_gui.pictures.plots.lines import (
+    BOTTOM_HEIGHT,
+    LEFT_WIDTH,
+    TOP_HEIGHT,
+    Z_BANDS,
+    Z_GRID,
+    Z_ZERO,
+    Entry,
+    Frame,
+    Legend,
+)
+from kindyna_gui.pictures.style import SCREEN, SMALL, TEXT, THIN, Theme, brush, font
+from kindyna_gui.pictures.units import decimals_of, number, ticks
+from kindyna_gui.settings import sized
 
-UNNAMED = 4  # height of the axis above where no names stand there, pixels
-MOST_FREE = 0.13  # of the height
-NO_BANDS: Mapping[str, np.ndarray] = MappingProxyType({})
-WILD = 50.0  # values next to infinity are cut at so many times the rest's range
+# -- an axis of a plot, with the ticks that it is given --------------------------------------------------
+
+_ROOM = QRectF(0.0, 0.0, 100.0, 100.0)  # a text is measured in
+TITLE_BACK = 9.0  # pixels
+_SLIM = 0.8  # of the height that is measured: what letters take of it
+Line = tuple[QPen, QPointF, QPointF]
+Flags = Qt.AlignmentFlag | Qt.TextFlag
+Text = tuple[QRectF, Flags, str]
 
 
-class CurvePlot(FixedPlot):
-    """One or several channels of one unit against the cam angle, 0 ... 360 deg, with a cursor.
+class Axis(pg.AxisItem):
+    """An axis that shows the ticks it is given, in the quiet colour of the paper; shown: their values and texts."""
 
-    names, angles   whether the segments' names stand along the top, and the cam angle's numbers along the bottom:
-                    of plots one below the other only the first and the last show them
-    unseen          pixels by which a curve may be off where that saves points; on paper none
-    text_room       pixels that are left free above and below the curves, for the texts of extremes
+    def __init__(self, orientation: str, theme: Theme, line: bool = True) -> None:
+        super().__init__(orientation, pen=theme.pen(theme.quiet), textPen=theme.pen(theme.ink), maxTickLength=-4)
+        self._title = ("", "")
+        self.shown: list[tuple[float, str]] = []
+        self._sizes: dict[str, tuple[float, float]] = {}
+        self.setTicks([[]])
+        self.enableAutoSIPrefix(False)
+        self.setStyle(tickFont=font(SMALL), autoExpandTextSpace=False, hideOverlappingLabels=False, tickTextOffset=4)
+        if not line:
+            self.setStyle(tickLength=0, tickTextOffset=1)
+            self.setPen(theme.pen(theme.faint))
+            hidden = theme.pen(theme.faint)
+            hidden.setCapStyle(Qt.PenCapStyle.FlatCap)  # a tick without length leaves no dot
+            self.setTickPen(hidden)
+            self.setTextPen(theme.pen(theme.quiet))
+
+    def letter(self) -> None:
+        """Be written in the letters of now."""
+        self._sizes = {}
+        self.setStyle(tickFont=font(SMALL))
+        self.title_anew(str)
+
+    def show_ticks(self, rows: Sequence[tuple[float, str]]) -> None:
+        """Ticks at these values with these texts, and no others."""
+        if list(rows) != self.shown:  # pyqtgraph would draw the axis anew
+            self.shown = list(rows)
+            self.setTicks([self.shown])
+
+    def show_title(self, text: str, colour: str) -> None:
+        """The axis' name; put in the middle anew, which setLabel alone does not do."""
+        style = {"color": colour, "font-size": f"{round(sized(TEXT))}px"}
+        if (text, colour) != self._title:
+            self._title = (text, colour)
+            self.setLabel(re.sub(r"_(\w+)", r"<sub>\1</sub>", escape(text)), **style)
+            self.resizeEvent()
+            _forget(self.label)
+
+    def title_anew(self, colour: Callable[[str], str]) -> None:
+        """The name, its colour and size as they are now."""
+        (text, before), self._title = self._title, ("", "")
+        self.show_title(text, colour(before))
+
+    def resizeEvent(self, event: object = None) -> None:
+        """On the right pyqtgraph would let the title hang over the end."""
+        super().resizeEvent(event)
+        _forget(self)
+        if self.orientation == "right" and getattr(self, "label", None) is not None:
+            self.label.moveBy(-sized(TITLE_BACK), 0.0)
+
+    # -- drawing --------------------------------------------------------------------------------------------
+
+    def generateDrawSpecs(self, painter: QPainter) -> tuple[Line, list[Line], list[Text]]:
+        """Axis, ticks and texts where pyqtgraph puts them; as the ticks are given, nothing is searched."""
+        side, bounds, whole = _SIDES[self.orientation], self.mapRectFromParent(self.geometry()), self.boundingRect()
+        low, high = self.range
+        pixels = side.length(bounds) / ((high - low) or 1.0)
+        ticks_shown = [
+            (side.at(bounds, (value - low) * pixels), text) for value, text in self.shown if low <= value <= high
+        ]
+        pen, reach = self.tickPen(), side.outwards * self.style["tickLength"]
+        ticks = [(pen, place, place + reach) for place, _ in ticks_shown]
+        texts: list[Text] = []
+        if self.style["showValues"]:
+            painter.setFont(self.style["tickFont"])
+            self._sizes = {text: self._sizes.get(text) or _size(painter, text) for _, text in ticks_shown}
+            away = side.outwards * (max(0.0, self.style["tickLength"]) + self.style["tickTextOffset"][side.across])
+            boxes = ((side.box(place + away, *self._sizes[text]), text) for place, text in ticks_shown)
+            texts = [(box, side.flags, text) for box, text in boxes if whole & box == box]
+        return (self.pen(), *side.line(bounds)), ticks, texts
+
+    def wheelEvent(self, event: object) -> None:
+        """Left to the view around."""
+
+    def mouseDragEvent(self, event: object) -> None:
+        """Left to the view around."""
+
+
+def _forget(item: QGraphicsItem) -> None:
+    """What is kept of an item as pixels: where its size changes Qt would paint the new part only."""
+    kept = item.cacheMode()
+    item.setCacheMode(item.CacheMode.NoCache)
+    item.setCacheMode(kept)
+
+
+def _size(painter: QPainter, text: str) -> tuple[float, float]:
+    box = painter.boundingRect(_ROOM, Qt.AlignmentFlag.AlignCenter, text)
+    return box.width(), _SLIM * box.height()
+
+
+@frozen
+class _Side:
+    """An axis on one side of the plot. outwards: unit vector; across: 0 where values go upwards, 1 to the right; of a
+    rectangle its length, its line from end to end, and a place so many pixels along it; the box of a text of some size
+    whose middle is nearest to the axis there, and how it stands in it."""
+
+    outwards: QPointF
+    across: int
+    length: Callable[[QRectF], float]
+    line: Callable[[QRectF], tuple[QPointF, QPointF]]
+    at: Callable[[QRectF, float], QPointF]
+    box: Callable[[QPointF, float, float], QRectF]
+    flags: Flags
+
+
+_Align, _WHOLE = Qt.AlignmentFlag, Qt.TextFlag.TextDontClip
+_SIDES: Mapping[str, _Side] = MappingProxyType(
+    {
+        "left": _Side(
+            QPointF(-1.0, 0.0), 0, QRectF.height,
+            lambda r: (r.topRight() + QPointF(-1.0, -1.0), r.bottomRight() + QPointF(-1.0, 1.0)),
+            lambda r, along: QPointF(r.right(), r.height() - along),
+            lambda at, width, height: QRectF(at.x() - width, at.y() - height / 2.0, width, height),
+            _Align.AlignRight | _Align.AlignVCenter | _WHOLE,
+        ),
+        "right": _Side(
+            QPointF(1.0, 0.0), 0, QRectF.height,
+            lambda r: (r.topLeft() + QPointF(1.0, -1.0), r.bottomLeft() + QPointF(1.0, 1.0)),
+            lambda r, along: QPointF(r.left(), r.height() - along),
+            lambda at, width, height: QRectF(at.x(), at.y() - height / 2.0, width, height),
+            _Align.AlignLeft | _Align.AlignVCenter | _WHOLE,
+        ),
+        "bottom": _Side(
+            QPointF(0.0, 1.0), 1, QRectF.width,
+            lambda r: (r.topLeft() + QPointF(-1.0, 1.0), r.topRight() + QPointF(1.0, 1.0)),
+            lambda r, along: QPointF(along, r.top()),
+            lambda at, width, height: QRectF(at.x() - width / 2.0, at.y(), width, height),
+            _Align.AlignHCenter | _Align.AlignTop | _WHOLE,
+        ),
+        "top": _Side(
+            QPointF(0.0, -1.0), 1, QRectF.width,
+            lambda r: (r.bottomLeft() + QPointF(-1.0, -1.0), r.bottomRight() + QPointF(1.0, -1.0)),
+            lambda r, along: QPointF(along, r.bottom()),
+            lambda at, width, height: QRectF(at.x() - width / 2.0, at.y() - height, width, height),
+            _Align.AlignHCenter | _Align.AlignBottom | _WHOLE,
+        ),
+    }
+)  # fmt: skip
+
+
+# -- background ------------------------------------------------------------------------------------------
+
+ANGLE_STEPS = (30, 60, 90, 180)  # between ticks of the cam angle, deg
+LEAST_ANGLE_PIXELS, LEAST_VALUE_PIXELS, LEAST_ACROSS = 38.0, 26.0, 46.0  # between ticks; of numbers along the bottom
+NAME_ROOM = 4.0  # between a segment's name and its ends, pixels
+
+
+@frozen
+class Span:
+    """One segment of the motion: where it starts and ends [deg], its law's name, and that in short."""
+
+    start: float
+    end: float
+    name: str
+    short: str = ""
+
+
+def spans(motion: Motion | None) -> list[Span]:
+    """The segments of a motion in order; none without one."""
+    made, at = [], 0.0
+    for segment in motion.segments if motion is not None else ():
+        law = named_law(segment.curve.law)
+        made.append(Span(at, at + segment.span_deg, law.label, law.short_name))
+        at += segment.span_deg
+    return made
+
+
+def angle_step(width: float) -> int:
+    """Degrees between ticks of a whole turn on so many pixels."""
+    return next((s for s in ANGLE_STEPS if width * s / 360.0 >= sized(LEAST_ANGLE_PIXELS)), ANGLE_STEPS[-1])
+
+
+def angle_ticks(width: float) -> list[tuple[float, str]]:
+    """Places of a whole turn [deg] and their texts, as many as the width [pixels] has room for."""
+    return [(float(d), str(d)) for d in range(0, 361, angle_step(width))]
+
+
+def value_ticks(low: float, high: float, pixels: float, least: float = LEAST_VALUE_PIXELS) -> list[tuple[float, str]]:
+    """Round numbers, at least so many pixels from each other where two have room."""
+    values, step = ticks(low, high, max(2, int(pixels / sized(least))))
+    return [(value, number(value, decimals_of(step))) for value in values]
+
+
+def name_ticks(segments: Sequence[Span], width: float) -> list[tuple[float, str]]:
+    """The names of the segments, in short where they are too narrow on paper, none where even that is too long."""
+    rows = []
+    for span in segments:
+        room = (span.end - span.start) / 360.0 * width
+        fitting = (name for name in (span.name, span.short) if name and text_size(name)[0] + NAME_ROOM <= room)
+        rows += [((span.start + span.end) / 2.0, name) for name in [next(fitting, "")] if name]
+    return rows
+
+
+class Paper:
+    """Grid, zero line and shaded segments, each one static item of the view box."""
+
+    def __init__(self, view: pg.ViewBox, theme: Theme) -> None:
+        self._bands = Outline(QPainterPath(), None, brush(theme.band))
+        self._grid = Outline(QPainterPath(), theme.pen(theme.faint, THIN))
+        self._zero = Outline(QPainterPath(), theme.pen(theme.quiet, THIN))
+        self._zero.setOpacity(0.6)
+        rows = ((self._bands, Z_BANDS), (self._grid, Z_GRID), (self._zero, Z_ZERO))
+        for item, z in rows:
+            item.setZValue(z)
+            view.addItem(item, ignoreBounds=True)
+
+    def draw(self, segments: Sequence[Span], across: Sequence[float], values: Sequence[float], frame: Frame) -> None:
+        """frame: what the axes show."""
+        low, high = frame.low, frame.high
+        bands, grid, zero = QPainterPath(), QPainterPath(), QPainterPath()
+        for span in segments[1::2]:
+            bands.addRect(QRectF(span.start, low, span.end - span.start, high - low))
+        for place in across:
+            grid.moveTo(place, low)
+            grid.lineTo(place, high)
+        for value in values:
+            path = zero if value == 0.0 and frame.low < 0.0 else grid  # at the edge the axis itself stands
+            path.moveTo(frame.first, value)
+            path.lineTo(frame.last, value)
+        for item, path in ((self._bands, bands), (self._grid, grid), (self._zero, zero)):
+            item.redraw(path)
+
+
+# -- fixed plot ------------------------------------------------------------------------------------------
+
+EDGE, RIGHT_MARGIN = 2, 16  # around the axes, pixels
+TOP_MARGIN = 6  # where nothing stands above the plot
+BARE, NUMBERS = 6, 20  # heights of an axis without numbers, and with numbers alone
+LOW = 150  # pixels of height, below which a plot has no room for the name of its angle
+DEGREES = ", °"  # behind such a name
+LEGEND_SHARE = 0.25  # of the height, for more than two lines of names
+MESSAGE_EDGE = 16.0  # left free beside a message
+PLACES = {
+    "top": (1, 1),
+    "bottom": (3, 1),
+    "left": (2, 0),
+}  # row and column, in the order of drawing; the first row has the names
+Ticks = Sequence[tuple[float, str]]
+
+
+class Sheet(pg.GraphicsWidget):
+    """Axes around a picture, and the room above for names: ``pg.PlotItem`` without its menus, which take most of its time."""
+
+    def __init__(self, axes: Mapping[str, Axis]) -> None:
+        super().__init__()
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+        self.layout = QGraphicsGridLayout(self)
+        self.layout.setSpacing(0.0)
+        self.view = pg.ViewBox(parent=self, enableMenu=False)
+        self.layout.addItem(self.view, 2, 1)
+        for side in (side for side in PLACES if side in axes):
+            axis = axes[side]
+            axis.linkToView(self.view)
+            axis.setZValue(0.5)  # above what is filled, below what is to be read over it
+            axis.setFlag(QGraphicsItem.GraphicsItemFlag.ItemNegativeZStacksBehindParent)
+            self.layout.addItem(axis, *PLACES[side])
+        self.layout.setRowStretchFactor(2, 100)
+        self.layout.setColumnStretchFactor(1, 100)
+
+
+class FixedPlot(pg.GraphicsView):
+    """Nothing zooms, pans, looks for its range or opens a menu, and the wheel is left to what is around.
+
+    top      whether there is an axis above, for names
+    centred  whether the legend stands above the middle, else above the left end
+    corner   pixels of the upper right corner that something else covers, which the legend stays clear of
     """
 
-    unseen = 0.0
-    text_room = 0.0
-
     def __init__(
-        self, parent: QWidget | None = None, *, names: bool = True, angles: bool = True, theme: Theme = SCREEN
+        self, parent: QWidget | None = None, theme: Theme = SCREEN, *, top: bool = False, centred: bool = False
     ) -> None:
-        self._named = names
-        super().__init__(parent, theme, top=True)
-        self._axes["top"].setStyle(showValues=names)
-        self.show_numbers(angles, angle_title("cam angle"))
-        self._with_angles = angles
-        self._cursor = Cursor(self._view, theme)
-        self._angle, self._with_cursor = 0.0, True
-        self._spans: list[Span] = []
-        self._line: TurnSamples | None = None
-        self._theta = np.zeros(0)
-        self._curves: list[Curve] = []
-        self._others: list[Curve] = []
-        self._beside: TurnSamples | None = None
-        self._exact_values: list[float] | None = None
-        self._readings: list[Readout] = []
-        self._limits: list[LimitLine] = []
-        self._drawn: list[CurveLine] = []
-        self._bands: list[Outline] = []
-        self._drawn_bands: Sequence[tuple[Curve, np.ndarray]] = ()
-        self._drawn_marks: tuple[object, ...] = ()
-        self._asked: tuple[Study, tuple[Quantity, ...], Study | None, Mapping[str, np.ndarray]] | None = None
-        self._core: tuple[float, float] | None = None  # what the axis must show at least
-        self._whole = self._spiked = False
-        self._ranges: Mapping[str, Extremes] | None = None
-        self._extremes: list[Extreme] = []
-        self._extreme_marks: list[ExtremeMark] = []
-        self._boxes: list[QRectF] = []
-        self._laid: tuple[object, ...] = ()
-        self.rung = DisplayUnit("", 1.0, 0.0)
-        self.show_message("")
+        sides = ("left", "bottom", "top") if top else ("left", "bottom")
+        axes = {side: Axis(side, theme, line=side != "top") for side in sides}
+        super().__init__(parent, background=theme.paper)
+        self._sheet = sheet = Sheet(axes)
+        self.setCentralItem(sheet)
+        self.setCacheMode(self.CacheModeFlag.CacheNone)  # kept paper would stand in an SVG as pixels
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self._theme, self._axes, self.corner = theme, axes, 0.0
+        self._view = sheet.view
+        self._above = float(EDGE if top else TOP_MARGIN)
+        sheet.layout.setContentsMargins(EDGE, self._above, RIGHT_MARGIN, EDGE)
+        self._view.setMouseEnabled(False, False)
+        self._view.disableAutoRange()
+        self._view.setDefaultPadding(0.0)
+        self._view.setRange(xRange=(0.0, 360.0), yRange=(0.0, 1.0), padding=0.0)
+        self._numbered_below, self._title_below, self._low = True, "", False
+        self._below: tuple[bool, str, bool] | None = None
+        self._size_axes()
+        self._paper = Paper(self._view, theme)
+        self._legend = Legend(sheet, theme.ink, centred)
+        self._message = Tag("", theme.quiet, theme, TEXT)
+        self._include(self._message)
+        self._message_text = ""
+        self._view.sigResized.connect(self._lay)
+
+    def _include(self, item: QGraphicsItem, z: float | None = None) -> None:
+        """Into the plot, in the numbers of the axes."""
+        if z is not None:
+            item.setZValue(z)
+        self._view.addItem(item, ignoreBounds=True)
+
+    def _outline(self, colour: str, z: float, dash: tuple[float, ...] = (), fill: QBrush | None = None) -> Outline:
+        item = Outline(QPainterPath(), self._theme.pen(colour, THIN, dash), fill)
+        self._include(item, z)
+        return item
+
+    def show_numbers(self, on: bool, title: str = "") -> None:
+        """Numbers and a title along the bottom, or neither: of plots one below the other only the last has them."""
+        self._numbered_below, self._title_below = on, title
+        self._show_below()
+
+    def name_below(self, title: str) -> None:
+        """Another title along the bottom."""
+        self._title_below = title
+        self._show_below()
+
+    def _show_below(self) -> None:
+        """Of an angle a low plot has the unit alone, behind its last number; where all is as it was nothing is painted anew."""
+        on, axis, self._low = self._numbered_below, self._axes["bottom"], self._is_low
+        if self._below == (on, self._title_below, self._low):
+            return
+        self._below = on, self._title_below, self._low
+        self._size_axes()
+        axis.setStyle(showValues=on)
+        axis.show_title(self._title_below if on and not self._low else "", self._theme.ink)
+
+    @property
+    def _is_low(self) -> bool:
+        return self._numbered_below and self._title_below.endswith(DEGREES) and self.height() < LOW
 
     def _size_axes(self) -> None:
-        super()._size_axes()
-        if not self._named:
-            self._axes["top"].setHeight(UNNAMED)
+        """Room for their numbers and titles."""
+        self._axes["left"].setWidth(sized(LEFT_WIDTH))
+        below = NUMBERS if self._low else BOTTOM_HEIGHT if self._numbered_below else BARE
+        self._axes["bottom"].setHeight(sized(below) if self._numbered_below else below)
+        if "top" in self._axes:
+            self._axes["top"].setHeight(sized(TOP_HEIGHT))
 
     def redress(self) -> None:
-        super().redress()
-        self._laid = ()
-        self.draw_again()
-
-    def keep_axes(self) -> None:
-        """For a screen: axes are kept as pixels, so that the cursor moves over them without their being drawn anew."""
-        for axis in self._axes.values():
-            axis.setCacheMode(axis.CacheMode.DeviceCoordinateCache)
-            axis.label.setCacheMode(axis.CacheMode.DeviceCoordinateCache)
-
-    # -- what is drawn --------------------------------------------------------------------------------------
-
-    def set_curves(
-        self,
-        study: Study,
-        channels: Sequence[Quantity],
-        reference: Study | None = None,
-        read: bool = True,
-        bands: Mapping[str, np.ndarray] = NO_BANDS,
-    ) -> None:
-        """Draw these channels of the study; reference: a second study, dashed; bands: column -> percentiles (5, n), evenly over the turn,
-        within which machines lie, shaded. Raises NoSolution where one has none.
-
-        Where all would be drawn as it is nothing is touched, and so nothing painted. read: False where ``set_angle``
-        follows at once, so that no value is written twice.
-        """
-        self.name_angle(study)
-        curves = read_curves(study, channels, self._theme)
-        others = [] if reference is None else read_curves(reference, channels, self._theme)
-        segments, limits = spans(motion_of(study.design)), limits_of(study, channels)
-        marks = (tuple(segments), tuple(limits), symbol_of(channels[0].unit.symbol), point())
-        line = line_of(study)
-        shaded = [(curve, bands[curve.channel.slug]) for curve in curves if curve.channel.slug in bands]
-        beside = None if reference is None else line_of(reference)
-        if (
-            marks == self._drawn_marks
-            and [id(each) for _, each in shaded] == [id(each) for _, each in self._drawn_bands]
-            and line.alike(self._line)
-            and drawn_alike(curves, self._curves)
-            and drawn_alike(others, self._others)
-            and (beside is None or beside.alike(self._beside))
-        ):
-            return
-        self._drawn_marks, self._others, self._beside = marks, others, beside
-        self._curves, self._spans, self._message_text, self._exact_values = curves, segments, "", None
-        self._line, self._theta = line, study.theta
-        self._asked, self._ranges = (study, tuple(channels), reference, bands), None
-        values = [*(curve.values for curve in curves + others), *(each[i] for _, each in shaded for i in (0, -1))]
-        whole = [usual_range(each) for each in values]
-        moves = [moving(study)] * len(curves) + [moving(reference or study)] * len(others)
-        moves += [np.ones(each.shape[-1], dtype=bool) for _, each in shaded for _ in (0, 1)]
-        calm = [readable_range(each, at) for each, at in zip(values, moves, strict=True)]
-        self._spiked = calm != whole
-        sides = whole if self._whole else calm
-        self.rung = readable(curves[0].channel.unit.symbol, max(abs(side) for pair in sides for side in pair))
-        size = self.rung.size
-        self._core = room_for(
-            [(low / size, high / size) for low, high in sides],
-            {row.family for row in channels},
-            [value / size for value, _ in limits],
-            free=0.0,
-        )
-        low, high = self._reach(self._core)
-        rows = [(curve, line, Z_CURVE, DASHED if curve.channel.beside else ()) for curve in curves]
-        if beside is not None:
-            rows += [(curve, beside, Z_REFERENCE, DASHED) for curve in others]
-        self._drawn = self._grown(self._drawn, len(rows), lambda: CurveLine(self._view))
-        for item, (curve, along, z, dash) in zip(self._drawn, rows, strict=True):
-            self._draw(item, curve, along, z, self._theme.pen(curve.colour, THIN, dash))
-        self._shade(shaded)
-        self._readings = self._grown(self._readings, len(curves), lambda: Readout(self._view, self._theme))
-        for reading, curve in zip(self._readings, curves, strict=True):
-            reading.set_colour(curve.colour)
-        shown = [(value / size, *words) for value, words in limits if low <= value / size <= high]
-        self._limits = self._grown(self._limits, len(shown), lambda: LimitLine(self._view, self._theme))
-        for limit, (value, text, brief, field) in zip(self._limits, shown, strict=True):
-            limit.set_value(value, text.format(with_unit(short(value, 4), self.rung.symbol)), brief, field)
-        self._name_curves(reference is not None, bool(shaded))
-        self._find_extremes()
-        self._lay_out()
-        if QAccessible.isActive():
-            self._speak()
-        if read:
-            self._write()
-
-    @property
-    def spiked(self) -> bool:
-        """Whether there are values so far off that the axis does not reach to them, unless the whole is wanted."""
-        return self._spiked and bool(self._curves)
-
-    @property
-    def whole(self) -> bool:
-        """Whether the axis reaches to all values, spikes included."""
-        return self._whole
-
-    def show_whole(self, on: bool) -> None:
-        """Let the axis reach to all values, or cut spikes off, which an arrow marks at the edge."""
-        if on != self._whole:
-            self._whole = on
-            self.draw_again()
-
-    def draw_again(self) -> None:
-        """The same curves, on an axis that fits them as it is wanted now."""
-        known = self._ranges
-        if self._curves and self._asked is not None:
-            self._drawn_marks = ()
-            study, channels, reference, bands = self._asked
-            self.set_curves(study, channels, reference, bands=bands)
-            self.show_extremes(known)
-
-    # -- extremes -------------------------------------------------------------------------------------------
-
-    def show_extremes(self, found: Mapping[str, Extremes] | None) -> None:
-        """Mark the highest and lowest value of each curve; found: by quantity, in SI. None: only where a spike is cut off."""
-        self._ranges = found
-        self._find_extremes()
-        self._speak()
-        self._lay_out()
-        self._write()
-
-    def _speak(self) -> None:
-        self.setAccessibleName(
-            f"Plot of {', '.join(curve.channel.label.lower() for curve in self._curves) or 'nothing'}"
-        )
-        self.setAccessibleDescription(self.spoken() or self._message_text or NOTHING_DRAWN)
-
-    @property
-    def lacks_extremes(self) -> bool:
-        """Whether other curves are drawn than those whose extremes were shown last."""
-        return bool(self._curves) and self._ranges is None
-
-    def marked(self) -> list[Extreme]:
-        """The extremes that are marked, each at its angle, in the unit of the axis."""
-        return [mark.extreme for mark in self._extreme_marks]
-
-    def _reach(self, core: tuple[float, float]) -> tuple[float, float]:
-        """Let the axis show these values, with room for a text above and below; what it shows."""
-        part = min(sized(self.text_room) / max(self._view.height(), 1.0), MOST_FREE)
-        room = max(FREE, part / (1.0 - 2.0 * part)) * (core[1] - core[0])
-        shown = (core[0] - room, core[1] + room)
-        if tuple(self._view.viewRange()[1]) != shown:
-            self._view.setRange(yRange=shown, padding=0.0)
-        return shown
-
-    def _find_extremes(self) -> None:
-        (low, high), size = self._view.viewRange()[1], self.rung.size
-        rows = []
-        for curve in self._curves:
-            if curve.channel.beside:
-                continue
-            refined = (self._ranges or {}).get(curve.channel.name)
-            ends = self._sampled(curve) if refined is None else curve.ends(refined)
-            found = both_ends(curve, ends, size, refined is not None)
-            rows += [extreme for extreme in found if extreme.refined or not low <= extreme.value <= high]
-        self._extremes = rows
-
-    def spoken(self) -> str:
-        """The curves in words: from where to where each goes, and where it is largest."""
-        rows = []
-        for curve in self._curves:
-            refined = (self._ranges or {}).get(curve.channel.name)
-            ends = self._sampled(curve) if refined is None else curve.ends(refined)
-            low, high = (value / self.rung.size for _, value in ends)
-            angle, _ = max(ends, key=lambda end: abs(end[1]))
-            rows.append(curve_words(curve.channel.label.lower(), self.rung.symbol, low, high, angle, "°"))
-        return "; ".join(rows)
-
-    def _sampled(self, curve: Curve) -> list[tuple[float, float]]:
-        """Lowest and highest sample, (angle [deg], value)."""
-        known = np.where(np.isnan(curve.values), 0.0, curve.values)
-        return [(degrees(self._theta[i]), float(known[i])) for i in (int(known.argmin()), int(known.argmax()))]
-
-    def name_angle(self, study: Study) -> None:
-        """The angle below is the one that this study turns by, be there curves of it or only a message."""
-        if self._with_angles:
-            self.name_below(angle_title(study.angle_name))
-
-    def show_message(self, text: str) -> None:
-        """Nothing but a text in the middle: what is missing, or what would fill this plot."""
-        for pool in (self._drawn, self._readings, self._limits):
-            self._grown(pool, 0, _nothing)
-        self._drawn, self._readings, self._limits, self._extremes = [], [], [], []
-        self._shade([])
-        self._curves, self._others, self._spans, self._drawn_marks, self._exact_values = [], [], [], (), None
-        self._name_curves(False)
-        self._axes["left"].show_title("", self._theme.ink)
-        self._message_text, self._core = text, None
-        self._view.setRange(yRange=(0.0, 1.0), padding=0.0)
-        self._speak()
+        """Theme or letters have changed: lay out anew what is there."""
+        for item in self.scene().items():
+            if callable(letter := getattr(item, "letter", None)):
+                letter()
+        self._size_axes()
+        self._fit_legend()
         self._lay()
 
-    def _shade(self, bands: Sequence[tuple[Curve, np.ndarray]]) -> None:
-        """Fill from the first to the last percentile of each band faintly, from the second to the last but one more strongly."""
-        self._drawn_bands = bands
-        for item in self._bands:
-            self._view.removeItem(item)
-        self._bands = []
-        low, high = self._view.viewRange()[1]
-        room = WILD * (high - low)
-        for curve, rows in bands:
-            angles, ends = closed(rows, curve.gain)
-            for item in shades(angles, np.clip(ends / self.rung.size, low - room, high + room), curve.colour):
-                self._view.addItem(item, ignoreBounds=True)
-                self._bands.append(item)
+    def getViewBox(self) -> pg.ViewBox:
+        """What stands between the axes, in their numbers."""
+        return self._view
+
+    def getAxis(self, side: str) -> Axis:
+        return self._axes[side]
+
+    def close(self) -> bool:
+        """As of any widget, which can be shown again; pyqtgraph would take the scene apart."""
+        return QWidget.close(self)
+
+    # -- legend ---------------------------------------------------------------------------------------------
 
     @property
-    def bands(self) -> list[np.ndarray]:
-        """The percentiles that are shaded, of each curve that has any."""
-        return [rows for _, rows in self._drawn_bands]
+    def legend(self) -> Legend:
+        return self._legend
 
-    def _draw(self, item: CurveLine, curve: Curve, along: TurnSamples, z: float, pen: QPen) -> None:
-        values = along.of(curve.values, curve.gain) / self.rung.size
-        finite = np.isfinite(values)
-        if self._spiked or not finite.all():
-            low, high = self._view.viewRange()[1]
-            room = WILD * (high - low)
-            values = np.where(finite, np.clip(values, low - room, high + room), np.nan)
-        item.show_points(along.angles, values, pen, z)
+    def keep_corner(self, width: float) -> None:
+        """Something so wide [pixels] stands in the upper right corner, over the plot."""
+        self.corner = width
+        self._fit_legend()
 
-    def _grown(self, pool: list[Any], count: int, make: Callable[[], Any]) -> list[Any]:
-        """So many items, those that there are first."""
-        for item in pool[count:]:
-            if isinstance(item, CurveLine):
-                self._view.removeItem(item)
-            else:
-                item.remove(self._view)
-        return pool[:count] + [make() for _ in range(count - len(pool))]
+    def _name(self, entries: Sequence[Entry], note: str = "") -> None:
+        """The legend above the curves; no room is lost where nothing has a name."""
+        self._legend.set_entries(entries, note)
+        self._fit_legend()
 
-    def _name_curves(self, reference: bool, made: bool = False) -> None:
-        """Names of the curves above the plot, where there is more than one."""
-        rows: list[Entry] = []
-        if len(self._curves) > 1 or reference or made:
-            rows = [Entry(c.colour, c.channel.label, "– –" if c.channel.beside else "—") for c in self._curves]
-            rows += [Entry(self._theme.quiet, "reference", "– –")] if reference else []
-            rows += [shades_entry(self._theme)] if made else []
-        self._name(rows)
+    def _fit_legend(self) -> None:
+        """Between the left axis and what is kept free on the right."""
+        left = EDGE + sized(LEFT_WIDTH)
+        width = self.width() - left - max(RIGHT_MARGIN, self.corner)
+        self._legend.fit(QRectF(left, self._above, width, LEGEND_SHARE * self.height()))
+        layout = self._sheet.layout
+        if layout.rowMinimumHeight(0) != self._legend.height:
+            layout.setRowFixedHeight(0, self._legend.height)
 
-    # -- cursor ---------------------------------------------------------------------------------------------
-
-    @property
-    def angle(self) -> float:
-        """Cam angle of the cursor [rad]."""
-        return self._angle
-
-    def set_angle(self, theta: float, at_angle: Study | None = None) -> None:
-        """Move the cursor to cam angle theta [rad].
-
-        at_angle: the same study at this one angle, for exact readings; else they are those of the nearest sample.
-        """
-        self._angle = theta
-        self._exact_values = (
-            None if at_angle is None else [float(curve.channel.values(at_angle)[0]) for curve in self._curves]
-        )
-        self._cursor.setPos(degrees(theta), 0.0)
-        self._write()
-
-    def show_cursor(self, shown: bool) -> None:
-        """Pictures on paper have no cursor."""
-        self._with_cursor = shown
-        self._write()
-
-    def readings(self) -> list[str]:
-        """The texts beside the cursor, in the order of the curves."""
-        return [reading.tag.text for reading in self._readings]
-
-    def _write(self) -> None:
-        self._cursor.setVisible(self._with_cursor and bool(self._curves))
-        frame = self.frame()
-        written: list[QRectF] = []
-        if not self._with_cursor:
-            for reading in self._readings:
-                reading.hide()
-        elif self._readings:
-            at = nearest(self._theta, self._angle)
-            known = self._exact_values or [float(curve.values[at]) for curve in self._curves]
-            values = [
-                0.0 if abs(value) <= curve.floor else value / self.rung.size
-                for value, curve in zip(known, self._curves, strict=True)
-            ]
-            written = place_readouts(self._readings, degrees(self._angle), values, self.rung, frame, self._boxes)
-        for mark in self._extreme_marks:  # in a low plot there may be no other room for what is read at the cursor
-            mark.give_way(written)
+    def resizeEvent(self, event: QResizeEvent | None) -> None:
+        if event is not None:  # pyqtgraph's own call while it is being made
+            self._fit_legend()  # first, for the plot gets what is left of the height
+            if self._low != self._is_low:
+                self._show_below()
+        super().resizeEvent(event)
 
     # -- layout ---------------------------------------------------------------------------------------------
 
-    def _lay(self, *_: object) -> None:
-        if self._core is not None:
-            self._reach(self._core)
-        self._lay_out()
-        self._write()
+    def frame(self) -> Frame:
+        """What is shown at which size."""
+        (first, last), (low, high) = self._view.viewRange()
+        return Frame(low, high, max(self._view.width(), 1.0), max(self._view.height(), 1.0), first, last)
 
-    def _lay_out(self) -> None:
+    def pixel_at(self, across: float) -> QPointF:
+        """Where a place of the x axis stands in the widget [pixels], in the middle of the plot's height."""
         frame = self.frame()
-        unseen = self.unseen / self.devicePixelRatioF()
-        for curve in self._drawn:
-            curve.lay(frame, unseen)
-        for place, limit in enumerate(self._limits):
-            limit.lay_clear(frame, self._drawn, [other.box(frame) for other in self._limits[:place]])
-        self._lay_extremes(frame)
-        if self._curves:
-            self._axes["left"].show_title(self._title(frame.height), self._title_colour())
-        paper = (frame, tuple(self._spans), bool(self._curves), self._message_text)
-        if paper != self._laid:
-            self._laid = paper
-            self._lay_paper(frame)
-        self.scene().prepareForPaint()  # else the transformation follows in the paint event and causes another
+        place = self._view.mapViewToScene(QPointF(across, 0.5 * (frame.low + frame.high)))
+        return QPointF(self.mapFromScene(place))
 
-    def _lay_extremes(self, frame: Frame) -> None:
-        wanted = self._extremes
-        self._extreme_marks = self._grown(
-            self._extreme_marks, len(wanted), lambda: ExtremeMark(self._view, self._theme)
+    def rule(self, frame: Frame, across: Ticks, upwards: Ticks, bands: Sequence[Span] = ()) -> None:
+        """Grid, zero line, bands and ticks; the message in the middle."""
+        self._paper.draw(bands, [at for at, _ in across], [at for at, _ in upwards], frame)
+        last = len(across) - 1
+        self._axes["bottom"].show_ticks(
+            [(at, f"{text}°" if self._low and i == last else text) for i, (at, text) in enumerate(across)]
         )
-        for mark, extreme in zip(self._extreme_marks, wanted, strict=True):
-            mark.stand(extreme, frame)
-        taken = self._covered(frame) + [limit.box(frame) for limit in self._limits]
-        self._boxes = taken + lay_marks(self._extreme_marks, frame, taken, self._drawn)
+        self._axes["left"].show_ticks(upwards)
+        self._message.set_text(wrapped(self._message_text, frame.width - MESSAGE_EDGE, TEXT))
+        self._message.setPos(0.5 * (frame.first + frame.last), 0.5 * (frame.low + frame.high))
 
-    def _covered(self, frame: Frame) -> list[QRectF]:
-        """What else covers a part of the frame [pixels from its lower left corner, y upwards]."""
-        return []
+    def _lay(self, *_: object) -> None:
+        """The plot has another size, or shows something else."""
 
-    def cut_at(self, pixel: QPointF) -> bool:
-        """Whether an arrow of a value that is cut off, or its text, stands at a place of the widget [pixels]."""
-        frame, corner = self.frame(), self.mapFromScene(self._view.sceneBoundingRect().bottomLeft())
-        at = QPointF(pixel.x() - corner.x(), corner.y() - pixel.y())
-        return any(
-            mark.outside and (mark.sign_box(frame) | mark.box(frame)).contains(at) for mark in self._extreme_marks
-        )
-
-    def limit_at(self, pixel: QPointF) -> str:
-        """The path of the field of the limit whose text stands at a place of the widget [pixels]; empty where none does."""
-        frame, corner = self.frame(), self.mapFromScene(self._view.sceneBoundingRect().bottomLeft())
-        at = QPointF(pixel.x() - corner.x(), corner.y() - pixel.y())
-        return next((limit.field for limit in self._limits if limit.box(frame).contains(at)), "")
-
-    def _lay_paper(self, frame: Frame) -> None:
-        values = value_ticks(frame.low, frame.high, frame.height) if self._curves else []
-        self.rule(frame, angle_ticks(frame.width), values, self._spans)
-        self._cursor.span(frame.low, frame.high)
-        self._axes["top"].show_ticks(self._names(frame.width) if self._named else [])
-
-    def _names(self, width: float) -> list[tuple[float, str]]:
-        """What stands along the top: places [deg] and names of segments."""
-        return name_ticks(self._spans, width)
-
-    def _title(self, height: float) -> str:
-        """Quantity and unit, as short as the axis needs."""
-        row, unit = self._curves[0].channel, self.rung.symbol
-        families = {curve.channel.family for curve in self._curves}
-        family = (
-            "Transmission angle" if shape_of(row.name) == TRANSMISSION else row.family.replace("-", " ").capitalize()
-        )
-        shared = (family,) if len(families) == 1 else ()
-        names = (row.label, legible(row.symbol)) if len(self._curves) == 1 else shared
-        for name in names:
-            text = f"{name}, {unit}" if unit else name
-            if text_size(text, TEXT)[0] <= height + sized(TOP_HEIGHT):
-                return text
-        return unit
-
-    def _title_colour(self) -> str:
-        return self._theme.letters(self._curves[0].colour) if len(self._curves) == 1 else self._theme.ink
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        event.ignore()  # the axes are fixed; what is around may want to scroll
 
 
-def angle_title(name: str) -> str:
-    """Of the axis along the bottom."""
-    return f"{name.capitalize()}, °"
+# -- ranges ----------------------------------------------------------------------------------------------
+
+FREE = 0.07  # of the values' range, left free above and below
+FAR_LIMIT = 3.0  # a limit further out than so many times the values is not shown
+SPIKE = 3.0  # what lies further out than so many times the range of the rest is a spike ...
+REST, CORE = (
+    0.02,
+    0.05,
+)  # ... that is without this share of the lowest and highest values; the core of it that is shown then
+FROM_ZERO = frozenset({"velocity", "acceleration", "jerk", "pressure-angle", "force", "torque", "curvature", "ratio"})
+"""Families whose axis always shows 0; places, lengths and angles show it only where it is near."""
 
 
-def _nothing() -> None:
-    """Makes none."""
+def usual_range(values: np.ndarray) -> tuple[float, float]:
+    """Least and largest value (n,); where some are infinite, of those that are not near infinity either."""
+    finite = values[np.isfinite(values)]
+    if not finite.size:
+        return 0.0, 0.0
+    low, high = float(finite.min()), float(finite.max())
+    if finite.size < values.size or not isfinite(high - low):
+        inner = np.percentile(finite, (2.0, 98.0))
+        spread = 0.5 * float(inner[1] - inner[0])
+        return max(low, float(inner[0]) - spread), min(high, float(inner[1]) + spread)
+    return low, high
 
 
-__all__ = ["Curve", "CurvePlot"]
+def readable_range(values: np.ndarray, moving: np.ndarray) -> tuple[float, float]:
+    """The same without spikes, as of the torque near a dead centre, which would leave a line of all the rest.
+
+    moving: (n,) at which samples the mechanism moves; dwells are shown, but say nothing of what is usual in between.
+    """
+    low, high = usual_range(values)
+    known = np.isfinite(values)
+    ordered, resting = np.sort(values[known & moving]), values[known & ~moving]
+    if not _leaves(low, high, *_without(ordered, REST)):
+        return low, high
+    inner = _without(ordered, CORE)
+    room = 0.5 * (inner[1] - inner[0])
+    shown = (
+        inner[0] - room if _leaves(low, inner[1], *inner) else low,
+        inner[1] + room if _leaves(inner[0], high, *inner) else high,
+    )
+    return (min(shown[0], *resting), max(shown[1], *resting)) if resting.size else shown
+
+
+def _without(ordered: np.ndarray, share: float) -> tuple[float, float]:
+    """Lowest and highest of values in rising order (n,) without this share of either end."""
+    cut = int(share * ordered.size)
+    return (float(ordered[cut]), float(ordered[-1 - cut])) if ordered.size else (0.0, 0.0)
+
+
+def _leaves(low: float, high: float, inner_low: float, inner_high: float) -> bool:
+    """Whether a range goes far beyond an inner one."""
+    return 0.0 < SPIKE * (inner_high - inner_low) < max(inner_low - low, high - inner_high)
+
+
+def peak(rows: Sequence[np.ndarray]) -> float:
+    """The largest usual size of several curves."""
+    return max(max(abs(side) for side in usual_range(values)) for values in rows)
+
+
+def shown_range(rows: Sequence[np.ndarray], families: Iterable[str], limits: Sequence[float]) -> tuple[float, float]:
+    """Lowest and highest value of the axis for these curves and limits, in one unit."""
+    return room_for([usual_range(values) for values in rows], families, limits)
+
+
+def room_for(
+    sides: Sequence[tuple[float, float]], families: Iterable[str], limits: Sequence[float], free: float = FREE
+) -> tuple[float, float]:
+    """The same for curves whose usual ranges are known; free: part of the values' range, left free above and below."""
+    low, high = min(side[0] for side in sides), max(side[1] for side in sides)
+    near = 0.3 * (high - low)
+    if FROM_ZERO.intersection(families) or 0.0 < low < near or -near < high < 0.0:
+        low, high = min(low, 0.0), max(high, 0.0)
+    for limit in limits:
+        if abs(limit) <= FAR_LIMIT * max(abs(low), abs(high)):
+            low, high = min(low, limit), max(high, limit)
+    size = max(abs(low), abs(high))
+    if high - low <= 1e-9 * size or high == low:
+        half = 0.1 * size or 1.0
+        low, high = low - half, high + half
+    room = free * (high - low)
+    return low - room, high + room

@@ -23,21 +23,16 @@ from PySide6.QtWidgets import QWidget
 from core.design import motion_of
 from core.motion.extremes import Extremes
 from core.study import Quantity, Study
-from kindyna_gui.pictures.detail import needed
 from kindyna_gui.pictures.items import text_size
-from kindyna_gui.pictures.plots.background import Span, spans
-from kindyna_gui.pictures.plots.curves import Curve, read_curves
-from kindyna_gui.pictures.plots.extreme_marks import Extreme, both_ends
+from kindyna_gui.pictures.plots.curves import NO_BANDS
 from kindyna_gui.pictures.plots.lines import closed, rings, shades_entry
-from kindyna_gui.pictures.plots.plot import NO_BANDS
-from kindyna_gui.pictures.plots.polar_marks import PolarMark, lay_polar_marks
-from kindyna_gui.pictures.plots.polar_texts import near, paint_title
-from kindyna_gui.pictures.plots.ranges import peak, usual_range
+from kindyna_gui.pictures.plots.marks import Extreme, PolarMark, both_ends, lay_polar_marks, near, paint_title
+from kindyna_gui.pictures.plots.plot import Span, peak, spans, usual_range
+from kindyna_gui.pictures.plots.quantities import Curve, read_curves
 from kindyna_gui.pictures.shapes import outline
 from kindyna_gui.pictures.style import SCREEN, SMALL, TEXT, THIN, Theme, brush, font
-from kindyna_gui.pictures.turn import nearest
-from kindyna_gui.pictures.units import DisplayUnit, decimals_of, measure, nice_step, number, readable
-from kindyna_gui.preferences.units import sized
+from kindyna_gui.pictures.units import DisplayUnit, decimals_of, measure, nearest, needed, nice_step, number, readable
+from kindyna_gui.settings import sized
 
 HOLE = 0.16  # of the radius: where values may be negative the lowest circle is this large
 CIRCLE_PIXELS, MOST_CIRCLES = 30.0, 6  # least distance of circles, so that their values do not touch

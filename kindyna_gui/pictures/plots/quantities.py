@@ -1,24 +1,271 @@
-"""Which quantities a plot of the window shows: its usual ones, or of a design without them those of links that stand for them;
-and why others cannot be drawn."""
+"""What a plot shows; law icons."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from functools import lru_cache, partial
-from math import isfinite
+from math import isfinite, pi
 from types import MappingProxyType
 
 import numpy as np
+from PySide6.QtCore import QPointF, QRectF
+from PySide6.QtGui import QPainter, QPolygonF
 
-from core.design import Design
+from core.cam import PRESSURE_LIMITS
+from core.design import Curve as DesignCurve
+from core.design import Design, PolynomialCurve, PolynomialEnd, Segment, SplineCurve, SplinePoint, TableCurve, curve_of
 from core.errors import KindynaError
+from core.frozen import frozen
+from core.laws import PieceTable, find_law
+from core.mechanism.kinematics import REVOLUTE
+from core.motion.curves import segment_shape
+from core.motion.extremes import Extremes
 from core.output.channels import channels, existing
 from core.stress import RollerLife
-from core.study import STAGES, Quantity, Study, quantities_of, quantity, roller_lives
+from core.study import STAGES, Quantity, Study, extremes_of, quantities_of, quantity, roller_lives
+from core.study.limits import USER_BOUNDS, bounded_quantities
+from core.study.member_quantities import gain_of
 from core.study.quantities import OF_MEMBERS, TRANSMISSION, member_of, names_of, shape_of
+from core.study.quantity_requests import allowable_pressure
+from core.units import split_unit
 from kindyna_gui.labels import grouped, reason
-from kindyna_gui.pictures.plots.curves import different
+from kindyna_gui.pictures.style import THIN, Theme, floor_of, shade, without_noise
 from kindyna_gui.requirements import LED_BY_NO_CAM, why_no_pressure
+
+# -- curves ----------------------------------------------------------------------------------------------
+
+
+@frozen
+class Limit:
+    """A value not to be passed [SI], the text of its line, and the path where it is stated, or can be."""
+
+    value: float
+    text: str
+    field: str
+
+
+def _pressure_angle(study: Study) -> float:
+    kinematics = study.linkage
+    held = kinematics.pairs[kinematics.ground].kind if kinematics.ground else REVOLUTE
+    return PRESSURE_LIMITS[held] * pi / 180.0
+
+
+def _undercut(study: Study) -> float:
+    """The pitch curvature whose radius is that of the roller; infinite for an edge."""
+    radius: float = study.design.drive.face.radius_mm
+    return 1e3 / radius if radius > 0.0 else np.inf
+
+
+def _own(study: Study, quantity: str) -> Iterator[Limit]:
+    """The user's own limits of a quantity, as far as stated."""
+    for key, (_, bounds) in USER_BOUNDS.items():
+        stated = getattr(study.design.drive.limits, key)
+        if stated is not None and quantity in bounded_quantities(study.design, key):
+            yield Limit(stated * split_unit(key)[1].factor, bounds.line, f"limits.{key}")
+
+
+def _borne(study: Study) -> float:
+    """The least pressure that a material of the contact bears [Pa]; infinite where none is known."""
+    least = allowable_pressure(study)[0]
+    return np.inf if least is None else least
+
+
+_USUAL: Mapping[str, tuple[tuple[str, str, Callable[[Study], float]], ...]] = MappingProxyType(
+    {
+        "pressure_angle": (("usual limit {}", "limits.pressure_angle_rise_deg", _pressure_angle),),
+        "pitch_curvature": (("undercut from {}", "cam.base_radius_mm", _undercut),),
+        "contact_force": (
+            (
+                "lifts off below {}",
+                "loads.least_contact_force_n",
+                lambda study: np.inf if study.is_form_closed else 0.0,
+            ),
+        ),
+        **dict.fromkeys(
+            ("contact_pressure", "second_contact_pressure"), (("material bears {}", "cam.material", _borne),)
+        ),
+        "jam_factor": (("jams from {}", "loads.friction", lambda study: 1.0),),
+    }
+)
+
+
+def limits_on(study: Study, quantity: str) -> list[Limit]:
+    """The limits of a quantity of ``core.study``, the user's own after the usual ones. Where one is as large as another they are one
+    line: of an own limit and a usual one the own, of two own ones both."""
+    own: dict[float, Limit] = {}
+    for limit in _own(study, quantity):
+        other = own.get(limit.value)
+        text = other.text.removesuffix(" {}") + " and " + limit.text.removeprefix("limit of ") if other else limit.text
+        own[limit.value] = Limit(limit.value, text, other.field if other else limit.field)
+    usual = (Limit(value(study), text, field) for text, field, value in _USUAL.get(quantity, ()))
+    return [*(limit for limit in usual if np.isfinite(limit.value) and limit.value not in own), *own.values()]
+
+
+@frozen(eq=False)
+class Curve:
+    """One curve: its channel, its values in the channel's unit (n,), its colour, the size below which values are zero, and what they
+    grow by in a turn."""
+
+    channel: Quantity
+    values: np.ndarray
+    colour: str
+    floor: float = 0.0
+    gain: float = 0.0
+
+    def ends(self, found: Extremes) -> list[tuple[float, float]]:
+        """Lowest and highest value of the channel, each as (cam angle [deg], value in its unit), of extremes in SI."""
+        return [(float(np.rad2deg(end.theta)), end.value / self.channel.unit.factor) for end in (found.low, found.high)]
+
+    def is_drawn_as(self, other: Curve) -> bool:
+        return (
+            self.channel == other.channel and self.colour == other.colour and np.array_equal(self.values, other.values)
+        )
+
+
+def read_curves(study: Study, channels: Sequence[Quantity], theme: Theme) -> list[Curve]:
+    """The curves of these channels, those of one family in different shades. Raises NoSolution where one has none."""
+    seen: dict[str, int] = {}
+    curves: list[Curve] = []
+    for row in channels:
+        beside = next((curve for curve in curves if curve.channel.name == row.beside), None)
+        nth = seen[row.family] = seen.get(row.family, -1) + 1
+        floor = floor_of(study, row)
+        values = without_noise(row.values(study), floor)
+        colour = theme.seen(shade(theme.family(row.family), nth)) if beside is None else beside.colour
+        gain = gain_of(study, row.name) / row.unit.factor
+        curves.append(Curve(row, values, colour, floor, gain))
+    return curves
+
+
+def moving(study: Study) -> np.ndarray:
+    """(n,) at which samples the mechanism moves: a dwell says nothing of what is usual for a curve; all where it always rests."""
+    if "motion" not in study.stages:
+        return np.ones(study.theta.size, dtype=bool)
+    moves = study.motion.y[1] != 0.0
+    return moves if moves.any() else ~moves
+
+
+def channel_extremes(study: Study, channels: Sequence[Quantity]) -> dict[str, Extremes]:
+    """Refined extremes of these channels by quantity, of those that have any; in SI."""
+    found: dict[str, Extremes] = {}
+    for stage in dict.fromkeys(row.stage for row in channels):
+        names = tuple(row.name for row in channels if row.stage == stage and not row.beside)
+        with suppress(KindynaError):
+            found |= extremes_of(study, stage, names) if names else {}
+    return found
+
+
+def limits_of(study: Study, channels: Sequence[Quantity]) -> list[tuple[float, tuple[str, str, str]]]:
+    """Value, in the channels' unit, and text, short text and field of each limit, once where several channels have it; with the channel's
+    name where only one of several has."""
+    having: dict[tuple[float, str, str], list[str]] = {}
+    for row in channels:
+        for limit in limits_on(study, row.name):
+            having.setdefault((limit.value / row.unit.factor, limit.text, limit.field), []).append(row.label)
+    made = []
+    for (value, text, field), labels in having.items():
+        name = f"{labels[0]}: " if len(labels) == 1 and len(channels) > 1 else ""
+        short = text.partition("{")[0].removesuffix("from ").removesuffix("below ").strip()
+        made.append((value, (name + text, name + short, field)))
+    return made
+
+
+def drawn_alike(curves: Sequence[Curve], others: Sequence[Curve]) -> bool:
+    """Whether two rows of curves give the same picture."""
+    return len(curves) == len(others) and all(a.is_drawn_as(b) for a, b in zip(curves, others, strict=True))
+
+
+def different(study: Study, rows: Sequence[Quantity]) -> list[Quantity]:
+    """Those channels that no other before them equals, such as the motor's torque without a flywheel."""
+    kept: list[Quantity] = []
+    for row in rows:
+        if not any(np.array_equal(row.values(study), other.values(study)) for other in kept):
+            kept.append(row)
+    return kept
+
+
+# -- law icon --------------------------------------------------------------------------------------------
+
+SAMPLES = 49  # angles on each piece of a law
+SPAN = 90.0  # of the segment that is drawn, degrees
+_EXAMPLES: Mapping[str, DesignCurve] = MappingProxyType(
+    {
+        "polynomial": PolynomialCurve(PolynomialEnd(), PolynomialEnd(velocity=0.02)),
+        "table": TableCurve(
+            tuple(SplinePoint(SPAN * u, u * u * (3.0 - 2.0 * u)) for u in (0.0, 0.2, 0.4, 0.6, 0.8, 1.0))
+        ),
+        "spline": SplineCurve((SplinePoint(22.0, 0.55), SplinePoint(48.0, 0.3), SplinePoint(70.0, 0.8))),
+    }
+)
+"""Examples drawn for the laws whose curve follows from their parameters alone."""
+
+
+def _segment(slug: str) -> Segment:
+    law = find_law(slug)
+    rise = 0.0 if law is not None and law.is_dwell else -1.0 if law is not None and law.rises < 0 else 1.0
+    return Segment(SPAN, rise, _EXAMPLES.get(slug) or curve_of(slug))
+
+
+@lru_cache(maxsize=128)
+def curves_of(slug: str) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
+    """Displacement and acceleration of a law over u = 0 ... 1, each (n,) places and (n,) values scaled to -1 ... 1:
+    the displacement begins at 0, or ends there where the law is a return; the acceleration breaks where it jumps."""
+    shape = segment_shape(_segment(slug), False, slug)
+    table, starts = PieceTable(shape.pieces), [piece.start for piece in shape.pieces]
+    places, rows = [], []
+    for i, (start, end) in enumerate(zip(starts, [*starts[1:], 1.0], strict=True)):
+        w = np.linspace(0.0, end - start, SAMPLES)
+        places.append(start + w)
+        row = table.rows(np.full(w.size, i), w)
+        rows.append(shape.gain * np.array([row(0), row(2)]))
+    u, (height, y2) = np.concatenate(places), np.concatenate(rows, axis=1)
+    height += 1.0 if shape.gain < 0.0 else 0.0
+    largest = float(np.abs(y2).max())
+    acceleration = y2 / largest if largest > 1e-9 else np.zeros_like(u)
+    return (u, height), (u, acceleration)
+
+
+def prescribed(slug: str) -> tuple[tuple[float, float], ...]:
+    """Points that the picture's curve is made to pass, (u, s) each."""
+    curve = _EXAMPLES.get(slug)
+    points = curve.points if isinstance(curve, SplineCurve) else ()
+    return tuple((p.at_deg / SPAN, p.value) for p in points if p.value is not None)
+
+
+def paint_law(painter: QPainter, box: QRectF, slug: str, theme: Theme) -> None:
+    """Paint a law into a box: s from bottom to top, a about the middle."""
+    displacement, acceleration = curves_of(slug)
+    left, width, low, high, middle = box.left(), box.width(), box.bottom(), box.top(), box.center().y()
+    painter.setPen(theme.pen(theme.faint))
+    painter.drawLine(QPointF(left, middle), QPointF(box.right(), middle))
+    painter.setPen(theme.pen(theme.family("acceleration"), 0.8))
+    painter.setOpacity(0.7)
+    # from the axis and back to it: a jump at an end is part of the law
+    painter.drawPolyline(
+        _polygon(
+            np.concatenate(([0.0], acceleration[0], [1.0])),
+            np.concatenate(([0.0], acceleration[1], [0.0])),
+            left,
+            width,
+            middle,
+            middle - high,
+        )
+    )
+    painter.setOpacity(1.0)
+    painter.setPen(theme.pen(theme.family("displacement"), 1.6))
+    painter.drawPolyline(_polygon(*displacement, left, width, low, low - high))
+    painter.setPen(theme.pen(theme.family("displacement"), THIN))
+    painter.setBrush(theme.paper)
+    for u, s in prescribed(slug):
+        painter.drawRect(QRectF(left + u * width - 2.0, low - s * (low - high) - 2.0, 4.0, 4.0))
+
+
+def _polygon(u: np.ndarray, v: np.ndarray, left: float, width: float, zero: float, height: float) -> QPolygonF:
+    return QPolygonF([QPointF(x, y) for x, y in zip(left + u * width, zero - v * height, strict=True)])
+
+
+# -- quantities ------------------------------------------------------------------------------------------
 
 NO_TURN = 1e-9  # [rad] a link that turns less than this does not turn
 MOST = 4  # curves in one plot that can still be told apart

@@ -13,9 +13,8 @@ from PySide6.QtWidgets import QWidget
 from core.frozen import frozen
 from core.stability import APPROXIMATE, EXACT, Chart, Machine
 from kindyna_gui.pictures.items import Outline, Tag, text_size
-from kindyna_gui.pictures.plots.background import LEAST_ACROSS, value_ticks
-from kindyna_gui.pictures.plots.fixed_plot import FixedPlot
-from kindyna_gui.pictures.plots.legend import Entry
+from kindyna_gui.pictures.plots.lines import Entry
+from kindyna_gui.pictures.plots.plot import LEAST_ACROSS, FixedPlot, value_ticks
 from kindyna_gui.pictures.style import BLUE, DASHED, SCREEN, SMALL, VERMILION, Theme, brush
 from kindyna_gui.pictures.units import short
 

@@ -1,25 +1,35 @@
-"""Small plots of one quantity over another, with axes and a legend of their own: histories, phase planes, spectra."""
+"""One quantity over another."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pyqtgraph as pg
-from PySide6.QtCore import QPoint, QRectF
-from PySide6.QtGui import QAccessible, QBrush, QPainterPath, QPen
+from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, Qt, Signal
+from PySide6.QtGui import QAccessible, QBrush, QKeyEvent, QMouseEvent, QPainterPath, QPen
 from PySide6.QtWidgets import QGraphicsItem, QWidget
 
+from core.dynamics import ContactMap
 from core.frozen import frozen
 from kindyna_gui.pictures.items import Outline, Tag, text_size
-from kindyna_gui.pictures.plots.background import LEAST_ACROSS, angle_ticks, value_ticks
-from kindyna_gui.pictures.plots.fixed_plot import FixedPlot, Ticks
-from kindyna_gui.pictures.plots.frame import TOP_HEIGHT, Z_CURSOR, Z_CURVE, Z_LIMIT, Frame
-from kindyna_gui.pictures.plots.legend import Entry
-from kindyna_gui.pictures.plots.lines import MACHINES, Cursor, shades, shades_entry
-from kindyna_gui.pictures.plots.readouts import Readout, place_readouts
+from kindyna_gui.pictures.plots.lines import (
+    MACHINES,
+    TOP_HEIGHT,
+    Z_CURSOR,
+    Z_CURVE,
+    Z_LIMIT,
+    Cursor,
+    Entry,
+    Frame,
+    shades,
+    shades_entry,
+)
+from kindyna_gui.pictures.plots.marks import Readout, place_readouts
+from kindyna_gui.pictures.plots.plot import LEAST_ACROSS, FixedPlot, Ticks, angle_ticks, value_ticks
 from kindyna_gui.pictures.style import (
     BLUE,
     DASHED,
@@ -33,13 +43,106 @@ from kindyna_gui.pictures.style import (
     Theme,
     brush,
     no_pen,
+    rgb,
 )
-from kindyna_gui.pictures.units import NOTHING_DRAWN, DisplayUnit, lines_words
-from kindyna_gui.preferences.units import sized
+from kindyna_gui.pictures.units import NOTHING_DRAWN, DisplayUnit, lines_words, short
+from kindyna_gui.settings import sized
 
 if TYPE_CHECKING:
     from core.plot import PlotCurve
     from core.stability import Plot
+
+
+# -- pulled point ----------------------------------------------------------------------------------------
+
+REACH = 9.0  # pixels from the own point
+
+
+class PulledPoint(FixedPlot):
+    """A mixin before the class of the plot, which says in the numbers of its points what lies at a place, and where its own stands.
+    ``mouse_at``: where the mouse was last [pixels].
+
+    hovered   (object): the point under the mouse, None where it is beside the plot
+    picked    (float, float): a click
+    pulled    (float, float): the own point is drawn there; released (bool): it was let go there, or Escape gave it up
+    """
+
+    hovered = Signal(object)
+    picked = Signal(float, float)
+    pulled = Signal(float, float)
+    released = Signal(bool)
+    grabbed = Signal()
+
+    def __init__(self, *arguments: Any, **more: Any) -> None:
+        super().__init__(*arguments, **more)
+        self._pulling = False
+        self.mouse_at = QPointF()
+        self.setMouseTracking(True)
+        self.viewport().setMouseTracking(True)
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+
+    def point_at(self, pixel: QPointF) -> tuple[float, float] | None:
+        """The point at a place of the widget; None beside the plot."""
+        raise NotImplementedError
+
+    def own_pixel(self) -> QPointF | None:
+        """Where the own point stands in the widget; None where it is not seen."""
+        raise NotImplementedError
+
+    @property
+    def pulling(self) -> bool:
+        """Whether the own point is held with the mouse."""
+        return self._pulling
+
+    def _over_own(self, place: QPointF) -> bool:
+        own = self.own_pixel()
+        if own is None:
+            return False
+        away = own - place
+        return away.x() ** 2 + away.y() ** 2 <= REACH**2
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        event.accept()
+        if event.button() != Qt.MouseButton.LeftButton:
+            return
+        if self._over_own(event.position()):
+            self._pulling = True
+            self.grabbed.emit()
+            return
+        point = self.point_at(event.position())
+        if point is not None:
+            self.picked.emit(*point)
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        self.mouse_at = event.position()
+        point = self.point_at(event.position())
+        if self._pulling:
+            if point is not None:
+                self.pulled.emit(*point)
+            return
+        over = self._over_own(event.position())
+        self.viewport().setCursor(Qt.CursorShape.SizeAllCursor if over else Qt.CursorShape.CrossCursor)
+        self.hovered.emit(point)
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        event.accept()
+        if event.button() == Qt.MouseButton.LeftButton and self._pulling:
+            self._pulling = False
+            self.released.emit(True)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        if event.key() == Qt.Key.Key_Escape:
+            self._pulling = False
+            self.released.emit(False)
+        else:
+            event.ignore()
+
+    def leaveEvent(self, event: QEvent) -> None:
+        super().leaveEvent(event)
+        self.hovered.emit(None)
+
+
+# -- xy --------------------------------------------------------------------------------------------------
 
 NO_UNIT = DisplayUnit("", 1.0, 0.0)
 FREE = 0.06  # of the range, left free around the curves
@@ -418,4 +521,116 @@ def _fitting(title: str, height: float) -> str:
     return title if text_size(title, TEXT)[0] <= height + sized(TOP_HEIGHT) else title.rpartition(", ")[2]
 
 
-__all__ = ["Dots", "Line", "Rule", "XYPlot"]
+# -- contact map -----------------------------------------------------------------------------------------
+
+RPM = math.pi / 30.0
+FAINT, FULL = 0.06, 0.75  # opacity of no force, of the greatest
+LOST = 0.3  # least opacity where the force is negative
+ACROSS, UPWARDS = "Cam angle, °", "Camshaft speed, rpm"
+
+
+def show_map(plot: XYPlot, found: ContactMap, own: float) -> None:
+    """Blue where the cam presses the follower, vermilion where it would have to pull; the line between them, and the design's
+    speed ``own`` [rpm]."""
+    degrees, rpm = np.rad2deg(found.theta), found.omega / RPM
+    top, step = float(rpm[-1]), float(rpm[-1]) / rpm.size
+    lines = [Line(np.array(WHOLE_TURN), np.array([own, own]), SCREEN.ink, f"{short(own, 6)} rpm", DASHED)]
+    for row, label in zip(found.zero / RPM, ("0 N", ""), strict=True):
+        shown = np.where(row <= top, row, np.nan)
+        if np.isfinite(shown).any():
+            lines.append(Line(degrees, shown, VERMILION, label))
+    peak = float(found.force.max())
+    plot.name_axes(ACROSS, UPWARDS)
+    plot.show_lines(lines, note=f"blue: up to {short(peak, 3)} N, orange: off the cam")
+    low = float(rpm[0])
+    plot.show_image(_coloured(found.force), QRectF(0.0, low - 0.5 * step, 360.0, top - low + step))
+    plot.show_range(WHOLE_TURN, (0.0, top))
+
+
+def _coloured(force: np.ndarray) -> np.ndarray:
+    """Colours (n, m, 4) of forces (m, n): the stronger, the fuller."""
+    most = float(np.abs(force).max()) or 1.0
+    strength = np.sqrt(np.abs(force.T) / most)
+    made = np.empty((*strength.shape, 4), dtype=np.ubyte)
+    pressed, lost = (np.array(rgb(name), dtype=np.ubyte) for name in (BLUE, VERMILION))
+    off = (force.T < 0.0)[..., None]
+    made[..., :3] = np.where(off, lost, pressed)
+    least = np.where(off[..., 0], LOST, FAINT)
+    made[..., 3] = np.round(255.0 * (least + (FULL - least) * strength))
+    return made
+
+
+# -- under mouse -----------------------------------------------------------------------------------------
+
+MACHINE_ANGLE, MACHINE_TIP = "Machine angle, °", "Click or drag to set the machine angle"
+
+
+class UnderMouse:
+    """What a plot does with the mouse; ``_go`` sets the angle by where the mouse is. The keys belong to the player."""
+
+    _go: Any
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        if event.button() == Qt.MouseButton.LeftButton:
+            self._go(event)
+        event.accept()
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        if event.buttons() & Qt.MouseButton.LeftButton:
+            self._go(event)
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        event.accept()
+
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        event.accept()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        event.ignore()
+
+
+class CursorPlot(UnderMouse, XYPlot):
+    """Curves with a cursor, which a click or a drag moves; of one that only ``reads``, it stands where the mouse is.
+
+    moved (float)   the user has clicked at, or drawn the cursor to, this place of the x axis
+    read (object)   where the mouse is; None: elsewhere
+    """
+
+    moved = Signal(float)
+    read = Signal(object)
+
+    def __init__(self, across: str, upwards: str = "", *, reads: bool = False) -> None:
+        super().__init__(across, upwards)
+        self._reads = reads
+        self.setMouseTracking(reads)
+        self.viewport().setMouseTracking(reads)
+        if not reads:
+            self.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
+
+    def _at(self, event: QMouseEvent) -> float:
+        return float(self._view.mapSceneToView(self.mapToScene(event.position().toPoint())).x())
+
+    def _go(self, event: QMouseEvent) -> None:
+        if self._filled and not self._reads:
+            frame = self.frame()
+            self.moved.emit(min(max(self._at(event), frame.first), frame.last))
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        if self._reads:
+            at, frame = self._at(event), self.frame()
+            self._read(at if self._filled and frame.first <= at <= frame.last else None)
+        else:
+            super().mouseMoveEvent(event)
+
+    def leaveEvent(self, event: QEvent) -> None:
+        if self._reads:
+            self._read(None)
+        super().leaveEvent(event)
+
+    def show_message(self, text: str) -> None:
+        super().show_message(text)
+        self.read.emit(None)
+
+    def _read(self, at: float | None) -> None:
+        self.point_out(at)
+        self.read.emit(at)

@@ -145,7 +145,8 @@ def test_the_least_acceleration_is_an_end() -> None:
         ),
         (
             {"type": "DRD", "settings": {"h1": 1.0, "peak": 200.0}},
-            "h1, peak; C1-CV1-C2 requires 2 settings; peak: not a setting of these curves; allowed: h1 | h2 | h3 | vcv | length | acceleration",
+            "h1, peak; C1-CV1-C2 requires 2 settings; peak: not a setting of these curves;"
+            " allowed: h1 | h2 | h3 | vcv | length | acceleration",
         ),
         ({"settings": {"h2": -1.0}}, "h2 = -1: outside its range; allowed: >= 0 mm"),
         ({"points": ((10.0, 5.0),)}, "point at 10 deg = 5: outside its range; allowed: 30 < angle < 330 deg"),

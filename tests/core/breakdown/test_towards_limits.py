@@ -9,7 +9,7 @@ from references import EPS
 from sampled import spread
 from stress_cases import CASES, Case, many_segments
 
-from core.dynamics import Inertia, combined
+from core.dynamics import Inertia, combined_inertia
 from core.study import Study, certificate_of, extremes_of, findings_of
 
 LOOKED_AT = [
@@ -80,5 +80,5 @@ def test_a_pressure_angle_near_zero_keeps_its_digits(after: float) -> None:
 def test_masses_far_from_the_pivot_and_near_each_other_keep_their_inertia() -> None:
     """About their common centre, not by the difference of two much larger ones about the pivot."""
     apart = 2.0**-14
-    one = combined([Inertia(1.5, 1000.1 + 0j), Inertia(1.5, 1000.1 + apart)])
+    one = combined_inertia([Inertia(1.5, 1000.1 + 0j), Inertia(1.5, 1000.1 + apart)])
     assert one.about_centre == pytest.approx(0.75 * apart**2, rel=8 * EPS)

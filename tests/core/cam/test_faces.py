@@ -332,7 +332,7 @@ def test_power_and_momentum_balance_with_sliding_friction(follower: str, face: s
         slip = body.z[1] + 1j * body.angle[1] * (at - body.z[0]) - 1j * design.sense * at
         lost = design.drive.loads.contact.contact_friction * forces.contact * np.abs(slip) * study.omega
         if not study.loading.frictions:
-            assert np.abs(forces.lost - lost).max() <= 1e-12 * np.abs(lost).max()
+            assert np.abs(forces.friction_power - lost).max() <= 1e-12 * np.abs(lost).max()
         assert np.abs((slip.conj() * study.cam.flank.normal).real).max() <= 1e-12 * np.abs(slip).max()
     assert held
 

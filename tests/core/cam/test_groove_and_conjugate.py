@@ -325,7 +325,7 @@ def test_a_flywheel_behind_a_rubbing_groove_takes_the_energy_of_a_dense_sum() ->
 def test_changes_of_flank_stand_where_a_dense_scan_has_them(design: Design) -> None:
     study = Study(design, 72)
     theta = np.deg2rad(np.arange(0.005, 360.0, 0.01))
-    signed = study.at_theta(theta).dynamics.carrying
+    signed = study.at_theta(theta).dynamics.signed_contact
     signed[np.abs(signed) < 1e-9 * np.abs(signed).max()] = 0.0
     loaded = np.flatnonzero(signed)
     wanted = [(i, j) for i, j in zip(np.roll(loaded, 1), loaded, strict=True) if signed[i] * signed[j] < 0.0]

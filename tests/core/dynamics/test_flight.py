@@ -190,7 +190,7 @@ def test_what_never_flies_and_what_never_rests() -> None:
     assert still.steady
     with pytest.raises(NoSolution, match="nowhere"):
         Study(valve(1500.0, preload_n=-500.0)).flights()
-    with pytest.raises(NoSolution, match="out of its reach at cam angle"):
+    with pytest.raises(NoSolution, match="beyond the range of its mechanism at cam angle"):
         Study(valve(6000.0, spring_rate_n_per_mm=0.0, preload_n=0.1, gravity_m_s2=0.0)).flights()
 
 

@@ -22,7 +22,7 @@ from core.design import (
     with_new_row,
     with_rows_in_order,
 )
-from core.dynamics import unbalanced
+from core.dynamics import imbalance
 from core.errors import DesignError, NoStability
 from core.output.channels import channels
 from core.output.report import report
@@ -143,7 +143,7 @@ def test_all_that_acts_on_a_body_is_nothing_together(name: str) -> None:
     bodies = study.free_bodies
     assert set(bodies) - {"cam"} == set(study.linkage.bodies) - {"frame", "roller"}
     for body, rows in bodies.items():
-        force, moment = unbalanced(rows)
+        force, moment = imbalance(rows)
         largest = max(np.abs(row.force).max() for row in rows)
         arms = max((np.abs(row.at) * np.abs(row.force) + np.abs(row.couple)).max() for row in rows)
         assert force.max() <= 1e-13 * largest, body

@@ -44,13 +44,13 @@ from core.design import Design
 from core.dynamics import (
     Friction,
     Inertia,
-    combined,
+    combined_inertia,
     guide_reaction,
-    limitless,
     loading_of,
     momentum_residual,
     newton_euler,
     power_residual,
+    with_infinities,
 )
 from core.dynamics.forces import Contact
 from core.errors import NoSolution
@@ -174,7 +174,9 @@ def test_the_balances_see_a_force_that_is_off_by_a_millionth(part: str, by_power
         wrong = replace(f, torque=f.torque * (1 + 1e-6))
     elif part == "contact":
         (contact,) = f.contacts
-        wrong = replace(f, contacts=(Contact(contact.at, contact.pressing, contact.force * (1 + 1e-6), contact.lever),))
+        wrong = replace(
+            f, contacts=(Contact(contact.at, contact.direction, contact.force * (1 + 1e-6), contact.lever),)
+        )
     else:
         wrong = replace(f, pairs={**f.pairs, part: f.pairs[part] * (1 + 1e-6)})
     parts = (study.linkage, study.cam, wrong, study.loading)
@@ -232,14 +234,14 @@ def test_the_kinetic_energy_is_that_of_the_single_bodies() -> None:
 def test_masses_on_one_body_combine_about_their_common_centre() -> None:
     """Two discs and a point, against the definition: sum of m |r - c|² and of the discs' own inertia."""
     parts = [Inertia(2.0, 0.3 + 0.1j, 0.05), Inertia(3.0, -0.2 + 0.4j, 0.02), Inertia(0.5, 1.0 - 1.0j)]
-    one = combined(parts)
+    one = combined_inertia(parts)
     mass = 5.5
     centre = (2.0 * (0.3 + 0.1j) + 3.0 * (-0.2 + 0.4j) + 0.5 * (1 - 1j)) / mass
     about = 0.07 + sum(p.mass * abs(p.centre - centre) ** 2 for p in parts)
     assert one.mass == mass
     assert one.centre == pytest.approx(centre, rel=4 * EPS)
     assert one.about_centre == pytest.approx(about, rel=8 * EPS)
-    assert combined([Inertia(0.0, 0.0, 0.4), Inertia(0.0)]) == Inertia(0.0, 0j, 0.4)
+    assert combined_inertia([Inertia(0.0, 0.0, 0.4), Inertia(0.0)]) == Inertia(0.0, 0j, 0.4)
 
 
 # -- single loads -----------------------------------------------------------------------------------------
@@ -396,7 +398,7 @@ def test_several_pairs_that_rub_are_solved_together() -> None:
         forces = newton_euler(*parts, loading, study.omega)
         assert power_residual(*parts, forces, loading).max() <= 1e-12
         assert momentum_residual(*parts, forces, loading).max() <= 1e-12
-        more = forces.lost - study.dynamics.lost
+        more = forces.friction_power - study.dynamics.friction_power
         if coefficient:
             size = np.abs(forces.pairs["arm_pin"])
             assert (
@@ -405,7 +407,7 @@ def test_several_pairs_that_rub_are_solved_together() -> None:
             )
             assert more.min() >= 0.0
         else:
-            assert np.abs(more).max() <= 1e-12 * np.abs(forces.lost).max()
+            assert np.abs(more).max() <= 1e-12 * np.abs(forces.friction_power).max()
             assert forces.contact == pytest.approx(study.dynamics.contact, rel=1e-12)
 
 
@@ -416,7 +418,7 @@ def test_several_pairs_that_rub_are_solved_together() -> None:
 def test_the_guide_solves_its_equation_or_jams(n0: float, way: float, slope: float, coefficient: float) -> None:
     """N + μ sgn(L̇) slope |N| = N0, by trying both signs of N."""
     solved_ = guide_reaction(np.array([n0]), np.array([way]), np.array([slope]), coefficient)
-    normal = float(limitless(solved_.normal)[0])
+    normal = float(with_infinities(solved_.normal)[0])
     factor = coefficient * way * slope
     answers = [
         n0 / (1 + sign * factor) for sign in (1, -1) if 1 + sign * factor and sign * n0 / (1 + sign * factor) > 0

@@ -8,8 +8,8 @@ from window_user import Open, User, settle, wait_for
 
 from core.blend import SequenceRequest, best_of_sequence, blend_sequence
 from core.design import require_motion
-from kindyna_gui.blend.any_sequence import SequenceDialog
-from kindyna_gui.blend.fields import LiveBox
+from kindyna_gui.blend.sequence_dialog import SequenceDialog
+from kindyna_gui.blend.settings import LiveBox
 from kindyna_gui.places import example
 
 

@@ -13,8 +13,7 @@ from core import project
 from core.design import get, put
 from core.output.explain import explained
 from core.study import Study, evaluations
-from kindyna_gui.compare.compare_view import CompareView
-from kindyna_gui.compare.explain_view import ExplainView
+from kindyna_gui.compare import CompareView, ExplainView
 from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.places import example
 from kindyna_gui.view import NumberAtHand

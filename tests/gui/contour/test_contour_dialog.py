@@ -14,7 +14,7 @@ from window_user import User, settle, wait_for
 from core.contour import read_contour, trace
 from core.project import save
 from kindyna_gui import dialogs
-from kindyna_gui.contour.dialog import CurveDialog
+from kindyna_gui.contour import CurveDialog
 
 UP = with_cam(with_follower(PUSHER, offset_mm=5.0, direction_deg=90.0), roller_radius_mm=12.0)
 CAM = drawn(*NosedCam().shapes, unit=0)

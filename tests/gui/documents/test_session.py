@@ -8,7 +8,7 @@ from core.design import edited, get
 from core.errors import DesignError, FileError, KindynaError
 from core.project import dumps, load
 from core.study import evaluations
-from kindyna_gui.documents.refusal import Refusal
+from kindyna_gui.documents.edits import Refusal
 from kindyna_gui.documents.session import Session
 from kindyna_gui.places import example
 

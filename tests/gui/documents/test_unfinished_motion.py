@@ -13,7 +13,7 @@ from core.design import Motion, NamedCurve, edited, faults, insert_segment, rise
 from core.errors import DesignError
 from core.project import dumps, load
 from kindyna_gui.documents.session import Session
-from kindyna_gui.motion.segments_model import JOIN, LAW, RISE, SPAN
+from kindyna_gui.motion.segments_table import JOIN, LAW, RISE, SPAN
 from kindyna_gui.places import example
 
 LIFT = load(example("transfer_lift"))

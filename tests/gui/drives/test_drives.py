@@ -17,22 +17,21 @@ from window_user import Open, User, end_pauses, pixel, settle, wait_for
 
 from core.design import drive_names, only, phase_room
 from core.design.limits import Waviness
-from core.output.export import Film, streams, texts
+from core.output.export import Film, as_texts, file_parts
 from core.project import load
 from core.study import Study
 from core.study.stages import memory
-from kindyna_gui import dialogs
+from kindyna_gui import dialogs, export_dialogs, profile_dialogs
 from kindyna_gui.dialogs import OnShaft
-from kindyna_gui.drives.drives_view import NAME, PHASE, TORQUE, DrivesView
-from kindyna_gui.drives.strip import BESIDE, ON_SHAFT
-from kindyna_gui.export import export_dialogs, profile_dialog
-from kindyna_gui.export.export_dialogs import TablesWanted
+from kindyna_gui.drives import BESIDE, ON_SHAFT
+from kindyna_gui.drives_view import NAME, PHASE, TORQUE, DrivesView
+from kindyna_gui.export_dialogs import TablesWanted
 from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.linkage.mechanism_view import MechanismView
 from kindyna_gui.pictures.drawing.assembly import DriveFigure
 from kindyna_gui.pictures.film import shoot
 from kindyna_gui.places import example
-from kindyna_gui.touched import BesideMouse
+from kindyna_gui.touch_targets import BesideMouse
 
 UNIT = example("transfer_unit")
 ROD = "follower.rod_mm"
@@ -450,11 +449,11 @@ def test_tables_of_the_shaft_and_the_profile_of_the_chosen_drive(
     out = tmp_path / "out"
     monkeypatch.setattr(export_dialogs, "tables_wanted", lambda *_: TablesWanted(out, 72))
     unit.choose("File", "Export", "Tables...")
-    wanted = texts(streams(Study(load(UNIT), 72)))
+    wanted = as_texts(file_parts(Study(load(UNIT), 72)))
     assert {name: (out / name).read_text("utf-8") for name in wanted} == wanted
     assert unit.faults == []
     click_drive(unit, 2)
     asked: list[object] = []
-    monkeypatch.setattr(profile_dialog, "profile_wanted", lambda _, design: asked.append(design))
+    monkeypatch.setattr(profile_dialogs, "profile_wanted", lambda _, design: asked.append(design))
     unit.choose("File", "Export", "Profile...")
     assert asked == [replace(only(load(UNIT), 2), name="Transfer unit, drive Lift")]

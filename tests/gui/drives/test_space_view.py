@@ -7,9 +7,9 @@ from PySide6.QtTest import QTest
 from window_user import Open, settle
 
 from core.study import Study
-from kindyna_gui.drives.space_view import NO_PART
-from kindyna_gui.drives.strip import BESIDE, ON_SHAFT
+from kindyna_gui.drives import BESIDE, ON_SHAFT
 from kindyna_gui.places import example
+from kindyna_gui.space_view import NO_PART
 
 
 @pytest.fixture

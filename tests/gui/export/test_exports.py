@@ -1,4 +1,4 @@
-"""kindyna_gui.export.exports, export_dialogs, pictures.film: what leaves the program, whole or not at all."""
+"""kindyna_gui.export, export_dialogs, pictures.film: what leaves the program, whole or not at all."""
 
 import json
 import sys
@@ -25,14 +25,12 @@ from core.output.handover import HandoverRequest, web_page
 from core.output.report import report
 from core.project import load, loads
 from core.study import Study
-from kindyna_gui import dialogs, waiting
-from kindyna_gui.export import controller_dialog, drawing_dialog, handover_dialog, profile_dialog
-from kindyna_gui.export import export_dialogs as export_tables
-from kindyna_gui.export.export_dialogs import FilmDialog, TablesDialog, TablesWanted, film_wanted, tables_wanted
-from kindyna_gui.inspection import export_dialog
+from kindyna_gui import background, dialogs, export_dialogs, inspection, profile_dialogs
+from kindyna_gui import export_dialogs as export_tables
+from kindyna_gui.background import progress
+from kindyna_gui.export_dialogs import FilmDialog, TablesDialog, TablesWanted, film_wanted, tables_wanted
 from kindyna_gui.pictures.film import Camera, pictures, shoot
 from kindyna_gui.places import example
-from kindyna_gui.waiting import progress
 
 SMALL = Film(".gif", 12, 320, 240, 1.0)
 EXPORT = ("File", "Export")
@@ -96,11 +94,11 @@ def test_a_cancelled_dialog_writes_nothing(user: User, tmp_path: Path, monkeypat
     user.picks("timing_to_save", None)
     monkeypatch.setattr(export_tables, "tables_wanted", lambda *_: None)
     monkeypatch.setattr(export_tables, "film_wanted", lambda *_: None)
-    monkeypatch.setattr(profile_dialog, "profile_wanted", lambda *_: None)
-    monkeypatch.setattr(drawing_dialog, "drawing_wanted", lambda *_: None)
-    monkeypatch.setattr(export_dialog, "inspection_wanted", lambda *_: None)
-    monkeypatch.setattr(handover_dialog, "handover_wanted", lambda *_: None)
-    monkeypatch.setattr(controller_dialog, "table_wanted", lambda *_: None)
+    monkeypatch.setattr(profile_dialogs, "profile_wanted", lambda *_: None)
+    monkeypatch.setattr(profile_dialogs, "drawing_wanted", lambda *_: None)
+    monkeypatch.setattr(inspection, "inspection_wanted", lambda *_: None)
+    monkeypatch.setattr(export_dialogs, "handover_wanted", lambda *_: None)
+    monkeypatch.setattr(profile_dialogs, "table_wanted", lambda *_: None)
     for name in user.entries(*EXPORT):
         user.choose(*EXPORT, name)
     assert list(tmp_path.iterdir()) == []
@@ -140,7 +138,7 @@ def test_the_hand_over_is_one_archive_of_all_files(
     same_window: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     user = same_window(example("card_picker"))
-    monkeypatch.setattr(handover_dialog, "handover_wanted", lambda *_: HandoverRequest(controller="codesys-xyva"))
+    monkeypatch.setattr(export_dialogs, "handover_wanted", lambda *_: HandoverRequest(controller="codesys-xyva"))
     user.picks("handover_to_save", tmp_path / "lift.zip")
     user.choose(*EXPORT, "Hand-over...")
     with zipfile.ZipFile(tmp_path / "lift.zip") as archive:
@@ -323,7 +321,7 @@ def test_a_cancelled_animation_writes_nothing(user: User, tmp_path: Path, monkey
     def impatient(parent: QWidget, text: str, steps: int) -> Iterator[Callable[[int], bool]]:
         yield lambda done: (drawn.append(done), done < 3)[1]
 
-    monkeypatch.setattr(waiting, "progress", impatient)
+    monkeypatch.setattr(background, "progress", impatient)
     monkeypatch.setattr(export_tables, "film_wanted", lambda *_: (tmp_path / "film.gif", SMALL))
     user.choose(*EXPORT, "Animation...")
     assert drawn == [0, 1, 2, 3]

@@ -22,13 +22,12 @@ from core.output.report.document import PAPERS, PARTS, document
 from core.output.summary import summary
 from core.project import load
 from core.study import Study
+from kindyna_gui import export_dialogs
 from kindyna_gui.__main__ import main
-from kindyna_gui.export import report_dialog
-from kindyna_gui.export.report_dialog import ReportDialog
-from kindyna_gui.pictures.report.files import report_file
-from kindyna_gui.pictures.report.pdf import BODY, SCALE, Pen, pages, strips_of, width
-from kindyna_gui.pictures.report.vectors import vector
-from kindyna_gui.pictures.sheet_file import UNITS
+from kindyna_gui.export_dialogs import ReportDialog
+from kindyna_gui.pictures.paper.pictures import vector
+from kindyna_gui.pictures.paper.report import BODY, SCALE, Pen, pages, report_file, strips_of, width
+from kindyna_gui.pictures.paper.sheets import UNITS_PER_MM
 from kindyna_gui.places import example
 
 LIFT = example("transfer_lift")
@@ -68,12 +67,12 @@ def test_the_dots_of_a_derivative_stand_clear_above_the_middle_of_their_letter(l
         assert not above[-3:].any(), "clear of it"
         across = np.flatnonzero(np.diff(above.any(axis=0).astype(int)))
         assert across.size == 2 * count
-        assert across.mean() == pytest.approx(np.flatnonzero(plain.any(axis=0))[[0, -1]].mean(), abs=0.2 * UNITS)
+        assert across.mean() == pytest.approx(np.flatnonzero(plain.any(axis=0))[[0, -1]].mean(), abs=0.2 * UNITS_PER_MM)
 
 
 def _ink(text: str) -> np.ndarray:
     """Dark pixels (rows, columns) of a paper 5 mm across and 8 mm high."""
-    image = QImage(round(5 * UNITS), round(8 * UNITS), QImage.Format.Format_Grayscale8)
+    image = QImage(round(5 * UNITS_PER_MM), round(8 * UNITS_PER_MM), QImage.Format.Format_Grayscale8)
     image.fill(255)
     painter = QPainter(image)
     Pen(painter).text(2.0, 6.0, text, BODY)
@@ -275,7 +274,7 @@ def test_the_window_writes_the_report_and_opens_it_when_asked(
     user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     opened: list[Path] = []
-    monkeypatch.setattr(report_dialog, "open_outside", opened.append)
+    monkeypatch.setattr(export_dialogs, "open_outside", opened.append)
     suggested = user.picks("report_to_save", tmp_path / "r.html")
 
     def act(dialog: ReportDialog) -> None:

@@ -8,7 +8,7 @@ from window_user import Open, answering
 
 from core.design import faults
 from kindyna_gui import dialogs
-from kindyna_gui.files.linkage_dialog import LinkageDialog
+from kindyna_gui.files.beginnings import LinkageDialog
 
 BAR = """M[J[R, P[0, 0], L[ground, crank]], J[R, P[0, 20], L[crank, rod]], J[R, P[50, 40], L[rod, rocker]],
 J[R, P[60, 0], L[ground, rocker]]]"""

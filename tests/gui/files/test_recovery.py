@@ -10,7 +10,7 @@ from window_user import Open, User, settle, wait_for
 from core.design import edited
 from core.project import dumps, load
 from core.project.recovery import RecoveryFile, Unsaved
-from kindyna_gui.documents.draft import Draft
+from kindyna_gui.documents.edits import Draft
 from kindyna_gui.files.recovery import recovery_folder
 from kindyna_gui.places import example
 

@@ -13,9 +13,8 @@ from core.design import Motion, NamedCurve, Segment, edited, with_drive
 from core.materials import MATERIALS
 from core.project import load
 from core.study import Study, certificate_of, extremes_of, findings_of
-from kindyna_gui.find.find_view import FindView
-from kindyna_gui.findings.certificate_view import PROVES, CertificateView
-from kindyna_gui.findings.findings_view import FindingsView
+from kindyna_gui.find import FindView
+from kindyna_gui.findings import PROVES, CertificateView, FindingsView
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.forms.tables import RowsTable
 from kindyna_gui.graph.flywheel_view import FlywheelView

@@ -15,7 +15,7 @@ from window_user import Open, User, settle, wait_for
 from core.design import CamSlider, entries, get
 from core.output.lines import shortest
 from core.project import load, save
-from kindyna_gui.export.exports import Exports
+from kindyna_gui.export import Exports
 from kindyna_gui.files.beginnings import beginning
 from kindyna_gui.forms.number_box import NumberBox, WordBox
 from kindyna_gui.forms.parameters_view import SECTIONS

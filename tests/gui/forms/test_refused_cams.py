@@ -6,7 +6,7 @@ import pytest
 from sampled import spread
 from window_user import Open, wait_for
 
-from kindyna_gui.findings.findings_view import FindingsView
+from kindyna_gui.findings import FindingsView
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
 

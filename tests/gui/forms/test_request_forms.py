@@ -20,7 +20,7 @@ from core.output.files.profile_request import Machining
 from core.output.files.sheet import DrawingRequest
 from core.requests import option
 from kindyna_gui.forms.request_form import RequestForm
-from kindyna_gui.inspection.export_dialog import InspectionDialog
+from kindyna_gui.inspection import InspectionDialog
 from kindyna_gui.places import example
 
 
@@ -51,7 +51,7 @@ def test_a_field_of_a_stranger_is_an_option_and_stands_in_the_dialog(
 ) -> None:
     """Of the real command and the real dialog, from nothing but the request."""
     monkeypatch.setattr("core.commands.cams.InspectionArguments", StrangeArguments)
-    monkeypatch.setattr("kindyna_gui.inspection.form.InspectionRequest", Strange)
+    monkeypatch.setattr("kindyna_gui.inspection.InspectionRequest", Strange)
     assert main(["inspection", "--help"]) == 0
     told = " ".join(capsys.readouterr().out.split())
     assert "--pace MM/MIN along the profile (60)" in told

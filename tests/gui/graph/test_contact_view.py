@@ -10,7 +10,7 @@ from window_user import Open, User, end_pauses, settle, wait_for
 
 from core.project import load
 from core.study import Study
-from kindyna_gui.graph.contact_view import ContactView
+from kindyna_gui.graph.flywheel_view import ContactView
 from kindyna_gui.places import example
 
 

@@ -23,7 +23,7 @@ from core.study import Study
 from kindyna_gui import dialogs
 from kindyna_gui.__main__ import main
 from kindyna_gui.documents.session import Session
-from kindyna_gui.graph import graph_sources
+from kindyna_gui.graph import graph_choice
 from kindyna_gui.graph.curves_view import CurvesView
 from kindyna_gui.pictures.plots.graph_ranges import Shown
 from kindyna_gui.pictures.style import LIGHT
@@ -424,7 +424,7 @@ def test_a_reading_that_takes_long_is_cancelled_and_begun_again(
             sleep(0.001)
 
     with monkeypatch.context() as patch:
-        patch.setattr(graph_sources, "read_source", endless)
+        patch.setattr(graph_choice, "read_source", endless)
         view.add_files([table])
         wait_for(view.cancel_button.isVisible)
         QTest.mouseClick(view.cancel_button, Qt.MouseButton.LeftButton)

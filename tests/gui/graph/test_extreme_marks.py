@@ -25,8 +25,8 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.graph_view import GraphView
 from kindyna_gui.graph.live_plot import LivePlot, LivePolar
 from kindyna_gui.graph.plots_view import PlotView
-from kindyna_gui.pictures.plots.curves import channel_extremes
-from kindyna_gui.pictures.plots.ranges import readable_range, usual_range
+from kindyna_gui.pictures.plots.plot import readable_range, usual_range
+from kindyna_gui.pictures.plots.quantities import channel_extremes
 from kindyna_gui.places import example
 from kindyna_gui.player import Player
 
@@ -192,7 +192,7 @@ def test_extremes_are_refined_for_plots_in_sight_alone_and_never_by_a_frame_or_a
         asked.update(row.name for row in rows)
         return channel_extremes(study, rows)
 
-    monkeypatch.setattr("kindyna_gui.graph.extremes_search.channel_extremes", counted)
+    monkeypatch.setattr("kindyna_gui.graph.marked_view.channel_extremes", counted)
     user = open_user(LIFT, size=(1440, 900))
     view = plot_view(user, "pressure_angle")
     assert dict(asked) == {"pressure_angle": 1}

@@ -21,7 +21,7 @@ from core.output.export import files
 from core.study import Study
 from kindyna_gui import dialogs
 from kindyna_gui.documents.session import Session
-from kindyna_gui.graph.extremes_search import marks_action
+from kindyna_gui.graph.marked_view import marks_action
 from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.pictures.units import measure, readable
 from kindyna_gui.player import Player

@@ -11,7 +11,7 @@ from window_user import Open, User, settle, wait_for
 from core.project import load
 from core.study import Study
 from core.study.stages import memory
-from kindyna_gui.graph.vibration_view import VibrationView
+from kindyna_gui.graph.flywheel_view import VibrationView
 from kindyna_gui.pictures.units import measure
 from kindyna_gui.places import example
 

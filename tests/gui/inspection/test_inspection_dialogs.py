@@ -13,9 +13,7 @@ from window_user import Open, User, answering, wait_for
 from core.__main__ import main
 from core.project import load, save
 from kindyna_gui import dialogs
-from kindyna_gui.inspection.export_dialog import InspectionDialog
-from kindyna_gui.inspection.measured_dialog import MeasuredCamDialog
-from kindyna_gui.inspection.picture import magnified
+from kindyna_gui.inspection import InspectionDialog, MeasuredCamDialog, magnified
 from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.places import example
 

@@ -11,8 +11,7 @@ from sampled import spread
 from window_user import Open, User, settle, wait_for
 
 from kindyna_gui.forms.tables import RowsModel, RowsTable
-from kindyna_gui.linkage.centres_view import CentresView
-from kindyna_gui.linkage.circle_view import CircleView
+from kindyna_gui.linkage.centres_view import CentresView, CircleView
 from kindyna_gui.pictures.drawing.centre_parts import CentreMarks, KennedyLines
 from kindyna_gui.places import example
 

@@ -22,9 +22,9 @@ from core.design import Design, faults, only
 from core.project import load, loads
 from core.study import Study
 from kindyna_gui.dialogs import SaveAnswer
-from kindyna_gui.export.export_dialogs import TablesDialog
+from kindyna_gui.export_dialogs import TablesDialog
 from kindyna_gui.places import example
-from kindyna_gui.window.circuits_dialog import CircuitsDialog
+from kindyna_gui.window.gallery import CircuitsDialog
 
 Key = Qt.Key
 NONE, SHIFT, CTRL = (

@@ -18,11 +18,10 @@ from core.followers.dragging import move_joint
 from core.output.export import files
 from core.project import load
 from core.study import Study, findings_of
-from kindyna_gui import dialogs
-from kindyna_gui.export import export_dialogs
-from kindyna_gui.export.export_dialogs import TablesWanted
+from kindyna_gui import dialogs, export_dialogs
+from kindyna_gui.export_dialogs import TablesWanted
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
-from kindyna_gui.pictures.plots.plot import CurvePlot
+from kindyna_gui.pictures.plots.curves import CurvePlot
 from kindyna_gui.places import example, single_examples
 
 LINKAGES = [path.stem for _, path in single_examples() if load(path).drive.is_linkage]

@@ -19,7 +19,7 @@ from core.design import Design
 from core.study import evaluations
 from kindyna_gui.documents.session import Session
 from kindyna_gui.linkage.mechanism_view import MechanismView
-from kindyna_gui.pictures.drawing.layers import LAYERS
+from kindyna_gui.pictures.drawing.parts import LAYERS
 from kindyna_gui.places import example
 from kindyna_gui.player import Player
 

@@ -1,4 +1,4 @@
-"""kindyna_gui.linkage.touch: what the drawing's parts are, dragged, typed, clicked and asked what can be done with them."""
+"""kindyna_gui.linkage.drives_touch: what the drawing's parts are, dragged, typed, clicked and asked what can be done with them."""
 
 import cmath
 import re
@@ -16,14 +16,14 @@ from window_user import Open, User, pixel, settle, wait_for
 from core.design import get
 from core.study import extremes_of
 from core.units import UNITS
-from kindyna_gui.drives.drives_view import DrivesView
+from kindyna_gui import settings
+from kindyna_gui.drives_view import DrivesView
 from kindyna_gui.graph.graph_view import GraphView
 from kindyna_gui.graph.live_plot import LivePlot
 from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.labels import value_text
 from kindyna_gui.places import example
-from kindyna_gui.preferences import kept, units
-from kindyna_gui.timing.timing_view import TimingView
+from kindyna_gui.timing_view import TimingView
 
 LEFT, MM = Qt.MouseButton.LeftButton, UNITS["mm"]
 BASE, ROLLER = "cam.base_radius_mm", "cam.roller_radius_mm"
@@ -134,7 +134,7 @@ def test_a_value_is_typed_while_the_mouse_holds_it(rocker: User, thing: str, pat
 
 @pytest.mark.stress
 def test_what_stands_beside_the_mouse_is_in_the_units_that_are_preferred(rocker: User) -> None:
-    units.choose(kept.INCH, True)
+    settings.choose(settings.INCH, True)
     try:
         start = place(rocker, "base circle")
         hold(rocker, start, 0.9 * start)
@@ -152,7 +152,7 @@ def test_what_stands_beside_the_mouse_is_in_the_units_that_are_preferred(rocker:
         drop(rocker)
         assert (get(rocker.design, BASE), rocker.steps) == (44.45, ["Change base radius Br"])
     finally:
-        units.choose({}, False)
+        settings.choose({}, False)
 
 
 def test_the_roller_grows_under_the_mouse(rocker: User) -> None:

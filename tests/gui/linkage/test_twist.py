@@ -8,7 +8,7 @@ from window_user import Open, User, settle, wait_for
 
 from core.study import Study
 from kindyna_gui.linkage.mechanism_view import MechanismView
-from kindyna_gui.pictures.drawing.shaft_parts import magnification
+from kindyna_gui.pictures.drawing.parts import magnification
 from kindyna_gui.places import example
 
 LAYER = "Flexible shaft and its twist"

@@ -17,10 +17,10 @@ from sampled import spread
 from window_user import Open, User, settle, wait_for
 
 from kindyna_gui.__main__ import main
-from kindyna_gui.linkage import polygon_view
-from kindyna_gui.linkage.polygon_view import PolygonView
+from kindyna_gui.linkage import centres_view
+from kindyna_gui.linkage.centres_view import PolygonView
 from kindyna_gui.pictures.drawing.labels import ink
-from kindyna_gui.pictures.vector_polygon.names import NameLayout, PlacedName
+from kindyna_gui.pictures.drawing.polygons import NameLayout, PlacedName
 from kindyna_gui.places import example
 
 CM = 10.0  # mm/s in cm/s
@@ -131,9 +131,9 @@ def test_the_polygon_follows_the_crank_and_only_while_it_is_seen(
     six_bar: User, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     view, computed = polygon(six_bar), []
-    made = polygon_view.velocity_polygon
+    made = centres_view.velocity_polygon
     monkeypatch.setattr(
-        polygon_view, "velocity_polygon", lambda kinematics: computed.append(kinematics) or made(kinematics)
+        centres_view, "velocity_polygon", lambda kinematics: computed.append(kinematics) or made(kinematics)
     )
     before = view.sheet.vectors()["V_A"][1]
     six_bar.window.player.step(10.0)

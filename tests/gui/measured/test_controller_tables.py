@@ -12,7 +12,7 @@ from window_user import Open, User, wait_for
 from core.__main__ import main
 from core.project import load
 from kindyna_gui import dialogs
-from kindyna_gui.measured.controller_dialog import ControllerTableDialog
+from kindyna_gui.measured.sheet import ControllerTableDialog
 from kindyna_gui.places import example
 
 

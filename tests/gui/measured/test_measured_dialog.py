@@ -31,9 +31,9 @@ from core.measured import MotionFit
 from core.numerics.lazy import checkpoint
 from core.project import load
 from kindyna_gui import dialogs
-from kindyna_gui.measured import request
+from kindyna_gui.measured import form
 from kindyna_gui.measured.dialog import COMPUTING, MeasuredDialog
-from kindyna_gui.measured.request import spelled, symbol
+from kindyna_gui.measured.form import spelled, symbol
 from kindyna_gui.places import example
 
 CHANCE = np.random.default_rng(8)
@@ -335,7 +335,7 @@ def test_every_step_of_the_error_is_fitted_and_drawn_at_once(lift: User, imports
     assert dialog.answer.fit.error == dialog.error.value > 0.1 > before
     click(dialog.estimate)
     assert dialog.answer.fit is not None
-    assert dialog.answer.fit.guessed
+    assert dialog.answer.fit.is_guessed
     assert dialog.error.value == pytest.approx(0.05, rel=0.2)
 
 
@@ -569,7 +569,7 @@ def test_what_takes_long_is_computed_beside_the_window_and_given_up_by_cancel(
     dialog = imports(table())
     fit, curve = dialog.answer.fit, dialog.rows_plot.lines[0][1]
     with monkeypatch.context() as patch:
-        patch.setattr(request, "fit", endless)
+        patch.setattr(form, "fit", endless)
         QTest.mouseClick(dialog.keep_all, Qt.MouseButton.LeftButton)
         wait_for(lambda: dialog.message.text() == COMPUTING)
         assert dialog.rows_plot.lines[0][1] is curve, "the last curve stays"
@@ -583,7 +583,7 @@ def test_what_takes_long_is_computed_beside_the_window_and_given_up_by_cancel(
     assert len(ended) == 2
     assert dialog.answer.fit is not fit
     assert dialog.put_button.isEnabled()
-    monkeypatch.setattr(request, "fit", endless)
+    monkeypatch.setattr(form, "fit", endless)
     QTest.mouseClick(dialog.keep_all, Qt.MouseButton.LeftButton)
     wait_for(lambda: len(begun) == 3)
     click(dialog.buttons.button(dialog.buttons.StandardButton.Cancel))
@@ -751,7 +751,7 @@ def test_each_column_has_its_error_its_band_and_its_residuals(lift: User, import
     enter(lift, dialog.errors["velocity"], "0.005")
     fit = dialog.answer.fit
     assert fit is not None
-    assert [(each.error, each.guessed) for each in fit.columns] == [(0.06, False), (0.005, False)]
+    assert [(each.error, each.is_guessed) for each in fit.columns] == [(0.06, False), (0.005, False)]
     for plot, error in ((dialog.rows_plot, 0.06), (dialog.derivative_plots[0], 0.005)):
         (line,) = plot.shown
         assert line.band is not None

@@ -1,9 +1,9 @@
-"""kindyna_gui.motion.grips: what can be taken hold of in a displacement diagram, and what a pull makes of it."""
+"""kindyna_gui.motion.diagram: what can be taken hold of in a displacement diagram, and what a pull makes of it."""
 
 import pytest
 
 from core.design import Motion, NamedCurve, Segment, join_range
-from kindyna_gui.motion.grips import (
+from kindyna_gui.motion.diagram import (
     LEVEL,
     LINE,
     POINT,

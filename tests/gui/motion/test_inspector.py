@@ -11,7 +11,7 @@ from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.forms.parameters_view import ParametersView
 from kindyna_gui.motion.inspector import MotionPage
 from kindyna_gui.motion.law_picker import LawBox
-from kindyna_gui.motion.segments_model import LAW
+from kindyna_gui.motion.segments_table import LAW
 from kindyna_gui.places import example
 
 

@@ -14,12 +14,10 @@ from core.design import CURVES, NamedCurve, PolynomialCurve, PolynomialEnd, Scca
 from core.laws import EVERY_LAW, LAWS, law_groups, peaks
 from core.project import load
 from kindyna_gui.labels import law_label, name_of
-from kindyna_gui.motion.fields import EndField, OptionalBox
-from kindyna_gui.motion.law_list import law_tip, matching, peaks_text
-from kindyna_gui.motion.law_picker import LawBox, LawPicker
-from kindyna_gui.motion.points import PointsTable
-from kindyna_gui.motion.segments_model import LAW
-from kindyna_gui.pictures.plots.law_icon import curves_of, paint_law, prescribed
+from kindyna_gui.motion.curve_fields import EndField, OptionalBox, PointsTable
+from kindyna_gui.motion.law_picker import LawBox, LawPicker, law_tip, matching, peaks_text
+from kindyna_gui.motion.segments_table import LAW
+from kindyna_gui.pictures.plots.quantities import curves_of, paint_law, prescribed
 from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.pictures.units import short
 from kindyna_gui.places import example

@@ -15,9 +15,20 @@ from window_user import Alone, Open, User, settle
 
 from core.laws import LAWS, peaks
 from kindyna_gui.documents.session import Session
-from kindyna_gui.motion.laws_model import ACCELERATION, COLUMNS, ENDS, JERK, NAME, TORQUE, VELOCITY, law_rows
 from kindyna_gui.motion.laws_plot import QUANTITIES, stroke_of
-from kindyna_gui.motion.laws_view import EMPTY, LawsView, segment_texts
+from kindyna_gui.motion.laws_view import (
+    ACCELERATION,
+    COLUMNS,
+    EMPTY,
+    ENDS,
+    JERK,
+    NAME,
+    TORQUE,
+    VELOCITY,
+    LawsView,
+    law_rows,
+    segment_texts,
+)
 from kindyna_gui.player import Player
 
 FIRST = ["cycloidal", "modified-sine", "modified-trapezoid", "3-4-5"]

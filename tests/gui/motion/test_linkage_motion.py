@@ -19,7 +19,7 @@ from kindyna_gui.blend.wizard import BlendDialog
 from kindyna_gui.measured.dialog import MeasuredDialog
 from kindyna_gui.motion.editor import MotionEditor
 from kindyna_gui.motion.laws_view import LawsView
-from kindyna_gui.motion.segments_model import LAW, RISE, SPAN
+from kindyna_gui.motion.segments_table import LAW, RISE, SPAN
 from kindyna_gui.places import example
 
 COUPLER = load(example("four_bar_coupler_cam"))

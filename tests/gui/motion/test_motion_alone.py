@@ -12,8 +12,8 @@ from core.project import load
 from core.study import findings_of
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.graph.plots_view import PlotView
-from kindyna_gui.motion.begin_dialog import BeginDialog
-from kindyna_gui.motion.grips import places
+from kindyna_gui.motion.diagram import places
+from kindyna_gui.motion.laws_plot import BeginDialog
 from kindyna_gui.window.tasks import TASKS
 
 

@@ -16,12 +16,10 @@ from window_user import Open, User, plain, settle, wait_for
 from core.design import Design, Motion, NamedCurve, Segment, edited, with_drive
 from core.project import load
 from core.study import Study
-from kindyna_gui.motion.diagram import numbered, rooms_beside
+from kindyna_gui.motion.diagram import LEVEL, LINE, POINT, marks, numbered, rooms_beside, variants
 from kindyna_gui.motion.editor import MotionEditor
-from kindyna_gui.motion.grips import LEVEL, LINE, POINT
-from kindyna_gui.motion.marks import marks, variants
-from kindyna_gui.motion.segments_model import LAW, RISE, SPAN, TO
-from kindyna_gui.pictures.plots.background import spans as spans_of
+from kindyna_gui.motion.segments_table import LAW, RISE, SPAN, TO
+from kindyna_gui.pictures.plots.plot import spans as spans_of
 from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.places import example
 

@@ -12,9 +12,9 @@ from core.laws import LAWS
 from core.project import load
 from core.study import Study
 from kindyna_gui.forms.number_box import NumberBox
+from kindyna_gui.motion.diagram import join_help, join_text
 from kindyna_gui.motion.law_picker import LawPicker
-from kindyna_gui.motion.marks import join_help, join_text
-from kindyna_gui.motion.segments_model import FROM, JOIN, LAW, RISE, SPAN, TO, difference, readable
+from kindyna_gui.motion.segments_table import FROM, JOIN, LAW, RISE, SPAN, TO, difference, readable
 from kindyna_gui.pictures.units import digits
 from kindyna_gui.places import example
 

@@ -15,8 +15,8 @@ from window_user import Open, User, wait_for
 
 from core.output.stability_files import table_text
 from core.papers import PAPERS, VERDICTS
-from kindyna_gui.papers.figures_window import CHOOSE, FiguresWindow
-from kindyna_gui.pictures.painter import paint
+from kindyna_gui.papers import CHOOSE, FiguresWindow
+from kindyna_gui.pictures.film import paint
 
 
 @pytest.fixture
@@ -60,7 +60,7 @@ def choose(figures: FiguresWindow, start: str) -> None:
 def test_the_list_has_every_verdict_and_their_count_before_a_row_is_opened(
     user: User, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("kindyna_gui.papers.figures_window.Examples", lambda: EXAMPLES)  # computed once for these tests
+    monkeypatch.setattr("kindyna_gui.papers.Examples", lambda: EXAMPLES)  # computed once for these tests
     figures = opened(user)
     assert figures.says.text() == CHOOSE
     assert not figures.open_button.isEnabled()

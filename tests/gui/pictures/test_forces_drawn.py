@@ -13,10 +13,10 @@ from core.design import Design, edited
 from core.output.channels import channel
 from core.project import from_table, load
 from core.study import Study
+from kindyna_gui.linkage.centres_view import PolygonView
 from kindyna_gui.linkage.mechanism_view import MechanismView
-from kindyna_gui.linkage.polygon_view import PolygonView
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
-from kindyna_gui.pictures.vector_polygon.forces import force_diagram, force_name
+from kindyna_gui.pictures.drawing.polygons import force_diagram, force_name
 from kindyna_gui.places import example
 
 pytestmark = pytest.mark.usefixtures("app")

@@ -1,4 +1,4 @@
-"""kindyna_gui.pictures.plots.legend, fixed_plot: names above a plot, however narrow it is."""
+"""kindyna_gui.pictures.plots.lines, fixed_plot: names above a plot, however narrow it is."""
 
 import pytest
 from mechanisms import LIFT, PUSHER
@@ -13,9 +13,9 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.graph_choice import Choice
 from kindyna_gui.graph.graph_view import GraphView
 from kindyna_gui.graph.live_plot import LivePlot
-from kindyna_gui.pictures.plots.legend import Entry, cut, rows_of
-from kindyna_gui.pictures.plots.plot import CurvePlot
-from kindyna_gui.pictures.plots.polar_texts import title_pieces
+from kindyna_gui.pictures.plots.curves import CurvePlot
+from kindyna_gui.pictures.plots.lines import Entry, cut, rows_of
+from kindyna_gui.pictures.plots.marks import title_pieces
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.places import example
 from kindyna_gui.player import Player

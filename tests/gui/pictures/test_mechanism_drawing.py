@@ -23,11 +23,10 @@ from core.motion import Angles, MotionState
 from core.numerics.derivatives import Derivatives
 from core.project import load
 from core.study import Study
-from kindyna_gui.pictures.drawing.layers import LAYERS
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
-from kindyna_gui.pictures.files import MechanismSheet
+from kindyna_gui.pictures.drawing.parts import LAYERS
 from kindyna_gui.pictures.items import Tag
-from kindyna_gui.pictures.paper import png
+from kindyna_gui.pictures.painter import MechanismSheet, png
 from kindyna_gui.pictures.style import DARK, LIGHT, font
 from kindyna_gui.places import example
 

@@ -19,14 +19,13 @@ from core.design import Design, Motion, NamedCurve, Segment, edited
 from core.output.channels import channel, channels
 from core.project import load
 from core.study import Study
+from kindyna_gui.pictures.film import paint
 from kindyna_gui.pictures.items import Outline, Tag
-from kindyna_gui.pictures.painter import paint
-from kindyna_gui.pictures.paper import png, svg
-from kindyna_gui.pictures.plots.background import angle_ticks, name_ticks, spans, value_ticks
+from kindyna_gui.pictures.painter import png, svg
+from kindyna_gui.pictures.plots.curves import CurvePlot
 from kindyna_gui.pictures.plots.lines import CurveLine
-from kindyna_gui.pictures.plots.plot import CurvePlot
-from kindyna_gui.pictures.plots.ranges import shown_range, usual_range
-from kindyna_gui.pictures.plots.readouts import beside, stacked
+from kindyna_gui.pictures.plots.marks import beside, stacked
+from kindyna_gui.pictures.plots.plot import angle_ticks, name_ticks, shown_range, spans, usual_range, value_ticks
 from kindyna_gui.pictures.style import FAMILIES, LIGHT, font
 from kindyna_gui.pictures.units import digits, measure, nice_below, number, readable, short, ticks
 from kindyna_gui.places import example
@@ -546,7 +545,7 @@ def test_a_plot_becomes_svg_without_pixels() -> None:
 
 
 def test_the_flywheel_gives_the_torque_picture_a_second_curve() -> None:
-    from kindyna_gui.pictures.plots.curves import different
+    from kindyna_gui.pictures.plots.quantities import different
 
     rows = [channel(LIFT, slug) for slug in ("drive_torque_nm", "motor_torque_nm")]
     assert different(Study(LIFT, SAMPLES), rows) == rows[:1]

@@ -17,9 +17,8 @@ from core.project import load
 from core.study import Study, roller_lives
 from kindyna_gui.files.beginnings import beginning
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
-from kindyna_gui.pictures.files import MechanismSheet
 from kindyna_gui.pictures.items import Tag
-from kindyna_gui.pictures.paper import png
+from kindyna_gui.pictures.painter import MechanismSheet, png
 from kindyna_gui.pictures.style import LIGHT, SKY, VERMILION
 from kindyna_gui.places import example
 

@@ -11,7 +11,7 @@ from core.output.channels import channels
 from core.study import Study
 from core.study.drive_forces import servo_speed, servo_torque, servo_turn
 from kindyna_gui.places import example
-from kindyna_gui.shaft.servo_view import ServoView
+from kindyna_gui.shaft import ServoView
 from kindyna_gui.view import ReasonPage
 
 

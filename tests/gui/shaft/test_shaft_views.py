@@ -18,9 +18,8 @@ from core.project import load
 from core.study import Study, evaluations
 from core.varying import motor_bands, shaft_bands
 from kindyna_gui.places import example
-from kindyna_gui.shaft.speeds_view import AgainstSpeedView
-from kindyna_gui.shaft.torque_view import ShaftFiguresView, ShaftTorqueView
-from kindyna_gui.stability.stability_view import StabilityView
+from kindyna_gui.shaft import AgainstSpeedView, ShaftFiguresView, ShaftTorqueView
+from kindyna_gui.stability_view import StabilityView
 
 UNIT = example("transfer_unit")
 FLYWHEEL = "shaft.flywheel_inertia_kg_m2"

@@ -1,4 +1,4 @@
-"""kindyna_gui.awaited: a steady response that takes long is looked for beside the window, shown once it is known, and given up."""
+"""kindyna_gui.background: a steady response that takes long is looked for beside the window, shown once it is known, and given up."""
 
 from collections.abc import Iterator
 from time import sleep

@@ -1,4 +1,4 @@
-"""kindyna_gui.stability.point_reading: what is told of the point under the mouse, at once and where it rests."""
+"""kindyna_gui.stability_view: what is told of the point under the mouse, at once and where it rests."""
 
 import threading
 import time
@@ -14,7 +14,7 @@ from window_user import Open, User, settle, wait_for
 from core.numerics.lazy import checkpoint
 from core.stability import EXACT, Stability, Verdict
 from kindyna_gui.pictures.style import LIGHT
-from kindyna_gui.stability.texts import verdict_table, waiting_text
+from kindyna_gui.stability_pages import verdict_table, waiting_text
 
 
 @pytest.fixture

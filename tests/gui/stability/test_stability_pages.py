@@ -1,4 +1,4 @@
-"""kindyna_gui.stability.pages: verdicts, speeds and plots of the point that is looked at; the same as files."""
+"""kindyna_gui.stability_pages: verdicts, speeds and plots of the point that is looked at; the same as files."""
 
 from pathlib import Path
 
@@ -13,8 +13,8 @@ from window_user import Open, User, settle, wait_for
 from core.stability import Figure, History, Plot, PlotCurve, Stability, mean_wind_up
 from kindyna_gui.__main__ import main
 from kindyna_gui.forms.number_box import NumberBox
-from kindyna_gui.pictures.plots.sheets import figure_file
-from kindyna_gui.stability.stability_view import StabilityView
+from kindyna_gui.pictures.paper.sheets import figure_file
+from kindyna_gui.stability_view import StabilityView
 
 FEW = np.arange(0.5, 5.6, 0.85)
 

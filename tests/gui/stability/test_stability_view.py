@@ -1,4 +1,4 @@
-"""kindyna_gui.stability.stability_view: the chart, the shaft that a point needs, what an edit gives up."""
+"""kindyna_gui.stability_view: the chart, the shaft that a point needs, what an edit gives up."""
 
 from collections import Counter
 from collections.abc import Callable
@@ -19,8 +19,8 @@ from core.project import load, save
 from core.stability import EXACT, Chart, Stability, chart
 from core.study import Study, evaluations
 from kindyna_gui.background import Worker
-from kindyna_gui.pictures.files import chart_file
-from kindyna_gui.stability.stability_view import StabilityView
+from kindyna_gui.pictures.painter import chart_file
+from kindyna_gui.stability_view import StabilityView
 
 
 @pytest.fixture
@@ -171,7 +171,7 @@ def test_an_edit_waits_for_no_chart_and_the_one_before_stays_marked(kim: User, m
         threads.add(current_thread())
         return chart(*parts, **more)  # type: ignore[arg-type]
 
-    monkeypatch.setattr("kindyna_gui.stability.stability_view.chart", drawn_by)
+    monkeypatch.setattr("kindyna_gui.stability_view.chart", drawn_by)
     for stiffness in (91.0, 95.0):
         assert kim.session.edit("shaft.stiffness_nm_per_rad", stiffness, "Change stiffness")
         assert view.drawn is before

@@ -21,8 +21,8 @@ from core.varying import load_study, present
 from kindyna_gui.documents.pins import Pins
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.graph.curves_view import CurvesView
-from kindyna_gui.help.window import HelpWindow
-from kindyna_gui.motion.segments_model import LAW, RISE
+from kindyna_gui.help import HelpWindow
+from kindyna_gui.motion.segments_table import LAW, RISE
 from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.places import example, state_folder
 from kindyna_gui.studies.plots import SurveyPlot

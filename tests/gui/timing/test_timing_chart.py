@@ -17,10 +17,10 @@ from core.design import Design, TimingRow, distances, events, with_phase
 from core.project import load, save
 from kindyna_gui import screenshots
 from kindyna_gui.__main__ import main
+from kindyna_gui.pictures.paper.timing_chart import MILLISECONDS, TimingChart
 from kindyna_gui.pictures.style import LIGHT
-from kindyna_gui.pictures.timing_chart import MILLISECONDS, TimingChart
 from kindyna_gui.places import example
-from kindyna_gui.timing.canvas import TimingCanvas
+from kindyna_gui.timing_canvas import TimingCanvas
 
 UNIT = load(example("transfer_unit"))
 FEED, CLAMP, LIFT, TORQUE = range(4)

@@ -21,7 +21,7 @@ from core.design import (
 )
 from kindyna_gui import dialogs
 from kindyna_gui.places import example
-from kindyna_gui.timing.timing_view import TimingView
+from kindyna_gui.timing_view import TimingView
 
 FEED, CLAMP, LIFT, TORQUE = range(4)
 LEFT, NONE = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier

@@ -14,7 +14,7 @@ from window_user import Open, User, plain, settle, wait_for
 
 from kindyna_gui.__main__ import main
 from kindyna_gui.places import lesson_files, lessons
-from kindyna_gui.window.tutorial.strip import TutorialStrip
+from kindyna_gui.window.tutorial import TutorialStrip
 
 STEPS = {"lift": 10, "linkage": 8, "camshaft": 8}
 
@@ -56,7 +56,7 @@ RADIUS = 'path = ["cam.base_radius_mm", 410.0]'
 def test_a_step_that_fails_is_named(
     do: str, until: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("kindyna_gui.window.tutorial.deeds.PATIENCE", 0.3)
+    monkeypatch.setattr("kindyna_gui.window.tutorial_steps.PATIENCE", 0.3)
     file = tmp_path / "own.toml"
     file.write_text(STEP.format(do=do, until=until))
     code, lines = play(capsys, str(file), "--play")

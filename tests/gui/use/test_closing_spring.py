@@ -14,9 +14,9 @@ from window_user import Open, settle, wait_for
 from core.design import get
 from core.find import find
 from core.study import Study, roller_lives
-from kindyna_gui.find.find_view import FindView
+from kindyna_gui.find import FindView
 from kindyna_gui.forms.number_box import NumberBox
-from kindyna_gui.graph.vibration_view import VibrationView
+from kindyna_gui.graph.flywheel_view import VibrationView
 from kindyna_gui.pictures.units import measure
 
 RATE, FORCE = "loads.spring_rate_nm_per_rad", "loads.least_contact_force_n"

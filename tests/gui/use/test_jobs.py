@@ -31,10 +31,10 @@ from window_user import Open, User, pixel, plain, settle, wait_for
 from core.design import get
 from core.project import load
 from core.study import Study, findings_of
-from kindyna_gui.export.profile_dialog import ProfileDialog
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.places import example
-from kindyna_gui.stability.texts import bands_table
+from kindyna_gui.profile_dialogs import ProfileDialog
+from kindyna_gui.stability_pages import bands_table
 from kindyna_gui.window.gallery import DWELL, Gallery
 
 LEFT, RIGHT = Qt.MouseButton.LeftButton, Qt.MouseButton.RightButton

@@ -11,8 +11,7 @@ from PySide6.QtWidgets import QTableView
 from sampled import spread, stressed
 from window_user import Open, User, settle, wait_for
 
-from kindyna_gui.linkage.centres_view import CentresView
-from kindyna_gui.linkage.circle_view import CircleView
+from kindyna_gui.linkage.centres_view import CentresView, CircleView
 from kindyna_gui.linkage.mechanism_view import MechanismView
 from kindyna_gui.places import example
 

@@ -17,9 +17,8 @@ from core.design import edited
 from core.output.export import files
 from core.project import dumps, load
 from core.study import Study
-from kindyna_gui import dialogs
-from kindyna_gui.export import export_dialogs
-from kindyna_gui.export.export_dialogs import TablesWanted
+from kindyna_gui import dialogs, export_dialogs
+from kindyna_gui.export_dialogs import TablesWanted
 from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.places import example
 

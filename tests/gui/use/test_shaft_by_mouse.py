@@ -16,15 +16,15 @@ from core.find import Solution
 from core.project import load
 from core.study import Study
 from core.study.cam_checks import smallest_radii
-from kindyna_gui.drives.drives_view import NAME, DrivesView
-from kindyna_gui.drives.strip import BESIDE, ONE
-from kindyna_gui.find.find_view import FindView
-from kindyna_gui.findings.findings_view import FindingsView
+from kindyna_gui.drives import BESIDE, ONE
+from kindyna_gui.drives_view import NAME, DrivesView
+from kindyna_gui.find import FindView
+from kindyna_gui.findings import FindingsView
 from kindyna_gui.places import example
-from kindyna_gui.shaft.torque_view import ShaftTorqueView
-from kindyna_gui.stability.stability_view import StabilityView
-from kindyna_gui.stability.texts import bands_table
-from kindyna_gui.timing.timing_view import TimingView
+from kindyna_gui.shaft import ShaftTorqueView
+from kindyna_gui.stability_pages import bands_table
+from kindyna_gui.stability_view import StabilityView
+from kindyna_gui.timing_view import TimingView
 
 LEFT = Qt.MouseButton.LeftButton
 FEED, CLAMP = 0, 1

@@ -33,8 +33,8 @@ from core.project import load
 from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.number_box import NumberBox
-from kindyna_gui.forms.scale_dialog import ScaleDialog
-from kindyna_gui.motion.segments_model import SPAN
+from kindyna_gui.forms.request_form import ScaleDialog
+from kindyna_gui.motion.segments_table import SPAN
 from kindyna_gui.places import example
 
 LIFT = load(example("transfer_lift"))

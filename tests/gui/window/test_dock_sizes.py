@@ -1,4 +1,4 @@
-"""kindyna_gui.window.dock_sizes: docks keep their part of the window when it shrinks and grows."""
+"""kindyna_gui.window.docks: docks keep their part of the window when it shrinks and grows."""
 
 import pytest
 from PySide6.QtCore import QPoint, Qt

@@ -26,15 +26,13 @@ from core.__main__ import parser
 from core.commands import COMMANDS
 from core.output.report.document import Cover
 from core.study import names_of, quantity
-from kindyna_gui.export.controller_dialog import ControllerDialog
-from kindyna_gui.export.export_dialogs import TablesDialog
-from kindyna_gui.export.profile_dialog import ProfileDialog
-from kindyna_gui.export.report_dialog import ReportDialog
+from kindyna_gui.export_dialogs import ReportDialog, TablesDialog
 from kindyna_gui.forms.number_box import NumberBox
-from kindyna_gui.forms.scale_dialog import ScaleDialog
-from kindyna_gui.help.window import PAGES, HelpWindow
-from kindyna_gui.inspection.export_dialog import InspectionDialog
+from kindyna_gui.forms.request_form import ScaleDialog
+from kindyna_gui.help import PAGES, HelpWindow
+from kindyna_gui.inspection import InspectionDialog
 from kindyna_gui.places import example
+from kindyna_gui.profile_dialogs import ControllerDialog, ProfileDialog
 from kindyna_gui.requirements import WAYS
 from kindyna_gui.view import ReasonPage
 from kindyna_gui.window.docks import VIEWS

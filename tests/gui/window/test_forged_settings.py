@@ -8,12 +8,12 @@ from PySide6.QtCore import QSettings
 from PySide6.QtWidgets import QApplication
 from window_user import settle
 
-from kindyna_gui.preferences import kept
+from kindyna_gui import settings
 from kindyna_gui.settings import Settings
 from kindyna_gui.window.main_window import open_window
 
 KEYS = (
-    *kept.WORDS, *kept.TEXTS.values(), "window/geometry", "window/task", "window/graph",
+    *settings.WORDS, *settings.TEXTS.values(), "window/geometry", "window/task", "window/graph",
     "window/welcome", "files/recent", "files/folder",
     "layouts/names", "layouts/61/version", "layouts/61/task", "layouts/61/docks", f"layout{Settings.VERSION}/stroke/docks",
     f"layout{Settings.VERSION}/stroke/pages", f"layout{Settings.VERSION}/stroke/links",
@@ -47,7 +47,7 @@ def _opens(app: QApplication) -> None:
     assert window.isVisible()
     assert isinstance(Settings().folder, Path)
     assert isinstance(Settings().recent, list)
-    assert isinstance(kept.read(), kept.Preferences)
+    assert isinstance(settings.read(), settings.Preferences)
     window.close()
     window.deleteLater()
     settle()
@@ -62,7 +62,7 @@ def test_settings_of_forged_kinds_are_as_none(app: QApplication, seed: int) -> N
 
 def test_preferences_of_forged_kinds_are_the_usual_ones(app: QApplication) -> None:
     for value in VALUES:
-        _forge(dict.fromkeys((*kept.WORDS, "files/folder", "files/recent"), value))
-        read = kept.read()
+        _forge(dict.fromkeys((*settings.WORDS, "files/folder", "files/recent"), value))
+        read = settings.read()
         assert (read.units, read.comma, read.theme, read.font) == ({}, False, "light", 100)
         assert Settings().folder == Path.home()

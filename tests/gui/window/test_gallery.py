@@ -16,8 +16,8 @@ from core.design import LAYOUTS, faults
 from core.output.export import files
 from core.project import load
 from core.study import Study, findings_of
-from kindyna_gui.export.export_dialogs import TablesDialog
-from kindyna_gui.motion.segments_model import RISE
+from kindyna_gui.export_dialogs import TablesDialog
+from kindyna_gui.motion.segments_table import RISE
 from kindyna_gui.places import example
 from kindyna_gui.window import gallery
 

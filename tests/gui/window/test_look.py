@@ -20,17 +20,17 @@ from PySide6.QtWidgets import (
 )
 from window_user import Open, User, answering, settle
 
+from kindyna_gui import settings
 from kindyna_gui.look import wear
-from kindyna_gui.pictures.plots.fixed_plot import FixedPlot
+from kindyna_gui.pictures.plots.plot import FixedPlot
 from kindyna_gui.places import example
-from kindyna_gui.preferences import kept
-from kindyna_gui.preferences.units import as_kept
 from kindyna_gui.saving import copy_picture
 from kindyna_gui.screenshots import rest
+from kindyna_gui.settings import as_kept
 from kindyna_gui.view import View
 from kindyna_gui.window.preferences_dialog import PreferencesDialog
 
-DARK = kept.Preferences(theme="dark")
+DARK = settings.Preferences(theme="dark")
 TASKS = ("make", "dyna")
 SEEN = 24  # of 255: what differs by less nobody sees
 
@@ -38,7 +38,7 @@ SEEN = 24  # of 255: what differs by less nobody sees
 @pytest.fixture(autouse=True)
 def usual_again(app: QApplication) -> Iterator[None]:
     yield
-    wear(kept.Preferences(), app)
+    wear(settings.Preferences(), app)
     settle()
 
 
@@ -147,7 +147,7 @@ def test_as_the_desktop_follows_the_desktop(app: QApplication, user: User) -> No
 )
 def test_pictures_stay_light(app: QApplication, same_window: Open, name: str, views: tuple[str, ...]) -> None:
     user = same_window(example(name))
-    wear(kept.Preferences(theme="dark", font=125), app)
+    wear(settings.Preferences(theme="dark", font=125), app)
     for each in views:
         view = user.window.show_view(each)
         rest(user.window)
@@ -165,7 +165,7 @@ def test_letters_grow_everywhere_and_files_do_not_see_it(app: QApplication, user
     before = texts_of_file(view)
     usual = app.font().pixelSize()
     room = {plot: plot.getAxis("left").width() for plot in user.window.findChildren(FixedPlot)}
-    wear(kept.Preferences(font=125), app)
+    wear(settings.Preferences(font=125), app)
     rest(user.window)
     grown = round(1.25 * usual)
     kinds = (QLabel, QLineEdit, QComboBox, QPushButton, QToolButton)
@@ -178,6 +178,6 @@ def test_letters_grow_everywhere_and_files_do_not_see_it(app: QApplication, user
     assert (app.font().pixelSize(), small) == (grown, {})
     assert all(plot.getAxis("left").width() == pytest.approx(1.25 * width) for plot, width in room.items() if width)
     assert texts_of_file(view) == before
-    wear(kept.Preferences(), app)
+    wear(settings.Preferences(), app)
     rest(user.window)
     assert {plot: plot.getAxis("left").width() for plot in room} == room

@@ -12,7 +12,7 @@ from window_user import Open, User, plain, settle, wait_for
 
 from core.design import FOLLOWER_KINDS, LAYOUTS, faults, kind_of, stroke
 from core.study import findings_of
-from kindyna_gui.help.window import HelpWindow
+from kindyna_gui.help import HelpWindow
 from kindyna_gui.places import example, examples
 from kindyna_gui.window.docks import VIEWS
 from kindyna_gui.window.menus import MENUS, TOOLBAR, Item

@@ -15,7 +15,7 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.look import wear
 from kindyna_gui.places import example
 from kindyna_gui.player import Player, speeds, step_of, usual
-from kindyna_gui.preferences.kept import Preferences
+from kindyna_gui.settings import Preferences
 from kindyna_gui.window.player_bar import PlayerBar, speed_text
 from kindyna_gui.window.tasks import INSPECTOR
 

@@ -21,17 +21,16 @@ from sampled import stressed
 from window_user import Open, User, answering, settle, wait_for
 
 from core.project import dumps
+from kindyna_gui import settings
 from kindyna_gui.blend.wizard import BlendDialog
-from kindyna_gui.export.drawing_dialog import DrawingDialog
-from kindyna_gui.export.exports import tables_of
-from kindyna_gui.export.handover_dialog import HandoverDialog
-from kindyna_gui.export.report_dialog import ReportDialog
+from kindyna_gui.export import tables_of
+from kindyna_gui.export_dialogs import HandoverDialog, ReportDialog
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.labels import value_text
 from kindyna_gui.look import wear
 from kindyna_gui.pictures.units import measure, readable
 from kindyna_gui.places import example
-from kindyna_gui.preferences import kept, units
+from kindyna_gui.profile_dialogs import DrawingDialog
 from kindyna_gui.window.main_window import open_window
 from kindyna_gui.window.preferences_dialog import PreferencesDialog
 
@@ -41,7 +40,7 @@ ROOT = Path(__file__).parents[3]
 @pytest.fixture(autouse=True)
 def usual_again(app: QApplication) -> Iterator[None]:
     yield
-    wear(kept.Preferences(), app)
+    wear(settings.Preferences(), app)
     settle()
 
 
@@ -106,10 +105,12 @@ def test_a_value_survives_many_switches_and_files_do_not_see_them(user: User, sw
     shown = [box.text() for box in numbers]
     user.window.hide()  # what is drawn of them need not follow each time
     for i in range(switches):
-        units.choose({**kept.INCH, "angle": "rad", "angular velocity": "rad/s"} if i % 2 == 0 else {}, i % 2 == 0)
+        settings.choose(
+            {**settings.INCH, "angle": "rad", "angular velocity": "rad/s"} if i % 2 == 0 else {}, i % 2 == 0
+        )
     assert [box.text() for box in numbers] == shown
     user.window.show()
-    units.choose(kept.INCH, True)
+    settings.choose(settings.INCH, True)
     assert [box.text() for box in numbers] != shown
     user.press(Qt.Key.Key_Tab) if QApplication.focusWidget() else None
     assert user.steps == []
@@ -126,7 +127,7 @@ def test_plots_and_texts_follow_and_files_are_written_as_kept(user: User, tmp_pa
     wait_for(lambda: view.plot.rung.symbol == "in")
     force = readable("N", 20_000.0)
     assert measure(20_000.0 / force.size, force.symbol) == "4496 lbf"
-    with units.as_kept():
+    with settings.as_kept():
         assert readable("N", 20_000.0).symbol == "kN"
     user.picks("picture_to_save", tmp_path / "curve.svg")
     user.choose("Graph", "Export picture", "Displacement...")
@@ -161,7 +162,7 @@ def test_preferences_are_kept_and_reset(user: User) -> None:
 
     letters = QApplication.font().pixelSize()
     prefer(user, fill)
-    found = kept.read()
+    found = settings.read()
     assert (dict(found.units), found.font, found.paper, found.author) == (
         {"force": "lbf"},
         125,
@@ -186,23 +187,23 @@ def test_preferences_are_kept_and_reset(user: User) -> None:
         QTest.mouseClick(dialog.buttons.button(QDialogButtonBox.StandardButton.Reset), Qt.MouseButton.LeftButton)
 
     prefer(user, reset)
-    assert kept.read() == kept.Preferences()
+    assert settings.read() == settings.Preferences()
     assert QApplication.font().pixelSize() == letters
 
 
 def test_broken_settings_and_a_logo_that_is_no_picture_stop_nothing(
     app: QApplication, user: User, tmp_path: Path
 ) -> None:
-    settings = QSettings("KINDYNA", "KINDYNA")
+    store = QSettings("KINDYNA", "KINDYNA")
     for key, value in {
         "units/length": "furlong",
         "look/theme": "purple",
         "look/font": "huge",
         "report/paper": 7,
     }.items():
-        settings.setValue(key, value)
-    settings.sync()
-    assert kept.read() == kept.Preferences()
+        store.setValue(key, value)
+    store.sync()
+    assert settings.read() == settings.Preferences()
     window = open_window(app)
     window.show()
     wait_for(lambda: "not understood" in window.status.currentMessage())

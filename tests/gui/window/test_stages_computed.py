@@ -13,11 +13,11 @@ from core.project import load
 from core.study import STAGES, clear_caches, evaluations
 from core.study.stages import memory
 from kindyna_gui.background import Worker
-from kindyna_gui.graph.extremes_search import marks_action
 from kindyna_gui.graph.graph_view import GraphView
+from kindyna_gui.graph.marked_view import marks_action
 from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.motion.segments_view import SegmentsView
-from kindyna_gui.pictures.plots.plot import CurvePlot
+from kindyna_gui.pictures.plots.curves import CurvePlot
 from kindyna_gui.pictures.plots.quantities import stages_of
 from kindyna_gui.places import example
 from kindyna_gui.requirements import lists_links

@@ -4,9 +4,9 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication, QToolButton, QWidget
 from window_user import User
 
-from kindyna_gui.motion.bar import SegmentBar
 from kindyna_gui.motion.editor import MotionEditor
 from kindyna_gui.motion.segments_table import SegmentsTable
+from kindyna_gui.motion.segments_view import SegmentBar
 
 
 def at() -> QWidget:

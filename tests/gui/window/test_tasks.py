@@ -12,10 +12,10 @@ from core.project import load
 from core.study import STAGES, clear_caches, evaluations
 from core.study.stages import memory
 from kindyna_gui.look import wear
-from kindyna_gui.motion.segments_model import SPAN
+from kindyna_gui.motion.segments_table import SPAN
 from kindyna_gui.motion.segments_view import SegmentsView
 from kindyna_gui.places import example
-from kindyna_gui.preferences.kept import Preferences
+from kindyna_gui.settings import Preferences
 from kindyna_gui.view import View
 from kindyna_gui.window.docks import CENTRE, VIEWS
 from kindyna_gui.window.main_window import LARGEST, first_size

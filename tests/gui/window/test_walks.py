@@ -29,7 +29,7 @@ from core.__main__ import parser
 from core.commands import COMMANDS
 from kindyna_gui.dialogs import HELP, help_on
 from kindyna_gui.headless import COMMANDS as PAINTING
-from kindyna_gui.help.window import PAGES, HelpWindow
+from kindyna_gui.help import PAGES, HelpWindow
 from kindyna_gui.places import example
 from kindyna_gui.screenshots import rest
 from kindyna_gui.window.tasks import TASKS

@@ -1,1 +1,0 @@
-"""What differs from a pinned variant, and where a number comes from."""

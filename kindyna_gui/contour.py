@@ -1,0 +1,298 @@
+"""Motion from a drawing."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from PySide6.QtCore import QModelIndex, QPointF, QSize
+from PySide6.QtGui import QPainter, QPaintEvent, QTransform
+from PySide6.QtWidgets import QComboBox, QFormLayout, QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
+
+from core.commands.motions import MotionFromArguments
+from core.contour import GAP_MM, ContourElement, TracedMotion, read_contour, trace
+from core.contour import UNITS as DRAWING_UNITS
+from core.design import UNITS, Info, require_motion
+from core.errors import KindynaError
+from core.findings import ERROR, WARNING
+from core.motion import program
+from core.output.lines import digits
+from core.output.texts import traced_figures
+from core.requests import command_words, field_info
+from core.units import UNITS as SYMBOLS
+from kindyna_gui import dialogs
+from kindyna_gui.documents.session import Session
+from kindyna_gui.documents.texts import add_copy_of, of_session, spelled
+from kindyna_gui.forms.number_box import NumberBox
+from kindyna_gui.forms.request_form import PutDialog
+from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
+from kindyna_gui.labels import reason, sentence
+from kindyna_gui.look import bold_label, sign
+from kindyna_gui.pictures.plots.plot import shown_range
+from kindyna_gui.pictures.plots.xy import WHOLE_TURN, Dots, Line, XYPlot
+from kindyna_gui.pictures.shapes import at, circle, outline, segments
+from kindyna_gui.pictures.style import CHAIN, OUTLINE, SCREEN, THIN, brush, no_pen
+from kindyna_gui.pictures.units import readable
+
+# -- picture ---------------------------------------------------------------------------------------------
+
+DRAWN = 97  # points of an arc
+MARGIN = 18  # pixels
+DOT, CROSS = 3.0, 5.0  # radius of a jump's mark, half the size of the cam centre's, pixels
+MARK = 8.0  # of a jump in the plot, pixels
+SMOOTH = np.linspace(0.0, 360.0, 2881)  # where the motion is drawn
+
+
+def points(elements: Sequence[ContourElement]) -> np.ndarray:
+    """A chain of lines and arcs as points (n,) that a picture needs."""
+    return np.concatenate([each.at(np.linspace(0.0, 1.0, 2 if each.is_line else DRAWN)) for each in elements])
+
+
+class CurvePicture(QWidget):
+    """The curve at cam angle 0, mm upwards and to the right."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._traced: TracedMotion | None = None
+        self._chosen: int | None = None
+        self._curve = self._path = np.zeros(0, dtype=complex)
+        self.setAccessibleName("The drawn curve, and the follower on it")
+        self.setMinimumSize(240, 240)
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+
+    def sizeHint(self) -> QSize:
+        return QSize(380, 380)
+
+    def show_traced(self, traced: TracedMotion | None) -> None:
+        """The curve that was read; None: nothing."""
+        self._traced, self._chosen = traced, None
+        if traced is not None:
+            self._curve, self._path = points(traced.contour.elements), points(traced.path)
+        self.update()
+
+    def point_out(self, jump: int | None) -> None:
+        """The follower's round where a jump is."""
+        self._chosen = jump
+        self.update()
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        painter = QPainter(self)
+        painter.fillRect(self.rect(), brush(SCREEN.paper))
+        if self._traced is not None:
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            self._draw(painter, self._traced)
+
+    def _draw(self, painter: QPainter, traced: TracedMotion) -> None:
+        radius = traced.design.drive.face.radius_mm
+        mm, size = self._scale(radius)
+        if radius:
+            painter.setPen(SCREEN.pen(SCREEN.quiet, THIN, CHAIN))
+            painter.drawPath(mm.map(outline(self._path)))
+        painter.setPen(SCREEN.pen(SCREEN.ink, OUTLINE))
+        painter.drawPath(mm.map(outline(self._curve)))
+        painter.setPen(SCREEN.pen(SCREEN.quiet, THIN))
+        middle = mm.map(QPointF(0.0, 0.0))
+        place = complex(middle.x(), middle.y())
+        painter.drawPath(segments([(place - CROSS, place + CROSS), (place - 1j * CROSS, place + 1j * CROSS)]))
+        if self._chosen is not None and self._chosen < len(traced.jumps):
+            chosen = mm.map(at(traced.jumps[self._chosen].place))
+            painter.strokePath(
+                circle(max(radius * size, 2.0 * DOT), complex(chosen.x(), chosen.y())),
+                SCREEN.pen(SCREEN.limit, OUTLINE),
+            )
+        painter.setPen(no_pen())
+        for jump in traced.jumps:
+            painter.setBrush(brush(SCREEN.limit if jump.order == 1 else SCREEN.family("acceleration")))
+            painter.drawEllipse(mm.map(at(jump.place)), DOT, DOT)
+
+    def _scale(self, radius: float) -> tuple[QTransform, float]:
+        """From mm, y upwards, to pixels, with room for the round all around; and pixels to the millimetre."""
+        z = np.concatenate((self._curve, self._path, [0.0]))
+        room = complex(radius, radius) if radius else 0j
+        low, high = complex(z.real.min(), z.imag.min()) - room, complex(z.real.max(), z.imag.max()) + room
+        size, middle = high - low, 0.5 * (low + high)
+        scale = min((self.width() - 2 * MARGIN) / size.real, (self.height() - 2 * MARGIN) / size.imag)
+        made = QTransform().translate(0.5 * self.width(), 0.5 * self.height())
+        return made.scale(scale, -scale).translate(-middle.real, -middle.imag), scale
+
+
+def show_motion(plot: XYPlot, traced: TracedMotion) -> None:
+    """The motion that comes of a curve over one turn, with a dot where velocity or acceleration jumps."""
+    motion = require_motion(traced.design)
+    compiled = program(motion)
+    angles = np.array([jump.angle for jump in traced.jumps], dtype=float)
+    heights = [compiled.state(compiled.angles(np.deg2rad(a))).y[0] / motion.scale for a in (SMOOTH, angles)]
+    rung = readable(UNITS[motion.unit].symbol, float(np.abs(heights[0]).max()))
+    colour = SCREEN.family("displacement")
+    plot.name_axes("Cam angle, °", f"Displacement, {rung.symbol}", colour)
+    colours = [SCREEN.limit if jump.order == 1 else SCREEN.family("acceleration") for jump in traced.jumps]
+    curve = Line(SMOOTH, heights[0] / rung.size, colour)
+    plot.show_lines([curve], dots=[Dots(angles, heights[1] / rung.size, colours, MARK)])
+    plot.point_out(None)
+    plot.show_range(WHOLE_TURN, shown_range([curve.y], {"displacement"}, ()))
+
+
+# -- dialog ----------------------------------------------------------------------------------------------
+
+DRAWINGS = "DXF drawings (*.dxf)"
+GAP = field_info(MotionFromArguments, "gap_mm")
+LEFT_WIDTH, TABLE_WIDTH, USUAL, LEAST = 280, 340, QSize(1080, 720), QSize(900, 560)
+JUMPS = {1: ("Velocity", "/°", ERROR), 2: ("Acceleration", "/°²", WARNING)}
+
+
+class CurveDialog(PutDialog):
+    """Shows a curve and the motion that the design's follower has on it, and puts that into the design as one step."""
+
+    help_page = "making#A cam that is drawn"
+
+    def __init__(self, session: Session, path: Path, data: bytes, parent: QWidget | None = None) -> None:
+        super().__init__(session, "Motion from a DXF curve", parent)
+        self._path, self._data = path, data
+        self.traced: TracedMotion | None = None
+        self.unit = QComboBox(self)
+        self.unit.addItem("as the drawing states", "")
+        for name in DRAWING_UNITS:
+            self.unit.addItem(name, name)
+        self.centre = [NumberBox(Info(label)) for label in ("Cam centre x", "Cam centre y")]
+        self.gap = NumberBox(GAP, SYMBOLS["mm"])
+        self.gap.show_value(GAP_MM)
+        self.picture, self.plot = CurvePicture(), XYPlot("", "")
+        self.jumps = RowsTable(
+            (
+                TableHeading("Angle, °", number=True),
+                TableHeading("Jumps", wide=True),
+                TableHeading("From", number=True),
+                TableHeading("To", number=True),
+                TableHeading("Unit"),
+            )
+        )
+        self.jumps.setMinimumWidth(TABLE_WIDTH)
+        self._lay_out()
+        add_copy_of(self.buttons, self._as_command)
+        self.unit.currentIndexChanged.connect(self.read_and_roll)
+        for box in (*self.centre, self.gap):
+            box.entered.connect(lambda value, box=box: self._take(box, value))
+            box.unreadable.connect(lambda box=box: box.set_refused(True))
+        self.jumps.clicked.connect(self._point_out)
+        self.jumps.activated.connect(self._point_out)
+        self.read_and_roll()
+
+    def _lay_out(self) -> None:
+        form = QFormLayout()
+        form.setVerticalSpacing(4)
+        name = bold_label(self._path.name)
+        name.setToolTip(str(self._path))
+        form.addRow(name)
+        form.addRow("&Unit", self.unit)
+        for text, box in zip(("Cam centre &x", "Cam centre &y"), self.centre, strict=True):
+            box.setToolTip("Where the cam turns about, in the drawing's own units")
+            form.addRow(text, box)
+        self.gap.setToolTip(sentence(GAP.help))
+        form.addRow("&Gap, mm", self.gap)
+        left = QVBoxLayout()
+        left.addLayout(form)
+        left.addSpacing(8)
+        left.addWidget(bold_label("Result"))
+        self.figures = QFormLayout()
+        self.figures.setVerticalSpacing(3)
+        self._figures: dict[str, QLabel] = {}
+        left.addLayout(self.figures)
+        left.addStretch(1)
+        above = QHBoxLayout()
+        above.setSpacing(6)
+        above.addWidget(self.picture, 1)
+        above.addWidget(self.jumps, 1)
+        right = QVBoxLayout()
+        right.setSpacing(6)
+        right.addLayout(above, 5)
+        right.addWidget(self.plot, 4)
+        self.frame(left, LEFT_WIDTH, right, USUAL, LEAST)
+
+    def _take(self, box: NumberBox, value: float) -> None:
+        box.show_value(value)
+        self.read_and_roll()
+
+    # -- reading --------------------------------------------------------------------------------------------
+
+    def read_and_roll(self, *_: object) -> None:
+        """Read the curve as requested, roll the follower over it, and show the result."""
+        x, y = (box.value or 0.0 for box in self.centre)
+        try:
+            gap = GAP_MM if self.gap.value is None else self.gap.value
+            contour = read_contour(self._data, self._path.name, self.unit.currentData(), complex(x, y), gap)
+            self.traced = trace(self._session.design, contour)
+        except KindynaError as error:
+            self.traced = None
+            self._show_fault(reason(self._session.design, error))
+        else:
+            self._show(self.traced)
+        self.put_button.setEnabled(self.traced is not None)
+
+    def _show(self, traced: TracedMotion) -> None:
+        self.picture.show_traced(traced)
+        show_motion(self.plot, traced)
+        self._show_figures(dict(traced_figures(traced)))
+        unit = SYMBOLS[require_motion(traced.design).unit].symbol
+        rows = []
+        for jump in traced.jumps:
+            name, per, severity = JUMPS[jump.order]
+            values = (digits(jump.before, 4), digits(jump.after, 4))
+            rows.append(
+                TableRow(
+                    (f"{jump.angle:.3f}", name, *values, f"{unit}{per}"), sign(severity), "Click to see it on the curve"
+                )
+            )
+        self.jumps.show_rows(rows or [TableRow(("", "Nothing jumps", "", "", ""))])
+        self.show_message("Motion and base radius of the design are replaced; Undo brings them back.")
+
+    def _show_fault(self, text: str) -> None:
+        self.picture.show_traced(None)
+        self.plot.show_message("Nothing can be drawn before the curve can be followed")
+        self._show_figures({})
+        self.jumps.show_rows([])
+        self.show_message(sentence(text.removeprefix(sentence(f"{self._path.name}: "))), wrong=True)
+
+    def _show_figures(self, shown: dict[str, str]) -> None:
+        for name in shown:
+            if name not in self._figures:
+                self._figures[name] = QLabel(wordWrap=True)
+                self.figures.addRow(sentence(name), self._figures[name])
+        for name, label in self._figures.items():
+            label.setText(sentence(shown.get(name, "")) if name == "motion" else shown.get(name, ""))
+
+    def _point_out(self, index: QModelIndex) -> None:
+        if self.traced is not None and index.row() < len(self.traced.jumps):
+            self.picture.point_out(index.row())
+            self.plot.point_out(self.traced.jumps[index.row()].angle)
+
+    # -- the end --------------------------------------------------------------------------------------------
+
+    def _as_command(self) -> str:
+        place = of_session(self._session)
+        x, y = (box.value or 0.0 for box in self.centre)
+        asked = {
+            "design": place["into"],
+            "drive": place["drive"],
+            "curve": self._path,
+            "out": f"{self._path.stem}.toml",
+            "units": self.unit.currentData(),
+            "centre": f"{x!r},{y!r}" if x or y else None,
+            "gap_mm": GAP_MM if self.gap.value is None else self.gap.value,
+        }
+        return spelled("motion-from", command_words(MotionFromArguments, asked))
+
+    def accept(self) -> None:
+        """Put motion and base radius into the design, where the curve gives them."""
+        if self.traced is not None:
+            self.put(self.traced.design, f"Motion from {self._path.name}")
+
+
+def motion_from_curve(session: Session, parent: QWidget) -> CurveDialog | None:
+    """Ask for a drawing and open the dialog over a window; it is deleted once closed."""
+    opened = dialogs.opened_file(parent, "Motion from a DXF curve", DRAWINGS)
+    if opened is None:
+        return None
+    dialog = CurveDialog(session, *opened, parent)
+    dialog.open_once()
+    return dialog

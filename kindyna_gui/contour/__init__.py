@@ -1,1 +1,0 @@
-"""Motions from drawings."""

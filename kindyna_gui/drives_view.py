@@ -1,0 +1,320 @@
+"""The drives of a design file on the shaft at hand."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from PySide6.QtCore import QSignalBlocker, QSize, Qt, QTimer, Signal
+from PySide6.QtGui import QColor, QKeyEvent
+from PySide6.QtWidgets import (
+    QAbstractItemView,
+    QHeaderView,
+    QMenu,
+    QTableWidget,
+    QTableWidgetItem,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from core.design import FOLLOWER_KINDS, row_at
+from core.errors import KindynaError, NoSolution
+from core.project import load
+from core.study import Study
+from kindyna_gui import dialogs, drives
+from kindyna_gui.documents.session import BALANCER, Session
+from kindyna_gui.drives import DriveRow, drive_rows
+from kindyna_gui.files.beginnings import beginning
+from kindyna_gui.forms.form import Form
+from kindyna_gui.forms.load_rows import list_button, row_of_buttons, taken_by_list
+from kindyna_gui.forms.tables import LEADING, copied
+from kindyna_gui.labels import reason
+from kindyna_gui.pictures.style import SCREEN
+from kindyna_gui.pictures.units import digits, readable, short
+from kindyna_gui.player import Player
+from kindyna_gui.rebuilt import Rebuilt, clear_menu
+from kindyna_gui.requirements import ONE_DRIVE, require_list
+from kindyna_gui.settings import Settings
+from kindyna_gui.view import View, ViewHost
+
+# -- the drives of a design file on the shaft at hand ----------------------------------------------------
+
+
+def add_from_file(session: Session, parent: QWidget) -> bool:
+    """Ask for a file, whose drives come behind those there are; False where none is added."""
+    path = dialogs.design_to_open(parent, Settings().folder)
+    if path is None:
+        return False
+    try:
+        return drives.add(session, load(path))
+    except KindynaError as error:
+        dialogs.show_faults(parent, f"{path.name} cannot be read.", str(error).splitlines())
+        return False
+
+
+# -- drives view -----------------------------------------------------------------------------------------
+
+HEADINGS = ("Drive", "Phase", "Side", "Peak torque")
+TORQUE_MS = 150  # after an edit, before the torques are found anew: they take longer than all else that is listed
+HIGHEST, LOWEST = 210, 60  # of the form, pixels; where there is no room for more it is rolled
+NAME, PHASE, SIDE, TORQUE = range(4)
+
+
+class DrivesTable(QTableWidget):
+    """The list itself: a row is chosen by click or arrow key; F2 or a double click renames.
+
+    moved     (-1 or 1): Alt+Up, Alt+Down
+    removed   Delete
+    """
+
+    moved = Signal(int)
+    removed = Signal()
+
+    def __init__(self) -> None:
+        super().__init__(0, len(HEADINGS))
+        self.setHorizontalHeaderLabels(list(HEADINGS))
+        self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
+        self.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
+        self.setEditTriggers(QAbstractItemView.EditTrigger.DoubleClicked | QAbstractItemView.EditTrigger.EditKeyPressed)
+        self.setShowGrid(False)
+        self.setAlternatingRowColors(True)
+        self.setTabKeyNavigation(False)
+        self.verticalHeader().hide()
+        self.redress()
+        head = self.horizontalHeader()
+        head.setHighlightSections(False)
+        head.setMinimumSectionSize(30)
+        head.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
+        head.setSectionResizeMode(NAME, QHeaderView.ResizeMode.Stretch)
+        self.setAccessibleName("Drives on the shaft")
+
+    def redress(self) -> None:
+        """As high and wide as its letters want it."""
+        self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + LEADING)
+
+    def sizeHint(self) -> QSize:
+        return QSize(280, 150)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        if not copied(self, event) and not taken_by_list(self, event):
+            super().keyPressEvent(event)
+
+
+class DrivesView(View):
+    """The list, buttons for it, and the form of the chosen row.
+
+    picture_requested   a drive is to be chosen by its picture
+    """
+
+    picture_requested = Signal()
+
+    of_whole = True
+    stages = ("linkage", "dynamics")
+
+    def __init__(self, session: Session, player: Player) -> None:
+        super().__init__(session, player)
+        self.table = DrivesTable()
+        self.buttons = {
+            "add": list_button("Add", "insert", "A drive more, behind the others", None),
+            "copy": list_button("Copy", "duplicate", "The chosen drive once more", partial(drives.copy, session)),
+            "remove": list_button(
+                "Remove", "delete", "Take the chosen drive off the shaft (Del)", partial(drives.remove, session)
+            ),
+            "up": list_button("Up", "up", "Further up in the list (Alt+Up)", partial(drives.move, session, -1)),
+            "down": list_button(
+                "Down", "down", "Further down in the list (Alt+Down)", partial(drives.move, session, 1)
+            ),
+        }
+        menu = QMenu(self)
+        menu.aboutToShow.connect(partial(self._fill, menu))
+        self.buttons["add"].setMenu(menu)
+        self.buttons["add"].setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+        bar = row_of_buttons(self.buttons.values(), above=2)
+        self._place = Rebuilt(session)
+        self._form: Form | None = None
+        self._of = ""
+        self._torque_timer = QTimer(self, singleShot=True, interval=TORQUE_MS)
+        self._torque_timer.timeout.connect(self._show_torques)
+        column = QVBoxLayout()
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(0)
+        column.addWidget(self.table, 1)
+        column.addLayout(bar)
+        column.addWidget(self._place)
+        self.set_content_layout(column)
+        self.table.currentCellChanged.connect(self._choose)
+        self.table.itemChanged.connect(self._rename)
+        self.table.moved.connect(lambda by: drives.move(self.session, by))
+        self.table.removed.connect(self._remove)
+
+    # -- from the session ---------------------------------------------------------------------------------
+
+    def belong_to(self, window: ViewHost) -> None:
+        super().belong_to(window)
+        self.picture_requested.connect(window.add_drive_by_picture)
+
+    def refresh(self, study: Study) -> None:
+        self._torque_timer.stop()  # the rows that it waits for are of another design
+        require_list(self.session.whole, ONE_DRIVE)
+        rows = drive_rows(self.session)
+        with QSignalBlocker(self.table):
+            if self.table.rowCount() != len(rows):
+                self.table.setRowCount(len(rows))
+            for number, row in enumerate(rows):
+                self._show_row(number, row)
+            self.table.setCurrentCell(self.session.chosen, max(self.table.currentColumn(), 0))
+        movable = not self.session.on_balancer
+        last = len(self.session.whole.drives) - 1
+        self.buttons["copy"].setEnabled(movable)
+        self.buttons["remove"].setEnabled(last > 0 or not movable)
+        self.buttons["up"].setEnabled(movable and self.session.chosen > 0)
+        self.buttons["down"].setEnabled(movable and self.session.chosen < last)
+        self._show_form()
+        if self.table.item(0, TORQUE) is None:
+            self._show_torques()
+        else:
+            self._torque_timer.start()
+
+    def _show_row(self, number: int, row: DriveRow) -> None:
+        whole = self.session.whole
+        if number < len(whole.drives):
+            drive = whole.drives[number]
+            phase, side = f"{short(drive.phase_deg)}°", "mirrored" if drive.mirrored else ""
+        else:
+            phase, side = f"{short(whole.balancer.phase_deg)}°", ""
+        for column, text in enumerate((row.name, phase, side)):
+            self._write(number, column, text, row.problem)
+        named = self._cell(number, NAME)
+        flags = Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable
+        named.setFlags(flags | Qt.ItemFlag.ItemIsEditable if number < len(whole.drives) else flags)
+        if named.data(Qt.ItemDataRole.UserRole) != row.colour + row.problem:
+            named.setData(Qt.ItemDataRole.UserRole, row.colour + row.problem)
+            named.setIcon(row.icon)
+
+    def _cell(self, row: int, column: int) -> QTableWidgetItem:
+        """What stands there, made now where nothing does."""
+        item: QTableWidgetItem | None = self.table.item(row, column)
+        if item is None:
+            item = QTableWidgetItem()
+            self.table.setItem(row, column, item)
+            item.setFlags(Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable)
+            if column in (PHASE, TORQUE):
+                item.setTextAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+        return item
+
+    def _write(self, row: int, column: int, text: str, problem: str) -> None:
+        """A text into a cell, red where there is a problem."""
+        item = self._cell(row, column)
+        if (item.text(), item.toolTip()) == (text, problem):
+            return
+        item.setText(text)
+        item.setToolTip(problem)
+        item.setForeground(QColor(SCREEN.limit) if problem else self.table.palette().text())
+
+    def _show_torques(self) -> None:
+        """The last column, once editing pauses; of a design that came since then when it is shown."""
+        self._torque_timer.stop()
+        if not self.up_to_date:
+            return
+        with QSignalBlocker(self.table):
+            for row in range(self.table.rowCount()):
+                self._write(row, TORQUE, *self._torque(row))
+
+    def settle(self) -> None:
+        super().settle()
+        if self._torque_timer.isActive():
+            self._show_torques()
+
+    def _torque(self, number: int) -> tuple[str, str]:
+        """The peak torque of a drive as a text, and why there is none."""
+        shaft = self.session.shaft
+        try:
+            if number < len(self.session.whole.drives):
+                name = self.session.names[number]
+                if name not in shaft.loading_drives:
+                    return "not by the shaft", ""
+                peak = shaft.drive_peak(name).value
+            else:
+                peak = shaft.balancer_peak.value
+        except NoSolution as error:
+            return "no answer", reason(self.session.whole, error)
+        rung = readable("N·m", abs(peak))
+        return f"{digits(peak / rung.size, 4)} {rung.symbol}", ""
+
+    def _show_form(self) -> None:
+        section = BALANCER if self.session.on_balancer else f"drives[{self.session.chosen}]"
+        if section != self._of:
+            self._of, self._form = section, Form(self.session, section)
+            self._place.replace(self._form)
+        assert self._form is not None
+        self._form.refresh(self.session.whole)
+        height = min(self._form.wanted_height, HIGHEST)
+        self._form.setMaximumHeight(height)
+        self._form.setMinimumHeight(min(height, LOWEST))
+
+    # -- by the user --------------------------------------------------------------------------------------
+
+    def _choose(self, row: int, *_: object) -> None:
+        if row >= 0 and not self.session.choose_drive(row):
+            with QSignalBlocker(self.table):
+                self.table.setCurrentCell(self.session.chosen, 0)
+
+    def _rename(self, item: QTableWidgetItem) -> None:
+        number, name = item.row(), item.text().strip()
+        if (
+            item.column() == NAME
+            and name != self.session.names[number]
+            and not drives.rename(self.session, number, name)
+        ):
+            with QSignalBlocker(self.table):
+                item.setText(self.session.names[number])
+
+    def _remove(self) -> None:
+        if self.buttons["remove"].isEnabled():
+            drives.remove(self.session)
+
+    def _fill(self, menu: QMenu) -> None:
+        clear_menu(menu)
+        for kind, row in FOLLOWER_KINDS.items():
+            action = menu.addAction(row.label)
+            action.setStatusTip(f"A drive of this kind: {row.label}")
+            action.triggered.connect(partial(self._add, kind))
+        for text, tip, slot in (
+            (
+                "Chosen by its picture...",
+                "A follower with its face and the form of its cam, or a linkage",
+                self.picture_requested.emit,
+            ),
+            ("From a file...", "All drives of a design file", self._add_from_file),
+        ):
+            action = menu.addAction(text)
+            action.setStatusTip(tip)
+            action.triggered.connect(partial(_without_state, slot))
+        menu.addSeparator()
+        action = menu.addAction("Balance cam")
+        action.setStatusTip("A cam against a spring that takes the swing out of the shaft's torque")
+        action.setEnabled(self.session.whole.balancer is None)
+        action.triggered.connect(lambda: drives.add_balancer(self.session))
+
+    def _add_from_file(self, *_: object) -> None:
+        add_from_file(self.session, self)
+
+    def _add(self, slug: str, *_: object) -> None:
+        drives.add(self.session, beginning(slug, name=FOLLOWER_KINDS[slug].label))
+
+    def focus_field(self, path: str) -> bool:
+        """Bring a field of the form, or ``drives[1].phase_deg`` of the whole, before the reader; False where it has none of that path."""
+        name, number, inside = row_at(path, "drives")
+        if name and not (inside and self.session.choose_drive(number)):
+            return False
+        self.pull()
+        field = None if self._form is None else self._form.fields.get(path)
+        if field is not None:
+            field.focus()
+        return field is not None
+
+
+def _without_state(slot: Callable[[], object], *_: object) -> None:
+    """Call a slot without the checked state that ``triggered`` brings."""
+    slot()

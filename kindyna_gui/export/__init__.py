@@ -1,1 +1,0 @@
-"""What leaves the program besides the design itself, each with the dialog that asks for it."""

@@ -1,1 +1,0 @@
-"""Dimensions sought: what is wanted, its limits, what it is traded for, and the answer."""

@@ -1,1 +1,0 @@
-"""The help: its pages, and the keys that lead there."""

@@ -1,0 +1,1 @@
+"""Sheets of paper: reports, tables, charts, figures."""

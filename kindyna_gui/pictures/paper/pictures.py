@@ -1,0 +1,205 @@
+"""The pictures of a report as vectors: each can be painted on any device, as large as wanted."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from PySide6.QtCore import QBuffer, QByteArray, QPoint, QRect, QSize
+from PySide6.QtGui import QColor, QPainter, QPalette
+from PySide6.QtSvg import QSvgGenerator
+from PySide6.QtWidgets import QGraphicsView, QVBoxLayout, QWidget
+
+from core.design import UNITS
+from core.frozen import frozen
+from core.output.report.parts import ReportPicture
+from core.study import Study
+from core.study.camshaft import has_speed
+from core.study.quantities import member_of
+from kindyna_gui.pictures.drawing.assembly import Assembly
+from kindyna_gui.pictures.painter import (
+    CAM,
+    FORCES,
+    MARGIN,
+    MOTION,
+    MechanismSheet,
+    PaperSheet,
+    PlotStack,
+    plot_rows,
+    report_scene,
+)
+from kindyna_gui.pictures.paper.timing_chart import DEGREES, ChartHighlights, TimingChart
+from kindyna_gui.pictures.plots.stability_chart import ChartPlot
+from kindyna_gui.pictures.plots.xy import Line, XYPlot
+from kindyna_gui.pictures.style import BALANCE, FAMILIES, LIGHT, Theme
+
+WIDTH = 680  # of every picture, pixels
+PLOT, EDGES, LEAST = 121, 66, 230  # heights of a plot, of what is around all of them, of the least of a sheet
+MECHANISM, CHART, BAND, AXIS = (
+    390,
+    380,
+    78,
+    48,
+)  # heights of a mechanism, a chart, a drive's band of a timing chart, its axis
+GLANCE = 300  # height of the picture of the first page, pixels
+ENLARGED = 16.0  # how far a reader may zoom into a mechanism before its curves show corners
+SPEED = "Speed, rpm"
+UNSEEN = 0.04  # pixels by which a curve may be off
+_ROLE = QPalette.ColorRole
+COLOURS = {
+    **dict.fromkeys((_ROLE.WindowText, _ROLE.Text, _ROLE.ButtonText), LIGHT.ink),
+    **dict.fromkeys((_ROLE.Window, _ROLE.Base), LIGHT.paper),
+}
+FALLBACK = ('font-family="DejaVu Sans"', 'font-family="DejaVu Sans, Verdana, sans-serif"')  # of the same widths
+
+
+@frozen(eq=False)
+class Vector:
+    """A picture of so many pixels, and what paints it."""
+
+    width: int
+    height: int
+    paint: Callable[[QPainter], None]
+
+
+def vector(picture: ReportPicture, scale: float = 1.0, part: float = 1.0) -> Vector:
+    """A picture of a report, to be painted on a device of which so many dots are a pixel; part: of its usual height, its letters as
+    large. Raises NoSolution where its design has none."""
+    return VECTORS[picture.name](picture.of, replace(LIGHT, ratio=scale), part)
+
+
+def svg(drawn: Vector, title: str) -> str:
+    """The same as SVG."""
+    data = QByteArray()
+    buffer = QBuffer(data)
+    generator = QSvgGenerator()
+    generator.setOutputDevice(buffer)
+    generator.setResolution(96)
+    generator.setSize(QSize(drawn.width, drawn.height))
+    generator.setViewBox(QRect(0, 0, drawn.width, drawn.height))
+    generator.setTitle(title)
+    generator.setDescription("")
+    painter = QPainter(generator)
+    try:
+        drawn.paint(painter)
+    finally:
+        painter.end()
+    return bytes(data.data()).decode().replace(*FALLBACK)
+
+
+def _of_widget(widget: QWidget) -> Vector:
+    """A widget, painted as the screen would show it."""
+    for each in (widget, *widget.findChildren(QWidget)):  # the same whatever the window's own colours are
+        colours = each.palette()
+        for role, colour in COLOURS.items():
+            colours.setColor(role, QColor(colour))
+        each.setPalette(colours)
+        if isinstance(each, QGraphicsView):
+            each.setAutoFillBackground(False)
+            each.viewport().setAutoFillBackground(False)
+    widget.grab(QRect(0, 0, 1, 1))  # sizes of all that is inside are settled by drawing once
+    return Vector(widget.width(), widget.height(), lambda painter: QWidget.render(widget, painter, QPoint()))
+
+
+def _plots(*rows: tuple[str, ...]) -> Callable[[Study, Theme, float], Vector]:
+    def drawn(study: Study, theme: Theme, part: float) -> Vector:
+        return _stack(study, plot_rows(study, rows), theme, part)
+
+    return drawn
+
+
+def _stack(study: Study, rows: Sequence[Any], theme: Theme, part: float) -> Vector:
+    stack = PlotStack(study, rows, theme, UNSEEN)
+    stack.resize(WIDTH, int(part * max(PLOT * len(rows) + EDGES, LEAST)))
+    return _of_widget(stack)
+
+
+def _links(study: Study, theme: Theme, part: float) -> Vector:
+    """Of a linkage without a cam: what its links do, without what the motion's own plots show."""
+    rows = plot_rows(study, (*MOTION[:3], ("pressure_angle",)))
+    own = [row for row in rows if member_of(row[0].name)]
+    return _stack(study, own or rows, theme, part)
+
+
+def _mechanism(study: Study, theme: Theme, part: float) -> Vector:
+    return _of_widget(MechanismSheet(report_scene(study, theme, ENLARGED), WIDTH, int(part * MECHANISM)))
+
+
+def _glance(study: Study, theme: Theme, part: float) -> Vector:
+    """The machine for the first page: of a shaft all its drives side by side."""
+    if not study.design.listed:
+        return _of_widget(MechanismSheet(report_scene(study, theme, ENLARGED), WIDTH, int(part * GLANCE)))
+    scene = Assembly(theme)
+    scene.show_shaft(study.camshaft, 0, about_shaft=False)
+    return _of_widget(MechanismSheet(scene, WIDTH, int(part * GLANCE)))
+
+
+def _chart(study: Study, theme: Theme, part: float) -> Vector:
+    from core.output.stability_files import machine_chart  # no design without a flexible shaft loads it
+
+    drawn = machine_chart(study.flexible_shaft(), study.design.name)
+    plot = ChartPlot(theme=theme)
+    plot.resize(WIDTH, int(part * CHART))
+    plot.show_chart(drawn)
+    plot.grab()  # the axes find their sizes
+    plot.show_chart(drawn)
+    return _of_widget(plot)
+
+
+def _timing(study: Study, theme: Theme, part: float) -> Vector:
+    height = int(part * (BAND * len(study.design.drives) + AXIS))
+    chart = TimingChart(
+        study.design, WIDTH, height, DEGREES, replace(theme, ratio=1.0)
+    )  # its pens grow with the painter
+    return Vector(WIDTH, height, lambda painter: chart.paint(painter, ChartHighlights()))
+
+
+def _torque(study: Study, theme: Theme, part: float) -> Vector:
+    """Torque of the drives, of the whole, and the speed where a flywheel levels it."""
+    shaft = study.camshaft
+    angle, there = shaft.angle_degrees, [name for name in shaft.loading_drives if name not in shaft.failures]
+    drives = [(name, shaft.drive_torque(name), LIGHT.drive(shaft.drive_number(name))) for name in there]
+    sums = [("Shaft", shaft.torque, theme.ink)]
+    if shaft.design.balancer is not None:
+        drives.append(("Balance cam", shaft.balancer_torque, BALANCE))
+    running = shaft.levels_torque and has_speed(shaft)
+    if running:
+        sums.append(("Motor", shaft.motor_torque, FAMILIES["torque"]))
+    plots = [("Drives, N·m", drives), ("Shaft, N·m", sums)]
+    if running:
+        plots.append((SPEED, [("", shaft.speed / UNITS["rpm"].factor, FAMILIES["speed"])]))
+    sheet = PaperSheet(theme)
+    column = QVBoxLayout(sheet)
+    column.setContentsMargins(MARGIN, MARGIN, MARGIN, MARGIN)
+    for number, (upwards, curves) in enumerate(plots):
+        plot = XYPlot("Machine angle, °" if number == len(plots) - 1 else "", upwards, theme=theme)
+        closed = np.append(angle, 360.0)
+        plot.show_lines([Line(closed, np.append(values, values[0]), colour, name) for name, values, colour in curves])
+        if upwards == SPEED:  # which is never near 0
+            low, high = float(curves[0][1].min()), float(curves[0][1].max())
+            room = 0.1 * (high - low) or 1e-3 * high
+            plot.getViewBox().setRange(yRange=(low - room, high + room), padding=0.0)
+        column.addWidget(plot)
+    sheet.resize(WIDTH, int(part * ((PLOT + 40) * len(plots) + 30)))
+    return _of_widget(sheet)
+
+
+VECTORS: Mapping[str, Callable[[Any, Theme, float], Vector]] = MappingProxyType(
+    {
+        "glance": _glance,
+        "mechanism": _mechanism,
+        "motion": _plots(*MOTION),
+        "cam": _plots(*CAM),
+        "links": _links,
+        "forces": _plots(*FORCES),
+        "stability": _chart,
+        "timing": _timing,
+        "torque": _torque,
+    }
+)
+"""The pictures of ``core.output.report.document``, by name."""
+
+__all__ = ["VECTORS", "Vector", "svg", "vector"]

@@ -1,1 +1,0 @@
-"""The report to hand on, with its pictures: HTML with SVG, and PDF."""

@@ -1,0 +1,448 @@
+"""Shaft's torque, speeds, servo."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+from PySide6.QtCore import Qt, QTimer
+from PySide6.QtGui import QKeyEvent, QResizeEvent
+from PySide6.QtWidgets import QProgressBar, QSplitter, QWidget
+
+from core.design import UNITS
+from core.errors import KindynaError, NoSolution
+from core.numerics.lazy import Cancelled
+from core.output.subject_files import SERVO, Asked, asked, field_plot, torque_figure
+from core.shaft import AgainstSpeed, LoadCurve, peaks, rms
+from core.study import Camshaft, Study
+from core.study.drive_forces import ServoTurn, has_servo, servo_part, servo_turn
+from core.study.speeds import at_speeds
+from kindyna_gui.documents.pins import Band, Bands
+from kindyna_gui.documents.session import BALANCE_CAM, Session
+from kindyna_gui.drives import swatch
+from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
+from kindyna_gui.labels import reason
+from kindyna_gui.look import Note
+from kindyna_gui.pictures.plots.lines import closed
+from kindyna_gui.pictures.plots.xy import MACHINE_ANGLE, MACHINE_TIP, CursorPlot, Line, XYPlot
+from kindyna_gui.pictures.style import BALANCE, BLUE, GREEN, SCREEN, VERMILION
+from kindyna_gui.pictures.units import digits, measure, readable
+from kindyna_gui.player import Player, obey
+from kindyna_gui.requirements import ALONE, NO_SERVO, NO_WHEEL, NotHere, require_list, turned_shaft
+from kindyna_gui.settings import size_of
+from kindyna_gui.view import BackgroundView, NumberAtHand, View
+
+# -- servo view ------------------------------------------------------------------------------------------
+
+SERVO_HEADINGS = (
+    TableHeading("Over a turn", wide=True), TableHeading("RMS", number=True), TableHeading("Peak", number=True),
+    TableHeading("at °", number=True), TableHeading("Peak power, W", number=True), TableHeading("Energy given, J", number=True),
+    TableHeading("given back, J", number=True), TableHeading("with recovery, J", number=True),
+)  # fmt: skip
+KEPT = "the motor takes back what the load gives"
+ROUNDING = 1e-12  # of the energy given: less is rounding
+LOST = "what the load gives back is lost as heat: servo.regenerates is false, so the motor needs what it gives"
+
+
+class ServoView(View):
+    """Two plots and a table; the figures wait until editing pauses."""
+
+    stages = ("dynamics",)
+    pause_ms = 150
+
+    def __init__(self, session: Session, player: Player) -> None:
+        super().__init__(session, player)
+        self.torque, self.force, self.field = CursorPlot(""), CursorPlot(""), XYPlot("", "")
+        self.table = RowsTable(SERVO_HEADINGS)
+        plots, parted = QSplitter(Qt.Orientation.Horizontal), QSplitter(Qt.Orientation.Vertical)
+        turn = QSplitter(Qt.Orientation.Vertical)
+        for plot in (self.torque, self.force):
+            plot.setToolTip("Click or drag to set the cam angle")
+            plot.moved.connect(self._turn)
+            turn.addWidget(plot)
+        for plot in (self.torque, self.force, self.field):
+            plot.setMinimumSize(160, 70)
+        plots.addWidget(turn)
+        plots.addWidget(self.field)
+        plots.setSizes([3000, 2000])
+        parted.addWidget(plots)
+        parted.addWidget(self.table)
+        parted.setSizes([3000, 2000])
+        self.set_column(parted, grows=parted)
+
+    def refresh(self, study: Study) -> None:
+        if not has_servo(study.design):
+            raise NotHere(NO_SERVO)
+        study.require_load()
+        found, turn = asked(study), servo_turn(study)
+        plots = torque_figure(study, found).plots
+        self.force.setVisible(len(plots) > 1)
+        for widget, plot in zip((self.torque, self.force), plots, strict=False):
+            widget.show_plot(plot)
+        self.field.show_plot(field_plot(study, turn.rms))
+        self.table.show_rows(_rows(study, found, turn))
+
+    def follow(self, theta: float) -> None:
+        for plot in (self.torque, self.force):
+            plot.point_out(math.degrees(theta) % 360.0)
+
+    def _turn(self, angle: float) -> None:
+        self.player.play(False)
+        self.player.set_theta(math.radians(angle))
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        if not obey(self.player, event):
+            super().keyPressEvent(event)
+
+
+def _energies(given: float, braked: float) -> tuple[str, str, str]:
+    net = given - braked
+    return digits(given), digits(braked), digits(net if abs(net) > ROUNDING * given else 0.0)
+
+
+def _rows(study: Study, found: tuple[Asked, ...], turn: ServoTurn) -> list[TableRow]:
+    """Each way, then the segments of the motion by the servo, then the ratio of inertias."""
+    rows = []
+    for each in found:
+        tip = KEPT if each.way != SERVO or servo_part(study).regenerates else LOST
+        cells = f"{each.label}, {each.unit}", *map(digits, (each.rms, each.peak)), digits(each.peak_deg, 4)
+        energies = _energies(each.given, each.braked)
+        rows.append(TableRow((*cells, digits(each.peak_power), *energies), tip=tip))
+    segments = study.program.motion.segments
+    for part in turn.parts:
+        name = f"Servo, segment {part.segment + 1} ({segments[part.segment].curve.law})"
+        rows.append(TableRow((name, "", "", "", "", *_energies(part.given, part.braked))))
+    ratio = "unknown" if turn.inertia_ratio is None else digits(turn.inertia_ratio)
+    tip = "largest inertia of the load at the motor over that of the rotor, servo.rotor_inertia_kg_m2"
+    return [*rows, TableRow(("Inertia ratio", ratio, *([""] * 6)), tip=tip)]
+
+
+# -- speeds view -----------------------------------------------------------------------------------------
+
+SPEED = "Machine speed, rpm"
+LEAST, MOST, COUNT = 0.25, 2.0, 36  # times the design's speed; speeds between
+POLL_MS = 25
+
+
+class AgainstSpeedView(BackgroundView):
+    """Two plots, found beside the window while they can be seen."""
+
+    of_whole = True
+    stages = ("dynamics",)
+    pause_ms = 250
+
+    def __init__(self, session: Session, player: Player) -> None:
+        super().__init__(session, player, POLL_MS)
+        self.found: AgainstSpeed | None = None
+        self.torque, self.fluctuation = XYPlot(SPEED, ""), XYPlot(SPEED, "")
+        for plot in (self.torque, self.fluctuation):
+            plot.setMinimumSize(220, 70)
+        self.bar = QProgressBar(minimum=0, maximum=0, textVisible=False)
+        self.bar.setAccessibleName("Computing")
+        self.bar.setFixedHeight(6)
+        self.bar.hide()
+        parted = QSplitter(Qt.Orientation.Vertical)
+        parted.addWidget(self.torque)
+        parted.addWidget(self.fluctuation)
+        parted.setSizes([3000, 2000])
+        self.set_column(parted, self.bar, grows=parted)
+        self._work.result.connect(self._answered)
+
+    def refresh(self, study: Study) -> None:
+        design = self.session.whole
+        rpm = turned_shaft(self.session.whole_study, NO_WHEEL).speed_rpm * np.linspace(LEAST, MOST, COUNT)
+        self.found = None
+        self.bar.show()
+        self._work.start([(design, partial(at_speeds, design, rpm))])
+
+    def _answered(self, design: object, result: AgainstSpeed | KindynaError | Cancelled) -> None:
+        self.bar.hide()
+        if isinstance(result, AgainstSpeed):
+            self.found = result
+            self._draw(result)
+        elif isinstance(result, KindynaError):
+            for plot in (self.torque, self.fluctuation):
+                plot.show_message("")
+            self.torque.show_message(reason(self.session.whole, result))
+
+    def _draw(self, found: AgainstSpeed) -> None:
+        own = ((self.session.whole.camshaft.speed_rpm, "now"),)
+        rung = readable("N·m", float(np.abs(found.peak).max()))
+        self.torque.name_axes(SPEED, f"Torque, {rung.symbol}")
+        levelled = bool(np.any(found.motor_peak != found.peak))
+        rows = [("Peak", found.peak, VERMILION), ("RMS", found.rms, BLUE), ("Mean", found.mean, GREEN)]
+        rows += [("Motor peak", found.motor_peak, SCREEN.ink)] if levelled else []
+        self.torque.show_lines([Line(found.rpm, y / rung.size, colour, name) for name, y, colour in rows], own)
+        if np.isfinite(found.fluctuation).any():
+            self.fluctuation.name_axes(SPEED, "Fluctuation, %")
+            allowed = 100.0 * self.session.whole.camshaft.speed_fluctuation
+            ends = Line(found.rpm[[0, -1]], np.full(2, allowed), SCREEN.limit, "allowed")
+            reached = Line(found.rpm, 100.0 * found.fluctuation, SCREEN.family("speed"), "reached")
+            self.fluctuation.show_lines(
+                [reached, ends], own, note="the motor stalls" if np.isnan(found.fluctuation).any() else ""
+            )
+        else:
+            self.fluctuation.show_message("The motor stalls at all of these speeds.")
+
+    def _rest(self) -> None:
+        super()._rest()
+        self.bar.hide()
+
+
+# -- torque view -----------------------------------------------------------------------------------------
+
+LATER_MS = 150  # after an edit, before what takes longer: motor, true speed, figures
+TORQUE = "N·m"
+FIGURE_HEADINGS = (TableHeading("Torque", unit=TORQUE), TableHeading("Mean", number=True), TableHeading("RMS", number=True),
+    TableHeading("Peak", number=True),
+            TableHeading("at °", number=True), TableHeading("Peak power", number=True))  # fmt: skip
+SHAFT, CAMS, MOTOR = "Shaft", "Without balance cam", "Motor"
+RPM = UNITS["rpm"].factor
+
+
+def show_turn(plot: CursorPlot, title: str, unit: str, lines: Sequence[Line], fit: bool = False) -> None:
+    """Draw curves over the machine angle, x [deg] without the end of the turn, y and band in ``unit``, the first of them underneath;
+    fit: the axis need not reach to zero."""
+    rung = readable(unit, max((float(np.abs(line.y).max(initial=0.0)) for line in lines), default=0.0))
+    plot.name_axes(MACHINE_ANGLE, f"{title}, {rung.symbol}")
+    whole = [
+        replace(
+            line,
+            x=np.append(line.x, 360.0),
+            y=np.append(line.y, line.y[0]) / rung.size,
+            band=None if line.band is None else (line.band[0], line.band[1] / rung.size),
+        )
+        for line in lines
+    ]
+    plot.show_lines(whole, fit=fit, rung=rung)
+
+
+def band_in(found: Band, name: str, unit: float = 1.0) -> tuple[np.ndarray, np.ndarray] | None:
+    """Machine angles [deg] and percentiles of a drive by its name, empty of all, or of a quantity of the motor, in a unit."""
+    return closed(found[name] / unit) if name in found else None
+
+
+ROOMY = 260  # pixels of height, from which on a plot stands above the table of figures
+
+
+class _TurnView(View):
+    """Plots over the machine angle of all drives together; what takes longer than they comes once editing pauses."""
+
+    of_whole = True
+
+    def __init__(self, session: Session, player: Player) -> None:
+        super().__init__(session, player)
+        self._read_timer = QTimer(self, singleShot=True, interval=LATER_MS)
+        self._read_timer.timeout.connect(self._show_later)
+
+    def _lay_out(self, count: int, *more: QWidget) -> None:
+        """So many plots one below the other, of which the last has the angles, and more below them."""
+        self.plots = tuple(CursorPlot(MACHINE_ANGLE) for _ in range(count))
+        self.note = Note(SCREEN.quiet, margin=3)
+        parted = QSplitter(Qt.Orientation.Vertical, childrenCollapsible=False)
+        for number, plot in enumerate(self.plots, 1):
+            plot.setToolTip(MACHINE_TIP)
+            plot.setMinimumSize(220, 70)
+            plot.show_numbers(number == count)
+            plot.moved.connect(self._turn)
+            parted.addWidget(plot)
+        for part in more:
+            parted.addWidget(part)
+        parted.setSizes([*([1000] * (count - 1)), 1300, *(1000 for _ in more)])
+        self.set_column(parted, self.note, grows=parted)
+
+    def refresh(self, study: Study) -> None:
+        require_list(self.session.whole, ALONE)
+        self.draw(self.session.shaft)
+        self._read_timer.start()
+
+    def draw(self, shaft: Camshaft[Study]) -> None:
+        """What follows each edit."""
+
+    def draw_later(self, shaft: Camshaft[Study]) -> None:
+        """What takes longer."""
+
+    def _show_later(self) -> None:
+        self._read_timer.stop()
+        if not self.in_trouble:
+            self.draw_later(self.session.shaft)
+            self.follow(self.player.theta)
+
+    def settle(self) -> None:
+        super().settle()
+        if self._read_timer.isActive():
+            self._show_later()
+
+    @property
+    def busy(self) -> bool:
+        return super().busy or self._read_timer.isActive()
+
+    def follow(self, theta: float) -> None:
+        machine = math.degrees(self.player.machine_of(theta))
+        for plot in self.plots:
+            plot.point_out(machine)
+
+    def _turn(self, machine: float) -> None:
+        self.player.play(False)
+        self.player.set_machine(math.radians(machine))
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        if not obey(self.player, event):
+            super().keyPressEvent(event)
+
+
+class ShaftTorqueView(_TurnView):
+    """Each drive's torque in its colour, below it their sum: with balance cam, and as the motor gives it."""
+
+    stages = ("dynamics",)
+
+    def __init__(self, session: Session, player: Player) -> None:
+        super().__init__(session, player)
+        self._lay_out(2)
+        self.drives, self.sums = self.plots
+        self.bands = Bands.of(session)
+        self.bands.changed.connect(self.invalidate)
+
+    def draw(self, shaft: Camshaft[Study]) -> None:
+        chosen = self.session.names[self.session.chosen]
+        x = shaft.angle_degrees
+        curves = [
+            Line(
+                x,
+                shaft.drive_torque(name),
+                SCREEN.drive(shaft.drive_number(name)),
+                name,
+                read=name == chosen,
+                band=band_in(self.bands.of_shaft(), name),
+            )
+            for name in shaft.loading_drives
+            if name not in shaft.failures
+        ]
+        lacking = ""
+        try:
+            if shaft.design.balancer is not None:
+                curves.append(Line(x, shaft.balancer_torque, BALANCE, BALANCE_CAM, read=chosen == BALANCE_CAM))
+            self._draw_sums(shaft)
+        except NoSolution as error:
+            lacking = reason(shaft.design, error)
+            self.sums.show_message("")
+        self.note.show_message(lacking)
+        if curves:
+            show_turn(self.drives, "Drives", "N·m", curves)
+        else:
+            self.drives.show_message("No drive loads the shaft.")
+
+    def _draw_sums(self, shaft: Camshaft[Study], *motor: Line) -> None:
+        x, balanced = shaft.angle_degrees, shaft.design.balancer is not None
+        cams = [Line(x, shaft.cams_torque, SCREEN.quiet, CAMS)] if balanced else []
+        whole = Line(x, shaft.torque, SCREEN.ink, SHAFT, read=True, band=band_in(self.bands.of_shaft(), ""))
+        show_turn(self.sums, "Shaft", "N·m", [*cams, whole, *motor])
+
+    def draw_later(self, shaft: Camshaft[Study]) -> None:
+        if not shaft.levels_torque:
+            return
+        try:
+            band = band_in(self.bands.of_motor(), "motor_torque")
+            motor = Line(shaft.angle_degrees, shaft.motor_torque, SCREEN.family("torque"), MOTOR, read=True, band=band)
+            self._draw_sums(shaft, motor)
+        except NoSolution as error:
+            self.note.show_message(reason(shaft.design, error))
+
+
+class ShaftFiguresView(_TurnView):
+    """The true speed where a flywheel levels it, and a table: mean, root mean square, peak and peak power of each and all."""
+
+    stages = ("dynamics",)
+
+    def __init__(self, session: Session, player: Player) -> None:
+        super().__init__(session, player)
+        self.table = RowsTable(FIGURE_HEADINGS)
+        self.offer_explanation(self.table)
+        self._lay_out(1, self.table)
+        (self.speed,) = self.plots
+        self.bands = Bands.of(session)
+        self.bands.changed.connect(self.invalidate)
+        self._levelled = False
+        self._share()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        super().resizeEvent(event)
+        self._share()
+
+    def _share(self) -> None:
+        """The speed where there is one, and where it does not hide rows of the table."""
+        self.speed.setVisible(self._levelled and self.height() >= ROOMY)
+
+    def number_at_hand(self) -> NumberAtHand | None:
+        return self.table.number
+
+    def draw(self, shaft: Camshaft[Study]) -> None:
+        if not self.table.rows.rows:
+            self.draw_later(shaft)
+
+    def draw_later(self, shaft: Camshaft[Study]) -> None:
+        self._levelled = shaft.levels_torque
+        self._share()
+        try:
+            if shaft.levels_torque:
+                band = band_in(self.bands.of_motor(), "camshaft_speed", RPM)
+                speed = Line(shaft.angle_degrees, shaft.speed / RPM, SCREEN.family("speed"), read=True, band=band)
+                show_turn(self.speed, "Speed", "rpm", [speed], fit=True)
+        except NoSolution as error:
+            self.speed.show_message(reason(shaft.design, error))
+        self.table.show_rows(figures(shaft))
+
+
+def figures(shaft: Camshaft[Study]) -> list[TableRow]:
+    """Mean, root mean square, peak with its machine angle and peak power of each drive, of the sums, and of the motor."""
+    rows = [
+        _row(
+            name,
+            shaft.drive_load(name),
+            shaft.omega,
+            SCREEN.drive(shaft.drive_number(name)),
+            f"{shaft.slugs[name]}_torque_nm",
+        )
+        for name in shaft.loading_drives
+        if name not in shaft.failures
+    ]
+    try:
+        if shaft.design.balancer is not None:
+            rows.append(_row(CAMS, shaft.cams_load, shaft.omega, SCREEN.quiet))
+        rows.append(_row(SHAFT, shaft.load, shaft.omega, SCREEN.ink, "torque_nm"))
+        if shaft.levels_torque:
+            found = shaft.motor_range
+            ends = found["motor_torque"]
+            peak = max((ends.low, ends.high), key=lambda end: abs(end.value))
+            power = measure(*_readable("W", found["motor_power"].high.value))
+            cells = (MOTOR, _torque(shaft.mean_torque), "", _torque(peak.value), _angle(peak.theta), power)
+            rows.append(TableRow(cells, swatch(SCREEN.family("torque")), "with the flywheel, at the true speed"))
+    except NoSolution as error:
+        rows.append(TableRow((reason(shaft.design, error), "", "", "", "", ""), across=0))
+    return rows
+
+
+def _row(name: str, load: LoadCurve, omega: float, colour: str, column: str = "") -> TableRow:
+    """column: of the peak."""
+    ends = peaks(load)
+    peak = max((ends.low, ends.high), key=lambda end: abs(end.value))
+    power = measure(*_readable("W", ends.high.value * omega))
+    mean = load.mean if abs(load.mean) > ROUNDING * abs(peak.value) else 0.0
+    cells = name, _torque(mean), _torque(rms(load)), _torque(peak.value), _angle(peak.theta), power
+    return TableRow(cells, swatch(colour), number=NumberAtHand(column, peak.theta) if column else None)
+
+
+def _readable(symbol: str, value: float) -> tuple[float, str]:
+    rung = readable(symbol, abs(value))
+    return value / rung.size, rung.symbol
+
+
+def _torque(value: float) -> str:
+    return digits(value / size_of(TORQUE))
+
+
+def _angle(theta: float) -> str:
+    return digits(math.degrees(theta) % 360.0, 4)

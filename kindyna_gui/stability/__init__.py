@@ -1,1 +1,0 @@
-"""Stability of the flexible camshaft."""

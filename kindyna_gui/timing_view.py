@@ -1,0 +1,487 @@
+"""Timing view."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import degrees, fsum, radians
+
+from PySide6.QtCore import QPoint, QSignalBlocker, QSize, Qt, Signal
+from PySide6.QtGui import QKeyEvent
+from PySide6.QtWidgets import (
+    QComboBox,
+    QFrame,
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QScrollArea,
+    QSizePolicy,
+    QSplitter,
+    QVBoxLayout,
+    QWidget,
+)
+
+from core.design import (
+    UNITS,
+    Design,
+    TimingRow,
+    contradiction,
+    drive_names,
+    entry_at,
+    events,
+    excess,
+    named_event,
+    reorder_timing,
+    together,
+    with_timing,
+)
+from core.study import Study
+from kindyna_gui.documents.session import Session
+from kindyna_gui.forms.fields import UnitLabel
+from kindyna_gui.forms.load_rows import list_button, taken_by_list
+from kindyna_gui.forms.number_box import NumberBox, WordBox
+from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
+from kindyna_gui.labels import name_of, no_number
+from kindyna_gui.look import MessageLabel, coloured
+from kindyna_gui.pictures.paper.timing_chart import DEGREES, MILLISECONDS, TimingChart, plain
+from kindyna_gui.pictures.style import SCREEN
+from kindyna_gui.pictures.units import short
+from kindyna_gui.player import Player
+from kindyna_gui.timing_canvas import HOW, TimingCanvas
+from kindyna_gui.view import View
+
+# -- rows ------------------------------------------------------------------------------------------------
+
+HEADINGS = (
+    TableHeading("First", wide=True),
+    TableHeading("then", wide=True),
+    TableHeading("after", number=True),
+    TableHeading("least", number=True),
+)
+EMPTY = "Nothing must come after anything yet. Draw from point to point with Shift, or press Add."
+
+
+class RowsList(RowsTable):
+    """The list itself. moved (-1 or 1): Alt+Up, Alt+Down; removed: Delete."""
+
+    moved = Signal(int)
+    removed = Signal()
+
+    def __init__(self) -> None:
+        super().__init__(HEADINGS)
+        self.setWordWrap(False)
+        self.setAccessibleName("What must come after what")
+
+    def sizeHint(self) -> QSize:
+        return QSize(280, 110)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        if not taken_by_list(self, event):
+            super().keyPressEvent(event)
+
+
+class TimingRows(QWidget):
+    """List, buttons and form.
+
+    chosen    (int): a row of the list
+    changed   (int, Timing): the form has another row of this number
+    finished  the gesture in the form is over
+    added     a row more is wanted; reordered (list, int): these rows in this order, of which that one is chosen then
+    """
+
+    chosen = Signal(int)
+    changed = Signal(int, object)
+    finished = Signal()
+    added = Signal()
+    reordered = Signal(object, int)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._design: Design | None = None
+        self._row, self._showing, self._note = -1, False, ""
+        self.list = RowsList()
+        self.first, self.second = WordBox(), WordBox()
+        self.first.setAccessibleName("First")
+        self.second.setAccessibleName("Then")
+        for box in (self.first, self.second):
+            box.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+            box.activated.connect(self._events_chosen)
+        self.least: NumberBox | None = None
+        self.message = MessageLabel(SCREEN.quiet)
+        self.buttons = {
+            "add": list_button("Add", "insert", "One distance more", self.added.emit),
+            "copy": list_button("Copy", "duplicate", "The chosen one once more", self._copy),
+            "remove": list_button("Remove", "delete", "Take the chosen one away (Del)", self._remove),
+            "up": list_button("Up", "up", "Further up in the list (Alt+Up)", lambda: self._move(-1)),
+            "down": list_button("Down", "down", "Further down in the list (Alt+Down)", lambda: self._move(1)),
+        }
+        bar = QHBoxLayout()
+        bar.setContentsMargins(2, 1, 2, 1)
+        bar.setSpacing(0)
+        for button in self.buttons.values():
+            bar.addWidget(button)
+        bar.addStretch(1)
+        self._form = QWidget()
+        self._grid = QGridLayout(self._form)
+        self._grid.setContentsMargins(6, 2, 6, 4)
+        self._grid.setVerticalSpacing(3)
+        self._grid.setColumnStretch(1, 1)
+        for row, (text, box) in enumerate((("First", self.first), ("then", self.second))):
+            label = QLabel(text)
+            label.setBuddy(box)
+            self._grid.addWidget(label, row, 0)
+            self._grid.addWidget(box, row, 1, 1, 1 if row else 4)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(0)
+        column.addWidget(self.list, 1)
+        column.addLayout(bar)
+        column.addWidget(self._form)
+        column.addWidget(self.message)
+        self.list.selectionModel().currentRowChanged.connect(lambda index, *_: self._choose(index.row()))
+        self.list.moved.connect(self._move)
+        self.list.removed.connect(self._remove)
+
+    # -- what is shown --------------------------------------------------------------------------------------
+
+    def show_rows(self, chart: TimingChart, row: int, note: str) -> None:
+        """The rows of a chart's design, one of them chosen; note: what is wrong with all of them together."""
+        design = self._design = chart.design
+        self._row = row
+        rows = [
+            TableRow(
+                (plain(each.first), plain(each.second), chart.text(at.after_deg), chart.text(each.least_deg)),
+                tip=""
+                if at.kept
+                else f"{chart.text(-at.spare_deg)} too early: turn one of the two drives, or change its motion",
+                colour="" if at.kept else SCREEN.limit,
+            )
+            for each, at in zip(design.timing, chart.distances, strict=True)
+        ]
+        self._showing = True  # what is chosen in the list meanwhile is not the user's choice
+        try:
+            if [(each.tip, each.colour) for each in rows] == [(each.tip, each.colour) for each in self.list.rows.rows]:
+                self.list.update_rows(rows)
+            else:
+                self.list.show_rows(rows)
+            if row < 0:
+                self.list.clearSelection()
+            elif self.list.currentIndex().row() != row:
+                self.list.selectRow(row)
+        finally:
+            self._showing = False
+        there, last = row >= 0, len(rows) - 1
+        for name, on in (("copy", there), ("remove", there), ("up", row > 0), ("down", there and row < last)):
+            self.buttons[name].setEnabled(on)
+        self._form.setVisible(there)
+        if there:
+            self._show_form(design, row)
+        self._note = note
+        self._show_note()
+
+    def _show_note(self) -> None:
+        """What is to be said of the list as it stands."""
+        coloured(self.message, SCREEN.limit if self._note else SCREEN.quiet)
+        self.message.show_message(self._note or ("" if self._count else EMPTY))
+
+    def _show_form(self, design: Design, row: int) -> None:
+        names = list(events(design))
+        for box, event in ((self.first, design.timing[row].first), (self.second, design.timing[row].second)):
+            if [box.itemData(i) for i in range(box.count())] != names:
+                box.clear()
+                for name in names:
+                    box.addItem(plain(name), name)
+            box.setCurrentIndex(names.index(named_event(design, event)))
+        if self.least is None:
+            entry = entry_at(design, f"timing[{row}].least_deg")
+            assert entry is not None
+            self.least = NumberBox(entry.info, UNITS["deg"])
+            self.least.setAccessibleName("at least")
+            self.least.setMaximumWidth(90)
+            self.least.entered.connect(self._least_entered)
+            self.least.finished.connect(self.finished)
+            self.least.unreadable.connect(self._unreadable)
+            self.least.withdrawn.connect(self._show_note)
+            label = QLabel("at least")
+            label.setBuddy(self.least)
+            for column, part in enumerate((label, self.least, UnitLabel(UNITS["deg"])), 2):
+                self._grid.addWidget(part, 1, column)
+        if not self.least.pending or not self.least.hasFocus():
+            self.least.show_value(design.timing[row].least_deg)
+
+    # -- by the user ----------------------------------------------------------------------------------------
+
+    def _choose(self, row: int) -> None:
+        if row != self._row and not self._showing:
+            self.chosen.emit(row)
+
+    def _events_chosen(self, *_: object) -> None:
+        if self._design is not None and self._row >= 0:
+            row = replace(
+                self._design.timing[self._row], first=self.first.currentData(), second=self.second.currentData()
+            )
+            self._change(row)
+            self.finished.emit()
+
+    def _least_entered(self, value: float) -> None:
+        if self._design is not None and self._row >= 0:
+            self._change(replace(self._design.timing[self._row], least_deg=value))
+
+    def _change(self, row: TimingRow) -> None:
+        self.changed.emit(self._row, row)
+
+    def _unreadable(self) -> None:
+        assert self.least is not None
+        self.refuse(no_number(self.least.text()))
+
+    def refuse(self, text: str) -> None:
+        """What was typed is wrong: it stays, framed in red."""
+        if self.least is not None:
+            self.least.set_refused(True)
+        coloured(self.message, SCREEN.limit)
+        self.message.show_message(text)
+
+    def _copy(self) -> None:
+        order = [*range(self._count)]
+        self.reordered.emit([*order[: self._row + 1], *order[self._row :]], self._row + 1)
+
+    def _remove(self) -> None:
+        if self._row >= 0:
+            self.reordered.emit([i for i in range(self._count) if i != self._row], min(self._row, self._count - 2))
+
+    def _move(self, by: int) -> None:
+        to = self._row + by
+        if self._row >= 0 and 0 <= to < self._count:
+            order = [i for i in range(self._count) if i != self._row]
+            order.insert(to, self._row)
+            self.reordered.emit(order, to)
+
+    @property
+    def _count(self) -> int:
+        return len(self._design.timing) if self._design is not None else 0
+
+
+# -- timing view -----------------------------------------------------------------------------------------
+
+LIST_WIDTH = 320
+PATH = "timing"
+
+
+class TimingView(View):
+    """Chart and list over the session's whole shaft. Each drag, each typed value, each row is a step of the undo stack."""
+
+    of_whole = True
+
+    def __init__(self, session: Session, player: Player) -> None:
+        super().__init__(session, player)
+        self.canvas = TimingCanvas(self._put)
+        self._rows_of: tuple[TimingChart, int, bool] | None = None
+        self.rows = TimingRows()
+        self.unit = QComboBox()
+        for key, text in ((DEGREES, "degrees"), (MILLISECONDS, "milliseconds")):
+            self.unit.addItem(text, key)
+        self.unit.setAccessibleName("Axis")
+        self.pair = (QComboBox(), QComboBox())
+        for number, box in enumerate(self.pair, 1):
+            box.setAccessibleName(f"Drive {number} that may move at the same time")
+            box.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
+            box.setMinimumContentsLength(5)
+            box.activated.connect(self._choose_pair)
+        self.overlap = QLabel()
+        self.overlap.setMinimumWidth(1)
+        bar = QWidget()
+        line = QHBoxLayout(bar)
+        line.setContentsMargins(6, 2, 6, 2)
+        label = QLabel("Axis")
+        label.setBuddy(self.unit)
+        self._both = QLabel("Both move")
+        self._both.setBuddy(self.pair[0])
+        for part in (label, self.unit, self._both, *self.pair):
+            line.addWidget(part)
+        line.addWidget(self.overlap, 1)
+        left = QWidget()
+        column = QVBoxLayout(left)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(0)
+        column.addWidget(bar)
+        scroll = QScrollArea(widgetResizable=True)  # where there are many drives
+        scroll.setFrameShape(QFrame.Shape.NoFrame)
+        scroll.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        scroll.setWidget(self.canvas)
+        column.addWidget(scroll, 1)
+        self.splitter = QSplitter(Qt.Orientation.Horizontal)
+        self.splitter.addWidget(left)
+        self.splitter.addWidget(self.rows)
+        self.splitter.setStretchFactor(0, 1)
+        self.splitter.setChildrenCollapsible(False)
+        self.splitter.setSizes([3 * LIST_WIDTH, LIST_WIDTH])
+        self.set_column(self.splitter, grows=self.splitter)
+        self.canvas.setToolTip(HOW)
+        self._connect()
+
+    def _connect(self) -> None:
+        self.unit.activated.connect(self._choose_unit)
+        canvas, rows = self.canvas, self.rows
+        canvas.taken.connect(self._take)
+        canvas.let_go.connect(self._let_go)
+        canvas.drive_chosen.connect(self.session.choose_drive)
+        canvas.row_chosen.connect(self._choose_row)
+        canvas.row_wanted.connect(self._add_between)
+        canvas.angle_wanted.connect(self._go)
+        canvas.asked.connect(self._open_menu)
+        rows.chosen.connect(self._choose_row)
+        rows.changed.connect(self._change_row)
+        rows.finished.connect(self.session.end_gesture)
+        rows.added.connect(self._add)
+        rows.reordered.connect(self._reorder)
+        self.session.started.connect(canvas.forget)
+        self.session.restored.connect(canvas.void)
+
+    # -- from the session -----------------------------------------------------------------------------------
+
+    def refresh(self, study: Study) -> None:
+        whole, canvas = self._whole, self.canvas
+        canvas.chosen = self.session.chosen if self.session.several else -1
+        canvas.row = min(canvas.row, len(whole.timing) - 1)
+        canvas.show_design(whole)
+        of = canvas.chart, canvas.row, canvas.chosen < 0
+        if of == self._rows_of:  # nothing that stands here has changed
+            return
+        self._rows_of = of
+        for part in (self.rows, self._both, *self.pair, self.overlap):
+            part.setVisible(canvas.chosen >= 0)
+        self._show_pair()
+        self._show_rows()
+
+    def follow(self, theta: float) -> None:
+        self.canvas.machine = degrees(self.player.machine)
+        self.canvas.update()
+
+    @property
+    def _whole(self) -> Design:
+        whole: Design = self.session.whole
+        return whole
+
+    def _show_rows(self) -> None:
+        self.rows.show_rows(self.canvas.chart, self.canvas.row, self._contradiction())
+
+    def _contradiction(self) -> str:
+        """Which rows no phases keep together, in the order in which their events come now."""
+        ring = contradiction(self._whole)
+        if not ring:
+            return ""
+        numbers = ", ".join(str(i + 1) for i in sorted(ring))
+        more = short(excess(self._whole, ring), 4)
+        return f"In their order no phases keep rows {numbers} together: they ask for {more}° too much. Lessen one, or lengthen a dwell."
+
+    def _show_pair(self) -> None:
+        names = ("nothing", *drive_names(self._whole))
+        for box in self.pair:
+            if [box.itemText(i) for i in range(box.count())] != list(names):
+                index = min(box.currentIndex(), len(names) - 1)
+                with QSignalBlocker(box):
+                    box.clear()
+                    box.addItems(list(names))
+                    box.setCurrentIndex(max(index, 0))
+        pair = tuple(box.currentIndex() - 1 for box in self.pair)
+        self.canvas.pair = pair if min(pair) >= 0 and pair[0] != pair[1] else ()
+        text = ""
+        if self.canvas.pair:
+            both = fsum(end - begin for begin, end in together(self._whole, *self.canvas.pair))
+            text = self.canvas.chart.both(round(both, 9)) if both else "never"
+        self.overlap.setText(text)
+
+    # -- by the user ----------------------------------------------------------------------------------------
+
+    def _put(self, design: Design, label: str, path: str) -> bool:
+        """One step, of all drives."""
+        return self.session.put_whole(design, label, path)
+
+    def _take(self) -> None:
+        self.session.end_gesture()
+        self.session.take_hold(self)
+
+    def _let_go(self, back: bool) -> None:
+        self.session.end_gesture()
+        self.session.release()
+
+    def _choose_unit(self) -> None:
+        self.canvas.set_unit(self.unit.currentData())
+        self._show_rows()
+
+    def set_unit(self, unit: str) -> None:
+        """Let the axis count in degrees or in milliseconds."""
+        self.unit.setCurrentIndex(self.unit.findData(unit))
+        self._choose_unit()
+
+    def _choose_pair(self) -> None:
+        self._show_pair()
+        self.canvas.update()
+
+    def _choose_row(self, row: int) -> None:
+        self.canvas.row = row
+        self.canvas.update()
+        self._show_rows()
+
+    def _go(self, angle: float) -> None:
+        self.player.play(False)
+        self.player.set_machine(radians(angle))
+
+    def _open_menu(self, path: str, on_screen: QPoint) -> None:
+        from kindyna_gui.touch_targets import Thing, open_menu
+
+        if self._host is not None:
+            open_menu(Thing(name_of(self._whole, path), path) if path else None, self, self._host, on_screen)
+
+    def _one_step(self, design: Design, label: str, row: int) -> None:
+        self.session.end_gesture()
+        if self._put(design, label, ""):
+            self._choose_row(row)
+        self.session.end_gesture()
+
+    def _add_between(self, first: str, second: str) -> None:
+        row = TimingRow(first, second, 0.0)
+        self._one_step(
+            with_timing(self._whole, len(self._whole.timing), row),
+            f"Let {plain(second)} follow {plain(first)}",
+            len(self._whole.timing),
+        )
+
+    def _add(self) -> None:
+        """What follows the end of the chosen drive's first movement on another drive, until it is chosen otherwise."""
+        at = events(self._whole)
+        name = drive_names(self._whole)[min(max(self.canvas.chosen, 0), len(self._whole.drives) - 1)]
+        first = next(
+            (event for event in at if event.startswith(f"{name}.") and event.endswith(".end")), next(iter(at), "")
+        )
+        others = [event for event in at if not event.startswith(f"{name}.")] or list(at)
+        if first and others:
+            self._add_between(first, min(others, key=lambda event: (at[event] - at[first]) % 360.0))
+
+    def _change_row(self, number: int, row: TimingRow) -> None:
+        label = f"Let {plain(row.second)} follow {plain(row.first)} by {short(row.least_deg)}°"
+        if not self._put(with_timing(self._whole, number, row), label, f"{PATH}[{number}]"):
+            self.rows.refuse("allowed: -360 ... 360°")
+            self.session.withdraw(f"{PATH}[{number}]")
+
+    def _reorder(self, order: list[int], row: int) -> None:
+        count = len(self._whole.timing)
+        word = "Remove" if len(order) < count else "Copy" if len(order) > count else "Move"
+        self._one_step(reorder_timing(self._whole, order), f"{word} a distance of the timing", row)
+
+    def focus_field(self, path: str) -> bool:
+        """Choose the row of a path ``timing[2]``; False where it is none."""
+        number = path.removeprefix(f"{PATH}[").partition("]")[0]
+        if not path.startswith(f"{PATH}[") or not number.isdecimal():
+            return False
+        self.pull()
+        if int(number) < len(self._whole.timing):
+            self._choose_row(int(number))
+            self.rows.list.setFocus()
+        return True
+
+    # -- as a picture ---------------------------------------------------------------------------------------
+
+    def picture(self, ending: str) -> bytes:
+        from kindyna_gui.pictures.paper.timing_chart import timing_file
+
+        return timing_file(self._whole, ending, self.canvas.unit, self.canvas.pair)
