@@ -227,7 +227,6 @@ UNDOCUMENTED: tuple[str, ...] = (
     "core/design/",
     "core/followers/",
     "core/instant_centres/",
-    "core/laws/",
     "core/linkage_programs/",
     "core/measured/",
     "core/mechanism/",

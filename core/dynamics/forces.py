@@ -202,7 +202,8 @@ def newton_euler(
 
     References
     ----------
-    Shin, Kim and Ha 1995, section 4, eqs. (24) to (27).
+    Shin, Kim and Ha 1995, section 4, eqs. (21) to (23), corrected, and (24) to (27). Newton and Euler: balance of the
+    links, balance of the camshaft; virtual power, F_c = Q/l; Coulomb friction, friction in closed form.
     """
     rate = Rate(omega, acceleration)
     n, cam_friction = kinematics.theta.shape[-1], loading.contact_friction

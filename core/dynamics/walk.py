@@ -43,6 +43,10 @@ def input_loads(kinematics: Kinematics, dyad: Dyad, effort: np.ndarray) -> Itera
     Yields
     ------
     body, load : str, Load
+
+    References
+    ----------
+    Moments of the link about its pin; forces of the link along its line.
     """
     (body,), (name,) = dyad.bodies, dyad.pairs
     for on, partner, joint, share in (

@@ -33,7 +33,7 @@ from core.design import (
 )
 from core.errors import NoSolution
 from core.frozen import frozen
-from core.laws import Piece, moved
+from core.laws import Piece, shifted
 from core.motion import TURN
 from core.numerics.lazy import checkpoint
 from core.shaft.curve import NODES, LoadCurve, nodes, polyval, to_powers
@@ -380,6 +380,10 @@ def balance_drive(load: LoadCurve, balancer: Balancer, omega: float) -> Drive:
     """The balance cam as a drive of its own, whose cam angle is the machine angle less the balancer's phase.
 
     load: what is to be balanced at the speed omega [rad/s]. Raises NoSolution where the torque jumps, or nothing follows it.
+
+    References
+    ----------
+    Energy of its spring, x = 2(E_0 - W)/(F_0 + √(F_0² + 2 K (E_0 - W))).
     """
     (found,) = balance_drives(load, [balancer], omega)
     if isinstance(found, NoSolution):
@@ -533,7 +537,7 @@ def _by_own_angle(start: np.ndarray, width: np.ndarray, coefficients: np.ndarray
     ahead, tail = rows[cut + 1 :], [(a + TURN, h, c) for a, h, c in rows[:cut]]
     if begins < 0.0:
         tail.append((begins + TURN, wide, row))
-        row = np.array(moved(row.tolist(), -begins / wide))
+        row = np.array(shifted(row.tolist(), -begins / wide))
         begins = 0.0
     pieces = []
     for a, h, c in [(begins, wide, row), *ahead, *tail]:

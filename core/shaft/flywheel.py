@@ -191,26 +191,24 @@ class Flywheel:
 
     @property
     def mean_torque(self) -> float:
-        """T̄ [N m]."""
+        """Mean torque of a turn, T̄ = W/(2 π) [N m]."""
         return self.load.mean
 
     @cached_property
     def energy_swing(self) -> float:
-        """ΔE = max - min of ∫(T_c - T̄)dθ [J]."""
+        """Swing of energy ΔE = W_M - W_m of W = ∫(T_c - T̄) dθ [J]."""
         low, high = energy_range(self.load)
         return high - low
 
     @cached_property
     def needed_inertia(self) -> float:
-        """The least flywheel [kg m²] with which the true speed keeps the wanted fluctuation, less what the motor has itself."""
-
+        """Least flywheel with which the true speed keeps its target of fluctuation, I = I_C - I_m with the motor's inertia I_m [kg m²]."""
         needed = inertia_for(self.load, self.shaft, si(self.shaft).speed_fluctuation)
         return max(needed - motor_inertia(self.shaft), 0.0)
 
     @property
     def estimated_inertia(self) -> float:
-        """The textbook's estimate of it, ΔE/(C_s ω̄²) [kg m²], less what the motor has itself."""
-
+        """Textbook's estimate of the flywheel, I = max(ΔE/(C_s ω̄²) - I_m, 0) [kg m²]."""
         estimate = inertia_by_energy(self.load, self.shaft, si(self.shaft).speed_fluctuation)
         return max(estimate - motor_inertia(self.shaft), 0.0)
 
@@ -247,13 +245,13 @@ class Flywheel:
 
     @property
     def fluctuation(self) -> float:
-        """(ω_max - ω_min)/ω̄ with the flywheel fitted; 0 without one. Raises NoSolution where the motor stalls."""
+        """Fluctuation of speed, C = (ω_M - ω_m)/ω̄; 0 without a flywheel. Raises NoSolution where the motor stalls."""
         low, high = self._deviations
         return float((high - low) / si(self.shaft).speed)
 
     @property
     def speed_range(self) -> tuple[float, float]:
-        """The least and the greatest ω [rad/s]. Raises NoSolution where the motor stalls."""
+        """Lowest speed, n = ω_m, and highest speed, n = ω_M [rad/s]. Raises NoSolution where the motor stalls."""
         low, high = self._deviations
         return si(self.shaft).speed + low, si(self.shaft).speed + high
 
@@ -276,11 +274,11 @@ class Flywheel:
         return self._steady
 
     def speed(self, angles: Angles) -> np.ndarray:
-        """ω (n,) [rad/s]. Raises NoSolution where the motor stalls."""
+        """Speed ω (n,) [rad/s] by the energy of the shaft, d/dθ[½(I + J_e) ω²] = T_m - T_s. Raises NoSolution where the motor stalls."""
         return si(self.shaft).speed + self._deviation(angles)
 
     def motor_torque(self, angles: Angles) -> np.ndarray:
-        """T_m = T̄ + k(ω̄ - ω) (n,) [N m]; without a flywheel T_c. Raises NoSolution where the motor stalls."""
+        """T_m = T̄ + k (ω̄ - ω) (n,) [N m]; without a flywheel T_c. Raises NoSolution where the motor stalls."""
         if not levels(self.shaft):
             return self.torque(angles)
         return self.load.mean - si(self.shaft).motor_slope * self._deviation(angles)

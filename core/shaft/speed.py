@@ -80,7 +80,12 @@ def motor_load(
 
 
 def motor_torque(servo: Servo, load: MotorLoad) -> np.ndarray:
-    """T = J_r i ÿ + Q/i (n,) [N m; N of a linear motor], i motor turns per unit of the motion."""
+    """T = J_r i ÿ + Q/i (n,) [N m; N of a linear motor], i motor turns per unit of the motion.
+
+    References
+    ----------
+    Balance at the motor.
+    """
     i = lever(servo)
     rotor = 0.0 if servo.kind == LINEAR else servo.rotor_inertia_kg_m2
     return np.asarray(rotor * i * load.acceleration + load.force / i)

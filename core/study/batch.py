@@ -383,8 +383,8 @@ def _study_figure(study: Study, request: QuantityRequest) -> tuple[float, float]
         return total, np.nan
     if row is None:
         return LOAD_FIGURES[statistic](study.camshaft.load, study.design.camshaft)
-    if not has_quantity(study, row) or quantities_of(study, row.stage)[row.name].turns:
-        raise _NoValue(UNDERCUT if row.fitting else NO_VALUE)
+    if not has_quantity(study, row) or quantities_of(study, row.stage)[row.name].is_periodic:
+        raise _NoValue(UNDERCUT if row.needs_smooth_profile else NO_VALUE)
     if statistic in ("rms", "mean"):
         angles, weight = clenshaw_curtis_nodes(study.program)
         values = np.broadcast_to(row.value(study.at(angles)), angles.theta.size)

@@ -539,7 +539,7 @@ class DesignBlock:
             else:
                 low, high = extremes[request.name].low, extremes[request.name].high
                 value, theta = extreme_statistic(statistic, (low.value, low.theta), (high.value, high.theta))
-            has_none = self.failed_at(row.stage) | (any_undercut if row.fitting else False)
+            has_none = self.failed_at(row.stage) | (any_undercut if row.needs_smooth_profile else False)
             is_periodic = self._is_periodic(request.name)
             if is_periodic is not None:
                 has_none = has_none | is_periodic
