@@ -229,7 +229,6 @@ UNDOCUMENTED: tuple[str, ...] = (
     "core/instant_centres/",
     "core/linkage_programs/",
     "core/measured/",
-    "core/mechanism/",
     "core/output/",
     "core/output/explain/",
     "core/output/report/",

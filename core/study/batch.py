@@ -409,7 +409,7 @@ Panels = tuple[np.ndarray, np.ndarray, Angles]
 
 def load_curves(block: DesignBlock) -> list[LoadCurve | None]:
     """Load of every design by its cam angle, as by ``fit_load_curve``; None where it is not finite."""
-    slides = [f for f in block.loading.frictions if block.mechanism.joined[f.pair].kind == SLIDING]
+    slides = [f for f in block.loading.frictions if block.mechanism.pairs_by_name[f.pair].kind == SLIDING]
     switches = [
         block.add_reader(f"switch {i}", partial(_switch, switch))
         for i, switch in enumerate(friction_switches(block.loading, slides, block.is_form_closed))

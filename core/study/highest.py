@@ -412,7 +412,7 @@ def clenshaw_curtis_nodes(program: Any) -> tuple[Angles, np.ndarray]:
 
     Parameters
     ----------
-    program : CompiledMotion or CrankProgram
+    program : CompiledMotion or CrankMotion
         Pieces of the turn; a dwell has fewer nodes.
 
     Returns

@@ -16,10 +16,10 @@ from core import cam, dynamics
 from core.design import FRAME_LINK, Design, Motion, get, put
 from core.errors import collecting_failures
 from core.followers import BUILDERS
-from core.mechanism import CrankProgram, DriverRange, DriverRanges, SolutionPlan, at_driver, swept
+from core.mechanism import CrankMotion, DriverRange, DriverRanges, SolutionPlan, at_driver, motion_extent
 from core.mechanism.branches import Branch
 from core.mechanism.driver_ranges import PATH, SIDED, near_zero
-from core.mechanism.drivers import with_room
+from core.mechanism.drivers import with_margin
 from core.mechanism.mechanism import solve
 from core.motion import TURN, Angles, CompiledMotion, MotionState, program
 from core.motion.curves import has_common_pieces, with_all_pieces
@@ -171,8 +171,8 @@ class BlockMotions:
         displacement = Derivatives(lambda order: flat.displacement[order].reshape(at_design.theta.shape))
         return MotionState(at_design, displacement, flat.velocity_sign.reshape(at_design.theta.shape))
 
-    def swept(self) -> tuple[np.ndarray, np.ndarray]:
-        """Lowest and highest position of each motion, with the margin of ``with_room``.
+    def motion_extent(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lowest and highest position of each motion, with the margin of ``with_margin``.
 
         Returns
         -------
@@ -180,7 +180,7 @@ class BlockMotions:
         """
         every = np.arange(self.starts.size)
         ends = (self._stacked.state(Angles(theta.ravel(), every)) for theta in (self.starts, self.ends))
-        return with_room(np.concatenate([e.displacement[0].reshape(self.starts.shape) for e in ends], axis=1))
+        return with_margin(np.concatenate([e.displacement[0].reshape(self.starts.shape) for e in ends], axis=1))
 
 
 class AngleAboutMiddle:
@@ -189,8 +189,8 @@ class AngleAboutMiddle:
     def __init__(self, middle: Callable[[], np.ndarray], owner: np.ndarray) -> None:
         self._middle, self._owner = middle, owner
 
-    def of(self, q: Derivatives, angle: Derivatives) -> Derivatives:
-        """The angle without jumps at driver positions q, as by ``UnwrappedAngle.of``."""
+    def unwrapped(self, q: Derivatives, angle: Derivatives) -> Derivatives:
+        """The angle without jumps at driver positions q, as by `UnwrappedAngle.unwrapped`."""
 
         def first() -> np.ndarray:
             wrapped = angle[0]
@@ -205,8 +205,8 @@ class AngleAlongSamples:
     def __init__(self, at: np.ndarray, angle: Callable[[], np.ndarray], owner: np.ndarray) -> None:
         self._at, self._angle, self._owner = at, angle, owner
 
-    def of(self, q: Derivatives, angle: Derivatives) -> Derivatives:
-        """The angle without jumps at driver positions q, as by ``UnwrappedAngle.of``."""
+    def unwrapped(self, q: Derivatives, angle: Derivatives) -> Derivatives:
+        """The angle without jumps at driver positions q, as by `UnwrappedAngle.unwrapped`."""
 
         def first() -> np.ndarray:
             owner, low, last = self._owner, self._at[self._owner, 0], self._at.shape[1] - 1
@@ -261,7 +261,7 @@ class DesignBlock:
                 numbers = np.where(is_reversed, get(design, path), numbers)
             design = put(design, path, column(numbers))
         self.design, drive = design, design.drive
-        uncut: Any = CrankProgram(_FULL_TURN) if design.by_crank else Study(self.plain).uncut
+        uncut: Any = CrankMotion(_FULL_TURN) if design.by_crank else Study(self.plain).uncut
         if motion is not None:
             uncut = program(with_all_pieces(uncut.motion, motion))
         self.motions = None if motion is None else BlockMotions(uncut, motion, count)
@@ -367,12 +367,12 @@ class DesignBlock:
         low: Any = 0.0
         high: Any = TURN
         if not self.plain.by_crank:
-            low, high = swept(self.program) if self.motions is None else self.motions.swept()
+            low, high = motion_extent(self.program) if self.motions is None else self.motions.motion_extent()
         every = np.broadcast_to(np.linspace(low, high, count, axis=-1), (self.count, count))
         for designs in self._chunks(count):
             mechanism = self._mechanism_at(repeated_values(designs, count), {})
             y = every[designs]
-            q = mechanism.start + mechanism.sense * y.ravel()
+            q = mechanism.start + mechanism.driver_sign * y.ravel()
             yield designs, y, solve(mechanism.plan, at_driver(np.asarray(q)), Branch(0.0))
 
     @cached_property
