@@ -238,7 +238,6 @@ UNDOCUMENTED: tuple[str, ...] = (
     "core/output/report/",
     "core/papers/",
     "core/project/",
-    "core/shaft/",
     "core/study/",
     "core/varying/",
 )

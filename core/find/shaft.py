@@ -37,14 +37,14 @@ from core.shaft import (
     AIMS,
     LoadCurve,
     Spacing,
+    aim_along,
     balance_drives,
     best_phases,
-    even,
+    fluctuation_with,
     inertia_by_energy,
     inertia_for,
+    is_even,
     motor_inertia,
-    reached_along,
-    reached_with,
     with_balancer,
 )
 from core.shaft.flywheel import ROUNDING, energy_range
@@ -300,7 +300,7 @@ def _flywheel(design: Design, wish: ShaftRequest) -> Solution:
     load, own = _load(design), motor_inertia(shaft)
 
     def reach(inertia: float) -> float:
-        return reached_with(load, shaft, inertia + own)
+        return fluctuation_with(load, shaft, inertia + own)
 
     needed = _least_inertia(load, shaft, wanted)
     found = min(max(needed, wish.low(FLYWHEEL, 0.0)), wish.high(FLYWHEEL))
@@ -374,7 +374,7 @@ def _phases(design: Design, wish: ShaftRequest) -> Solution:
                 spare = math.radians((side * (now - bound) + 180.0) % 360.0 - 180.0)
                 spacings.append(Spacing(0, i, spare) if side > 0.0 else Spacing(i, 0, spare))
     loads = [study.drive_load(name) for name in study.loading_drives]
-    turned, checked = best_phases(loads, spacings, wish.aim).turned, FindingsCheck(replace(design, balancer=None))
+    turned, checked = best_phases(loads, spacings, wish.aim).rotations, FindingsCheck(replace(design, balancer=None))
 
     def placed(turned: np.ndarray) -> tuple[Design, dict[str, float]]:
         made, answer = replace(design, balancer=None), {}
@@ -394,7 +394,7 @@ def _phases(design: Design, wish: ShaftRequest) -> Solution:
     made, answer = placed(turned)
     made = replace(made, balancer=design.balancer)
     steps = np.arange(CURVE) * (2.0 * math.pi / (CURVE - 1))
-    line = reached_along(loads, turned, 1, steps, wish.aim)
+    line = aim_along(loads, turned, 1, steps, wish.aim)
     first = design.drives[numbers[1]].phase_deg + np.rad2deg(turned[1] + steps)
     curve = sorted(zip(np.mod(first, 360.0).tolist(), line.tolist(), strict=True))
     reached, before = (_with_phases(each) for each in (made, design))
@@ -508,7 +508,7 @@ def _balancer(design: Design, wish: ShaftRequest) -> Solution:
     if least > most:
         raise KindynaError(f"limit {PRELOAD}_max = {most:g}: is below the force {least:g} N that the spring must keep")
     trials = _Balances(design, begun, {CONVEX: None, **wish.limits}, force, wish.low(RISE, 0.0))
-    if even(trials.load):
+    if is_even(trials.load):
         raise KindynaError(
             "find balancer: the torque does not swing, so that there is nothing to balance; leave the balance cam out"
         )

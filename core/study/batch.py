@@ -22,8 +22,8 @@ from core.motion.curves import has_common_pieces
 from core.motion.extremes import crossings
 from core.motion.program import ShaftPosition
 from core.numerics.lazy import at_angles_of, column, design_by_design, taken
-from core.shaft import Flywheel, LoadCurve, combined, panel_angles, peaks, rms
-from core.shaft.curve import NODES, fitted, nodes, value
+from core.shaft import Flywheel, LoadCurve, combined_load, panel_angles, peaks, rms
+from core.shaft.curve import NODES, fitted, nodes, torque_at
 from core.shaft.flywheel import energy_ranges
 from core.study.drive_forces import load_ratings, roller_force, roller_speed
 from core.study.extremes import extremes_of, has_quantity, undercut_on
@@ -242,7 +242,7 @@ def _of_drives(
             for k, turned in enumerate(np.deg2rad(np.broadcast_to(phase, m) % 360.0).tolist()):
                 places[k].append((curves[0 if spread else k], ShaftPosition(turned)))
     if whole:
-        curves = [None if any(curve is None for curve, _ in each) else combined(each) for each in places]
+        curves = [None if any(curve is None for curve, _ in each) else combined_load(each) for each in places]
         found.value[whole], found.theta[whole] = asked_of_loads(
             [asked[i] for i in whole], curves, _shafts(design, infos, rows)
         )
@@ -482,7 +482,7 @@ def _curve(one: Together, k: int, place: Places, values: np.ndarray) -> LoadCurv
     torque, inertia = (row.reshape(-1, NODES) for row in values)
     curve = fitted(start, width, torque, inertia)
     turning = Study(one.plain).turn_sign
-    return curve if turning > 0.0 else combined([(curve, ShaftPosition(0.0, turning))])
+    return curve if turning > 0.0 else combined_load([(curve, ShaftPosition(0.0, turning))])
 
 
 # -- what is asked of it -----------------------------------------------------------------------------------
@@ -510,7 +510,7 @@ def _end(of: str, curve: LoadCurve, shaft: Shaft) -> tuple[float, float]:
 
 
 def _flywheel(curve: LoadCurve, shaft: Shaft) -> tuple[float, float]:
-    wheel = Flywheel(lambda angles: value(curve, angles.theta), curve, shaft)
+    wheel = Flywheel(lambda angles: torque_at(curve, angles.theta), curve, shaft)
     return wheel.needed_inertia, np.nan
 
 
