@@ -174,11 +174,11 @@ def _recognised(case: MixedTable, found: MotionFit) -> bool | None:
     """Whether all laws are named; None where the right one is among several that fit as well. Curves between two rows need not be seen."""
     least = 360.0 / case.right.size
     wanted = [law for start, end, law in case.joins if end - start > least]
-    names = [SAME.get(each.law, each.law) for each in found.found if each.span_deg > least]
+    names = [SAME.get(each.law, each.law) for each in found.segments if each.span_deg > least]
     if any(wanted[k:] + wanted[:k] == names for k in range(len(wanted))):
         return True
     around = [" ".join(2 * laws) for laws in (wanted, [law for *_, law in case.joins])]
-    tables = [each.ambiguous for each in found.found if each.law == "table"]
+    tables = [each.ambiguous for each in found.segments if each.law == "table"]
     told = [any(name in text for name in names for text in around) for names in tables]
     return None if told and all(told) else False
 
@@ -216,7 +216,7 @@ def _stroke(case: MixedTable, found: MotionFit, stroke: float) -> list[str]:
     told_by_rows = float(np.ptp(position(case.motion, case.turn + case.angles[~case.wrong])))
     if not told_by_rows - allowed <= found.stroke <= stroke + allowed:
         told.append(f"stroke {found.stroke:.5f} of {stroke:.5f}, {(found.stroke - stroke) / case.error:.1f} errors")
-    for each in found.found:
+    for each in found.segments:
         if each.law == "dwell":
             x = each.start_deg + np.linspace(0.0, each.span_deg, 101)
             place = np.mod(x * count / 360.0, count)
@@ -234,7 +234,7 @@ def _stroke(case: MixedTable, found: MotionFit, stroke: float) -> list[str]:
 
 def _laws_named(case: MixedTable, found: MotionFit) -> list[str]:
     told = []
-    for each in found.found:
+    for each in found.segments:
         law = SAME.get(each.law, each.law)
         if law in ("dwell", "table"):
             continue

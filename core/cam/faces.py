@@ -63,6 +63,10 @@ def envelope(kinematics: Kinematics, face: Flat, cam: object, rotation_sign: flo
     ------
     NoCam
         Where the face passes the cam centre, or turns as fast as the cam.
+
+    References
+    ----------
+    Support function of the face; definition of the pressure angle.
     """
     motion, follower = relative_motion(kinematics, rotation_sign), kinematics.follower
     r, turn = follower.origin, follower.turn

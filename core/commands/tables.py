@@ -22,14 +22,14 @@ from core.measured import (
     Switches,
     Worksheet,
     fit,
-    into_design,
     is_workbook,
     layout,
-    mirrored,
+    mirror_rows,
     read_sheet,
     read_table,
     read_workbook,
-    switchable,
+    segment_kinds,
+    with_measured_motion,
 )
 from core.measured.columns import LETTERS
 from core.measured.fitting import segment_from_table
@@ -115,8 +115,10 @@ def switches(text: str) -> Switches:
     made = []
     for part in text.split(","):
         angle, there, kind = (each.strip() for each in part.partition("="))
-        if not there or kind not in switchable():
-            raise argparse.ArgumentTypeError(f"{part!r}: segment; allowed: DEG=KIND, KIND of {', '.join(switchable())}")
+        if not there or kind not in segment_kinds():
+            raise argparse.ArgumentTypeError(
+                f"{part!r}: segment; allowed: DEG=KIND, KIND of {', '.join(segment_kinds())}"
+            )
         made.append((ANGLE(angle), kind))
     return tuple(made)
 
@@ -234,7 +236,7 @@ def run_measured(arguments: MeasuredArguments, painter: Painter | None) -> int:
         return _segment(arguments, sheet, whole, which)
     table = read_table(sheet, layout(sheet, arguments.columns, unit, speed), speed, arguments.leave_out)
     fitted = fit(
-        mirrored(table) if arguments.mirror else table,
+        mirror_rows(table) if arguments.mirror else table,
         arguments.error,
         arguments.lowest,
         arguments.keep_all,
@@ -245,7 +247,7 @@ def run_measured(arguments: MeasuredArguments, painter: Painter | None) -> int:
     if new is not None:
         save(of_motion(fitted.motion, arguments.table.stem, speed), new)
     elif arguments.into is not None and whole is not None and design is not None:
-        save(with_only(whole, which, into_design(design, fitted)), arguments.into, in_place=True)
+        save(with_only(whole, which, with_measured_motion(design, fitted)), arguments.into, in_place=True)
     lifts = arguments.lift
     print(to_json(fit_data(sheet, fitted, lifts)) if arguments.json else fit_text(sheet, fitted, lifts), end="")
     return DONE

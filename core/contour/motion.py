@@ -21,7 +21,7 @@ from core.followers import built
 from core.followers.touching import touching
 from core.frozen import frozen
 from core.laws.polynomial import quintics
-from core.measured import ColumnLayout, MeasuredTable, MotionFit, fit, into_design
+from core.measured import ColumnLayout, MeasuredTable, MotionFit, fit, with_measured_motion
 from core.measured.table import SAME
 from core.measured.units import ValueUnit
 from core.numerics.derivatives import dot
@@ -101,7 +101,7 @@ def fitted(contour: Contour, design: Design) -> MeasuredMotion:
         (),
     )
     result = fit(table)
-    return MeasuredMotion(into_design(changed, result), result)
+    return MeasuredMotion(with_measured_motion(changed, result), result)
 
 
 def _points(elements: Sequence[ContourElement]) -> tuple[np.ndarray, np.ndarray]:

@@ -550,9 +550,9 @@ class SpringDamper(Element):
 
 @frozen
 class Spring(SpringDamper):
-    """A spring and a damper between points of two bodies at the distance l: the tension k (l - l0) + c l̇.
+    """A spring and a damper between points of two bodies at the distance l: the tension F = k (l - l_0) + c l̇.
 
-    rate k [N/m], length l0 [m], damping c [N s/m]; field: path of its row in the file
+    rate k [N/m], length l_0 [m], damping c [N s/m]; field: path of its row in the file
     """
 
     first: BodyPoint

@@ -31,7 +31,7 @@ from core.dynamics.friction import (
 from core.dynamics.walk import Walk, input_loads, input_of
 from core.frozen import frozen
 from core.mechanism.kinematics import FRAME, REVOLUTE, Kinematics
-from core.numerics.derivatives import cross, dot, finite, opposite, spread
+from core.numerics.derivatives import cross, dot, negated, replace_nan, spread
 from core.numerics.lazy import Lazy, once
 
 # -- inverse dynamics -------------------------------------------------------------------------------------------
@@ -202,7 +202,8 @@ def newton_euler(
 
     References
     ----------
-    Shin, Kim and Ha 1995, section 4, eqs. (24) to (27).
+    Shin, Kim and Ha 1995, section 4, eqs. (21) to (23), corrected, and (24) to (27). Newton and Euler: balance of the
+    links, balance of the camshaft; virtual power, F_c = Q/l; Coulomb friction, friction in closed form.
     """
     rate = Rate(omega, acceleration)
     n, cam_friction = kinematics.theta.shape[-1], loading.contact_friction
@@ -210,14 +211,14 @@ def newton_euler(
     directions = tuple(_contact_direction(flank, shape.rotation_sign, cam_friction) for flank in flanks if shape)
     points: dict[Any, Any] = {}
     unit_contacts = [
-        Walk(kinematics, [Load(flank.body, flank.contact, opposite(direction))], points)
+        Walk(kinematics, [Load(flank.body, flank.contact, negated(direction))], points)
         for flank, direction in zip(flanks, directions, strict=True)
     ]
     contact_jam = np.zeros(n)
     if cam_friction and shape is not None:
-        normal_load = Load(kinematics.carrier, shape.flank.contact, opposite(shape.flank.normal))
+        normal_load = Load(kinematics.carrier, shape.flank.contact, negated(shape.flank.normal))
         frictionless = Walk(kinematics, [normal_load], points).effort
-        contact_jam = spread(finite(1.0 - unit_contacts[0].effort / frictionless, nan=0.0), n)
+        contact_jam = spread(replace_nan(1.0 - unit_contacts[0].effort / frictionless, nan=0.0), n)
         if (jams := contact_jam >= JAMS).any():
             unit_contacts[0].effort = np.where(jams, frictionless / JAMMED, unit_contacts[0].effort)
     loads = [load for element in loading.elements for load in element.loads(kinematics, rate)]

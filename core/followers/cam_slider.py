@@ -92,7 +92,8 @@ def base_position(follower: CamSlider, reach: float) -> BasePosition:
 
 def cam_slider(follower: CamSlider, reach: float) -> Mechanism:
     """In the guide's frame, origin at the pivot: the slider leads at L = L0 + y on the line y = H; arm and rod follow as a
-    dyad of three pins, Shin1995 (9)-(14), whose triangle needs no tangent substitution.
+    dyad of three pins, whose triangle needs no tangent substitution: Shin1995 (8), (9), (10) for the positions, (11), (12) for
+    the velocities, (13), (14) for the accelerations.
 
     reach [m] is Br + Rr. Raises NoAssembly where the roller does not reach the base circle or the rod not the guide.
     """

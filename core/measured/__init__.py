@@ -1,8 +1,8 @@
 """Motions from measured tables: reading them, finding their wrong rows, fitting them within their measuring error."""
 
 from core.measured.columns import ALL_DETECTED, ColumnChoice, ColumnLayout, layout
-from core.measured.fitting import ColumnFit, Contradiction, Errors, MotionFit, fit, guess_error, into_design
-from core.measured.gap import FitError, Gap, OpenTurnError, mirrored
+from core.measured.fitting import ColumnFit, Contradiction, Errors, MotionFit, fit, guess_error, with_measured_motion
+from core.measured.gap import FitError, Gap, OpenTurnError, mirror_rows
 from core.measured.outliers import Outliers, outliers
 from core.measured.sheet import (
     DECIMALS,
@@ -15,8 +15,8 @@ from core.measured.sheet import (
     read_workbook,
     sheet_names,
 )
-from core.measured.structure import FoundJump, FoundSegment, SwitchError, Switches, switchable
-from core.measured.table import MeasuredColumn, MeasuredTable, as_text, load_points, read_table
+from core.measured.structure import AccelerationJump, SegmentFit, SwitchError, Switches, segment_kinds
+from core.measured.table import MeasuredColumn, MeasuredTable, load_points, load_table_text, read_table
 from core.measured.units import ANGLE_UNITS, DERIVATIVES, QUANTITIES, TIME_UNITS, value_units
 
 __all__ = [
@@ -27,14 +27,13 @@ __all__ = [
     "DERIVATIVES",
     "QUANTITIES",
     "TIME_UNITS",
+    "AccelerationJump",
     "ColumnChoice",
     "ColumnFit",
     "ColumnLayout",
     "Contradiction",
     "Errors",
     "FitError",
-    "FoundJump",
-    "FoundSegment",
     "Gap",
     "MeasuredColumn",
     "MeasuredTable",
@@ -42,23 +41,24 @@ __all__ = [
     "OpenTurnError",
     "Outliers",
     "RowFault",
+    "SegmentFit",
     "SwitchError",
     "Switches",
     "TableError",
     "Worksheet",
-    "as_text",
     "fit",
     "guess_error",
-    "into_design",
     "is_workbook",
     "layout",
     "load_points",
-    "mirrored",
+    "load_table_text",
+    "mirror_rows",
     "outliers",
     "read_sheet",
     "read_table",
     "read_workbook",
+    "segment_kinds",
     "sheet_names",
-    "switchable",
     "value_units",
+    "with_measured_motion",
 ]

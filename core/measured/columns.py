@@ -100,8 +100,8 @@ class ColumnLayout:
     unit: ValueUnit
     quantity: str
     guesses: tuple[str, ...] = ()
-    guessed: tuple[str, ...] = ()
-    beside: tuple[OtherColumn, ...] = ()
+    guessed_options: tuple[str, ...] = ()
+    other_columns: tuple[OtherColumn, ...] = ()
     name: str = ""
     turn: float = 1.0
     part: float = 1.0
@@ -176,8 +176,8 @@ class _Detection:
             self._refuse(f"{what}; the shaft's speed is wanted to turn it into cam angles")
         if timed:
             self.guesses["time"] = f"time 0 is taken for cam angle 0, and the shaft turns at {self.speed_rpm:g} rpm"
-        beside = tuple(self._beside(angle, value, quantity))
-        there = {quantity, *(each.quantity for each in beside)}
+        other_columns = tuple(self._beside(angle, value, quantity))
+        there = {quantity, *(each.quantity for each in other_columns)}
         if trusted and quantity not in trusted:
             self._refuse(
                 f"trust {self.choice.trust!r}: the motion is made of the {quantity}; trust it, or choose another"
@@ -194,7 +194,7 @@ class _Detection:
             quantity,
             tuple(self.guesses.values()),
             tuple(self.guesses),
-            beside,
+            other_columns,
             self._name(value),
             360.0 / choice.counts if choice.counts else 1.0,
             0.5 if choice.half else 1.0,

@@ -12,7 +12,7 @@ from core.design import Motion, join_angles, join_levels
 from core.design.edits import is_dwell
 from core.frozen import frozen
 from core.measured.fitting import MotionFit
-from core.measured.table import distinct
+from core.measured.table import distinct_angles
 from core.motion import Angles, program
 
 USUAL_LIFTS = {"mm": (1.0, 1.27)}
@@ -157,8 +157,8 @@ def _of_the_motion(motion: Motion) -> list[VelocityJump]:
 def _of_the_rows(fit: MotionFit) -> Iterator[VelocityJump]:
     """A change of velocity at one row, or between two, that is far larger than those beside it, and than its error."""
     table = fit.table
-    used = table.used(fit.left_out)
-    x, place = distinct(table.angles[used])
+    used = table.used_rows(fit.left_out)
+    x, place = distinct_angles(table.angles[used])
     if table.layout.order or x.size < 12:
         return
     y = np.bincount(place, table.values[used]) / np.bincount(place)

@@ -29,8 +29,8 @@ from core.measured.outliers import Outliers, outliers
 from core.measured.rows import Disagreement, TurnRows, disagreements, integrated, scatter, spoiled_runs, turn_rows
 from core.measured.sheet import RowFault, TableError, Worksheet, number
 from core.measured.smoothing import SplineBasis, basis, derivative, distances, natural
-from core.measured.structure import FoundJump, FoundSegment, Structure, Switches, far, structured
-from core.measured.table import LEAST_ANGLES, MeasuredColumn, MeasuredTable, distinct
+from core.measured.structure import AccelerationJump, SegmentFit, Structure, Switches, far, structured
+from core.measured.table import LEAST_ANGLES, MeasuredColumn, MeasuredTable, distinct_angles
 from core.measured.units import QUANTITIES
 from core.motion import Angles, CompiledMotion, program
 from core.numerics.lazy import checkpoint
@@ -143,7 +143,7 @@ class ColumnFit:
 
     column: MeasuredColumn
     error: float
-    guessed: bool
+    is_guessed: bool
     residuals: np.ndarray
     rms: float
 
@@ -179,8 +179,8 @@ class MotionFit:
     table: MeasuredTable
     motion: Motion
     columns: tuple[ColumnFit, ...]
-    found: tuple[FoundSegment, ...]
-    jumps: tuple[FoundJump, ...]
+    segments: tuple[SegmentFit, ...]
+    jumps: tuple[AccelerationJump, ...]
     contradicted: tuple[Disagreement, ...]
     compared: tuple[int, ...]
     spoiled: Mapping[int, tuple[int, ...]]
@@ -199,9 +199,9 @@ class MotionFit:
         return self.columns[0].error
 
     @property
-    def guessed(self) -> bool:
+    def is_guessed(self) -> bool:
         """Whether it was not stated."""
-        return self.columns[0].guessed
+        return self.columns[0].is_guessed
 
     @property
     def residuals(self) -> np.ndarray:
@@ -232,7 +232,7 @@ class MotionFit:
     def waves(self) -> float:
         """How much the residuals of rows beside each other differ: 2 where they are at random, near 0 where they go in
         waves (Durbin, Watson 1950)."""
-        used = self.table.used(self.left_out)
+        used = self.table.used_rows(self.left_out)
         left = self.residuals[used[np.argsort(self.table.angles[used], kind="stable")]]
         square = float(left @ left)
         return float(np.sum(np.diff(left) ** 2)) / square if square else 2.0
@@ -312,7 +312,7 @@ def fit(
     low, high = float(ends.min()), float(ends.max())
     wanted = lowest if lowest is not None else (_stands(table) if table.layout.order else low)
     moved = Motion(motion.start + (wanted - low), motion.segments, motion.unit) if wanted != low else motion
-    if made.found and out and not table.layout.order:  # a kink looks like a wrong row until its law is found
+    if made.segments and out and not table.layout.order:  # a kink looks like a wrong row until its law is found
         allowed = MET * _at_least_rounding(table, errors[table.layout.quantity])
         left = np.abs(table.values - _measured(motion, 0, table.angles))
         met = {row for row in out if left[row] <= allowed}
@@ -324,7 +324,7 @@ def fit(
         missed = (
             each.values - _measured(moved if i else motion, each.order, table.angles) - (0.0 if i else offset)
         ) / each.size
-        used = table.used(_of(each, out, others))
+        used = table.used_rows(_of(each, out, others))
         known = missed[used][np.isfinite(missed[used])]
         rms = sqrt(float(np.mean(known**2))) if known.size else 0.0
         columns.append(ColumnFit(each, errors[each.quantity], each.quantity not in stated, missed, rms))
@@ -332,7 +332,7 @@ def fit(
         table=table,
         motion=moved,
         columns=tuple(columns),
-        found=made.found,
+        segments=made.segments,
         jumps=made.jumps,
         contradicted=contradicted,
         compared=compared,
@@ -372,8 +372,8 @@ def _require_near(
 
 def _means(table: MeasuredTable, out: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
     """The different cam angles [deg] of the rows but those left out, and the mean of the values at each."""
-    used = table.used(out)
-    x, place = distinct(table.angles[used])
+    used = table.used_rows(out)
+    x, place = distinct_angles(table.angles[used])
     return x, np.bincount(place, table.values[used]) / np.bincount(place)
 
 
@@ -409,7 +409,7 @@ def _compared(table: MeasuredTable, rows: TurnRows | None, contradicted: Collect
 
 def _stands(table: MeasuredTable) -> float:
     """The lowest position that a table of velocities or accelerations tells, by a column of displacements beside them; 0 without one."""
-    return next((float(np.nanmin(each.values)) for each in table.beside if not each.order), 0.0)
+    return next((float(np.nanmin(each.values)) for each in table.other_columns if not each.order), 0.0)
 
 
 def _spoiled(
@@ -418,10 +418,10 @@ def _spoiled(
     """Of the other columns, by their order, the rows that contradict the column before; doubtful: rows whose own displacement is wrong."""
     every = np.delete(np.arange(table.angles.size), table.closing[:1] if table.closing else ())
     every = every[np.argsort(table.angles[every], kind="stable")]
-    if every.size != distinct(table.angles[every])[0].size:
+    if every.size != distinct_angles(table.angles[every])[0].size:
         return
     by_order = {each.order: (i, each) for i, each in enumerate(table.columns)}
-    for each in table.beside:
+    for each in table.other_columns:
         if each.order >= len(QUANTITIES) or each.order - 1 not in by_order:
             continue
         both = by_order[each.order - 1], by_order[each.order]
@@ -452,7 +452,7 @@ def _rows(
 ) -> TurnRows | None:
     """The rows of a table that move."""
     error = errors[table.layout.quantity]
-    whole = float(np.std(table.values[table.used(out)])) / abs(table.size)
+    whole = float(np.std(table.values[table.used_rows(out)])) / abs(table.size)
     if not whole:
         return None
     if error >= whole:
@@ -469,10 +469,8 @@ def _rows(
 def contradiction(table: MeasuredTable, result: Outliers) -> str:
     """The rows that contradict each other where it cannot be decided which of them are wrong."""
     rows = [row for stretch in result.undecided for row in stretch]
-    text = (
-        f"{table.named(rows)}: they contradict each other, and nothing tells which of them are wrong{_left_open(table)}"
-    )
-    either = " or ".join(f"{table.named(reading)} ({len(reading)} rows)" for reading in result.readings)
+    text = f"{table.lines_text(rows)}: they contradict each other, and nothing tells which of them are wrong{_left_open(table)}"
+    either = " or ".join(f"{table.lines_text(reading)} ({len(reading)} rows)" for reading in result.readings)
     return f"{text}: {either} may be, to be left out" if either else text
 
 
@@ -495,9 +493,9 @@ def guess_error(table: MeasuredTable, left_out: tuple[int, ...] = (), column: in
     two digits of it, in the column's unit, and 0 where the rows are exact."""
     checkpoint()
     each = table.columns[column]
-    used = table.used(left_out)
+    used = table.used_rows(left_out)
     used = used[np.isfinite(each.values[used])]
-    x, place = distinct(table.angles[used])
+    x, place = distinct_angles(table.angles[used])
     if x.size < LEAST_ANGLES:
         return 0.0
     count = np.bincount(place)
@@ -513,7 +511,7 @@ def guess_error(table: MeasuredTable, left_out: tuple[int, ...] = (), column: in
     return float(f"{np.ceil(result / power) * power:.2g}")
 
 
-def into_design(design: Design, fit: MotionFit) -> Design:
+def with_measured_motion(design: Design, fit: MotionFit) -> Design:
     """The design with its motion replaced by the measured one. Raises DesignError where its follower moves otherwise."""
     unit = require_motion(design).unit
     if fit.motion.unit != unit:
@@ -540,7 +538,7 @@ class _Solved:
 
 
 def _solved(table: MeasuredTable, error: float, out: tuple[int, ...]) -> _Solved:
-    used = table.used(out)
+    used = table.used_rows(out)
     x, mean = _means(table, out)
     if not np.ptp(mean):  # nothing moves
         few = slice(None, None, -(-x.size // LEAST_ANGLES))
@@ -641,7 +639,7 @@ def _nearer(
 ) -> tuple[Structure, float]:
     """One spline and what the table adds to it, or the dwells and laws that were found with theirs, where these meet the rows as well."""
     missed = np.inf if made is None else _missed(table, made.motion, offset, out)
-    enough = max(MET * error, NEAR * float(np.ptp(table.values[table.used(out)])) / abs(table.size))
+    enough = max(MET * error, NEAR * float(np.ptp(table.values[table.used_rows(out)])) / abs(table.size))
     if made is not None and missed <= enough:
         return made, offset
     solved = _solved(table, error, out)
@@ -653,7 +651,7 @@ def _nearer(
 
 def _missed(table: MeasuredTable, motion: Motion, offset: float, out: tuple[int, ...]) -> float:
     """By how much the rows are off the motion: root of the mean square, in the table's unit."""
-    rows = table.used(out)
+    rows = table.used_rows(out)
     left = table.values[rows] - _measured(motion, table.layout.order, table.angles[rows]) - offset
     return sqrt(float(np.mean(left**2))) / abs(table.size)
 

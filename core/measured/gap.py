@@ -13,7 +13,7 @@ from core.frozen import frozen
 from core.measured.rows import scatter
 from core.measured.sheet import RowFault, TableError
 from core.measured.strokes import shortest
-from core.measured.table import SAME, MeasuredTable, distinct, gaps
+from core.measured.table import SAME, MeasuredTable, distinct_angles, gaps
 
 WIDE = 1.5  # steps, and the widest other step: an end of the rows farther from the other leaves the turn open
 EQUAL = 5.0  # errors that the ends of a dwell may differ by
@@ -45,7 +45,7 @@ def turn_gaps(table: MeasuredTable, error: float) -> list[Gap]:
     Raises OpenTurnError where the first and the last row are the ends of one and are not level, or where nothing tells what velocities
     and accelerations do there.
     """
-    x, place = distinct(table.angles)
+    x, place = distinct_angles(table.angles)
     y, n = np.bincount(place, table.values) / np.bincount(place), x.size
     step = np.diff(np.append(x, x[0] + 360.0))
     usual = float(np.median(step))
@@ -64,7 +64,7 @@ def turn_gaps(table: MeasuredTable, error: float) -> list[Gap]:
     ):
         apart, allowed = abs(float(y[first] - y[last])), EQUAL * sqrt(2.0) * error
         differ = f"differ by {apart / abs(table.size):.6g} {table.unit}" if apart > allowed else "are not level"
-        lines = table.named([int(np.flatnonzero(place == i)[0]) for i in (last, first)])
+        lines = table.lines_text([int(np.flatnonzero(place == i)[0]) for i in (last, first)])
         raise OpenTurnError(
             f"{lines}: no rows from {x[last]:.6g} to {x[first] or 360.0:.6g} deg, "
             f"and the rows at both ends {differ}; add the rows of the whole turn, or reflect half a lobe in the row of its peak: --mirror"
@@ -109,7 +109,7 @@ def filled(table: MeasuredTable, between: Sequence[Gap]) -> MeasuredTable:
     dwells = [gap for gap in between if gap.level is not None]
     if not dwells:
         return table
-    x, _ = distinct(table.angles)
+    x, _ = distinct_angles(table.angles)
     step = float(np.median(np.diff(x)))
     added = [
         np.linspace(gap.start, gap.end, max(2, ceil((gap.end - gap.start) / step - 1e-6) + 1))[1:-1] for gap in dwells
@@ -121,11 +121,13 @@ def filled(table: MeasuredTable, between: Sequence[Gap]) -> MeasuredTable:
         lines=np.append(table.lines, np.zeros(angles.size, dtype=int)),
         angles=np.append(table.angles, angles),
         values=np.append(table.values, level),
-        beside=tuple(replace(each, values=np.append(each.values, np.zeros(angles.size))) for each in table.beside),
+        other_columns=tuple(
+            replace(each, values=np.append(each.values, np.zeros(angles.size))) for each in table.other_columns
+        ),
     )
 
 
-def mirrored(table: MeasuredTable) -> MeasuredTable:
+def mirror_rows(table: MeasuredTable) -> MeasuredTable:
     """The table with its rows reflected in that of the largest displacement, its first or last.
 
     Raises TableError where there are no displacements, the largest is another row, or the rows cover more than half a turn.
@@ -136,7 +138,7 @@ def mirrored(table: MeasuredTable) -> MeasuredTable:
 
     if table.layout.order:
         raise refuse(f"a table of {table.layout.quantity}; wanted: displacements over half a lobe")
-    x, place = distinct(table.angles)
+    x, place = distinct_angles(table.angles)
     error = max(
         scatter(x, np.bincount(place, table.values) / np.bincount(place)), abs(table.size) * 10.0**-table.decimals
     )
@@ -144,8 +146,8 @@ def mirrored(table: MeasuredTable) -> MeasuredTable:
     peak = max((0, last), key=lambda row: float(y[row]))
     if float(y[peak]) < float(y.max()) - EQUAL * error:
         raise refuse(
-            f"{table.named([int(np.argmax(y))])} has the largest lift, and is neither the first nor the last row; wanted: half a lobe, "
-            "from or to its peak"
+            f"{table.lines_text([int(np.argmax(y))])} has the largest lift and is neither the first nor the last row; allowed: half a "
+            "lobe, from or to its peak"
         )
     away = np.mod(table.angles - table.angles[peak] + 180.0, 360.0) - 180.0
     if (
@@ -167,11 +169,12 @@ def mirrored(table: MeasuredTable) -> MeasuredTable:
         angles=np.where((angles > 360.0 - SAME) | (angles < SAME), 0.0, angles),
         values=y[order],
         closing=None,
-        beside=tuple(
-            replace(each, values=each.values[order] * (signs if each.order % 2 else 1.0)) for each in table.beside
+        other_columns=tuple(
+            replace(each, values=each.values[order] * (signs if each.order % 2 else 1.0))
+            for each in table.other_columns
         ),
         notes=(*table.notes, f"the rows are reflected in line {table.lines[peak]} ({table.angles[peak]:.6g} deg)"),
     )
 
 
-__all__ = ["FitError", "Gap", "OpenTurnError", "filled", "mirrored", "turn_gaps"]
+__all__ = ["FitError", "Gap", "OpenTurnError", "filled", "mirror_rows", "turn_gaps"]

@@ -18,7 +18,7 @@ from math import comb, sqrt
 import numpy as np
 
 from core.frozen import frozen
-from core.measured.table import SAME, MeasuredTable, distinct
+from core.measured.table import SAME, MeasuredTable, distinct_angles
 from core.numerics.lazy import checkpoint
 
 # -- what all other rows of a table predict of a run of its rows, left out, where a smooth curve has ------------
@@ -122,9 +122,9 @@ class TableRows:
 
     def __init__(self, x: np.ndarray, y: np.ndarray, order: int) -> None:
         self.x, self.y, self.order = x, y, order
-        self.angles = distinct(x)[0].size
+        self.angles = distinct_angles(x)[0].size
         self.longest = min(LONGEST, self.angles // (COARSE * (4 - order)))
-        self.distance = float(np.median(np.diff(distinct(x)[0])))
+        self.distance = float(np.median(np.diff(distinct_angles(x)[0])))
 
     @property
     def testable(self) -> bool:

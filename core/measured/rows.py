@@ -11,7 +11,7 @@ import numpy as np
 
 from core.frozen import frozen
 from core.measured.outliers import COARSE, LONGEST, deviation
-from core.measured.table import MeasuredTable, distinct
+from core.measured.table import MeasuredTable, distinct_angles
 
 EXACT = 1e-10
 """Of a column's size: rows that scatter less are exact, and are met to this."""
@@ -55,8 +55,8 @@ def turn_rows(
     errors  of each column, in the motion's unit per degree^order, 0 = exact
     others  by order the rows that a column is left out of besides
     """
-    used = table.used(left_out)
-    x, place = distinct(table.angles[used])
+    used = table.used_rows(left_out)
+    x, place = distinct_angles(table.angles[used])
     values, sizes, found = {}, {}, {}
     for column in table.columns:
         every = column.values.copy()

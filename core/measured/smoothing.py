@@ -18,7 +18,7 @@ import numpy as np
 
 from core.frozen import frozen
 from core.laws.polynomial import STATES, jerk_rows, quintics, states
-from core.measured.table import MeasuredTable, distinct
+from core.measured.table import MeasuredTable, distinct_angles
 from core.numerics.lazy import checkpoint
 
 # -- splines of least jerk over one turn with given knots, in the coordinates in which smoothing is -------------
@@ -30,7 +30,7 @@ CLOSE = 0.05  # of the usual distance: knots closer together than this are one
 
 def choose_knots(angles: np.ndarray, most: int) -> np.ndarray:
     """At most so many cam angles [deg] of a table's own, as dense as its rows, none very close to the next."""
-    x, _ = distinct(angles)
+    x, _ = distinct_angles(angles)
     if x.size > most:
         x = x[(np.arange(most) * x.size) // most]
     width = np.diff(np.append(x, x[0] + 360.0))
@@ -140,7 +140,7 @@ def _stiffness(knots: np.ndarray, at: np.ndarray) -> np.ndarray:
 @lru_cache(maxsize=8)
 def basis(table: MeasuredTable, most: int, left_out: tuple[int, ...] = ()) -> SplineBasis:
     """Of the rows of a table but those left out, with at most so many knots. Values by u = angle/360."""
-    used = table.used(left_out)
+    used = table.used_rows(left_out)
     angles, order = table.angles[used], table.layout.order
     y = table.values[used] * 360.0**order
     knots = choose_knots(angles, most)

@@ -42,7 +42,7 @@ ONSET = 60.0  # errors, up to which the rows beside a dwell tell where it is lef
 
 
 @frozen
-class FoundSegment:
+class SegmentFit:
     """What was found between two cam angles: law, start [deg] in the turn, span, rise; of rows numbered along the turn.
 
     ambiguous  laws of which none is named, as they fit as well as each other
@@ -56,7 +56,7 @@ class FoundSegment:
 
 
 @frozen
-class FoundJump:
+class AccelerationJump:
     """Where the acceleration jumps: cam angle [deg], before and behind, by degrees."""
 
     angle: float
@@ -70,8 +70,8 @@ class Structure:
     chosen; smoothing: λ of the first stretch that was smoothed, 0 without one."""
 
     motion: Motion
-    found: tuple[FoundSegment, ...]
-    jumps: tuple[FoundJump, ...]
+    segments: tuple[SegmentFit, ...]
+    jumps: tuple[AccelerationJump, ...]
     freedom: float
     smoothing: float
 
@@ -100,7 +100,7 @@ class SwitchError(KindynaError):
     """A segment cannot be what the user wants it to be."""
 
 
-def switchable() -> tuple[str, ...]:
+def segment_kinds() -> tuple[str, ...]:
     """What a segment can be made: a table, a dwell, or one of the named laws."""
     return (TABLE, DWELL, *(candidate.name for candidate in tiers(1.0)[0]))
 
@@ -113,7 +113,7 @@ def structured(
     switches: Switches = (),
 ) -> Structure | None:
     """The segments of a motion; None where nothing tells where one begins. switches: what the segment at a cam angle [deg] shall be, of
-    ``switchable``, in place of what is found there.
+    ``segment_kinds``, in place of what is found there.
 
     Raises SwitchError where a law or a dwell cannot lie there.
     """
@@ -122,7 +122,7 @@ def structured(
     if not found or (len(found) == 1 and found[0].last - found[0].first >= at.count - 2):
         if found and found[0].level is not None:
             motion = Motion(found[0].level, (Segment(360.0, 0.0),), unit)
-            return Structure(motion, (FoundSegment("dwell", 0.0, 360.0, 0.0),), (), 1.0, 0.0)
+            return Structure(motion, (SegmentFit("dwell", 0.0, 360.0, 0.0),), (), 1.0, 0.0)
         return None
     found, strokes = _recognised(at, found, with_laws)
     if not any(strokes_of[0] for strokes_of in strokes) and not any(rest.level is not None for rest in found):
@@ -166,8 +166,8 @@ def _switched_strokes(
     """The strokes between rests, those at the cam angles [deg] of switches as tables or the laws that are wanted there."""
     strokes = list(strokes)
     for angle, wanted in switches:
-        if wanted not in switchable():
-            raise SwitchError(f"segment at {angle:g} deg: {wanted!r} is none; allowed: {', '.join(switchable())}")
+        if wanted not in segment_kinds():
+            raise SwitchError(f"segment at {angle:g} deg: {wanted!r} is none; allowed: {', '.join(segment_kinds())}")
         for k, (rest, behind) in enumerate(pairwise(_around(at, found))):
             start = _angle(at, rest.last)
             if wanted == DWELL or (angle - start) % 360.0 >= _angle(at, behind.first) - start:
@@ -470,13 +470,13 @@ class _Assembly:
 
     def __init__(self, at: Turned, parts: list[_Part], unit: str) -> None:
         self.at, self.parts, self.unit = at, parts, unit
-        self.jumps: list[FoundJump] = []
+        self.jumps: list[AccelerationJump] = []
         self.freedom, self.smoothing = 0.0, 0.0
 
     def structure(self) -> Structure:
         begin = self.parts[0].start
         segments: list[Segment] = []
-        found: list[FoundSegment] = []
+        found: list[SegmentFit] = []
         total = 0.0
         for i, part in enumerate(self.parts):
             end = part.end if i + 1 < len(self.parts) else begin + 360.0
@@ -486,7 +486,7 @@ class _Assembly:
                 continue
             if part.dwells:
                 segments.append(Segment(span, 0.0))
-                found.append(FoundSegment("dwell", start % 360.0, span, 0.0))
+                found.append(SegmentFit("dwell", start % 360.0, span, 0.0))
                 self.freedom += 1.0
             elif part.stroke is not None:
                 whole = part.stroke.candidate.curves(part.stroke.fractions)
@@ -496,7 +496,7 @@ class _Assembly:
                     next_angle = end if last else angle + share * span
                     next_level = part.high if last else level + height * rise
                     made.append(Segment(difference(next_angle, angle), difference(next_level, level), curve))
-                    found.append(FoundSegment(curve.law, angle % 360.0, made[-1].span_deg, made[-1].rise))
+                    found.append(SegmentFit(curve.law, angle % 360.0, made[-1].span_deg, made[-1].rise))
                     angle, level = next_angle, next_level
                 segments += made
                 self.freedom += 2.0 + len(part.stroke.fractions)
@@ -506,7 +506,7 @@ class _Assembly:
                 for segment in self._tables(part, start, end, before, after):
                     segments.append(segment)
                     found.append(
-                        FoundSegment("table", (start + total) % 360.0, segment.span_deg, segment.rise, part.ambiguous)
+                        SegmentFit("table", (start + total) % 360.0, segment.span_deg, segment.rise, part.ambiguous)
                     )
                     total += segment.span_deg
                 total = 0.0
@@ -551,7 +551,7 @@ class _Assembly:
         for place, state, bends in ((start, 0, part.bends[0]), (end, -1, part.bends[1])):
             if bends:
                 jump = float(fitted.states[state, 2])
-                self.jumps.append(FoundJump(place % 360.0, *((0.0, jump) if state == 0 else (jump, 0.0))))
+                self.jumps.append(AccelerationJump(place % 360.0, *((0.0, jump) if state == 0 else (jump, 0.0))))
         self.freedom += fitted.freedom
         self.smoothing = self.smoothing or fitted.smoothing
         return [_segment(fitted.knots, fitted.states, part.low, part.high)]
@@ -573,13 +573,13 @@ class _Assembly:
         if self._row(start) is not None and not np.isnan(row := self.at.rows.values[2][self._row(start)]):
             states[2, 0] = row
             if abs(row) > SHOWN * largest and ends[0][2] == 0.0:
-                self.jumps.append(FoundJump(start % 360.0, 0.0, float(row)))
+                self.jumps.append(AccelerationJump(start % 360.0, 0.0, float(row)))
         last_left = (
             2.0 * (states[1, -1] - states[1, -2]) / h[-1] - states[2, -2]
         )  # of a row at a jump only the right side is known
         if self._row(end) is not None and ends[1][2] == 0.0 and abs(last_left) > SHOWN * largest:
             states[2, -1] = last_left
-            self.jumps.append(FoundJump(end % 360.0, float(last_left), 0.0))
+            self.jumps.append(AccelerationJump(end % 360.0, float(last_left), 0.0))
         missed = np.diff(states[1]) - 0.5 * h * (states[2, :-1] + states[2, 1:])
         size = np.abs(missed) / h
         usual = np.median(size) + 1e-9 * self.at.rows.sizes[2]
@@ -595,7 +595,7 @@ class _Assembly:
             if cut in cuts:
                 after = float(states[2, cut + 1])
                 part[2, -1] = 2.0 * (states[1, cut + 1] - states[1, cut]) / h[cut] - states[2, cut]
-                self.jumps.append(FoundJump(float(x[cut + 1] % 360.0), float(part[2, -1]), after))
+                self.jumps.append(AccelerationJump(float(x[cut + 1] % 360.0), float(part[2, -1]), after))
             keep = _thinned(x[begin : cut + 2], part, self.at.rows)
             made.append(_segment(x[begin : cut + 2][keep], part.T[keep], float(part[0, 0]), float(part[0, -1])))
             self.freedom += 3.0 * keep.size
@@ -723,13 +723,13 @@ __all__ = [
     "DWELL",
     "LEVEL",
     "TABLE",
-    "FoundJump",
-    "FoundSegment",
+    "AccelerationJump",
+    "SegmentFit",
     "Structure",
     "SwitchError",
     "Switches",
     "difference",
     "far",
+    "segment_kinds",
     "structured",
-    "switchable",
 ]

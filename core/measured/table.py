@@ -46,7 +46,7 @@ def load_points(data: bytes, name: str = "table") -> tuple[LoadPoint, ...]:
     return tuple(LoadPoint(*values) for _, values in rows)  # type: ignore[arg-type]
 
 
-def as_text(points: Iterable[LoadPoint]) -> str:
+def load_table_text(points: Iterable[LoadPoint]) -> str:
     """The same rows under their headings, cells apart by tabs."""
     return "\n".join(["cam angle, deg\tforce", *(f"{point.deg!r}\t{point.value!r}" for point in points)])
 
@@ -106,27 +106,27 @@ class MeasuredTable:
     decimals: int
     closing: tuple[int, int] | None
     notes: tuple[str, ...]
-    beside: tuple[MeasuredColumn, ...] = ()
+    other_columns: tuple[MeasuredColumn, ...] = ()
 
     @property
     def columns(self) -> tuple[MeasuredColumn, ...]:
         """The column of the motion, and those of its other derivatives."""
         how = self.layout
         own = MeasuredColumn(how.name, how.quantity, self.unit, how.order, self.values, self.size, self.decimals)
-        return (own, *self.beside)
+        return (own, *self.other_columns)
 
     @property
     def unit(self) -> str:
         """The unit of the values as the file has them."""
         return self.layout.unit.name
 
-    def used(self, left_out: Sequence[int]) -> np.ndarray:
+    def used_rows(self, left_out: Sequence[int]) -> np.ndarray:
         """The rows but those left out, by their place in the table."""
         kept = np.ones(self.angles.size, dtype=bool)
         kept[list(left_out)] = False
         return np.flatnonzero(kept)
 
-    def named(self, rows: Sequence[int]) -> str:
+    def lines_text(self, rows: Sequence[int]) -> str:
         """The lines of these rows, ``lines 4-9, 12``."""
         return line_ranges(self.lines[list(rows)].tolist())
 
@@ -143,7 +143,7 @@ def read_table(
         raise TableError(
             sheet.name, [RowFault(0, f"{line_ranges(missing)} to be left out: no row of the table stands there")]
         )
-    lines, raw, values, beside, decimals, others = (_at_once if sheet.numbers is not None else _row_by_row)(
+    lines, raw, values, other_columns, decimals, others = (_at_once if sheet.numbers is not None else _row_by_row)(
         sheet, how, set(leave_out)
     )
     seconds = TIME_UNITS.get(how.angle_unit)
@@ -151,13 +151,13 @@ def read_table(
     turned = raw * by * how.part
     angles = np.mod(turned, 360.0)
     angles = np.where((angles > 360.0 - SAME) | (angles < SAME), 0.0, angles)
-    different = distinct(angles)[0].size
+    different = distinct_angles(angles)[0].size
     if different < LEAST_ANGLES:
         problem = f"{different} different cam angles; at least {LEAST_ANGLES} are wanted"
         raise TableError(sheet.name, [RowFault(0, problem)])
     size = how.unit.by_degree(speed_rpm)
     closing = _closing(turned, angles)
-    sizes = [other.unit.by_degree(speed_rpm) for other in how.beside]
+    sizes = [other.unit.by_degree(speed_rpm) for other in how.other_columns]
     return MeasuredTable(
         sheet.name,
         how,
@@ -171,7 +171,7 @@ def read_table(
         (*_notes(lines, turned, angles, closing), *_no_numbers(sheet, how, set(leave_out))),
         tuple(
             MeasuredColumn(other.name, other.quantity, other.unit.name, other.order, column * each, each, digits)
-            for other, column, each, digits in zip(how.beside, beside, sizes, others, strict=True)
+            for other, column, each, digits in zip(how.other_columns, other_columns, sizes, others, strict=True)
         ),
     )
 
@@ -202,7 +202,7 @@ def _at_once(sheet: Worksheet, how: ColumnLayout, leave_out: Collection[int]) ->
     if wrong := _out_of_order(raw, lines):
         raise TableError(sheet.name, wrong)
     some = [sheet.rows[i] for i in range(0, len(sheet.rows), max(1, len(sheet.rows) // SOME))]
-    columns = [how.value_column, *(other.column for other in how.beside)]
+    columns = [how.value_column, *(other.column for other in how.other_columns)]
     digits = [
         max((_decimals(row.cells[c], sheet.decimal) for row in some if c < len(row.cells)), default=0) for c in columns
     ]
@@ -212,8 +212,8 @@ def _at_once(sheet: Worksheet, how: ColumnLayout, leave_out: Collection[int]) ->
 def _row_by_row(sheet: Worksheet, how: ColumnLayout, leave_out: Collection[int]) -> _Columns:
     faults: dict[object, list[RowFault]] = {}
     lines, pairs, decimals = [], [], 0
-    beside: list[list[float]] = []
-    others = [0] * len(how.beside)
+    other_columns: list[list[float]] = []
+    others = [0] * len(how.other_columns)
     columns = how.angle_column, how.value_column
     last = max(columns)
     for row in sheet.rows:
@@ -229,22 +229,22 @@ def _row_by_row(sheet: Worksheet, how: ColumnLayout, leave_out: Collection[int])
             continue
         lines.append(row.line)
         pairs.append(pair)
-        beside.append([_or_nan(sheet, row, other.column) for other in how.beside])
+        other_columns.append([_or_nan(sheet, row, other.column) for other in how.other_columns])
         decimals = max(decimals, _decimals(row.cells[how.value_column], sheet.decimal))
-        for k, other in enumerate(how.beside):
-            if not np.isnan(beside[-1][k]):
+        for k, other in enumerate(how.other_columns):
+            if not np.isnan(other_columns[-1][k]):
                 others[k] = max(others[k], _decimals(row.cells[other.column], sheet.decimal))
     raw, values = np.array(pairs, dtype=float).reshape(-1, 2).T
     faults["angles"] = _out_of_order(raw, np.array(lines))
     if any(faults.values()):
         raise TableError(sheet.name, sorted(fault for alike in faults.values() for fault in _gathered(alike)))
-    others_of = np.array(beside, dtype=float).reshape(len(lines), len(how.beside)).T
+    others_of = np.array(other_columns, dtype=float).reshape(len(lines), len(how.other_columns)).T
     return np.array(lines), raw, values, others_of, decimals, others
 
 
 def _no_numbers(sheet: Worksheet, how: ColumnLayout, leave_out: Collection[int]) -> Iterator[str]:
     """A sentence for each other column with cells that hold something, but no number."""
-    for other in how.beside if sheet.numbers is None else ():
+    for other in how.other_columns if sheet.numbers is None else ():
         cells = {
             row.line: row.cells[other.column]
             for row in sheet.rows
@@ -345,7 +345,7 @@ def _out_of_order(raw: np.ndarray, lines: np.ndarray) -> list[RowFault]:
 # -- the rows as a whole ----------------------------------------------------------------------------------------
 
 
-def distinct(angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def distinct_angles(angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The different cam angles [deg] in order (m,), and for each row (n,) which of them it stands at."""
     order = np.argsort(angles, kind="stable")
     ordered = angles[order]
@@ -357,7 +357,7 @@ def distinct(angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def gaps(angles: np.ndarray) -> list[tuple[float, float]]:
     """Stretches (from, to) [deg] without a row: wider than 10 deg and thrice the usual distance; the last may pass 360."""
-    apart, _ = distinct(angles)
+    apart, _ = distinct_angles(angles)
     width = np.diff(np.append(apart, apart[0] + 360.0))
     wide = width > max(10.0, 3.0 * float(np.median(width)))
     return [(float(apart[i]), float(apart[i] + width[i])) for i in np.flatnonzero(wide)]
@@ -374,7 +374,7 @@ def _notes(lines: np.ndarray, turned: np.ndarray, angles: np.ndarray, closing: t
     reach = float(turned.max() - turned.min())
     if reach > 360.0 + SAME:
         yield f"the angles cover {reach / 360.0:.4g} turns, which are laid over one another"
-    _, place = distinct(angles)
+    _, place = distinct_angles(angles)
     if closing is not None:
         last, first = closing
         yield f"line {lines[last]} is a whole turn after line {lines[first]}: the same cam angle again"

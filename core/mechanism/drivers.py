@@ -114,7 +114,12 @@ class CrankProgram:
         return float(np.clip((place - low) / (high - low), 0.0, 1.0) * np.pi)
 
     def state(self, angles: Angles) -> MotionState:
-        """The crank's angle and its derivatives by itself, or by the angle of the cycle."""
+        """The crank's angle and its derivatives by itself, or by the angle of the cycle.
+
+        References
+        ----------
+        φ = φ_0 + r (θ - θ_0) over each part of the cycle: ends of the drawn circuit, ratios.
+        """
         one = np.ones(angles.theta.size)
         none = np.zeros(angles.theta.size)
         if self.swing is not None:

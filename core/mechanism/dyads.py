@@ -20,18 +20,18 @@ from core.numerics.derivatives import (
     Chain,
     Derivatives,
     Rows,
+    body_vector,
     cross,
     difference,
     dot,
-    earlier,
+    lower_order_terms,
     product,
     scaled,
     sum_of,
-    turned,
-    turning,
+    vector_derivative,
 )
 from core.numerics.lazy import Lazy
-from core.numerics.roots import square_of, squares_of, two_sum
+from core.numerics.roots import double_square, double_sum_of_squares, two_sum
 
 # -- what closing a dyad's loop needs ---------------------------------------------------------------------------
 
@@ -70,7 +70,7 @@ def placed(at: Derivatives, local: complex, heading: Callable[[], np.ndarray], a
     if not local:
         return Pose(at, angle, unit=heading)
     along = heading()
-    spin = turning(along, angle)
+    spin = body_vector(along, angle)
     return Pose(difference(at, scaled(spin, local)), angle, unit=along, spin=spin)
 
 
@@ -129,7 +129,9 @@ def two_slides(whole: Derivatives, t1: Derivatives, t2: Derivatives) -> tuple[De
     def known(order: int, slides: Chain) -> np.ndarray:
         if not order:
             return whole[0]
-        return whole[order] - earlier(slides.part(0), t1, order) - earlier(slides.part(1), t2, order)
+        return (
+            whole[order] - lower_order_terms(slides.part(0), t1, order) - lower_order_terms(slides.part(1), t2, order)
+        )
 
     slides = loop(t1[0], t2[0], cross(t1[0], t2[0]), known)
     return slides.part(0), slides.part(1)
@@ -179,8 +181,8 @@ def _near_dead_centre(x: np.ndarray, y: np.ndarray, a: np.ndarray, b: np.ndarray
     """Every square is kept with what rounding took from it: near a dead centre a bracket is a small difference of large
     squares, and would lose (S/K)² eps otherwise (Kahan, Miscalculating Area and Angles of a Needle-like Triangle).
     """
-    square, rest = squares_of(x, y)
-    (longest, more), (shortest, less) = square_of(*two_sum(a, b)), square_of(*two_sum(a, -b))
+    square, rest = double_sum_of_squares(x, y)
+    (longest, more), (shortest, less) = double_square(*two_sum(a, b)), double_square(*two_sum(a, -b))
     stretched, folded = longest - square, square - shortest
     stretched += more - rest
     folded += rest - less
@@ -312,7 +314,7 @@ def _rrp(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> DyadSolution
         return np.asarray(c - dot(path[0], t[0]))
 
     def known(order: int, both: Chain) -> np.ndarray:
-        moved = path[order] if t.constant else path[order] + earlier(both.part(1, start), t, order)
+        moved = path[order] if t.constant else path[order] + lower_order_terms(both.part(1, start), t, order)
         return moved - centripetal(to_joint, both.part(0), order)
 
     def heading() -> np.ndarray:
@@ -355,7 +357,7 @@ def _rpr(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> DyadSolution
         turn, slide = both.part(0), both.part(1)
         left = d[order] - centripetal(d[0], turn, order)
         for k in range(1, order):
-            left = left - BINOMIAL[order][k] * slide[k] * turned(along, turn, order - k)
+            left = left - BINOMIAL[order][k] * slide[k] * vector_derivative(along, turn, order - k)
         return left
 
     both = loop(1j * d[0], along, -s, known)
@@ -403,9 +405,9 @@ def _rpp(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> DyadSolution
     by = guide.first.along / guide.second.along
     heading_b, angle_b = turned_like(known, by)
     turned_a = turned_like(known, by * inner.second.along / inner.first.along)
-    t1 = turning(inner.second.along * heading_b(), angle_b)
+    t1 = body_vector(inner.second.along * heading_b(), angle_b)
     y = ((outer.second.point - inner.first.point) / inner.first.along).imag
-    between = turning((inner.second.point - guide.second.point) * heading_b(), angle_b)
+    between = body_vector((inner.second.point - guide.second.point) * heading_b(), angle_b)
     apart = difference(p, g)
     s1, s2 = two_slides(difference(apart, beside(between, t1, y)), t1, t2)
     poses = (

@@ -15,7 +15,7 @@ import numpy as np
 
 from core.frozen import frozen
 from core.motion import MotionState
-from core.numerics.derivatives import Derivatives, constant, dot, scaled, sum_of, turning, unit
+from core.numerics.derivatives import Derivatives, body_vector, constant, dot, scaled, sum_of, unit
 from core.numerics.lazy import Lazy
 
 FRAME, CAM = "frame", "cam"
@@ -38,7 +38,7 @@ class Pose:
     turn: Derivatives
     points: Mapping[str, complex] = field(default_factory=lambda: _NOTHING)
     unit: Lazy[np.ndarray] = Lazy(lambda pose: unit(pose.turn[0]))
-    spin: Lazy[Derivatives] = Lazy(lambda pose: turning(pose.unit, pose.turn))
+    spin: Lazy[Derivatives] = Lazy(lambda pose: body_vector(pose.unit, pose.turn))
 
     @classmethod
     def of(cls, z: np.ndarray, angle: np.ndarray, points: Mapping[str, complex] = _NOTHING) -> Pose:

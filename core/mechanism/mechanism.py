@@ -20,7 +20,7 @@ from core.mechanism.groups import GroupSolution, group_solution, newton
 from core.mechanism.kinematics import FRAME, FRAME_POSE, REVOLUTE, SLIDING, Dyad, Pair, Pose
 from core.mechanism.linkage import Joint, JointEnd, SolutionPlan, plan_of, planned
 from core.motion import MotionState, largest_rate, motion_at, program
-from core.numerics.derivatives import Derivatives, constant, cross, heading, product, scaled, sum_of, turning, unit
+from core.numerics.derivatives import Derivatives, body_vector, constant, cross, heading, product, scaled, sum_of, unit
 
 # -- all links of a linkage at any positions of its driver, step by step ----------------------------------------
 
@@ -101,7 +101,7 @@ def _slid(pair: Joint, given: Derivatives, offset: float, on: Pose) -> Pose:
     """A link on the line of a known one: given + offset [m] on from where their points lie on each other."""
     heading, turn = turned_like(on, pair.first.along / pair.second.along)
     place = Derivatives(lambda order: given[order] if order else given[0] + offset)
-    at = sum_of(on.carried(pair.first.point), product(turning(pair.first.along * on.unit, on.turn), place))
+    at = sum_of(on.carried(pair.first.point), product(body_vector(pair.first.along * on.unit, on.turn), place))
     return placed(at, pair.second.point, heading, turn)
 
 

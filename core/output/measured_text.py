@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from core.measured import FoundSegment, MeasuredColumn, MotionFit, Worksheet
+from core.measured import MeasuredColumn, MotionFit, SegmentFit, Worksheet
 from core.measured.columns import column_name
 from core.measured.event import Event, events, velocity_jumps
 from core.measured.fitting import EXACT, MOST, contradiction
@@ -36,19 +36,20 @@ def notes(fit: MotionFit) -> tuple[str, ...]:
 
 def _of_the_fit(fit: MotionFit) -> Iterator[str]:
     table, unit = fit.table, fit.table.unit
-    if fit.guessed:
+    if fit.is_guessed:
         yield f"the measuring error is not stated; {digits(fit.error, 2)} {unit} is what the rows themselves tell"
     for gap in fit.gaps:
         what = "the spline bridges the gap" if gap.level is None else "the rows at both ends are level: a dwell"
         yield f"no rows from {digits(gap.start)} to {digits(float(np.mod(gap.end, 360.0)) or 360.0)} deg; {what}"
     result, left_out = fit.outliers, "left out of the fit" if fit.left_out else "fitted with the others"
     if result.wrong:
-        yield f"{table.named(result.wrong)}: wrong, no smooth curve joins them to the rows beside; {left_out}"
+        yield f"{table.lines_text(result.wrong)}: wrong, no smooth curve joins them to the rows beside; {left_out}"
     for each in fit.columns[1:]:
         if wrong := fit.spoiled.get(each.column.order, ()):
-            yield f"{each.column.name}: {table.named(wrong)}: wrong, no smooth curve joins them to those beside; these cells are left out"
+            rows = table.lines_text(wrong)
+            yield f"{each.column.name}: {rows}: wrong, no smooth curve joins them to those beside; these cells are left out"
     if result.possible:
-        yield f"{table.named(result.possible)}: beside wrong rows, they may be wrong too, nothing tells; {left_out}"
+        yield f"{table.lines_text(result.possible)}: beside wrong rows, they may be wrong too, nothing tells; {left_out}"
     if result.undecided:
         yield f"{contradiction(table, result)}; {left_out}"
     if table.closing is not None:
@@ -56,12 +57,12 @@ def _of_the_fit(fit: MotionFit) -> Iterator[str]:
         apart = (table.values[last] - table.values[first]) / table.size
         if abs(apart) > LARGE * sqrt(2.0) * fit.error:
             yield f"the table does not close: a turn later, line {table.lines[last]} is {digits(apart, 4)} {unit} off"
-    if fit.error and fit.rms > 1.001 * fit.error and not fit.found:
+    if fit.error and fit.rms > 1.001 * fit.error and not fit.segments:
         why = f"{MOST} points" if len(fit.points) >= MOST else "rows that repeat a cam angle"
         yield f"{why} leave {digits(fit.rms, 4)} {unit}, more than the measuring error"
-    if fit.error == 0.0 and fit.smoothing and not fit.found:
+    if fit.error == 0.0 and fit.smoothing and not fit.segments:
         yield f"more rows than {MOST} points can go through; the curve is the nearest one"
-    if fit.waves < WAVES and fit.error and not fit.found and fit.residuals.size >= LEAST_WAVES:
+    if fit.waves < WAVES and fit.error and not fit.segments and fit.residuals.size >= LEAST_WAVES:
         yield "residuals beside each other are alike: the curve leaves out some of the motion; a smaller error would keep it"
     yield from _of_the_columns(fit)
     for jump in fit.jumps:
@@ -88,7 +89,7 @@ def _of_the_columns(fit: MotionFit) -> Iterator[str]:
         rows = np.flatnonzero(np.isin(np.round(fit.table.angles, 6), np.round(gap.angles, 6)))
         yield (
             f"{own.name} contradicts {before.name}: in the whole it is {digits(gap.factor, 4)} times its derivative, and {rows.size} rows "
-            f"are off by more than their errors, {fit.table.named(rows.tolist())}; {_trusted(fit, before, own)}: "
+            f"are off by more than their errors, {fit.table.lines_text(rows.tolist())}; {_trusted(fit, before, own)}: "
             f"correct the unit or the speed, or say which to trust"
         )
     if fit.table.layout.trusted and fit.compared:
@@ -97,7 +98,7 @@ def _of_the_columns(fit: MotionFit) -> Iterator[str]:
     for each in fit.columns:
         if each.column.order in fit.compared:
             continue
-        used = fit.table.used((*fit.left_out, *fit.spoiled.get(each.column.order, ())))
+        used = fit.table.used_rows((*fit.left_out, *fit.spoiled.get(each.column.order, ())))
         size = float(np.nanmax(np.abs(each.column.values), initial=0.0)) / abs(each.column.size)
         allowed = max(each.error, 10.0**-each.column.decimals / sqrt(12.0), NEXT_TO_NOTHING * size)
         left = np.abs(np.nan_to_num(each.residuals[used]))
@@ -109,7 +110,7 @@ def _of_the_columns(fit: MotionFit) -> Iterator[str]:
             yield (
                 f"{each.column.name}: {far.size} of {used.size} rows contradict the motion by more than {LARGE:g} times their error of "
                 f"{digits(each.error, 2)} {each.column.unit}: {digits(float(left.max()), 3)} {each.column.unit} at most{part}, {there}; "
-                f"{fit.table.named(far.tolist())}"
+                f"{fit.table.lines_text(far.tolist())}"
             )
 
 
@@ -138,23 +139,23 @@ def row_line(fit: MotionFit, row: int) -> str:
     return f"{there}: {value} {table.unit}, {digits(float(fit.residuals[row]), 4)} {table.unit} off the curve"
 
 
-def rows_of(fit: MotionFit, segment: FoundSegment) -> np.ndarray:
+def rows_of(fit: MotionFit, segment: SegmentFit) -> np.ndarray:
     """The rows between the ends of a segment, in its order."""
     along = np.mod(fit.table.angles - segment.start_deg + 1e-9, 360.0)
     inside = np.flatnonzero(along <= segment.span_deg + 2e-9)
     return inside[np.argsort(along[inside], kind="stable")]
 
 
-def segment_fit(fit: MotionFit, segment: FoundSegment) -> tuple[float, float]:
+def segment_fit(fit: MotionFit, segment: SegmentFit) -> tuple[float, float]:
     """The largest residual of its rows, and their root mean square, in the unit of the motion's column."""
     rows = np.setdiff1d(rows_of(fit, segment), fit.left_out)
     left = np.abs(fit.residuals[rows])
     return (float(left.max()), sqrt(float(np.mean(left**2)))) if rows.size else (0.0, 0.0)
 
 
-def from_zero(segments: Sequence[FoundSegment]) -> list[FoundSegment]:
+def from_zero(segments: Sequence[SegmentFit]) -> list[SegmentFit]:
     """The segments as the motion has them, from cam angle 0 on: a dwell that passes it is two."""
-    told: list[FoundSegment] = []
+    told: list[SegmentFit] = []
     for each in segments:
         before = difference(360.0, each.start_deg)
         if each.law == DWELL and 1e-9 < before < each.span_deg - 1e-9 and each.span_deg < 360.0:
@@ -165,7 +166,7 @@ def from_zero(segments: Sequence[FoundSegment]) -> list[FoundSegment]:
     return told
 
 
-def segment_lines(fit: MotionFit, segments: Sequence[FoundSegment]) -> list[str]:
+def segment_lines(fit: MotionFit, segments: Sequence[SegmentFit]) -> list[str]:
     """A line for each segment: ``lines 36-77 (35 ... 76.5 deg) are modified-sine within 0.4 um: -150 mm``."""
     found = []
     for segment in segments:
@@ -258,7 +259,7 @@ def fit_text(sheet: Worksheet, fit: MotionFit, lifts: Sequence[float] = ()) -> s
     lines = [sheet.name, *columns(_padded(detected(sheet, fit)), left=2), ""]
     lines += columns(_padded(figures(fit)), left=2)
     parts = (
-        ("Segments", segment_lines(fit, from_zero(fit.found))),
+        ("Segments", segment_lines(fit, from_zero(fit.segments))),
         ("Events", event_lines(fit, events(fit, lifts))),
         ("Notes", notes(fit)),
         ("Wrong rows", suspicions(fit)),
@@ -270,7 +271,7 @@ def fit_text(sheet: Worksheet, fit: MotionFit, lifts: Sequence[float] = ()) -> s
     return "\n".join(lines) + "\n"
 
 
-def _segment_data(fit: MotionFit, segment: FoundSegment) -> dict[str, Any]:
+def _segment_data(fit: MotionFit, segment: SegmentFit) -> dict[str, Any]:
     rows, (most, rms) = rows_of(fit, segment), segment_fit(fit, segment)
     return {
         "law": segment.law,
@@ -312,7 +313,7 @@ def fit_data(sheet: Worksheet, fit: MotionFit, lifts: Sequence[float] = ()) -> d
         },
         "fit": {
             "error": fit.error,
-            "error_guessed": fit.guessed,
+            "error_guessed": fit.is_guessed,
             "rms_residual": fit.rms,
             "largest_residual": {"line": int(table.lines[fit.largest]), "value": float(fit.residuals[fit.largest])},
             "points": len(fit.points),
@@ -329,7 +330,7 @@ def fit_data(sheet: Worksheet, fit: MotionFit, lifts: Sequence[float] = ()) -> d
                 "name": each.column.name,
                 "unit": each.column.unit,
                 "error": each.error,
-                "error_guessed": each.guessed,
+                "error_guessed": each.is_guessed,
                 "compared_only": each.column.order in fit.compared,
                 "rms_residual": each.rms,
                 "largest_residual": {
@@ -339,7 +340,7 @@ def fit_data(sheet: Worksheet, fit: MotionFit, lifts: Sequence[float] = ()) -> d
             }
             for each in fit.columns
         ],
-        "segments": [_segment_data(fit, each) for each in from_zero(fit.found)],
+        "segments": [_segment_data(fit, each) for each in from_zero(fit.segments)],
         "events": [_event_data(each, fit.motion.unit) for each in events(fit, lifts)],
         "velocity_jumps": [
             {"cam_angle_deg": each.angle, "before": each.before, "after": each.after} for each in velocity_jumps(fit)

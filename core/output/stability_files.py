@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from core.design import UNITS
-from core.output.export import TONGUES, csv, table, texts, tongues_table
+from core.output.export import TONGUES, as_texts, csv, table, tongues_csv
 from core.output.report import report
 from core.output.summary import summary, to_json
 from core.papers import VERDICTS, Claim, Examples, FigureTable
@@ -106,7 +106,7 @@ def steady_tables(study: Study, shaft: Stability) -> dict[str, str | bytes]:
         made = {ORBIT: orbit_table(study.camshaft, turn)}
     else:
         parts = table(study, ORBIT, ("stability",))
-        made = {} if parts is None else texts({ORBIT: parts})
+        made = {} if parts is None else as_texts({ORBIT: parts})
     return {**made, "harmonics.csv": harmonics_table(turn)}
 
 
@@ -147,7 +147,7 @@ def tables(
     """File name -> text of the tables of a flexible shaft: tongues of the rows q, histories, means, coefficients."""
     count, damping = count_up_to(eta_max), shaft.machine.damping
     return {
-        TONGUES: tongues_table([tongues(shaft.coefficients, q, count, e, damping, error=1e-11) for e in EQUATIONS]),
+        TONGUES: tongues_csv([tongues(shaft.coefficients, q, count, e, damping, error=1e-11) for e in EQUATIONS]),
         "windup.csv": csv(*windup_columns(runs)),
         "windup_averages.csv": csv(*averages_columns(means)),
         "coefficients.csv": csv(*coefficients_columns(shaft.coefficients)),

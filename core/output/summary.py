@@ -16,7 +16,7 @@ from core.errors import NoStability
 from core.findings import Finding, Residual
 from core.mechanism.branches import four_bar
 from core.motion.extremes import Extremes
-from core.output.channels import channels, cycle_of, has_cycle
+from core.output.channels import channels, has_cycle, motion_cycle
 from core.output.subject_files import SERVO, Asked, asked, elastic_rows
 from core.shaft import Flywheel, peaks
 from core.study import Camshaft, Study, certificate_of, extremes_of, findings_of, quantities_of, roller_lives
@@ -104,7 +104,7 @@ def servo(study: Study) -> dict[str, Any]:
 
 def cycle(study: Study) -> dict[str, Any]:
     """What a motion that no cam makes does in a turn; energy: without recovery, and what is left of it where all braking is recovered."""
-    found, unit = cycle_of(study), study.design.drive.motion_unit
+    found, unit = motion_cycle(study), study.design.drive.motion_unit
     row: dict[str, Any] = {f"mean_speed_{unit}_s": found.mean_speed}
     row["stops"] = [
         {"cam_angle_deg": s.at_deg, f"position_{unit}": s.position, f"error_{unit}": s.error} for s in found.stops

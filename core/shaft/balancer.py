@@ -428,6 +428,10 @@ def balance_drive(load: LoadCurve, balancer: Balancer, omega: float) -> Drive:
 
     load: the torque to balance at the speed omega [rad/s]. Raises NoSolution where the torque jumps, or no follower
     exists.
+
+    References
+    ----------
+    Energy of its spring, x = 2(E_0 - W)/(F_0 + √(F_0² + 2 K (E_0 - W))).
     """
     (drive,) = balance_drives(load, [balancer], omega)
     if isinstance(drive, NoSolution):

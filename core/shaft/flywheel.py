@@ -247,24 +247,24 @@ class Flywheel:
 
     @property
     def mean_torque(self) -> float:
-        """Mean torque T̄ [N m]."""
+        """Mean torque of a turn, T̄ = W/(2 π) [N m]."""
         return self.load.mean
 
     @cached_property
     def energy_swing(self) -> float:
-        """Energy swing ΔE = max - min of ∫(T_c - T̄)dθ [J]."""
+        """Swing of energy ΔE = W_M - W_m of W = ∫(T_c - T̄) dθ [J]."""
         low, high = energy_range(self.load)
         return high - low
 
     @cached_property
     def needed_inertia(self) -> float:
-        """Least flywheel [kg m²] whose true speed satisfies the limit on its fluctuation, less the motor's inertia."""
+        """Least flywheel whose true speed keeps its limit of fluctuation, I = I_C - I_m [kg m²], I_m of the motor."""
         needed = inertia_for(self.load, self.shaft, si(self.shaft).speed_fluctuation)
         return max(needed - motor_inertia(self.shaft), 0.0)
 
     @property
     def estimated_inertia(self) -> float:
-        """Textbook estimate of the needed flywheel, ΔE/(C_s ω̄²) [kg m²], less the motor's inertia."""
+        """Textbook estimate of the flywheel, I = max(ΔE/(C_s ω̄²) - I_m, 0) [kg m²]."""
         estimate = inertia_by_energy(self.load, self.shaft, si(self.shaft).speed_fluctuation)
         return max(estimate - motor_inertia(self.shaft), 0.0)
 
@@ -300,13 +300,13 @@ class Flywheel:
 
     @property
     def fluctuation(self) -> float:
-        """Fluctuation (ω_max - ω_min)/ω̄ with the given flywheel, or 0. Raises NoSolution where the motor stalls."""
+        """Fluctuation of speed, C = (ω_M - ω_m)/ω̄; 0 without a flywheel. Raises NoSolution where the motor stalls."""
         low, high = self._deviations
         return float((high - low) / si(self.shaft).speed)
 
     @property
     def speed_range(self) -> tuple[float, float]:
-        """Least and greatest ω [rad/s]. Raises NoSolution where the motor stalls."""
+        """Lowest speed, n = ω_m, and highest speed, n = ω_M [rad/s]. Raises NoSolution where the motor stalls."""
         low, high = self._deviations
         return si(self.shaft).speed + low, si(self.shaft).speed + high
 
@@ -333,7 +333,7 @@ class Flywheel:
         return self._steady
 
     def speed(self, angles: Angles) -> np.ndarray:
-        """Speed ω of the shaft.
+        """Speed ω by the energy of the shaft, d/dθ[½(I + J_e) ω²] = T_m - T_s.
 
         Parameters
         ----------
@@ -352,7 +352,7 @@ class Flywheel:
         return si(self.shaft).speed + self._deviation(angles)
 
     def motor_torque(self, angles: Angles) -> np.ndarray:
-        """Motor torque T_m = T̄ + k(ω̄ - ω); without a flywheel T_c.
+        """Motor torque T_m = T̄ + k (ω̄ - ω); without a flywheel T_c.
 
         Parameters
         ----------

@@ -109,6 +109,10 @@ def motor_torque(servo: Servo, load: MotorLoad) -> np.ndarray:
     Returns
     -------
     ndarray (n,) [N m], [N] for a linear motor
+
+    References
+    ----------
+    Balance at the motor.
     """
     i = lever(servo)
     rotor = 0.0 if servo.kind == LINEAR else servo.rotor_inertia_kg_m2

@@ -21,7 +21,7 @@ from core.motion import Angles
 from core.motion.curves import has_common_pieces
 from core.motion.extremes import crossings
 from core.motion.program import ShaftPosition
-from core.numerics.lazy import at_angles_of, column, design_by_design, taken
+from core.numerics.lazy import at_owners, column, map_columns, one_design
 from core.shaft import Flywheel, LoadCurve, combined_load, panel_angles, peaks, rms
 from core.shaft.curve import NODES, fitted, nodes, torque_at
 from core.shaft.flywheel import energy_ranges
@@ -115,7 +115,7 @@ def block(
             inside &= np.asarray(segment.span_deg > 0.0)
         if motion is not None and not has_common_pieces(motion):
             for k in np.flatnonzero(inside).tolist():
-                if part_faults(taken(motion, design_by_design(k)), "motion"):
+                if part_faults(map_columns(motion, one_design(k)), "motion"):
                     found.reason[k] = FAULTY
     found.reason[~inside] = OUT_OF_RANGE
     good = np.flatnonzero(found.reason == "")
@@ -127,7 +127,7 @@ def block(
     at_once, alone = np.flatnonzero(chosen), np.flatnonzero(~chosen)
     further = {int(k): alone for k in good} if alone.size else {}
     if at_once.size:
-        every = _of_drives if design.listed else partial(_of_one, motion=taken(motion, at_angles_of(good)))
+        every = _of_drives if design.listed else partial(_of_one, motion=map_columns(motion, at_owners(good)))
         part, again = every(
             design,
             infos,
@@ -366,8 +366,8 @@ def _asked_of_one(study: Study, asked: QuantityRequest) -> tuple[float, float]:
         return total, np.nan
     if row is None:
         return OF_LOAD[asked.statistic](study.camshaft.load, study.design.camshaft)
-    if not has_quantity(study, row) or quantities_of(study, row.stage)[row.name].turns:
-        raise _NoValue(UNDERCUT if row.fitting else NO_VALUE)
+    if not has_quantity(study, row) or quantities_of(study, row.stage)[row.name].is_periodic:
+        raise _NoValue(UNDERCUT if row.needs_smooth_profile else NO_VALUE)
     if asked.statistic in ("rms", "mean"):
         angles, weight = nodes_of(study.program)
         return mean_statistic(

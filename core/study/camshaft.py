@@ -211,7 +211,7 @@ class Camshaft(Generic[D]):
 
     @property
     def torque(self) -> np.ndarray:
-        """Torque that keeps the shaft at constant speed, of all drives and the balance cam (n,) [N m]."""
+        """Torque that keeps the shaft at constant speed, of all drives and the balance cam, T(θ) = Σ T_k(θ - θ_k) (n,) [N m]."""
         return self.cams_torque if self.balancer is None else self.cams_torque + self.balancer_torque
 
     @property
@@ -292,7 +292,7 @@ class Camshaft(Generic[D]):
 
     @property
     def rms_torque(self) -> float:
-        """Root mean square of the torque [N m]."""
+        """Root mean square of the torque, T_r = √M with the mean M of T² [N m]."""
         return rms(self.load)
 
     @property
@@ -307,7 +307,7 @@ class Camshaft(Generic[D]):
 
     @property
     def peak_power(self) -> float:
-        """Greatest power of the shaft at constant speed [W]."""
+        """Greatest power of the shaft at constant speed, P = T ω̄ [W]."""
         return self.peaks.high.value * self.omega
 
     @property

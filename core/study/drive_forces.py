@@ -249,7 +249,7 @@ class DriveForces(DriveStudy):
 
     @property
     def elastic_contact_force(self) -> np.ndarray:
-        """Contact force of an open cam with an elastic follower (n,) [N]: F_c and the part of m ë + c ż - c_d ṡ + ks e.
+        """Contact force of an open cam with an elastic follower, F_e = F_c + Δ (n,) [N], with the part Δ of m ë + c ż - c_d ṡ + ks e.
 
         That sum is the force of the elastic follower less that of the rigid one; c_d is the damping of its dampers.
         """
@@ -423,6 +423,10 @@ def servo_speed(study: DriveForces) -> np.ndarray:
     Returns
     -------
     ndarray (n,) [rad/s; m/s of a linear motor]
+
+    References
+    ----------
+    Gear of the servo, n_s = i ẏ; of a linear motor v_s = ẏ.
     """
     return lever(servo_part(study)) * spread(study.motion.displacement[1], study.theta.size) * study.omega
 
@@ -433,6 +437,10 @@ def servo_power(study: DriveForces) -> np.ndarray:
     Returns
     -------
     ndarray (n,) [W]
+
+    References
+    ----------
+    P_s = T_s i ẏ.
     """
     return servo_torque(study) * servo_speed(study)
 

@@ -23,11 +23,11 @@ from core.shaft.speed import lever, moved_mass
 from core.stress import Pairing, RollerLife, pairings, relative_curvature
 from core.study.drive_forces import load_ratings, roller_lives, roller_speed, servo_load, servo_part, servo_torque
 from core.study.member_quantities import (
-    by_motor,
     centre_distance,
     centre_velocity,
     coordinate,
     line_of_centres,
+    motor_quantity,
     reference_velocity,
 )
 from core.study.study import Study
@@ -467,7 +467,7 @@ _SHAFT: Mapping[str, SymbolSource] = {
     "ω̄": _turn(lambda s: s.omega, "mean speed", "rad_s", speed_field),
     "T_m": SymbolSource("torque of the motor"),
     "T̄": _turn(lambda s: s.flywheel.mean_torque, "mean torque of the turn", "nm"),
-    "H.harmonics": _turn(lambda s: first(by_motor(Flywheel.linear_motor_torque)(s)) - s.flywheel.mean_torque,
+    "H.harmonics": _turn(lambda s: first(motor_quantity(Flywheel.linear_motor_torque)(s)) - s.flywheel.mean_torque,
                          "harmonics of the torque, each over 1 + i n I ω̄/k", "nm"),
     **{"T_n": SymbolSource("harmonics of the shaft's torque"), "n.order": SymbolSource("order"),
        "k.motor": SymbolSource("slope of the motor"), "I.shaft": SymbolSource("inertia of flywheel and motor"),

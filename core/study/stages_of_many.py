@@ -26,8 +26,8 @@ from core.motion import TURN, Angles, CompiledMotion, MotionState, program
 from core.motion.curves import has_common_pieces, with_all_pieces
 from core.motion.extremes import Extreme, Extremes
 from core.motion.program import SubdividedTurn
-from core.numerics.derivatives import Derivatives, cross, finite
-from core.numerics.lazy import Take, at_angles_of, column, design_by_design, repeated, taken, taker
+from core.numerics.derivatives import Derivatives, cross, replace_nan
+from core.numerics.lazy import ColumnMap, at_owners, column, map_columns, one_design, part_mapper, repeated_values
 from core.study.extremes import PROFILE_CURVATURES
 from core.study.highest import Search, nodes_of, refined
 from core.study.quantities import quantity
@@ -72,7 +72,7 @@ class Motions:
         if self._alike:
             self._stacked = CompiledMotion.from_columns(motion, count)
         else:  # their pieces depend on span and rise, or on a number of the curve
-            self._stacked = self._one_by_one([CompiledMotion(taken(motion, design_by_design(k))) for k in range(count)])
+            self._stacked = self._one_by_one([CompiledMotion(map_columns(motion, one_design(k))) for k in range(count)])
         self.starts, self.ends = (each.reshape(count, -1) for each in (self._stacked.starts, self._stacked.ends))
         self.pieces = self.starts.shape[1]
 
@@ -249,13 +249,13 @@ class Together:
             {name: getattr(plan, name) for name in ("points", "driver", "steps", "sides")},
             (self.design, self.loading),
         ]
-        return tuple((part, taker(part)) for part in parts)
+        return tuple((part, part_mapper(part)) for part in parts)
 
-    def study(self, state: MotionState, owner: np.ndarray, take: Take | None = None) -> Study:
+    def study(self, state: MotionState, owner: np.ndarray, take: ColumnMap | None = None) -> Study:
         """A study of all at the positions of a motion (n,), of which each belongs to the design ``owner`` (n,); take: how columns are
         taken there, where there is a quicker way."""
         made: dict[int, Any] = {}
-        take = take or at_angles_of(owner)
+        take = take or at_owners(owner)
         design, loading = _taken(self._parts[2], take, made)
         there = Study(design, angles=state.angles)
         mechanism = self._mechanism_at(take, made)
@@ -268,7 +268,7 @@ class Together:
         )
         return there
 
-    def _mechanism_at(self, take: Take, made: dict[int, Any]) -> Any:
+    def _mechanism_at(self, take: ColumnMap, made: dict[int, Any]) -> Any:
         own, plan, _ = self._parts
         there = replace(self.mechanism, **_taken(own, take, made))
         vars(there)["plan"] = SolutionPlan(linkage=self.mechanism.plan.linkage, **_taken(plan, take, made))
@@ -287,7 +287,7 @@ class Together:
             low, high = swept(self.program) if self.motions is None else self.motions.swept()
         every = np.broadcast_to(np.linspace(low, high, count, axis=-1), (self.count, count))
         for designs in self._ranges(count):
-            there = self._mechanism_at(repeated(designs, count), {})
+            there = self._mechanism_at(repeated_values(designs, count), {})
             y = every[designs]
             q = there.start + there.sense * y.ravel()
             yield designs, y, solve(there.plan, at_driver(np.asarray(q)), Branch(0.0))
@@ -352,7 +352,7 @@ class Together:
         return self._middles[link]
 
     def values(
-        self, names: Sequence[str], state: MotionState, owner: np.ndarray, take: Take | None = None
+        self, names: Sequence[str], state: MotionState, owner: np.ndarray, take: ColumnMap | None = None
     ) -> dict[str, np.ndarray]:
         """The quantities (n,), by name, and what a ``reader`` reads. What has no answer is noted. take: as of ``study``."""
 
@@ -365,7 +365,7 @@ class Together:
         return self.read(stage, state, owner, take, rows)
 
     def read(
-        self, stage: str, state: MotionState, owner: np.ndarray, take: Take | None, what: Callable[[Study], Any]
+        self, stage: str, state: MotionState, owner: np.ndarray, take: ColumnMap | None, what: Callable[[Study], Any]
     ) -> Any:
         """What is read of the study of all, as far as a stage. What has no answer is noted."""
         there, self._owner = self.study(state, owner, take), owner
@@ -428,7 +428,7 @@ class Together:
                 one = extreme_statistic(
                     each.statistic, (ends.low.value, ends.low.theta), (ends.high.value, ends.high.theta)
                 )
-            nothing = self.lost_at(row.stage) | (anywhere if row.fitting else False)
+            nothing = self.lost_at(row.stage) | (anywhere if row.needs_smooth_profile else False)
             if round_ := self._goes_round(each.name):
                 nothing = nothing | round_[0]
                 self._because(round_[0], NO_VALUE)
@@ -492,7 +492,7 @@ class Together:
         design, top = np.arange(len(row)), np.where(np.isnan(row), -np.inf, row).argmax(axis=1)
         own = row[design, top]
         beside = np.minimum(row[design, np.maximum(top - 1, 0)], row[design, np.minimum(top + 1, last)])
-        return finite(own - beside, nan=np.inf) + DOUBT * np.abs(own)
+        return replace_nan(own - beside, nan=np.inf) + DOUBT * np.abs(own)
 
     def _ranges_of(self, found: SearchResults) -> dict[str, Extremes]:
         nothing = np.full(self.count, np.nan), np.full(self.count, np.nan)
@@ -524,10 +524,10 @@ class Together:
             return state
         return self.motions.state(angles, owner)
 
-    def spread(self, angles: Angles, designs: slice = slice(None)) -> tuple[MotionState, np.ndarray, Take]:
+    def spread(self, angles: Angles, designs: slice = slice(None)) -> tuple[MotionState, np.ndarray, ColumnMap]:
         """The motion of some designs at angles (n,) of the plain one, whose each is, both (m n,), and how columns are taken there."""
         n, some = angles.theta.size, np.arange(self.count)[designs]
-        owner, m, take = np.repeat(some, n), some.size, repeated(designs, n)
+        owner, m, take = np.repeat(some, n), some.size, repeated_values(designs, n)
 
         def spread(row: np.ndarray) -> np.ndarray:
             return np.tile(row, m)
@@ -599,7 +599,7 @@ class Together:
         return found
 
 
-def _taken(part: tuple[Any, Any], take: Take, made: dict[int, Any]) -> Any:
+def _taken(part: tuple[Any, Any], take: ColumnMap, made: dict[int, Any]) -> Any:
     whole, make = part
     return whole if make is None else make(take, made)
 

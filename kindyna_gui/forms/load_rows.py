@@ -40,7 +40,7 @@ from core.design import (
     with_when,
 )
 from core.errors import KindynaError
-from core.output.load_text import held_text, row_name
+from core.output.load_text import attachment_text, row_name
 from kindyna_gui.documents.edits import Refusal
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import COLUMNS, NameLabel
@@ -142,7 +142,7 @@ class HoldRows(QWidget):
             if values != self._values.get(hold.key):
                 self._values[hold.key] = values
                 box.clear()
-                box.addItems([held_text(design, value) for value in values])
+                box.addItems([attachment_text(design, value) for value in values])
             box.setCurrentIndex(values.index(now))
 
     def _refused(self, refusal: Refusal) -> None:
@@ -197,7 +197,7 @@ def put_held(session: Session, path: str, hold: AttachedEnd, held: Held | None) 
     except KindynaError as error:
         session.refuse(at, reason(design, error))
         return False
-    label = f"{row_name(design, path)}: {hold.label[:1].lower()}{hold.label[1:]} {held_text(design, held)}"
+    label = f"{row_name(design, path)}: {hold.label[:1].lower()}{hold.label[1:]} {attachment_text(design, held)}"
     done = session.lay_out(changed, label, at)
     session.end_gesture()
     return done
@@ -346,9 +346,9 @@ class WhenRow(QWidget):
         self._put(with_table_row(self._session.typed, self._path, more), "one row more" if more else "one row less")
 
     def _copy(self) -> None:
-        from core.measured import as_text
+        from core.measured import load_table_text
 
-        QApplication.clipboard().setText(as_text(get(self._session.typed, self._path).points))
+        QApplication.clipboard().setText(load_table_text(get(self._session.typed, self._path).points))
 
     def _paste(self) -> None:
         from core.measured import load_points

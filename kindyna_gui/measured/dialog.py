@@ -25,7 +25,7 @@ from PySide6.QtWidgets import (
 
 from core.design import Info, require_motion
 from core.errors import KindynaError
-from core.measured import MotionFit, into_design, is_workbook, sheet_names
+from core.measured import MotionFit, is_workbook, sheet_names, with_measured_motion
 from core.measured.columns import LETTERS
 from core.output.measured_text import figures
 from core.project.files import read_bytes
@@ -283,7 +283,7 @@ class MeasuredDialog(PutDialog):
         self.form.ask_trust(answer.layout, answer.fit is not None and bool(answer.fit.contradicted))
         if answer.layout is not None:
             how = answer.layout
-            units = {how.quantity: how.unit.name, **{each.quantity: each.unit.name for each in how.beside}}
+            units = {how.quantity: how.unit.name, **{each.quantity: each.unit.name for each in how.other_columns}}
             for quantity, box in self.errors.items():
                 self.units[quantity].setText(symbol(units[quantity]) if quantity in units else "")
                 for each in (self.labels[quantity], box, self.units[quantity]):
@@ -362,7 +362,7 @@ class MeasuredDialog(PutDialog):
         self.readings.addItem("Which rows are wrong?", ())
         for rows in found.outliers.readings if found is not None else ():
             assert found is not None
-            self.readings.addItem(f"{found.table.named(rows)} ({len(rows)} rows)", rows)
+            self.readings.addItem(f"{found.table.lines_text(rows)} ({len(rows)} rows)", rows)
         readings = self.readings.count() > 1
         self.readings.setVisible(readings)
         self.readings.set_waits(readings)
@@ -454,7 +454,7 @@ class MeasuredDialog(PutDialog):
     def accept(self) -> None:
         """Put the motion into the design, where the table gives one."""
         if self.put_button.isEnabled() and self.answer.fit is not None:
-            self.put(into_design(self._session.design, self.answer.fit), f"Import {self._path.name}")
+            self.put(with_measured_motion(self._session.design, self.answer.fit), f"Import {self._path.name}")
 
 
 def import_measured(session: Session, parent: QWidget) -> MeasuredDialog | None:

@@ -37,7 +37,7 @@ from core.measured import (
     fit,
     is_workbook,
     layout,
-    mirrored,
+    mirror_rows,
     read_sheet,
     read_table,
     read_workbook,
@@ -140,7 +140,7 @@ class TableReader:
             how = layout(sheet, columns, self.motion_unit, self.speed_rpm)
             answer = replace(answer, layout=how)
             table = read_table(sheet, how, self.speed_rpm, leave_out)
-            return replace(answer, table=mirrored(table) if mirror else table)
+            return replace(answer, table=mirror_rows(table) if mirror else table)
         except TableError as error:
             return replace(answer, faults=error.faults)
 
@@ -279,11 +279,11 @@ class ReadingForm(QWidget):
         self._fill("value_unit", [(unit, symbol(unit)) for unit in units])
         self._choose("value_unit", how.unit.name if how else self._choices.get("value_unit", ""))
         for name, box in self.boxes.items():
-            box.set_waits(how is not None and name in how.guessed)
+            box.set_waits(how is not None and name in how.guessed_options)
 
     def ask_trust(self, how: ColumnLayout | None, contradicted: bool) -> None:
         """Ask which column makes the motion where they contradict each other; go on asking where one was chosen."""
-        read = () if how is None else (how.quantity, *(each.quantity for each in how.beside))
+        read = () if how is None else (how.quantity, *(each.quantity for each in how.other_columns))
         names = [(letter, sentence(quantity)) for letter, quantity in LETTERS.items() if quantity in read]
         self._fill("trust", [("", "Each that agrees with the one before"), *names])
         self._choose("trust", self._choices.get("trust", ""))

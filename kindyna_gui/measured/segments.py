@@ -11,7 +11,7 @@ from PySide6.QtCore import Signal
 from core.findings import ERROR, NOTE, WARNING
 from core.frozen import frozen
 from core.laws import LAWS
-from core.measured import QUANTITIES, FoundSegment, MotionFit, RowFault, Switches, switchable
+from core.measured import QUANTITIES, MotionFit, RowFault, SegmentFit, Switches, segment_kinds
 from core.measured.event import events
 from core.output.measured_text import (
     digits,
@@ -54,7 +54,7 @@ def fit_entries(fit: MotionFit) -> list[TableNote]:
     wrong = [TableNote(int(fit.table.lines[i]), _off(fit, i), WARNING, float(fit.table.angles[i])) for i in rows]
     open_ones = [
         TableNote(0, spelled(line), WARNING, found.start_deg)
-        for found, line in zip(fit.found, segment_lines(fit, fit.found), strict=True)
+        for found, line in zip(fit.segments, segment_lines(fit, fit.segments), strict=True)
         if found.ambiguous
     ]
     found = [
@@ -192,7 +192,7 @@ AS_FOUND = ""
 LAW = 2  # the column of the boxes
 
 
-def within(found: FoundSegment, angle: float) -> bool:
+def within(found: SegmentFit, angle: float) -> bool:
     """Whether a cam angle [deg] is one of the segment's."""
     return (angle - found.start_deg) % 360.0 < found.span_deg
 
@@ -216,14 +216,14 @@ class SegmentTable(RowsTable):
                 TableHeading("Lines", number=True),
             )
         )
-        self._found: tuple[FoundSegment, ...] = ()
+        self._found: tuple[SegmentFit, ...] = ()
         self._switches: Switches = ()
         self.boxes: list[WordBox] = []
         self._last: WordBox | None = None
 
     def show_fit(self, fit: MotionFit | None, switches: Switches) -> None:
         """Show the segments of a fit, which was made with these switches; none of a spline."""
-        self._found, self._switches = fit.found if fit is not None else (), switches
+        self._found, self._switches = fit.segments if fit is not None else (), switches
         focused = next((k for k, box in enumerate(self.boxes) if box.hasFocus()), None)
         self.show_rows([_row(fit, found) for found in self._found] if fit is not None else [])
         self.boxes = [self._box(found) for found in self._found]
@@ -243,7 +243,7 @@ class SegmentTable(RowsTable):
         """Where a segment begins, cam angle [deg]."""
         return self._found[row].start_deg if 0 <= row < len(self._found) else None
 
-    def _box(self, found: FoundSegment) -> WordBox:
+    def _box(self, found: SegmentFit) -> WordBox:
         box = WordBox()
         for slug, text in _choices(found):
             box.addItem(text, slug)
@@ -254,14 +254,14 @@ class SegmentTable(RowsTable):
         box.activated.connect(lambda _, box=box, found=found: self._switch(box, found))
         return box
 
-    def _switch(self, box: WordBox, found: FoundSegment) -> None:
+    def _switch(self, box: WordBox, found: SegmentFit) -> None:
         self._last, wanted = box, box.currentData()
         kept = tuple(each for each in self._switches if not within(found, each[0]))
         middle = round((found.start_deg + 0.5 * found.span_deg) % 360.0, 6)
         self.switched.emit(kept if wanted in (AS_FOUND, None) else (*kept, (middle, wanted)))
 
 
-def _row(fit: MotionFit, found: FoundSegment) -> TableRow:
+def _row(fit: MotionFit, found: SegmentFit) -> TableRow:
     rows, (most, _) = rows_of(fit, found), segment_fit(fit, found)
     lines = f"{fit.table.lines[rows[0]]}-{fit.table.lines[rows[-1]]}" if rows.size else ""
     ends = (f"{digits(angle)}°" for angle in (found.start_deg, found.start_deg + found.span_deg))
@@ -269,17 +269,19 @@ def _row(fit: MotionFit, found: FoundSegment) -> TableRow:
     return TableRow((*ends, "", rise, f"{digits(most, 2)} {symbol(fit.table.unit)}", lines), tip=_several(found))
 
 
-def _several(found: FoundSegment) -> str:
+def _several(found: SegmentFit) -> str:
     """Why none of several laws was taken."""
     names = ", ".join(_name(slug) for slug in found.ambiguous)
     return f"{names} fit as well as each other: choose one" if names else ""
 
 
-def _choices(found: FoundSegment) -> Sequence[tuple[str, str]]:
+def _choices(found: SegmentFit) -> Sequence[tuple[str, str]]:
     """What a segment can become, what it is first."""
     moves = found.rise != 0.0
     slugs = [
-        slug for slug in (*found.ambiguous, *switchable()) if (slug != "dwell" if moves else slug in ("table", "dwell"))
+        slug
+        for slug in (*found.ambiguous, *segment_kinds())
+        if (slug != "dwell" if moves else slug in ("table", "dwell"))
     ]
     return [(slug, _name(slug)) for slug in dict.fromkeys((found.law, *slugs))]
 

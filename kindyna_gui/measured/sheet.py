@@ -151,7 +151,7 @@ def fault_marks(faults: Collection[RowFault]) -> dict[int, Mark]:
 def fit_marks(fit: MotionFit) -> dict[int, Mark]:
     """By line, of rows that contradict those beside them: what stands there, and what was expected."""
     how, table = fit.table.layout, fit.table
-    places = (how.value_column, *(each.column for each in how.beside))
+    places = (how.value_column, *(each.column for each in how.other_columns))
     marks: dict[int, Mark] = {}
     for i, each in enumerate(fit.columns):
         rows = list(fit.spoiled.get(each.column.order, ()))
@@ -193,7 +193,7 @@ class SheetModel(QAbstractTableModel):
     ) -> None:
         """Show this sheet, so read, with these rows marked, and these left out."""
         colours = {} if how is None else {how.angle_column: SCREEN.quiet, how.value_column: SCREEN.family(how.quantity)}
-        for each in how.beside if how is not None else ():
+        for each in how.other_columns if how is not None else ():
             colours[each.column] = SCREEN.family(each.quantity)
         same = sheet is self.sheet
         if not same:

@@ -14,7 +14,7 @@ from core.cam import SECOND
 from core.design import CRANK, FRAME_LINK, UNITS, Design, distances, drive_at, entries, entry_at, is_assumed, only
 from core.findings import Residual
 from core.laws import find_law
-from core.output.channels import channels, cycle_of, has_cycle
+from core.output.channels import channels, has_cycle, motion_cycle
 from core.output.lines import digits, finding_line, printable
 from core.output.load_text import ROW, row_title
 from core.output.report.equations import equations_of
@@ -405,7 +405,7 @@ def cycle(study: Study) -> list[Section]:
     """What a motion that no cam makes does in a turn, and how far its stops are off."""
     if not has_cycle(study):
         return []
-    found, unit = cycle_of(study), study.design.drive.motion_unit
+    found, unit = motion_cycle(study), study.design.drive.motion_unit
     symbol, kind = UNITS[unit].symbol, "N" if unit == "mm" else "N·m"
     rows: list[Sequence[Cell]] = [("Mean speed", Number(found.mean_speed), f"{symbol}/s")]
     if found.work is not None:

@@ -29,12 +29,12 @@ from core.measured import (
     TableError,
     fit,
     guess_error,
-    into_design,
     layout,
     outliers,
     read_sheet,
     read_table,
     value_units,
+    with_measured_motion,
 )
 from core.motion import program
 from core.motion.curves import segment_shape
@@ -646,7 +646,7 @@ def test_a_table_without_scatter_is_as_exact_as_its_last_digit(decimals: int) ->
 def test_the_design_needs_the_table_no_longer(tmp_path: Path) -> None:
     """Saved and opened again the motion is the same to the last bit; nothing of it is assumed any longer."""
     found = spline(noisy(360, 0.01), 0.01)
-    design = into_design(
+    design = with_measured_motion(
         Design(LIFT.name, LIFT.shaft, (LIFT.drive,), ("motion.segments[0].span_deg", "loads.friction")), found
     )
     project.save(design, tmp_path / "d.toml")
@@ -656,7 +656,7 @@ def test_the_design_needs_the_table_no_longer(tmp_path: Path) -> None:
     assert again.assumed == ("loads.friction",)
     swings = spline(taken("angle [deg],arm [deg]\n" + rows(","), unit="deg"), 0.0)
     with pytest.raises(DesignError, match="measured in deg"):
-        into_design(LIFT, swings)
+        with_measured_motion(LIFT, swings)
 
 
 def test_the_smoothed_curve_is_what_the_window_draws() -> None:

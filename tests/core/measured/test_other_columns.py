@@ -66,7 +66,7 @@ def test_a_run_of_spoiled_rows_is_named_and_the_laws_stay(letter: str, first: in
     rows = [f"{a:g},{s:.6f},{v:.6f},{b:.6f}" for a, s, v, b in zip(ANGLES, *columns, strict=True)]
     sheet = read_sheet("\n".join(["angle [deg],s [mm],v [mm/deg],a [mm/deg2]", *rows]).encode(), "all.csv")
     found = fit(read_table(sheet, layout(sheet)))
-    assert [each.law for each in found.found] == ["modified-sine", "dwell"] * 2
+    assert [each.law for each in found.segments] == ["modified-sine", "dwell"] * 2
     data = fit_data(sheet, found)["spoiled"]
     assert sorted(each["line"] for each in data) == sorted((wrong + 2).tolist())
     for each in data:

@@ -122,7 +122,7 @@ def test_a_long_table_is_read_at_once(tmp_path: Path) -> None:
     found = fit(table, 0.0)
     assert tracemalloc.get_traced_memory()[1] < 40 * len(data), "of the lines only their places are kept"
     tracemalloc.stop()
-    assert [s.law for s in found.found] == ["4-5-6-7", "dwell", "3-4-5", "dwell"]
+    assert [s.law for s in found.segments] == ["4-5-6-7", "dwell", "3-4-5", "dwell"]
     assert np.abs(found.residuals).max() < 1e-7
     assert table.lines[-1] == 150_001
     spoiled = data.replace(b"\n180,", b"\nERR,")

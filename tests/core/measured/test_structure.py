@@ -119,7 +119,7 @@ def test_the_lift_comes_back_as_five_segments(tmp_path: Path, capsys: pytest.Cap
 def test_without_laws_quintics_go_through_all_rows_and_a_jump_is_named(law: str) -> None:
     motion = levels(0.0, (60.0, 0.0, "dwell"), (100.0, 20.0, law), (60.0, 20.0, "dwell"), (140.0, 0.0, law))
     found = fitted(written(motion, 720, orders=(0, 1, 2)), laws=False)
-    assert {s.law for s in found.found} == {"dwell", "table"}
+    assert {s.law for s in found.segments} == {"dwell", "table"}
     for column in found.columns:
         assert np.abs(column.residuals).max() <= 1e-9 * np.abs(column.column.values).max()
     jumps = {round(jump.angle, 6) % 360.0 for jump in found.jumps}
@@ -140,7 +140,7 @@ def test_a_velocity_that_is_no_derivative_is_named_with_its_rows_and_not_fitted(
         "column 3 (velocity_mm_s) contradicts column 2 (displacement_mm): in the whole it is 0.5 times"
     )
     assert "rows are off by more than their errors, lines 4" in told[0]
-    assert {s.law for s in found.found} == {"dwell", "3-4-5"}
+    assert {s.law for s in found.segments} == {"dwell", "3-4-5"}
 
 
 def test_of_columns_that_contradict_each_other_the_user_chooses(
@@ -221,7 +221,7 @@ def test_a_lift_table_in_tenths_of_a_thou_has_a_dwell_that_does_not_move(laws: b
     assert off < (0.01 if laws else 0.15)
     turns = np.count_nonzero(np.diff(np.sign(derivative(found.motion, fine, 3))))
     assert turns <= 7, "no ripple"
-    assert {s.law for s in found.found} == {"dwell", "4-5-6-7" if laws else "table"}
+    assert {s.law for s in found.segments} == {"dwell", "4-5-6-7" if laws else "table"}
 
 
 @pytest.mark.stress
@@ -229,7 +229,7 @@ def test_none_of_two_laws_is_named_where_both_fit() -> None:
     """At an error of half a percent cycloidal and Gutman's law cannot be told from their neighbours."""
     motion = levels(0.0, (90.0, 0.0, "dwell"), (60.0, 10.0, "gutman-1-3"), (90.0, 10.0, "dwell"), (120.0, 0.0, "3-4-5"))
     found = fitted(written(motion, 120, 6, error=0.05), error=0.05)
-    several = [s for s in found.found if s.ambiguous]
+    several = [s for s in found.segments if s.ambiguous]
     assert several
     assert all(s.law == "table" and len(s.ambiguous) > 1 for s in several)
     data = fit_data(read_sheet(b"a,b\n0,1\n1,2\n", "t.csv"), found)
@@ -335,7 +335,7 @@ def test_segments_are_switched_and_tables_that_follow_on_each_other_are_one(
     switches: list[tuple[float, str]], found: list[str]
 ) -> None:
     fit = fitted(written(TWO_DWELLS, 360, digits=6), error=1e-5, switches=switches)
-    assert [f"{each.start_deg:.0f} {each.law} {each.span_deg:.0f}" for each in fit.found] == found
+    assert [f"{each.start_deg:.0f} {each.law} {each.span_deg:.0f}" for each in fit.segments] == found
     assert fit.rms < 1.2e-5
     assert velocity_jumps(fit) == ()
 
@@ -347,7 +347,7 @@ def test_a_stretch_that_wavers_is_made_a_dwell_and_a_stroke_another_law() -> Non
     values = position(TWO_DWELLS, angles) + waver
     text = "angle [deg],lift [mm]\n" + "".join(f"{a:g},{v:.6f}\n" for a, v in zip(angles, values, strict=True))
     natural = fitted(text, error=1e-5)
-    assert [each.law for each in natural.found] == [
+    assert [each.law for each in natural.segments] == [
         "modified-sine",
         "dwell",
         "table",
@@ -355,9 +355,9 @@ def test_a_stretch_that_wavers_is_made_a_dwell_and_a_stroke_another_law() -> Non
         "modified-sine",
         "dwell",
     ]
-    assert sum(each.span_deg for each in natural.found) == pytest.approx(360.0), "none lies over another"
+    assert sum(each.span_deg for each in natural.segments) == pytest.approx(360.0), "none lies over another"
     fit = fitted(text, error=1e-5, switches=[(170.0, "dwell"), (250.0, "cycloidal")])
-    assert [each.law for each in fit.found] == ["modified-sine", "dwell", "cycloidal", "dwell"]
+    assert [each.law for each in fit.segments] == ["modified-sine", "dwell", "cycloidal", "dwell"]
     assert velocity_jumps(fit) == ()
 
 

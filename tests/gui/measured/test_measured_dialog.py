@@ -335,7 +335,7 @@ def test_every_step_of_the_error_is_fitted_and_drawn_at_once(lift: User, imports
     assert dialog.answer.fit.error == dialog.error.value > 0.1 > before
     click(dialog.estimate)
     assert dialog.answer.fit is not None
-    assert dialog.answer.fit.guessed
+    assert dialog.answer.fit.is_guessed
     assert dialog.error.value == pytest.approx(0.05, rel=0.2)
 
 
@@ -751,7 +751,7 @@ def test_each_column_has_its_error_its_band_and_its_residuals(lift: User, import
     enter(lift, dialog.errors["velocity"], "0.005")
     fit = dialog.answer.fit
     assert fit is not None
-    assert [(each.error, each.guessed) for each in fit.columns] == [(0.06, False), (0.005, False)]
+    assert [(each.error, each.is_guessed) for each in fit.columns] == [(0.06, False), (0.005, False)]
     for plot, error in ((dialog.rows_plot, 0.06), (dialog.derivative_plots[0], 0.005)):
         (line,) = plot.shown
         assert line.band is not None
