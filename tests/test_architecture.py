@@ -232,7 +232,6 @@ UNDOCUMENTED: tuple[str, ...] = (
     "core/measured/",
     "core/mechanism/",
     "core/output/",
-    "core/output/explain/",
     "core/output/report/",
     "core/papers/",
     "core/project/",
