@@ -12,7 +12,7 @@ from core.design import FRAME_LINK, CamSlider, Design, Driver, Link, Linkage, Li
 from core.errors import NoAssembly, angle_ranges
 from core.followers.dimensions import angle_at_pivot, rounded, second_on_arm
 from core.frozen import frozen
-from core.mechanism.mechanism import Mechanism, ReferencePoint, Solved
+from core.mechanism.mechanism import LinkageSolution, Mechanism, ReferencePoint
 from core.motion import MotionState
 from core.numerics.derivatives import heading, vector
 
@@ -120,11 +120,11 @@ def cam_slider(follower: CamSlider, reach: float) -> Mechanism:
     )
     guide = str(SLIDER)
 
-    def across(solved: Solved) -> dict[str, np.ndarray]:
+    def across(solved: LinkageSolution) -> dict[str, np.ndarray]:
         """|cos β|: a rod across the guide cannot move the slider."""
         return {"rod-across-guide": np.abs(solved.poses[ROD].unit.real)}
 
-    def refuse(motion: MotionState, solved: Solved, lost: np.ndarray) -> NoAssembly:
+    def refuse(motion: MotionState, solved: LinkageSolution, lost: np.ndarray) -> NoAssembly:
         return _refusal(follower, base.slider, motion, lost)
 
     return Mechanism(
@@ -135,7 +135,7 @@ def cam_slider(follower: CamSlider, reach: float) -> Mechanism:
         g.guide_angle,
         base.slider,
         pairs={guide: "guide"},
-        by={"arm_pin": ROD, "slider_pin": ROD},
+        force_links={"arm_pin": ROD, "slider_pin": ROD},
         points={guide: "slider_pin"},
         coordinates={"slider_position": guide, "phi": ARM, "beta": ROD},
         angles={ARM: base.phi, ROD: base.beta},

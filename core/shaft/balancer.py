@@ -33,7 +33,7 @@ from core.design import (
 )
 from core.errors import NoSolution
 from core.frozen import frozen
-from core.laws import Piece, moved
+from core.laws import Piece, shifted
 from core.motion import TURN
 from core.numerics.lazy import checkpoint
 from core.shaft.curve import NODES, LoadCurve, nodes, polyval, to_powers
@@ -537,7 +537,7 @@ def _by_own_angle(start: np.ndarray, width: np.ndarray, coefficients: np.ndarray
     ahead, tail = rows[cut + 1 :], [(a + TURN, h, c) for a, h, c in rows[:cut]]
     if begins < 0.0:
         tail.append((begins + TURN, wide, row))
-        row = np.array(moved(row.tolist(), -begins / wide))
+        row = np.array(shifted(row.tolist(), -begins / wide))
         begins = 0.0
     pieces = []
     for a, h, c in [(begins, wide, row), *ahead, *tail]:

@@ -398,7 +398,7 @@ Places = tuple[np.ndarray, np.ndarray, Angles]
 
 def loads(one: Together) -> list[LoadCurve | None]:
     """The load of each design by its cam's angle, as ``fit_load_curve`` has it; None where it is not finite."""
-    slides = [f for f in one.loading.frictions if one.mechanism.joined[f.pair].kind == SLIDING]
+    slides = [f for f in one.loading.frictions if one.mechanism.pairs_by_name[f.pair].kind == SLIDING]
     switches = [
         one.reader(f"switch {i}", partial(_switch, switch))
         for i, switch in enumerate(friction_switches(one.loading, slides, one.is_form_closed))

@@ -14,7 +14,7 @@ from core.errors import NoStability
 from core.findings import LEAST_BOUND, Residual
 from core.instant_centres import moving_collinearity
 from core.mechanism import unit_speed_kinematics
-from core.mechanism.groups import AGREES
+from core.mechanism.groups import CONSISTENT
 from core.motion import EPS
 from core.study.camshaft import Camshaft
 from core.study.extremes import undercut_on
@@ -51,7 +51,7 @@ def _drive_certificate(study: Study, stages: Sequence[str]) -> dict[str, Residua
         stroke = float(np.ptp(study.motion.displacement[0])) or 1.0
         proof["motion_closure"] = Residual(abs(float(last.jump[0])) / stroke, 1e-9 * max(1.0, 1.0 / stroke))
     if "linkage" in stages:
-        agrees = AGREES if study.mechanism.plan.redundant else 0.0  # by which redundant pairs may be open
+        agrees = CONSISTENT if study.mechanism.plan.redundant else 0.0  # by which redundant pairs may be open
         proof["loop_closure"] = _worst(study.linkage.residual, np.maximum(agrees, EPS * study.linkage.condition))
         if study.mechanism.ranged:
             proof["three_centres"] = _three_centres(study)

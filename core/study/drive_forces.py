@@ -18,7 +18,7 @@ from core.design.parts import Servo
 from core.dynamics import FlankChange, Forces, Friction, kinetic_energy
 from core.errors import NoPosition, NoSolution
 from core.frozen import frozen
-from core.mechanism import swept
+from core.mechanism import motion_extent
 from core.mechanism.kinematics import SLIDING, Kinematics
 from core.motion import TURN, Angles, program
 from core.motion.extremes import Extreme, crossings, find_above, piecewise_angles
@@ -150,7 +150,7 @@ class DriveForces(DriveStudy):
 
         def compute() -> Flights:
             lever = self.at_theta(np.zeros(1)).dynamics.contacts[0].lever[0]
-            away = -float(np.sign(lever * self.mechanism.sense))
+            away = -float(np.sign(lever * self.mechanism.driver_sign))
             restitution = getattr(loads, "restitution", None) or 0.0
             return dynamics.flights(
                 lambda angles: contact.at_speed(angles, self.omega),
@@ -182,7 +182,7 @@ class DriveForces(DriveStudy):
         if not self.is_elastic:
             raise NoSolution("the follower is rigid", "loads.follower_stiffness_n_per_mm", "enter its stiffness")
         drive, driver_ranges, loading = self.design.drive, self.driver_ranges, self.loading
-        loads, stroke = si(drive.loads), swept(program(drive.motion))
+        loads, stroke = si(drive.loads), motion_extent(program(drive.motion))
         parts = (
             self.mechanism, driver_ranges, loading, drive.face, drive.bare_cam, self.sense, stroke, loads.follower_stiffness,
             loads.follower_damping_ratio or 0.0,
@@ -262,7 +262,7 @@ class DriveForces(DriveStudy):
             + own_damping * self.omega * self.motion.displacement[1]
             + model.closing * e
         )
-        return np.asarray(forces.contact - self.mechanism.sense * difference / forces.lever)
+        return np.asarray(forces.contact - self.mechanism.driver_sign * difference / forces.lever)
 
     @property
     def jamming_pair(self) -> Friction | None:
@@ -352,7 +352,7 @@ class DriveForces(DriveStudy):
                 "linkage.drivers" if self.design.drive.linkage.drivers else "linkage.links",
                 "choose ratios and lengths with which it returns after one turn",
             )
-        if self.by_crank and not (len(self.driver_ranges.ranges) == 1 and self.driver_ranges.ranges[0].free):
+        if self.by_crank and not (len(self.driver_ranges.ranges) == 1 and self.driver_ranges.ranges[0].is_free):
             raise NoPosition(
                 "the crank cannot turn fully, so that no shaft can drive it", "linkage.links", "change their lengths"
             )
@@ -401,7 +401,7 @@ def servo_load(study: DriveForces) -> MotorLoad:
     """Load of the motor at the angles of the study."""
     n = study.theta.size
     forces = dynamics.newton_euler(study.linkage, None, study.loading, study.omega)
-    force = study.mechanism.sense * spread(forces.driver, n)
+    force = study.mechanism.driver_sign * spread(forces.driver, n)
     y = study.motion.displacement
     v, a = (spread(y[k], n) * study.omega**k for k in (1, 2))
     return motor_load(servo_part(study), v, a, force, np.sign(study.omega) * study.motion.velocity_sign)

@@ -100,7 +100,7 @@ def _travel(second: bool) -> Point:
         if pair.kind != REVOLUTE:
             return first_complex(kinematics.line(pair))
         at = flank.contact if flank.straight else flank.reference
-        arm = first_complex(at - kinematics.bodies[pair.body].place(pair.point))
+        arm = first_complex(at - kinematics.bodies[pair.body].position(pair.point))
         return 1j * arm / abs(arm)
 
     return value
@@ -140,12 +140,12 @@ def _stress(part: str) -> Callable[[Study, str], float]:
 def _triangle_side(study: Study) -> complex:
     """From the pivot to the slider's pin."""
     bodies = study.linkage.bodies
-    return first_complex(bodies["slider"].place("slider_pin")) - first_complex(bodies["arm"].place("pivot"))
+    return first_complex(bodies["slider"].position("slider_pin")) - first_complex(bodies["arm"].position("pivot"))
 
 
 def _layout_sign(study: Study) -> float:
     bodies = study.linkage.bodies
-    joint = first_complex(bodies["arm"].place("arm_pin")) - first_complex(bodies["arm"].place("pivot"))
+    joint = first_complex(bodies["arm"].position("arm_pin")) - first_complex(bodies["arm"].position("pivot"))
     return float(np.sign(cross(np.array([_triangle_side(study)]), np.array([joint]))[0]))
 
 
@@ -156,7 +156,7 @@ def _ground_line(study: Study, _: str) -> complex:
 
 def _ground_pivot(study: Study, _: str) -> complex:
     pair = study.linkage.pairs[study.linkage.ground]
-    return first_complex(study.linkage.bodies[pair.body].place(pair.point))
+    return first_complex(study.linkage.bodies[pair.body].position(pair.point))
 
 
 def _centre_sign(study: Study) -> float:
@@ -166,7 +166,7 @@ def _centre_sign(study: Study) -> float:
 
 def _point(order: int) -> Point:
     """Position of a point of a link, or its derivative by the angle of cam or crank [m]."""
-    return lambda study, point: first_complex(study.linkage.bodies[study.linkage.body_of(point)].place(point, order))
+    return lambda study, point: first_complex(study.linkage.bodies[study.linkage.body_of(point)].position(point, order))
 
 
 def _in_link(study: Study, point: str) -> complex:

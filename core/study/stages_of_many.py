@@ -17,10 +17,10 @@ from core import cam, dynamics
 from core.design import FRAME_LINK, Design, Motion, get, put
 from core.errors import collecting_failures
 from core.followers import BUILDERS
-from core.mechanism import CrankProgram, DriverRange, DriverRanges, SolutionPlan, at_driver, swept
+from core.mechanism import CrankMotion, DriverRange, DriverRanges, SolutionPlan, at_driver, motion_extent
 from core.mechanism.branches import Branch
 from core.mechanism.driver_ranges import PATH, SIDED, near_zero
-from core.mechanism.drivers import with_room
+from core.mechanism.drivers import with_margin
 from core.mechanism.mechanism import solve
 from core.motion import TURN, Angles, CompiledMotion, MotionState, program
 from core.motion.curves import has_common_pieces, with_all_pieces
@@ -122,11 +122,11 @@ class Motions:
         moved = Derivatives(lambda order: flat.displacement[order].reshape(there.theta.shape))
         return MotionState(there, moved, flat.velocity_sign.reshape(there.theta.shape))
 
-    def swept(self) -> tuple[np.ndarray, np.ndarray]:
+    def motion_extent(self) -> tuple[np.ndarray, np.ndarray]:
         """As of one design, (m,) each."""
         every = np.arange(self.starts.size)
         ends = (self._stacked.state(Angles(theta.ravel(), every)) for theta in (self.starts, self.ends))
-        return with_room(np.concatenate([e.displacement[0].reshape(self.starts.shape) for e in ends], axis=1))
+        return with_margin(np.concatenate([e.displacement[0].reshape(self.starts.shape) for e in ends], axis=1))
 
 
 class AboutMiddle:
@@ -135,8 +135,8 @@ class AboutMiddle:
     def __init__(self, middle: Callable[[], np.ndarray], owner: np.ndarray) -> None:
         self._middle, self._owner = middle, owner
 
-    def of(self, q: Derivatives, angle: Derivatives) -> Derivatives:
-        """As ``UnwrappedAngle.of``."""
+    def unwrapped(self, q: Derivatives, angle: Derivatives) -> Derivatives:
+        """As `UnwrappedAngle.unwrapped`."""
 
         def first() -> np.ndarray:
             own = angle[0]
@@ -151,8 +151,8 @@ class Along:
     def __init__(self, at: np.ndarray, angle: Callable[[], np.ndarray], owner: np.ndarray) -> None:
         self._at, self._angle, self._owner = at, angle, owner
 
-    def of(self, q: Derivatives, angle: Derivatives) -> Derivatives:
-        """As ``UnwrappedAngle.of``."""
+    def unwrapped(self, q: Derivatives, angle: Derivatives) -> Derivatives:
+        """As `UnwrappedAngle.unwrapped`."""
 
         def first() -> np.ndarray:
             own, low, last = self._owner, self._at[self._owner, 0], self._at.shape[1] - 1
@@ -191,7 +191,7 @@ class Together:
                 numbers = np.where(other_sense, get(design, path), numbers)
             design = put(design, path, column(numbers))
         self.design, drive = design, design.drive
-        uncut: Any = CrankProgram(_WHOLE) if design.by_crank else Study(self.plain).uncut
+        uncut: Any = CrankMotion(_WHOLE) if design.by_crank else Study(self.plain).uncut
         if motion is not None:
             uncut = program(with_all_pieces(uncut.motion, motion))
         self.motions = None if motion is None else Motions(uncut, motion, count)
@@ -284,12 +284,12 @@ class Together:
         low: Any = 0.0
         high: Any = TURN
         if not self.plain.by_crank:
-            low, high = swept(self.program) if self.motions is None else self.motions.swept()
+            low, high = motion_extent(self.program) if self.motions is None else self.motions.motion_extent()
         every = np.broadcast_to(np.linspace(low, high, count, axis=-1), (self.count, count))
         for designs in self._ranges(count):
             there = self._mechanism_at(repeated_values(designs, count), {})
             y = every[designs]
-            q = there.start + there.sense * y.ravel()
+            q = there.start + there.driver_sign * y.ravel()
             yield designs, y, solve(there.plan, at_driver(np.asarray(q)), Branch(0.0))
 
     @cached_property

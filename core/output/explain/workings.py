@@ -94,7 +94,7 @@ def _link_angle(study: Study, number: str) -> Calculation:
             (letter("θ_s", "angle of the link that it slides on, plus its fixed angle to that", turn, "deg", LINKAGE),),
         )
     a, b = [name for name, at in pose.points.items() if at in positions[:2]][:2]
-    at_a, at_b = (complex(np.atleast_1d(pose.place(name))[0]) for name in (a, b))
+    at_a, at_b = (complex(np.atleast_1d(pose.position(name))[0]) for name in (a, b))
     inside = turn - np.angle(at_b - at_a)
     rows = [letter(f"{axis}_{mark}", f"{name}, {axis}", getattr(at, part), "mm", LINKAGE)
             for mark, name, at in (("A", a, at_a), ("B", b, at_b)) for axis, part in (("x", "real"), ("y", "imag"))]  # fmt: skip
@@ -113,7 +113,7 @@ def _masses(study: Study, bodies: Iterable[str]) -> list[tuple[str, float, float
     for mass in study.loading.masses:
         if mass.is_active and mass.body in bodies:
             pose, part = study.linkage.bodies[mass.body], mass.inertia
-            speed = abs(complex(np.atleast_1d(pose.carried(part.centre)[1])[0])) * study.omega
+            speed = abs(complex(np.atleast_1d(pose.fixed_point(part.centre)[1])[0])) * study.omega
             rows.append(
                 (mass.body, part.mass, speed, part.about_centre, first(np.broadcast_to(pose.turn[1], 1)) * study.omega)
             )
@@ -186,7 +186,9 @@ def _drive_power(study: Study, _: str) -> Calculation:
     if "cam" in study.stages:
         return Calculation(("P = T ω",), (quantity_letter(study, "drive_torque", "T"), *letters_of(study, "ω")))
     linkage, omega = study.linkage, study.omega
-    driver = first(linkage.slip(linkage.driver_name)) * linkage.sense * first(linkage.motion.displacement[1]) * omega
+    driver = (
+        first(linkage.slip(linkage.driver_name)) * linkage.driver_sign * first(linkage.motion.displacement[1]) * omega
+    )
     if linkage.driver_pair.kind == REVOLUTE:
         parts = ["T ω_d"]
         letters = [quantity_letter(study, "driver_torque", "T"),
@@ -338,7 +340,7 @@ def _moments(study: Study, pair: str, rows: list[ForceOnBody]) -> tuple[str, tup
     """Sum of moments about a pair's point."""
     joined = study.linkage.pairs[pair]
     bodies = study.linkage.bodies
-    at = bodies[joined.body if joined.body in bodies else joined.on].place(joined.point)
+    at = bodies[joined.body if joined.body in bodies else joined.on].position(joined.point)
     meaning = "moment of {} about the pair's point"
     return _terms(rows, "M_{}", meaning, lambda row: cross(row.at - at, row.force) + row.couple, "nm")
 
