@@ -559,7 +559,7 @@ def flywheel(study: Study, wheel: Mapping[str, float | None], with_mean: bool = 
             "kg·m²",
             "needed_inertia_kg_m2",
         ),
-        ("Estimate of it, ΔE/(C_s ω̄²)", Number(wheel["estimated_inertia_kg_m2"]), "kg·m²", "estimated_inertia_kg_m2"),
+        ("Estimate of it by energy", Number(wheel["estimated_inertia_kg_m2"]), "kg·m²", "estimated_inertia_kg_m2"),
     ]
     if fluctuation is None:
         rows.append(("Speed", "the motor stalls", "", ""))
