@@ -22,8 +22,8 @@ from core.motion.curves import has_common_pieces
 from core.motion.extremes import crossings
 from core.motion.program import ShaftPosition
 from core.numerics.lazy import at_owners, column, map_columns, one_design
-from core.shaft import Flywheel, LoadCurve, combined, panel_angles, peaks, rms
-from core.shaft.curve import NODES, fitted, nodes, value
+from core.shaft import Flywheel, LoadCurve, combined_load, panel_angles, peaks, rms
+from core.shaft.curve import NODES, fitted, nodes, torque_at
 from core.shaft.flywheel import energy_ranges
 from core.study.drive_forces import load_ratings, roller_force, roller_speed
 from core.study.extremes import extremes_of, has_quantity, undercut_on
@@ -248,7 +248,7 @@ def _drives_results(
             for k, phase_rad in enumerate(np.deg2rad(np.broadcast_to(phase, m) % 360.0).tolist()):
                 loads[k].append((curves[0 if is_constant else k], ShaftPosition(phase_rad)))
     if totals:
-        curves = [None if any(curve is None for curve, _ in parts) else combined(parts) for parts in loads]
+        curves = [None if any(curve is None for curve, _ in parts) else combined_load(parts) for parts in loads]
         shafts = _shafts(design, infos, rows)
         results.value[totals], results.theta[totals] = load_figures([requests[i] for i in totals], curves, shafts)
     return results, np.zeros(m, dtype=bool)
@@ -497,7 +497,7 @@ def _load_curve(block: DesignBlock, k: int, panels: Panels, values: np.ndarray) 
     torque, inertia = (row.reshape(-1, NODES) for row in values)
     curve = fitted(start, width, torque, inertia)
     sign = Study(block.plain).turn_sign
-    return curve if sign > 0.0 else combined([(curve, ShaftPosition(0.0, sign))])
+    return curve if sign > 0.0 else combined_load([(curve, ShaftPosition(0.0, sign))])
 
 
 def load_figures(
@@ -537,7 +537,7 @@ def _torque_extreme(statistic: str, curve: LoadCurve, shaft: Shaft) -> tuple[flo
 
 
 def _flywheel_inertia(curve: LoadCurve, shaft: Shaft) -> tuple[float, float]:
-    return Flywheel(lambda angles: value(curve, angles.theta), curve, shaft).needed_inertia, np.nan
+    return Flywheel(lambda angles: torque_at(curve, angles.theta), curve, shaft).needed_inertia, np.nan
 
 
 LOAD_FIGURES: dict[str, Callable[[LoadCurve, Shaft], tuple[float, float]]] = {
