@@ -229,11 +229,9 @@ UNDOCUMENTED: tuple[str, ...] = (
     "core/linkage_programs/",
     "core/measured/",
     "core/output/",
-    "core/output/explain/",
     "core/output/report/",
     "core/papers/",
     "core/project/",
-    "core/shaft/",
     "core/study/",
     "core/varying/",
 )
