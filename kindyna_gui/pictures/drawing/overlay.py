@@ -140,7 +140,7 @@ def laid(geometry: Geometry) -> Iterator[PlacedDimension]:
         body = geometry.bodies.get(row.body) if row.body != FRAME else None
         turn = np.ones(geometry.samples, dtype=complex) if body is None else body.turn
         origin = np.zeros(geometry.samples, dtype=complex) if body is None else body.z
-        outwards = complex(((origin + sum(row.points) * MM / len(row.places) * turn - middle) / turn).mean())
+        outwards = complex(((origin + sum(row.points) * MM / len(row.points) * turn - middle) / turn).mean())
         across = _across(row, outwards)
         direction = (row.body, round(DIRECTIONS * cmath.phase(across))) if row.kind == LENGTH else ("", -1)
         number, unit = levels[direction], geometry.unit
@@ -151,7 +151,7 @@ def laid(geometry: Geometry) -> Iterator[PlacedDimension]:
 
 def _across(row: Dimension, outwards: complex) -> complex:
     """The unit vector square to what is measured, on the outer side."""
-    along = row.along or row.points[1] - row.places[0]
+    along = row.along or row.points[1] - row.points[0]
     across = 1j * along / abs(along)
     return across if (across * outwards.conjugate()).real >= 0.0 else -across
 
