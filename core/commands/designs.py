@@ -30,7 +30,15 @@ from core.errors import KindynaError, NoSolution
 from core.find import BOUNDS, CAM_SEARCHES, LIMITS, SEARCHES, SHAFT_SEARCHES, Solution, StatedLimits, find, same_design
 from core.findings import ERROR
 from core.frozen import frozen
-from core.output.compare import Side, as_csv, as_document, as_rows, as_text, compared, side_of
+from core.output.compare import (
+    ComparedDesign,
+    compare_designs,
+    compared_design,
+    comparison_csv,
+    comparison_data,
+    comparison_document,
+    comparison_text,
+)
 from core.output.explain import as_row, explained
 from core.output.explain import as_text as explain_as_text
 from core.output.export import bounded_study
@@ -62,23 +70,23 @@ class CompareArguments:
 
 def run_compare(arguments: CompareArguments, painter: Painter | None) -> int:
     """What differs, on the terminal, and as a file where one is named."""
-    found = compared(_side(arguments.a), _side(arguments.b))
+    found = compare_designs(_side(arguments.a), _side(arguments.b))
     if arguments.out is not None:
         if arguments.out.suffix.lower() == ".csv":
-            write(arguments.out, as_csv(found).encode())
+            write(arguments.out, comparison_csv(found).encode())
         else:
             from core.output.report.document import html
 
-            write(arguments.out, html(as_document(found), {}).encode())
-    print(to_json(as_rows(found)) if arguments.json else as_text(found), end="")
+            write(arguments.out, html(comparison_document(found), {}).encode())
+    print(to_json(comparison_data(found)) if arguments.json else comparison_text(found), end="")
     return DONE
 
 
-def _side(path: Path) -> Side:
+def _side(path: Path) -> ComparedDesign:
     """Raises KindynaError naming the file: of two designs either may have no answer."""
     design = load(path)
     try:
-        return side_of(studied(design))
+        return compared_design(studied(design))
     except NoSolution as error:
         raise KindynaError(f"{path}: {error}") from error
 

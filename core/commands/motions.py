@@ -44,9 +44,9 @@ from core.output.channels import new_design_text
 from core.output.lines import columns, digits
 from core.output.summary import to_json
 from core.output.texts import (
-    beside_text,
     blend_figure,
     blend_text,
+    changed_segment_text,
     contour_data,
     contour_text,
     curves_data,
@@ -218,7 +218,7 @@ def run_blend(arguments: BlendArguments, painter: Painter | None) -> int:
         before = only(whole, number)
         made = with_blend(before, blended)
         save(with_only(whole, number, made), arguments.into, in_place=True)
-        beside = beside_text(before, made, blended)
+        beside = changed_segment_text(before, made, blended)
     if arguments.out is not None:
         painted = pictures(painter, blend_figure(blended, arguments.out.stem))
         for name, data in painted.items():

@@ -32,7 +32,7 @@ from core.design.parts import OUTPUT_LOADS, Output, Shaft
 from core.design.rules import CLOSING
 from core.errors import DesignError, Fault
 from core.frozen import frozen
-from core.laws import LAWS, Piece, PieceTable, asymmetric, find_law, hermite, least_jerk, moved, scca
+from core.laws import LAWS, Piece, PieceTable, asymmetric, find_law, hermite, least_jerk, scca, shifted
 from core.numerics.lazy import part_mapper
 
 # -- curve of a segment as pieces -------------------------------------------------------------------------------
@@ -162,7 +162,7 @@ def _split_at_reversals(pieces: tuple[Piece, ...]) -> CurveShape:
     parts: list[Piece] = []
     for piece, reversals in zip(pieces, _reversals(pieces), strict=True):
         parts.append(piece)
-        parts += [Piece(piece.start + w, moved(piece.polynomial, w)) for w in reversals]
+        parts += [Piece(piece.start + w, shifted(piece.polynomial, w)) for w in reversals]
     table = PieceTable(parts)
     ends = [*(p.start for p in parts[1:]), 1.0]
     half_width = np.array([0.5 * (e - p.start) for p, e in zip(parts, ends, strict=True)])
@@ -266,7 +266,7 @@ def segment_shape(segment: Segment, whole_turn: bool, path: str) -> CurveShape:
 # -- motions without a mechanism --------------------------------------------------------------------------------
 
 
-REST_TO_REST = tuple(slug for slug, law in LAWS.items() if law.symmetric and not law.rises)
+REST_TO_REST = tuple(slug for slug, law in LAWS.items() if law.is_symmetric and not law.rises)
 LEAST_RAMP = 0.5  # [deg] shortest acceleration of a flying shear
 ASSUMED = ("shaft.rotation",)
 

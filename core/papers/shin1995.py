@@ -162,7 +162,7 @@ def _points(examples: Examples) -> FigureTable:
         ("arm", "arm_pin", "arm pin"),
         ("slider", "slider_pin", "slider pin"),
     ):
-        points[name] = complex(bodies[body].place(point)[0])
+        points[name] = complex(bodies[body].position(point)[0])
     z = np.array(list(points.values())) * MM
     return FigureTable(
         ("point", "x_mm", "y_mm"), (tuple(points), z.real, z.imag), "Lift mechanism at its base position"

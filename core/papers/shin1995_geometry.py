@@ -316,7 +316,7 @@ def sides(study: Study, theta: float) -> Sides:
     study_at = study.at_theta(np.array([theta]))
     bodies = study_at.linkage.bodies
     pivot, pin, slider = (
-        complex(bodies[body].place(point)[0])
+        complex(bodies[body].position(point)[0])
         for body, point in (("arm", "pivot"), ("arm", "arm_pin"), ("slider", "slider_pin"))
     )
     side = (pivot.conjugate() * complex(study_at.cam.reference[0])).imag

@@ -75,7 +75,7 @@ def energy(examples: Examples) -> Numbers:
             if not rotates.any():
                 continue
             of_link = quantity(f"kinetic_energy.{body_name(mass.link)}").value(study)
-            position = body.carried(complex(mass.centre_x_mm, mass.centre_y_mm) * 1e-3)[0]
+            position = body.fixed_point(complex(mass.centre_x_mm, mass.centre_y_mm) * 1e-3)[0]
             pole = study.centres.of("frame", body_name(mass.link)).finite
             inertia = mass.inertia_kg_m2 + mass.mass_kg * np.abs(position - pole)[rotates] ** 2
             about = 0.5 * inertia * omega[rotates] ** 2

@@ -256,7 +256,7 @@ class LivePlot(_Turned, CurvePlot):
         for mark in self._extreme_marks:
             extreme = mark.extreme
             name = next(
-                (c.channel.name for c in self._curves if c.colour == extreme.colour and not c.channel.beside), ""
+                (c.channel.name for c in self._curves if c.colour == extreme.colour and not c.channel.approximates), ""
             )
             at = self.mapFromScene(self.getViewBox().mapViewToScene(QPointF(extreme.angle, extreme.value)))
             near = abs(complex(at.x() - place.x(), at.y() - place.y())) <= REACH

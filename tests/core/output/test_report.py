@@ -266,6 +266,7 @@ def test_every_equation_is_mathml_of_its_line() -> None:
         assert row.where, row.name
         for line, typeset in zip(row.lines, row.mathml, strict=True):
             root = ElementTree.fromstring(typeset)
+            assert root.get("alttext") == line
             letters = re.sub(r"[^A-Za-zα-ω]", "", "".join(root.itertext()))
             assert sorted(letters) == sorted(re.sub(r"[^A-Za-zα-ω]", "", unicodedata.normalize("NFD", line))), line
 
