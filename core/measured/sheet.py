@@ -44,7 +44,7 @@ SAMPLE = 400  # lines from which delimiter and columns are detected
 SAMPLE_LINE, SAMPLE_TEXT = 2000, 40_000  # characters of one of them, and of all
 HEADERS = 100  # lines right above the rows that are searched for names
 csv.field_size_limit(FIELD)
-_COMMENT = re.compile(r"\s*(#|%|//)\s?")
+_COMMENT = re.compile(r"^\s*(#|%|//)\s?")
 _STATED = re.compile(r"sep=(.)$")  # a spreadsheet's statement of its delimiter
 _PLAIN = r"(?:\d+(?:\.\d*)?|\.\d+)"
 _EXPONENT = r"(?:[eEdD][+-]?\d+)?"
