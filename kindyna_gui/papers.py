@@ -23,7 +23,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from core.output.stability_files import verdict_counts, table_text
+from core.output.stability_files import table_text, verdict_counts
 from core.papers import PAPERS, VERDICTS, Claim, Drawing, Examples, claims
 from core.papers.claim import (
     AGREES,

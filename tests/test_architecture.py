@@ -230,7 +230,6 @@ UNDOCUMENTED: tuple[str, ...] = (
     "core/linkage_programs/",
     "core/measured/",
     "core/mechanism/",
-    "core/output/",
     "core/output/explain/",
     "core/output/report/",
     "core/papers/",
