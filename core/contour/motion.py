@@ -63,7 +63,7 @@ def fitted(contour: Contour, design: Design) -> MeasuredMotion:
         _require_convex(contour, support - dot(n, z), z)
         z, reach = z + (support - dot(n, z)) * n, float(support.min())
         turned = row.angle(z, n)
-        place = row.place(n * np.exp(1j * turned), z * np.exp(1j * turned))
+        place = row.driver(n * np.exp(1j * turned), z * np.exp(1j * turned))
     else:
         centres = z + face.radius_mm * n
         from scipy.spatial import cKDTree
@@ -73,7 +73,7 @@ def fitted(contour: Contour, design: Design) -> MeasuredMotion:
         centres = centres[touched]
         reach = float(np.abs(centres).min())
         turned = row.angle(centres)
-        place = row.place(centres * np.exp(1j * turned))
+        place = row.driver(centres * np.exp(1j * turned))
     if np.isnan(turned).any() or np.isnan(place).any():
         raise DrawingError(
             f"{contour.name}: the {face.noun} cannot reach all of the curve; change the follower's lengths"
@@ -94,7 +94,7 @@ def fitted(contour: Contour, design: Design) -> MeasuredMotion:
         motion.unit,
         np.arange(1, order.size + 1),
         angles[order],
-        mechanism.sense * lift[order],
+        mechanism.driver_sign * lift[order],
         1.0,
         DECIMALS,
         None,
@@ -234,7 +234,7 @@ def _position(design: Design, unit: str) -> Callable[[RolledPart, np.ndarray], n
         rows[0] -= base
         if turns:
             rows[0] = np.remainder(rows[0] + math.pi, 2.0 * math.pi) - math.pi
-        return np.asarray(mechanism.sense * scale * rows * np.deg2rad(1.0) ** np.arange(3)[:, None])
+        return np.asarray(mechanism.driver_sign * scale * rows * np.deg2rad(1.0) ** np.arange(3)[:, None])
 
     return states
 

@@ -174,7 +174,7 @@ def _fixed(study: Study) -> list[dict[str, Any]]:
     for name, pair in kinematics.pairs.items():
         if pair.on != FRAME:
             continue
-        track = kinematics.bodies[pair.body].place(pair.point)
+        track = kinematics.bodies[pair.body].position(pair.point)
         row: dict[str, Any] = {"name": name, "at": _xy(track[0])}
         if pair.kind == SLIDING:
             along = ((track - track[0]) * pair.axis.conjugate()).real
