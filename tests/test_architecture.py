@@ -228,7 +228,6 @@ UNDOCUMENTED: tuple[str, ...] = (
     "core/instant_centres/",
     "core/linkage_programs/",
     "core/measured/",
-    "core/output/",
     "core/output/report/",
     "core/project/",
     "core/study/",
