@@ -230,7 +230,6 @@ UNDOCUMENTED: tuple[str, ...] = (
     "core/linkage_programs/",
     "core/measured/",
     "core/output/",
-    "core/output/report/",
     "core/papers/",
     "core/project/",
     "core/shaft/",
