@@ -125,6 +125,6 @@ def _power_balance(camshaft: Camshaft[Study], proof: Mapping[str, Residual]) -> 
         study, residual = camshaft.drive_study(name), proof.get(f"{camshaft.slugs[name]}.power_balance")
         terms += dynamics.power_terms(study.linkage, study.dynamics, study.loading)
         derived += 0.0 if residual is None else residual.derived
-    shaft_power = shaft.value(camshaft.cams_load, camshaft.theta) * camshaft.omega
+    shaft_power = shaft.torque_at(camshaft.cams_load, camshaft.theta) * camshaft.omega
     peak = max(float(np.abs(term).max(initial=0.0)) for term in [*terms, shaft_power]) or 1.0
     return Residual(float(np.abs(shaft_power - sum(terms)).max()) / peak, derived)

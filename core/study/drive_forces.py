@@ -25,8 +25,8 @@ from core.motion.extremes import Extreme, crossings, find_above, piecewise_angle
 from core.motion.program import ShaftPosition
 from core.numerics.derivatives import spread
 from core.numerics.roots import gauss
-from core.shaft import LoadCurve, combined
-from core.shaft.speed import MotorLoad, best_ratio, lever, motor_load, motor_torque, moved
+from core.shaft import LoadCurve, combined_load
+from core.shaft.speed import MotorLoad, best_ratio, lever, motor_load, motor_torque, moved_mass
 from core.stress import ContactStress, Pairing, RollerLife, contact_stress
 from core.study.drive_study import DriveStudy
 from core.study.stages import fit_load_curve, memory
@@ -372,7 +372,7 @@ class DriveForces(DriveStudy):
         curve = fit_load_curve(
             self._forces_at, self._torque_of, self.loading, self.program, slides, self.is_form_closed
         )
-        return curve if self.turn_sign > 0.0 else combined([(curve, ShaftPosition(0.0, self.turn_sign))])
+        return curve if self.turn_sign > 0.0 else combined_load([(curve, ShaftPosition(0.0, self.turn_sign))])
 
 
 # -- the servo of a drive ---------------------------------------------------------------------------------------
@@ -561,7 +561,7 @@ def _inertia_ratio(servo: Servo, study: DriveForces) -> float | None:
     v = spread(study.motion.displacement[1], study.theta.size) * study.omega
     moving = np.abs(v) > MIN_VELOCITY * max(float(np.abs(v).max()), 1e-300)
     energy = spread(kinetic_energy(study.linkage, study.loading, study.omega), study.theta.size)
-    mass = float((2.0 * energy[moving] / v[moving] ** 2).max(initial=0.0)) + moved(servo)
+    mass = float((2.0 * energy[moving] / v[moving] ** 2).max(initial=0.0)) + moved_mass(servo)
     return mass / lever(servo) ** 2 / servo.rotor_inertia_kg_m2
 
 

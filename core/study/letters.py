@@ -19,7 +19,7 @@ from core.mechanism.kinematics import REVOLUTE
 from core.motion import TURN
 from core.numerics.derivatives import cross
 from core.shaft.flywheel import Flywheel, energy_range, motor_inertia
-from core.shaft.speed import lever, moved
+from core.shaft.speed import lever, moved_mass
 from core.stress import Pairing, RollerLife, pairings, relative_curvature
 from core.study.drive_forces import load_ratings, roller_lives, roller_speed, servo_load, servo_part, servo_torque
 from core.study.member_quantities import (
@@ -504,7 +504,8 @@ _SERVO: Mapping[str, SymbolSource] = {
     "F_s": SymbolSource("force of the servo"),
     "F.load": SymbolSource("force or torque of loads and masses on the motion", _by("n", "nm"), lambda s, _: first(servo_load(s).load),
                            DYNAMICS),
-    "m.servo": SymbolSource("mass or inertia that the servo moves besides", _by("kg", "kg_m2"), lambda s, _: moved(servo_part(s)), "servo"),
+    "m.servo": SymbolSource("mass or inertia that the servo moves besides", _by("kg", "kg_m2"),
+                            lambda s, _: moved_mass(servo_part(s)), "servo"),
     "F_r.servo": SymbolSource("friction of the servo", _by("n", "nm"), lambda s, _: first(servo_load(s).friction), "servo"),
     "k.losses": SymbolSource("losses of the gear: 1/η where it drives the load, η where the load drives it", "",
                              lambda s, _: first(servo_load(s).losses), "servo.efficiency"),

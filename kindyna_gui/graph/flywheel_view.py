@@ -22,7 +22,7 @@ from core.output.subject_files import (
     spectrum_speeds,
     vibration_units,
 )
-from core.shaft import Flywheel, levels, rounded_up
+from core.shaft import Flywheel, has_flywheel, rounded_up
 from core.study import Camshaft, Study, extremes_of, quantities_of
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import fill_choices
@@ -142,7 +142,7 @@ class FlywheelView(View):
 
     def _reached(self, wheel: Flywheel) -> list[TableRow]:
         """What the flywheel fitted makes of the speed."""
-        if not levels(wheel.shaft):
+        if not has_flywheel(wheel.shaft):
             return [TableRow(("Speed taken as constant", "", ""), tip="no flywheel is fitted")]
         if not wheel.runs:
             tip = "the true motion with this flywheel comes to a standstill; enlarge it, or the motor's slope"

@@ -25,7 +25,7 @@ from core.output.summary import flywheel as flywheel_of
 from core.output.summary import torque as torque_of
 from core.output.timing import event_rows
 from core.project.reading_faults import reason, reasons_of
-from core.shaft import levels, peaks
+from core.shaft import has_flywheel, peaks
 from core.study import Camshaft, Quantity, Study, certificate_of, findings_of, quantity_requests, roller_lives
 from core.study.cam_checks import limit_rows, pressure_angles
 from core.study.study import shaft_in_chart
@@ -567,7 +567,7 @@ def flywheel(study: Study, wheel: Mapping[str, float | None], with_mean: bool = 
     ]
     if fluctuation is None:
         rows.append(("Speed", "the motor stalls", "", ""))
-    elif levels(shaft):
+    elif has_flywheel(shaft):
         rows += [
             (f"Fluctuation of speed reached{guess}", Number(100.0 * fluctuation), "%", ""),
             ("Lowest speed", Number(wheel["min_speed_rpm"]), "rpm", "min_speed_rpm"),
