@@ -224,11 +224,9 @@ def test_files_that_are_named_to_a_reader_are_there(page: str) -> None:
 UNDOCUMENTED: tuple[str, ...] = (
     "core/commands/",
     "core/design/",
-    "core/followers/",
     "core/instant_centres/",
     "core/linkage_programs/",
     "core/measured/",
-    "core/output/",
     "core/output/report/",
     "core/papers/",
     "core/project/",

@@ -65,7 +65,7 @@ def fit_motion(contour: Contour, design: Design) -> MeasuredMotion:
         _require_convex(contour, support - dot(n, z), z)
         z, reach = z + (support - dot(n, z)) * n, float(support.min())
         rotation = row.angle(z, n)
-        position = row.place(n * np.exp(1j * rotation), z * np.exp(1j * rotation))
+        position = row.driver(n * np.exp(1j * rotation), z * np.exp(1j * rotation))
     else:
         centres = z + face.radius_mm * n
         from scipy.spatial import cKDTree
@@ -75,7 +75,7 @@ def fit_motion(contour: Contour, design: Design) -> MeasuredMotion:
         centres = centres[is_contact]
         reach = float(np.abs(centres).min())
         rotation = row.angle(centres)
-        position = row.place(centres * np.exp(1j * rotation))
+        position = row.driver(centres * np.exp(1j * rotation))
     if np.isnan(rotation).any() or np.isnan(position).any():
         raise DrawingError(
             f"{contour.name}: the {face.noun} cannot reach all of the curve; change the follower's lengths"
