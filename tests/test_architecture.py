@@ -228,7 +228,6 @@ UNDOCUMENTED: tuple[str, ...] = (
     "core/linkage_programs/",
     "core/measured/",
     "core/output/report/",
-    "core/papers/",
     "core/project/",
     "core/study/",
     "core/varying/",
