@@ -225,7 +225,6 @@ UNDOCUMENTED: tuple[str, ...] = (
     "core/commands/",
     "core/contour/",
     "core/design/",
-    "core/instant_centres/",
     "core/linkage_programs/",
     "core/measured/",
     "core/output/",

@@ -57,7 +57,7 @@ def _centre_table(name: str, last: int | None = None) -> Callable[[Examples], Fi
         rows = []
         for key, how in found:
             centre = there.centres[key]
-            far = bool(centre.far(there.size)[0])
+            far = bool(centre.is_far(there.size)[0])
             place = complex(centre.finite[0]) * MM
             where = (
                 ("", "", repr(float(np.rad2deg(centre.direction[0]))))

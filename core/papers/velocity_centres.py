@@ -36,7 +36,7 @@ def posed(examples: Examples, name: str) -> Study:
 
 
 def centre(table: CentreTable, a: int, b: int) -> complex:
-    return complex(table.of(body_name(a), body_name(b)).finite[0])
+    return complex(table.centre(body_name(a), body_name(b)).finite[0])
 
 
 def label(key: tuple[str, str]) -> str:
@@ -67,7 +67,7 @@ def energy(examples: Examples) -> Numbers:
                 continue
             own = quantity(f"kinetic_energy.{body_name(mass.link)}").value(study)
             place = body.fixed_point(complex(mass.centre_x_mm, mass.centre_y_mm) * 1e-3)[0]
-            pole = study.centres.of("frame", body_name(mass.link)).finite
+            pole = study.centres.centre("frame", body_name(mass.link)).finite
             about = 0.5 * (mass.inertia_kg_m2 + mass.mass_kg * np.abs(place - pole)[turns] ** 2) * omega[turns] ** 2
             off = max(off, float(np.abs(about - own[turns]).max() / own.max()))
     return {"stored": {name: (float(e.min()), float(e.max())) for name, e in stored(examples).items()}, "off": off}
@@ -147,7 +147,7 @@ def step(name: str, number: int) -> Callable[[Examples], Numbers]:
             return {"name": "", "lines": (), "place": complex(inf), "off": inf, "bound": SMALL, "far": False}
         wanted = steps[number - 1]
         crossing, by_velocity = kennedy(table.centres, wanted, table.size).scaled(table.size), table.centres[wanted.key]
-        far = bool(by_velocity.far(table.size)[0])
+        far = bool(by_velocity.is_far(table.size)[0])
         a, b = (
             np.array([c.point[0].real / table.size, c.point[0].imag / table.size, c.weight[0]])
             for c in (crossing, by_velocity)
@@ -312,7 +312,7 @@ def steering(examples: Examples) -> Numbers:
     largest steer angle of the axle [deg] with the other wheel standing and in opposite bump."""
     study = examples.study(SUSPENSION)
     wheel = study.linkage.bodies["link3"].point("W")
-    pole = study.centres.of("frame", "link3").finite
+    pole = study.centres.centre("frame", "link3").finite
     arm = wheel[0] - pole
     moving = np.abs(wheel[1]) > 1e-9 * np.abs(wheel[1]).max()
     across = np.abs((wheel[1] * arm.conjugate()).real[moving]) / (np.abs(wheel[1]) * np.abs(arm))[moving]
