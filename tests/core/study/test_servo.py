@@ -262,7 +262,12 @@ def test_blends_are_ranked_by_what_they_ask_of_the_servo(tmp_path, capsys):
             'kind = "rotary"',
             "servo.travel_mm_per_turn: a rotary motor needs the travel of the slide per turn; allowed: > 0 mm",
         ),
-        (SWINGING, "deg", 'kind = "rotary"\nmass_kg = 2.0', "servo.mass_kg = 2.0: the part that this motor moves has none"),
+        (
+            SWINGING,
+            "deg",
+            'kind = "rotary"\nmass_kg = 2.0',
+            "servo.mass_kg = 2.0: the part that this motor moves has none",
+        ),
         (SWINGING, "deg", 'kind = "rotary"\nefficiency = 1.5', "servo.efficiency = 1.5: outside its range"),
         (SWINGING, "deg", 'kind = "rotary"\nrotor = 1.5', "servo.rotor"),
         (SLIDING, "mm", 'kind = "linear"\ngear_ratio = 2.0', "servo.gear_ratio = 2.0: a linear motor has none"),
