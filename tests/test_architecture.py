@@ -230,7 +230,6 @@ UNDOCUMENTED: tuple[str, ...] = (
     "core/instant_centres/",
     "core/laws/",
     "core/linkage_programs/",
-    "core/measured/",
     "core/mechanism/",
     "core/numerics/",
     "core/output/",
