@@ -613,6 +613,10 @@ class Response:
         ------
         NoSolution
             Where there is no steady response.
+
+        References
+        ----------
+        One mass on the follower's stiffness, m z̈ + c ż + k (z - s) + k_s z = 0.
         """
         if steady:
             self.require_steady()

@@ -231,6 +231,7 @@ def contact_pressure(force: np.ndarray, curvature: np.ndarray, pairing: Pairing)
     References
     ----------
     Johnson, *Contact Mechanics*, eq. (4.45).
+    Hertz, line contact.
     """
     positive = np.where(curvature > 0.0, curvature, np.nan)
     return np.sqrt(np.maximum(force, 0.0) * pairing.modulus * positive / (pi * pairing.width))
@@ -253,6 +254,7 @@ def contact_stress(flank: Flank, force: np.ndarray, pairing: Pairing) -> Contact
     References
     ----------
     Johnson, *Contact Mechanics*, eqs. (4.43), (4.45), and the stresses on the axis in ch. 4.2.
+    Hertz, line contact.
     """
     curvature = relative_curvature(flank)
     pressure = contact_pressure(force, curvature, pairing)
@@ -292,6 +294,10 @@ def roller_speed(kinematics: Kinematics, flank: Flank, sense: float) -> np.ndarr
     Returns
     -------
     ndarray (n,), dimensionless
+
+    References
+    ----------
+    Rolling without slip.
     """
     side = -1.0 if flank.name == OUTER else 1.0
     radius = getattr(flank, "radius", 0.0)

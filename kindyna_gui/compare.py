@@ -10,7 +10,14 @@ from PySide6.QtCore import QModelIndex, Qt, Signal
 from PySide6.QtWidgets import QCheckBox, QComboBox, QCompleter, QHBoxLayout, QLabel, QPushButton, QSizePolicy
 
 from core.errors import KindynaError, ResultPending
-from core.output.compare import Comparison, Side, as_csv, as_document, compared, side_of
+from core.output.compare import (
+    ComparedDesign,
+    Comparison,
+    compare_designs,
+    compared_design,
+    comparison_csv,
+    comparison_document,
+)
 from core.output.explain import explainable, explained, labels_of
 from core.output.lines import digits
 from core.study import STAGES, Study
@@ -65,7 +72,7 @@ class CompareView(View):
         self.unpin.clicked.connect(self.pins.unpin)
         self.save.clicked.connect(self._save)
         self.found: Comparison | None = None
-        self._side: tuple[Study, Side] | None = None  # of the variant, which an edit leaves as it is
+        self._side: tuple[Study, ComparedDesign] | None = None  # of the variant, which an edit leaves as it is
         row = QHBoxLayout()
         row.setContentsMargins(6, 3, 6, 3)
         for widget in (self.choice, self.pin, self.unpin, self.save):
@@ -84,11 +91,11 @@ class CompareView(View):
         if pinned is None:
             self.found = None
             raise NotHere(NOT_PINNED)
-        now = side_of(self.session.whole_study)
+        now = compared_design(self.session.whole_study)
         if self._side is None or self._side[0] is not pinned:
             with self.pins.named():
-                self._side = pinned, side_of(pinned)
-        self.found = compared(self._side[1], now)
+                self._side = pinned, compared_design(pinned)
+        self.found = compare_designs(self._side[1], now)
         self.table.show_rows(_rows(self.found, self.session))
 
     def _choose(self, place: int) -> None:
@@ -102,10 +109,10 @@ class CompareView(View):
 
         def made() -> bytes:
             if path.suffix.lower() == ".csv":
-                return as_csv(found).encode()
+                return comparison_csv(found).encode()
             from core.output.report.document import html
 
-            return html(as_document(found), {}).encode()
+            return html(comparison_document(found), {}).encode()
 
         self.status_message.emit(written(self, path, made))
 
@@ -151,7 +158,7 @@ def _in_words(quantity: str, labels: Mapping[str, str]) -> str:
 # -- explain view ----------------------------------------------------------------------------------------
 
 EXPLAIN_HEADINGS = (
-    TableHeading("Letter"),
+    TableHeading("Symbol"),
     TableHeading("Value", number=True),
     TableHeading("Unit"),
     TableHeading("What it is", wide=True),

@@ -18,7 +18,7 @@ from core.errors import KindynaError
 from core.findings import ERROR, WARNING
 from core.motion import program
 from core.output.lines import digits
-from core.output.texts import figures
+from core.output.texts import traced_figures
 from core.requests import command_words, field_info
 from core.units import UNITS as SYMBOLS
 from kindyna_gui import dialogs
@@ -232,7 +232,7 @@ class CurveDialog(PutDialog):
     def _show(self, traced: TracedMotion) -> None:
         self.picture.show_traced(traced)
         show_motion(self.plot, traced)
-        self._show_figures(dict(figures(traced)))
+        self._show_figures(dict(traced_figures(traced)))
         unit = SYMBOLS[require_motion(traced.design).unit].symbol
         rows = []
         for jump in traced.jumps:

@@ -35,9 +35,9 @@ from kindyna_gui.settings import Settings, as_kept
 
 def tables_of(design: Design, samples: int = SAMPLES) -> dict[str, str | Iterator[bytes]]:
     """File name -> text, or its parts, of tables and summary, of a shaft with those of each of its drives. Raises NoSolution."""
-    from core.output.export import streams
+    from core.output.export import file_parts
 
-    return streams(Study(design, samples))
+    return file_parts(Study(design, samples))
 
 
 def write_tables(design: Design, folder: Path, samples: int = SAMPLES) -> list[str]:

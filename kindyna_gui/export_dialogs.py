@@ -27,7 +27,7 @@ from core.commands.export import ExportArguments
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.output.controllers.rows import controllers
-from core.output.export import FORMATS, Film, names
+from core.output.export import FORMATS, Film, file_names
 from core.output.files.cam_drawing import drawing
 from core.output.files.sheet import DrawingRequest
 from core.output.handover import HandoverFile, HandoverRequest, drives_of
@@ -67,7 +67,7 @@ class TablesDialog(RequestDialog):
         if study.design.listed:
             files, angle = OF_SHAFT, "machine angle"
         else:
-            *first, last = names(study.design)
+            *first, last = file_names(study.design)
             files, angle = f"{', '.join(first)} and {last}", study.angle_name
 
         def told(values: Mapping[str, Any]) -> str:

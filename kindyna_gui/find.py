@@ -22,7 +22,17 @@ from PySide6.QtWidgets import (
 
 from core.design import Design, get, with_only
 from core.errors import KindynaError
-from core.find import LIMITS, ON_SHAFT, LimitValue, Solution, Stated, find, offered, offered_on_shaft, varied
+from core.find import (
+    LIMITS,
+    SHAFT_SEARCHES,
+    LimitValue,
+    Solution,
+    StatedLimits,
+    available_searches,
+    available_shaft_searches,
+    find,
+    varied_fields,
+)
 from core.numerics.lazy import Cancelled
 from core.study import Study
 from kindyna_gui.documents.session import Session
@@ -244,13 +254,13 @@ class FindView(BackgroundView):
 
     def _offered(self) -> tuple[str, ...]:
         """Of the drive at hand, and of the whole shaft."""
-        own = () if self.session.on_balancer else offered(self.session.design)
-        return (*own, *offered_on_shaft(self.session.whole))
+        own = () if self.session.on_balancer else available_searches(self.session.design)
+        return (*own, *available_shaft_searches(self.session.whole))
 
     @property
     def _design(self) -> Design:
         """What is sought in: the drive at hand, or the whole."""
-        design: Design = self.session.whole if self._wanted in ON_SHAFT else self.session.design
+        design: Design = self.session.whole if self._wanted in SHAFT_SEARCHES else self.session.design
         return design
 
     @property
@@ -266,7 +276,11 @@ class FindView(BackgroundView):
 
     def _keys(self, design: Design) -> tuple[str, ...]:
         """Everything that may be limited."""
-        paths = () if self._wanted in ON_SHAFT else varied(design, self._wanted, self.place.currentData() or "")
+        paths = (
+            ()
+            if self._wanted in SHAFT_SEARCHES
+            else varied_fields(design, self._wanted, self.place.currentData() or "")
+        )
         return keys_of(design, self._wanted, paths)
 
     def _choose(self, _: int) -> None:
@@ -305,12 +319,12 @@ class FindView(BackgroundView):
         self._rest()
         self.searches += 1
         self._count = TrialCount()
-        if what in ON_SHAFT:
+        if what in SHAFT_SEARCHES:
             job = partial(_sought, design, what, stated, **({"aim": place} if place else {}))
         else:
             whole, number = self.session.whole, self.session.chosen
             machine = partial(with_only, whole, number)
-            job = partial(_sought, design, what, stated, place=place, machine=machine, tell=self._count.tell)
+            job = partial(_sought, design, what, stated, choice=place, machine=machine, notify=self._count.tell)
         self._patience.start()
         self._work.start([(design, job)])
 
@@ -362,8 +376,8 @@ class FindView(BackgroundView):
         if found is None:
             return
         apart = any(_differ(get(design, path), get(found.design, path)) for path in found.answer)
-        self.take.setEnabled(found.serves and apart)
-        self.take.setText("Take over" if apart or not found.serves else "Taken over")
+        self.take.setEnabled(found.is_valid and apart)
+        self.take.setText("Take over" if apart or not found.is_valid else "Taken over")
 
     def _take_over(self) -> None:
         """The answer into the design, as one step."""
@@ -381,7 +395,7 @@ class SearchResult(NamedTuple):
     result: Solution | KindynaError
 
 
-def _sought(design: Design, what: str, stated: Stated, **how: Any) -> SearchResult:
+def _sought(design: Design, what: str, stated: StatedLimits, **how: Any) -> SearchResult:
     """The answer, with what is wrong with its cam looked at in the same go, not when it is shown."""
     try:
         found: Solution | KindynaError = find(design, what, stated, **how)

@@ -17,16 +17,16 @@ from PySide6.QtWidgets import QGridLayout, QLabel, QMenu, QPushButton, QToolButt
 from core.design import NO_UNIT, Design, Info, Limits, Unit, entry_at, info_of, split_unit
 from core.find import (
     ANY_PRESSURE,
+    CAM_SEARCHES,
     EXTRA,
     FORCE,
     LIMITS,
     OF_PRESSURE,
-    ON_SHAFT,
+    SHAFT_SEARCHES,
     USER,
-    WANTED,
     LimitValue,
     Solution,
-    usual_limits,
+    default_limits,
 )
 from core.frozen import frozen
 from kindyna_gui.forms.fields import UnitLabel, label_html
@@ -99,14 +99,18 @@ def figure_of(design: Design, key: str) -> LimitText:
 
 def title_of(what: str) -> str:
     """Of a search."""
-    return (ON_SHAFT[what] if what in ON_SHAFT else WANTED[what]).title
+    return (SHAFT_SEARCHES[what] if what in SHAFT_SEARCHES else CAM_SEARCHES[what]).title
 
 
 def usual_of(design: Design, what: str) -> Mapping[str, LimitValue]:
     """Those that hold where the user has typed none."""
-    if what not in ON_SHAFT:
-        return usual_limits(design, what)
-    return {key: LimitValue(value, "", "") for key, value in ON_SHAFT[what].stated(design).items() if value is not None}
+    if what not in SHAFT_SEARCHES:
+        return default_limits(design, what)
+    return {
+        key: LimitValue(value, "", "")
+        for key, value in SHAFT_SEARCHES[what].default_limits(design).items()
+        if value is not None
+    }
 
 
 @frozen
@@ -135,15 +139,19 @@ def holding(
 def places_of(design: Design, what: str) -> Mapping[str, str]:
     """What is to be chosen beside the limits: of the fields that may be varied one, or of what may be least."""
     return (
-        ON_SHAFT[what].aims
-        if what in ON_SHAFT
-        else {path: name_of(design, path) for path in WANTED[what].places(design)}
+        SHAFT_SEARCHES[what].aims
+        if what in SHAFT_SEARCHES
+        else {path: name_of(design, path) for path in CAM_SEARCHES[what].choices(design)}
     )
 
 
 def keys_of(design: Design, what: str, paths: tuple[str, ...]) -> tuple[str, ...]:
     """Everything that may be limited when these fields are varied."""
-    return tuple(ON_SHAFT[what].stated(design)) if what in ON_SHAFT else WANTED[what].keys(design, paths)
+    return (
+        tuple(SHAFT_SEARCHES[what].default_limits(design))
+        if what in SHAFT_SEARCHES
+        else CAM_SEARCHES[what].keys(design, paths)
+    )
 
 
 def start_value(key: str, solution: Solution | None) -> float:
@@ -210,7 +218,7 @@ def _reached(value: float, unit: Unit) -> str:
 def answer_html(design: Design, solution: Solution) -> str:
     """The answer, what it reaches, and what stands against it or where it ends."""
     lines = []
-    if not solution.serves:
+    if not solution.is_valid:
         lines.append(f"<span style='color:{SCREEN.limit}'>No value serves. The best that there is:</span>")
     for path, value in solution.answer.items():
         text = escape(value_of(design, path, value, solution.digits))
@@ -239,21 +247,21 @@ def answer_html(design: Design, solution: Solution) -> str:
     if solution.end:
         why = solution.end.partition(" (")[2].removesuffix(")")
         lines.append(f"No limit holds it: it stands at the end of its range{f', {escape(why)}' if why else ''}.")
-    lines += [f"Beyond it: {escape(text)}" for text in solution.held_by]
-    lines += [f"With it comes: {escape(text)}" for text in solution.besides]
-    lines += [_taken(design, solution, path) for path in solution.taken]
+    lines += [f"Beyond it: {escape(text)}" for text in solution.next_findings]
+    lines += [f"With it comes: {escape(text)}" for text in solution.notes]
+    lines += [_taken(design, solution, path) for path in solution.applied]
     lines += [f"<span style='color:{SCREEN.limit}'>But {escape(text)}</span>" for text in solution.errors]
-    if not solution.serves:
+    if not solution.is_valid:
         lines += [
             f"<span style='color:{SCREEN.limit}'>Against it: {escape(sentence(text))}</span>"
-            for text in solution.against
+            for text in solution.violations
         ]
     return "<br>".join(map(in_units, lines))
 
 
 def _taken(design: Design, solution: Solution, path: str) -> str:
     """What goes into the machine besides the answer, or in place of it."""
-    text = value_of(design, path, solution.taken[path], solution.digits)
+    text = value_of(design, path, solution.applied[path], solution.digits)
     if path in solution.answer and text == value_of(design, path, solution.answer[path], solution.digits):
         return "Taken over just below it, so that it holds."
     return f"Into the design goes, too: {escape(text)}{'' if path in solution.answer else ', so that the speed stays as even as it may'}."
@@ -293,9 +301,9 @@ def typed_text(value: float, unit: Unit, digits: int = TYPED_DIGITS) -> str:
 
 def step_name(design: Design, what: str, solution: Solution) -> str:
     """Of the step of the undo stack."""
-    taken = {**solution.answer, **solution.taken}
+    taken = {**solution.answer, **solution.applied}
     if len(taken) > MOST_NAMED:
-        return f"Take over {in_sentence(title_of(what)) if what in WANTED else solution.wanted}"
+        return f"Take over {in_sentence(title_of(what)) if what in CAM_SEARCHES else solution.target}"
     return f"Take over {', '.join(in_sentence(value_of(design, path, value, 6)) for path, value in taken.items())}"
 
 

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QApplication
 
 from core.design import stroke
 from core.errors import KindynaError
-from core.output.export import texts
+from core.output.export import as_texts
 from core.project import load, save
 from core.study import clear_caches, extremes_of
 from kindyna_gui.export import tables_of, write_tables
@@ -119,7 +119,7 @@ def _export(window: MainWindow, path: Path) -> int:
         copy = Path(folder) / "copy.toml"
         save(window.session.whole, copy)
         clear_caches()  # the core computes anew
-        wanted = texts(tables_of(load(copy)))
+        wanted = as_texts(tables_of(load(copy)))
         _must(set(written) == set(wanted), "other files than the core writes")
         for name, text in wanted.items():
             _must((Path(folder) / name).read_text(encoding="utf-8") == text, f"{name} differs from the core's")

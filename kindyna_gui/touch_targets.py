@@ -69,11 +69,15 @@ def value_text(design: Design, path: str) -> str:
 
 def search_for(design: Design, path: str) -> str:
     """What Find seeks that varies this field; empty where nothing does."""
-    from core.find import offered, offered_on_shaft, varied
+    from core.find import available_searches, available_shaft_searches, varied_fields
 
     if path.endswith(".phase_deg"):
-        return next((what for what in offered_on_shaft(design) if what == "phases"), "")
-    return "" if design.listed else next((what for what in offered(design) if varied(design, what) == (path,)), "")
+        return next((what for what in available_shaft_searches(design) if what == "phases"), "")
+    return (
+        ""
+        if design.listed
+        else next((what for what in available_searches(design) if varied_fields(design, what) == (path,)), "")
+    )
 
 
 def _edit(thing: Thing, view: View, host: ViewHost) -> Deed | None:

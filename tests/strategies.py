@@ -101,7 +101,7 @@ def curves(draw: st.DrawFn, span: float) -> Curve:
     kind = draw(st.sampled_from((NamedCurve, SccaCurve, PolynomialCurve, SplineCurve, TableCurve)))
     if kind is NamedCurve:
         law = LAWS[draw(st.sampled_from(EITHER_WAY))]
-        return NamedCurve(law.slug, draw(values(info_of(CROSSOVER))) if law.symmetric else 0.5)
+        return NamedCurve(law.slug, draw(values(info_of(CROSSOVER))) if law.is_symmetric else 0.5)
     if kind is SccaCurve:
         ramp = draw(st.floats(0.0, 1.0))
         return SccaCurve(draw(st.floats(0.0, 0.99)), ramp, draw(st.floats(0.0, 1.0 - ramp)))

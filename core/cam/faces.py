@@ -63,6 +63,10 @@ def envelope(kinematics: Kinematics, face: Flat, cam: object, rotation_sign: flo
     ------
     NoCam
         Where the face passes the cam centre, or turns as fast as the cam.
+
+    References
+    ----------
+    Support function of the face; definition of the pressure angle.
     """
     motion, follower = relative_motion(kinematics, rotation_sign), kinematics.follower
     r, turn = follower.origin, follower.turn
@@ -118,7 +122,7 @@ def _travel(kinematics: Kinematics, contact: np.ndarray) -> np.ndarray:
     """Direction (n,) of the velocity of the follower's point at the contact: about its pivot, or along its guide."""
     pair = kinematics.pairs[kinematics.ground]
     if pair.kind == REVOLUTE:
-        return 1j * (contact - kinematics.bodies[pair.body].place(pair.point))
+        return 1j * (contact - kinematics.bodies[pair.body].position(pair.point))
     return kinematics.line(pair)
 
 

@@ -246,6 +246,10 @@ def curvature(motion: Derivatives, rotation_sign: float) -> np.ndarray:
     Returns
     -------
     ndarray (n,) [1/m]
+
+    References
+    ----------
+    Curvature of a plane curve, κ_p = -d (t × w)/|t|³.
     """
     speed = np.abs(motion[1])
     return -rotation_sign * cross(motion[1], motion[2]) / (speed * speed * speed)
@@ -416,6 +420,10 @@ def round_envelope(
     ------
     NoCam
         As `envelope` does.
+
+    References
+    ----------
+    Shin1995 §3, (19), (20), for any pose; parallel curve; for a groove the second envelope of the roller.
     """
     motion, side = relative_motion(kinematics, rotation_sign), 1.0 if name != OUTER else -1.0
     reference, t = motion[0], motion[1]

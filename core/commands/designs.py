@@ -27,13 +27,21 @@ from core.commands.common import (
 from core.design import only, rescaled, scale_text, with_only
 from core.design.fields import choice, flag, number
 from core.errors import KindynaError, NoSolution
-from core.find import BOUNDS, LIMITS, ON_SHAFT, SEARCHES, WANTED, Solution, Stated, alone, find
+from core.find import BOUNDS, CAM_SEARCHES, LIMITS, SEARCHES, SHAFT_SEARCHES, Solution, StatedLimits, find, same_design
 from core.findings import ERROR
 from core.frozen import frozen
-from core.output.compare import Side, as_csv, as_document, as_rows, as_text, compared, side_of
+from core.output.compare import (
+    ComparedDesign,
+    compare_designs,
+    compared_design,
+    comparison_csv,
+    comparison_data,
+    comparison_document,
+    comparison_text,
+)
 from core.output.explain import as_row, explained
 from core.output.explain import as_text as explain_as_text
-from core.output.export import bounded
+from core.output.export import bounded_study
 from core.output.lines import finding_line
 from core.output.report import report
 from core.output.report.document import ENDINGS, PARTS, Cover, Printed, document
@@ -62,23 +70,23 @@ class CompareArguments:
 
 def run_compare(arguments: CompareArguments, painter: Painter | None) -> int:
     """What differs, on the terminal, and as a file where one is named."""
-    found = compared(_side(arguments.a), _side(arguments.b))
+    found = compare_designs(_side(arguments.a), _side(arguments.b))
     if arguments.out is not None:
         if arguments.out.suffix.lower() == ".csv":
-            write(arguments.out, as_csv(found).encode())
+            write(arguments.out, comparison_csv(found).encode())
         else:
             from core.output.report.document import html
 
-            write(arguments.out, html(as_document(found), {}).encode())
-    print(to_json(as_rows(found)) if arguments.json else as_text(found), end="")
+            write(arguments.out, html(comparison_document(found), {}).encode())
+    print(to_json(comparison_data(found)) if arguments.json else comparison_text(found), end="")
     return DONE
 
 
-def _side(path: Path) -> Side:
+def _side(path: Path) -> ComparedDesign:
     """Raises KindynaError naming the file: of two designs either may have no answer."""
     design = load(path)
     try:
-        return side_of(studied(design))
+        return compared_design(studied(design))
     except NoSolution as error:
         raise KindynaError(f"{path}: {error}") from error
 
@@ -157,28 +165,28 @@ class FindArguments:
 def run_find(arguments: FindArguments, painter: Painter | None) -> int:
     """The answer, or the best that there is and what stands against it."""
     whole, what = load(arguments.design), arguments.what
-    if what in ON_SHAFT and arguments.drive:
+    if what in SHAFT_SEARCHES and arguments.drive:
         raise KindynaError(f"--drive {arguments.drive}: {what} is sought for the whole shaft; leave --drive out")
-    number = 0 if what in ON_SHAFT else number_of(whole, arguments.drive)
-    design = whole if what in ON_SHAFT else only(whole, number)
+    number = 0 if what in SHAFT_SEARCHES else number_of(whole, arguments.drive)
+    design = whole if what in SHAFT_SEARCHES else only(whole, number)
     solution = find(
         design,
         what,
         _limits(arguments.limit),
         aim=arguments.aim,
-        tell=_Progress().tell,
-        machine=alone if what in ON_SHAFT else partial(with_only, whole, number),
+        notify=_Progress().tell,
+        machine=same_design if what in SHAFT_SEARCHES else partial(with_only, whole, number),
     )
     print(to_json(_data(solution)) if arguments.json else _text(solution), end="")
-    if not solution.serves:
-        print(f"no value serves; what stands against the best: {'; '.join(solution.against)}", file=sys.stderr)
+    if not solution.is_valid:
+        print(f"no value serves; what stands against the best: {'; '.join(solution.violations)}", file=sys.stderr)
         return NOTHING_DONE
     if arguments.into is not None:
         save(solution.machine, arguments.into)
-    holding = what in WANTED and WANTED[what].holding
-    study, stages = studied(solution.design), ("dynamics",) if what in ON_SHAFT or holding else ("cam",)
+    holding = what in CAM_SEARCHES and CAM_SEARCHES[what].seeks_contact
+    study, stages = studied(solution.design), ("dynamics",) if what in SHAFT_SEARCHES or holding else ("cam",)
     errors = [finding for finding in findings_of(study, stages) if finding.severity == ERROR]
-    for finding in errors if what in ON_SHAFT else in_file(errors, whole, number):
+    for finding in errors if what in SHAFT_SEARCHES else in_file(errors, whole, number):
         print(finding_line(finding, study.angle_name), file=sys.stderr)
     return DONE_WITH_ERRORS if errors else DONE
 
@@ -196,7 +204,7 @@ class _Progress:
             print(f"{count} designs tried ...", file=sys.stderr)
 
 
-def _limits(given: Sequence[tuple[str, float | None]]) -> Stated:
+def _limits(given: Sequence[tuple[str, float | None]]) -> StatedLimits:
     """By key; raises KindynaError where a key is given two values."""
     limits = dict(given)
     for key, value in given:
@@ -214,17 +222,17 @@ def _data(solution: Solution) -> dict[str, object]:
         "limits": dict(solution.limits),
         "reasons": dict(solution.reasons),
         "curve_of": solution.curve_of,
-        "against": list(solution.against),
+        "against": list(solution.violations),
         "end": solution.end,
-        "held_by": list(solution.held_by),
-        "besides": list(solution.besides),
-        "taken": dict(solution.taken),
+        "held_by": list(solution.next_findings),
+        "besides": list(solution.notes),
+        "taken": dict(solution.applied),
         "assumed": dict(solution.assumed),
     }
 
 
 def _text(solution: Solution) -> str:
-    heading = f"{solution.wanted}:" if solution.serves else "the best that there is:"
+    heading = f"{solution.target}:" if solution.is_valid else "the best that there is:"
     lines = [heading, *(f"  {path} = {value:.9g}" for path, value in solution.answer.items()), "reached:"]
     for key, value in solution.reached.items():
         number = f"{value:.7g}" if math.isfinite(value) else "none"
@@ -234,9 +242,9 @@ def _text(solution: Solution) -> str:
     lines += [f"it rests on {path} = {value:.9g}, which is assumed" for path, value in solution.assumed.items()]
     if solution.end:
         lines.append(f"no limit holds it: it stands at the end, {solution.end}")
-    lines += [f"beyond it: {text}" for text in solution.held_by]
-    lines += [f"comes with it: {text}" for text in solution.besides]
-    lines += [f"goes into the design: {path} = {value:.12g}" for path, value in solution.taken.items()]
+    lines += [f"beyond it: {text}" for text in solution.next_findings]
+    lines += [f"comes with it: {text}" for text in solution.notes]
+    lines += [f"goes into the design: {path} = {value:.12g}" for path, value in solution.applied.items()]
     return "\n".join(lines) + "\n"
 
 
@@ -269,7 +277,7 @@ def run_report(arguments: ReportArguments, painter: Painter | None) -> int:
         return _to_hand_on(study, arguments, painter)
     text = report(study)
     if arguments.out is not None:
-        made: dict[str, str | bytes] = {"report.txt": text, "summary.json": to_json(summary(bounded(study)))}
+        made: dict[str, str | bytes] = {"report.txt": text, "summary.json": to_json(summary(bounded_study(study)))}
         write_into(arguments.out, {**made, **_pictures(study, painter)})
     print(text, end="")
     return verdict(study)

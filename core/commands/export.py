@@ -7,7 +7,7 @@ from pathlib import Path
 from core.commands import Painter
 from core.commands.common import design_file, out_folder, samples_per_turn, studied, verdict
 from core.frozen import frozen
-from core.output.export import bounded, export
+from core.output.export import bounded_study, export
 from core.project import load
 from core.requests import text_option
 
@@ -27,4 +27,4 @@ def run_export(arguments: ExportArguments, painter: Painter | None) -> int:
     study = studied(load(arguments.design), arguments.samples)
     for path in export(study, arguments.out, arguments.only):
         print(path)
-    return verdict(bounded(study), arguments.only)
+    return verdict(bounded_study(study), arguments.only)

@@ -18,7 +18,7 @@ from core.errors import KindynaError
 from core.frozen import frozen
 from core.linkage_programs import FORMATS, Made, read_linkage
 from core.linkage_programs.design import UNITS, decoded
-from core.mechanism.drivers import Circuit, circuits, redrawn, with_signs
+from core.mechanism.drivers import Circuit, circuits, with_drawn_pose, with_signs
 from core.output.lines import printable
 from core.output.position import (
     DRAWN,
@@ -113,14 +113,14 @@ def _as(circuit: Circuit, told: str) -> Design:
     return (
         design
         if design.drive.linkage.drawn is not None
-        else redrawn(design, Study(design).at_theta(np.zeros(1)).linkage)
+        else with_drawn_pose(design, Study(design).at_theta(np.zeros(1)).linkage)
     )
 
 
 def _row(design: Design, number: int, circuit: Circuit) -> dict[str, object]:
     turns = driver_turns(design.drive.linkage)
     ends = [float(np.rad2deg(end)) if turns else 1e3 * end for end in (circuit.range.low, circuit.range.high)]
-    return {"number": number, "here": circuit.here, "driver_deg" if turns else "driver_mm": ends}
+    return {"number": number, "here": circuit.is_current, "driver_deg" if turns else "driver_mm": ends}
 
 
 def _line(row: dict[str, object]) -> str:

@@ -34,19 +34,19 @@ from core.contour import GAP_MM, MOST_GAP_MM, UNITS, read_contour, trace
 from core.design import Design, alone, only, split_unit, with_motion_of, with_only
 from core.design.fields import choice, number
 from core.errors import KindynaError
-from core.find import Ranked, RankingColumn, figures_of, in_order, ranking
+from core.find import RankingColumn, RankingRow, ranking, ranking_columns, sorted_rows
 from core.find.ranking import Candidate
 from core.frozen import frozen
 from core.laws import LAWS, Peaks, peaks
 from core.motion.curves import FlyingShear, Indexer, flying_shear, indexer
 from core.motion.split import shift_motion
-from core.output.channels import begun_text
+from core.output.channels import new_design_text
 from core.output.lines import columns, digits
 from core.output.summary import to_json
 from core.output.texts import (
-    beside_text,
     blend_figure,
     blend_text,
+    changed_segment_text,
     contour_data,
     contour_text,
     curves_data,
@@ -64,14 +64,14 @@ from core.study import Study
 def begin(arguments: Any, make: Callable[[Any], Design]) -> int:
     """What is wanted as a design file, and on the terminal its peaks; the exit code."""
     from core.commands import DONE
-    from core.output.channels import begun_text
+    from core.output.channels import new_design_text
     from core.project import save
     from core.requests import require_in_range
 
     require_in_range(arguments.wanted)
     design = make(arguments.wanted)
     save(design, arguments.out)
-    print(begun_text(design))
+    print(new_design_text(design))
     return DONE
 
 
@@ -218,7 +218,7 @@ def run_blend(arguments: BlendArguments, painter: Painter | None) -> int:
         before = only(whole, number)
         made = with_blend(before, blended)
         save(with_only(whole, number, made), arguments.into, in_place=True)
-        beside = beside_text(before, made, blended)
+        beside = changed_segment_text(before, made, blended)
     if arguments.out is not None:
         painted = pictures(painter, blend_figure(blended, arguments.out.stem))
         for name, data in painted.items():
@@ -493,7 +493,7 @@ def run_motion(arguments: MotionArguments, painter: Painter | None) -> int:
         whole = load(arguments.into)
         index = number_of(whole, arguments.into_drive)
         save(with_only(whole, index, with_motion_of(only(whole, index), moved)), arguments.into, in_place=True)
-    print(begun_text(moved))
+    print(new_design_text(moved))
     return DONE
 
 
@@ -502,9 +502,9 @@ def run_motion(arguments: MotionArguments, painter: Painter | None) -> int:
 
 def rows_of(
     design: Design, candidates: Mapping[str, Candidate], by: str
-) -> tuple[tuple[RankingColumn, ...], list[Ranked]]:
+) -> tuple[tuple[RankingColumn, ...], list[RankingRow]]:
     """The columns, and the rows in the order of one of them, by its key; of the first where none is named. Raises KindynaError."""
-    figures = figures_of(design)
+    figures = ranking_columns(design)
     if not figures:
         raise KindynaError(
             "this design has nothing to rank by: it needs a cam, and loads; give it both, or leave the design out"
@@ -514,16 +514,16 @@ def rows_of(
         by = next((key for key in keys if split_unit(key)[0] == by), by)
     if by and by not in keys:
         raise KindynaError(f"--by {by}: this design has no such figure; allowed: {' | '.join(keys)}")
-    return figures, in_order(list(ranking(candidates, figures)), keys.index(by) if by else 0)
+    return figures, sorted_rows(list(ranking(candidates, figures)), keys.index(by) if by else 0)
 
 
-def data_of(figures: Sequence[RankingColumn], row: Ranked) -> dict[str, Any]:
+def data_of(figures: Sequence[RankingColumn], row: RankingRow) -> dict[str, Any]:
     """For JSON; ``problem`` is empty where the design takes it."""
     values = zip(figures, row.figures, strict=True)
     return {**{figure.key: value for figure, value in values}, "problem": row.problem}
 
 
-def text_of(heading: str, figures: Sequence[RankingColumn], rows: Sequence[Ranked]) -> str:
+def text_of(heading: str, figures: Sequence[RankingColumn], rows: Sequence[RankingRow]) -> str:
     """A table with the reason at the end of each row that has no figures."""
     table: list[tuple[str, ...]] = [(heading, *(f"{figure.title} {figure.symbol}" for figure in figures), "")]
     for row in rows:

@@ -94,7 +94,7 @@ def fitted(contour: Contour, design: Design) -> MeasuredMotion:
         motion.unit,
         np.arange(1, order.size + 1),
         angles[order],
-        mechanism.sense * lift[order],
+        mechanism.driver_sign * lift[order],
         1.0,
         DECIMALS,
         None,
@@ -234,7 +234,7 @@ def _position(design: Design, unit: str) -> Callable[[RolledPart, np.ndarray], n
         rows[0] -= base
         if turns:
             rows[0] = np.remainder(rows[0] + math.pi, 2.0 * math.pi) - math.pi
-        return np.asarray(mechanism.sense * scale * rows * np.deg2rad(1.0) ** np.arange(3)[:, None])
+        return np.asarray(mechanism.driver_sign * scale * rows * np.deg2rad(1.0) ** np.arange(3)[:, None])
 
     return states
 

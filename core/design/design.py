@@ -28,7 +28,7 @@ from core.design.parts import (
 from core.design.topology import driver_turns
 from core.errors import DesignError, Fault
 from core.frozen import frozen
-from core.numerics.lazy import first_of
+from core.numerics.lazy import first_value
 
 D = TypeVar("D")
 BLANK = tuple(field.name for field in fields(CamDetails))
@@ -284,7 +284,7 @@ class Design:
         """d of the papers: +1 where cam or crank turns counter-clockwise, -1 clockwise."""
         if self.shaft is not None:
             return self.shaft.sense
-        return 1.0 if first_of(self.drive.signed_rpm) > 0.0 else -1.0
+        return 1.0 if first_value(self.drive.signed_rpm) > 0.0 else -1.0
 
     @property
     def by_crank(self) -> bool:

@@ -177,7 +177,7 @@ MIRRORS: Mapping[str, str] = MappingProxyType(
 def has_image(curve: Curve) -> bool:
     """Whether the curve run backwards is a curve that can be named."""
     law = find_law(curve.law)
-    return law is None or law.is_dwell or law.slug in MIRRORS or law.symmetric
+    return law is None or law.is_dwell or law.slug in MIRRORS or law.is_symmetric
 
 
 def mirrored(segment: Segment) -> Segment:

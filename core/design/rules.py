@@ -130,7 +130,7 @@ def _law_fits_rise(segment: Segment, path: str, unit: str) -> Iterator[Fault]:
 
 def _named_curve_takes(curve: NamedCurve, segment: Segment, path: str) -> Iterator[Fault]:
     law = find_law(curve.law)
-    if law is not None and curve.crossover != 0.5 and not law.symmetric:
+    if law is not None and curve.crossover != 0.5 and not law.is_symmetric:
         yield Fault(f"{path}.crossover", curve.crossover, f"{law.slug} has no two halves alike", "0.5, or another law")
     if law is not None and curve.flat_fraction != 0.0 and law.flat is None:
         yield Fault(

@@ -260,7 +260,7 @@ def _returns(motion: Motion, index: int) -> Iterator[Motion]:
 def _law_back(segment: Segment) -> str:
     """The law of a return that answers a segment: its mirror image, itself where its halves are alike."""
     law = find_law(segment.curve.law)
-    if law is None or law.is_dwell or not (law.symmetric or law.slug in MIRRORS):
+    if law is None or law.is_dwell or not (law.is_symmetric or law.slug in MIRRORS):
         return RETURN_LAW
     return MIRRORS.get(law.slug, law.slug)
 

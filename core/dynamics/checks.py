@@ -43,6 +43,10 @@ def power_residual(kinematics: Kinematics, shape: CamShape | None, forces: Force
     Returns
     -------
     ndarray (n,), dimensionless
+
+    References
+    ----------
+    Balance of energy, T ω = dE_k/dt + dE_p/dt + P_f - P_e.
     """
     omega = forces.omega
     power = input_power(kinematics, forces)
@@ -96,6 +100,10 @@ def input_power(kinematics: Kinematics, forces: Forces) -> np.ndarray:
     Returns
     -------
     ndarray (n,) [W]
+
+    References
+    ----------
+    Balance of energy.
     """
     work = forces.torque + forces.driver * kinematics.motion.displacement[1]
     for dyad in (dyad for dyad in kinematics.dyads if dyad.on and dyad.by_motion):
@@ -118,6 +126,10 @@ def gravity_power(kinematics: Kinematics, loading: Loading, omega: float) -> np.
     Returns
     -------
     ndarray (n,) [W]
+
+    References
+    ----------
+    Balance of energy.
     """
     return np.asarray(sum(element_power(mass, kinematics, omega) for mass in loading.masses))
 
@@ -136,6 +148,10 @@ def element_power(element: Element, kinematics: Kinematics, omega: float) -> np.
     Returns
     -------
     ndarray (n,) [W]
+
+    References
+    ----------
+    Balance of energy.
     """
     return np.asarray(-omega * element.potential(kinematics)[0] - element.dissipation(kinematics, omega))
 
@@ -155,6 +171,10 @@ def kinetic_energy(kinematics: Kinematics, loading: Loading, omega: float, body:
     Returns
     -------
     ndarray (n,) [J]
+
+    References
+    ----------
+    Balance of energy.
     """
     masses = tuple(mass for mass in loading.masses if body in (None, mass.body))
     return np.asarray(0.5 * omega * omega * replace(loading, masses=masses).inertia(kinematics, 1)[0])
@@ -180,12 +200,16 @@ def momentum_residual(kinematics: Kinematics, shape: CamShape | None, forces: Fo
     -------
     ndarray (n,), dimensionless
         The larger of both.
+
+    References
+    ----------
+    Balance of momentum; for the cam-driven slider Shin, Kim and Ha 1995, eqs. (21), (22), (23), (24) to (26), corrected.
     """
     outer: list[Load] = [load for element in loading.elements for load in element.loads(kinematics, Rate(forces.omega))]
     for name, pair in kinematics.pairs.items():
         if FRAME in (pair.on, pair.body):
             sign = 1.0 if pair.on == FRAME else -1.0
-            at = kinematics.bodies[pair.body if pair.on == FRAME else pair.on].place(pair.point)
+            at = kinematics.bodies[pair.body if pair.on == FRAME else pair.on].position(pair.point)
             couple = sign * forces.couples.get(name, np.zeros(1))
             outer.append(Load("", at, sign * forces.pairs.get(name, np.zeros(1, dtype=complex)), couple))
             if name == kinematics.driver_name:

@@ -15,7 +15,7 @@ import numpy as np
 
 from core.dynamics.elements import Load
 from core.mechanism.kinematics import FRAME, REVOLUTE, Dyad, Kinematics
-from core.numerics.derivatives import cross, dot, opposite
+from core.numerics.derivatives import cross, dot, negated
 
 Number = float | np.ndarray
 _ZERO_FORCE = np.zeros(1, dtype=complex)
@@ -43,6 +43,10 @@ def input_loads(kinematics: Kinematics, dyad: Dyad, effort: np.ndarray) -> Itera
     Yields
     ------
     body, load : str, Load
+
+    References
+    ----------
+    Moments of the link about its pin; forces of the link along its line.
     """
     (body,), (name,) = dyad.bodies, dyad.pairs
     for on, partner, joint, share in (
@@ -51,7 +55,7 @@ def input_loads(kinematics: Kinematics, dyad: Dyad, effort: np.ndarray) -> Itera
         (kinematics.output, body, kinematics.driver_name, -dyad.ratio),
     ):
         pair = kinematics.pairs[joint]
-        at = kinematics.bodies[pair.body if pair.body in kinematics.bodies else pair.on].place(pair.point)
+        at = kinematics.bodies[pair.body if pair.body in kinematics.bodies else pair.on].position(pair.point)
         if pair.kind == REVOLUTE:
             yield partner, Load(on, at, np.zeros(1, dtype=complex), share * effort)
         else:
@@ -84,7 +88,7 @@ class Walk:
             if any(body in self._loads for body in dyad.bodies):
                 STATICS[dyad.kind](self, dyad)
         self.effort = self._driver()
-        if applied and any(dyad.redundant for dyad in kinematics.dyads):  # its reactions are not unique
+        if applied and any(dyad.is_redundant for dyad in kinematics.dyads):  # its reactions are not unique
             self.effort = _by_virtual_power(kinematics, applied)
             for dyad in (dyad for dyad in kinematics.dyads if dyad.by_motion):
                 body, on = (kinematics.by_driver[name].turn[1] for name in (dyad.bodies[0], dyad.on))
@@ -133,7 +137,7 @@ class Walk:
             return np.zeros(1)
         at, loads = self.at(name), self._loads[driver]  # the functions must not refer to the walk, which keeps them
         if self.kinematics.pairs[name].kind == REVOLUTE:
-            self._record(name, driver, lambda: opposite(_total(loads)))
+            self._record(name, driver, lambda: negated(_total(loads)))
             return -_moment(loads, at)
         line, force = self.along(name), _total(loads)
         self._record(name, driver, lambda: -dot(1j * line, force), lambda: -_moment(loads, at))
@@ -178,7 +182,7 @@ class Walk:
         pair = self.kinematics.pairs[name]
         point: np.ndarray | None = self.points.get(pair.point)
         if point is None:
-            point = self.points[pair.point] = self.kinematics.bodies[pair.body].place(pair.point)
+            point = self.points[pair.point] = self.kinematics.bodies[pair.body].position(pair.point)
         return point
 
     def along(self, name: str) -> np.ndarray:
@@ -229,10 +233,10 @@ class Walk:
         partner = pair.on if body == pair.body else pair.body
         if pair.kind == REVOLUTE:
             if partner == FRAME:
-                self._record(name, body, lambda: opposite(_total(loads)))
+                self._record(name, body, lambda: negated(_total(loads)))
             else:
                 total = _total(loads)
-                self._record(name, body, lambda: opposite(total))
+                self._record(name, body, lambda: negated(total))
                 self.add_load(Load(partner, self.at(name), total))
             return
         at, across = self.at(name), 1j * self.along(name)  # the force along its line is rounding
@@ -260,7 +264,7 @@ class Walk:
         partner = pair.on if body == pair.body else pair.body
         if partner != FRAME:
             force = reaction if pair.kind == REVOLUTE else 1j * self.along(name) * reaction
-            self.add_load(Load(partner, at, opposite(force), -couple))
+            self.add_load(Load(partner, at, negated(force), -couple))
 
     def set_inner_effort(self, effort: np.ndarray) -> None:
         """Set the effort of a driver between two moving bodies.
@@ -287,7 +291,7 @@ class Walk:
         """Record reaction and couple of a pair on one of its bodies, with the sign for ``on`` on ``body``."""
         pair = self.kinematics.pairs[name]
         is_reversed = body != pair.body
-        self._pairs[name] = (lambda: opposite(reaction())) if is_reversed else reaction
+        self._pairs[name] = (lambda: negated(reaction())) if is_reversed else reaction
         if pair.kind != REVOLUTE and couple is not None:
             self._couples[name] = (lambda: -couple()) if is_reversed else couple
 

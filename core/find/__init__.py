@@ -1,28 +1,67 @@
-"""Dimensions found rather than tried: the smallest, the largest or the best value of a field that keeps its limits."""
+"""Search for dimensions: the smallest, largest or best value of a field within its limits."""
 
-from core.find.goals import WANTED, LimitReading
-from core.find.offer import OF_PRESSURE, Stated, Trade, offered, trade, traded, usual_limits, varied
+from core.find.goals import CAM_SEARCHES, LimitReading
+from core.find.offer import (
+    OF_PRESSURE,
+    StatedLimits,
+    Trade,
+    available_searches,
+    default_limits,
+    trade,
+    traded_field,
+    varied_fields,
+)
 from core.find.ranking import (
     FIGURES,
-    Ranked,
     RankingColumn,
+    RankingRow,
     blend_candidates,
-    figures_of,
-    in_order,
     law_candidates,
     moving_segments,
-    ranked,
     ranking,
+    ranking_columns,
+    ranking_row,
+    sorted_rows,
 )
 from core.find.search import Solution
-from core.find.shaft import EXTRA, ON_SHAFT, offered_on_shaft
+from core.find.shaft import EXTRA, SHAFT_SEARCHES, available_shaft_searches
 from core.find.spring import SEARCHES, find, remedy_of
-from core.find.trial import alone
+from core.find.trial import same_design
 from core.study.limits import ANY_PRESSURE, BOUNDS, FORCE, LIMITS, USER, LimitValue
 
 __all__ = [
-    "ANY_PRESSURE", "BOUNDS", "EXTRA", "FIGURES", "FORCE", "LIMITS", "OF_PRESSURE", "ON_SHAFT", "SEARCHES", "USER", "WANTED",
-    "LimitReading", "LimitValue", "Ranked", "RankingColumn", "Solution", "Stated", "Trade", "alone", "blend_candidates", "figures_of",
-    "find", "in_order", "law_candidates", "moving_segments", "offered", "offered_on_shaft", "ranked", "ranking", "remedy_of",
-    "trade", "traded", "usual_limits", "varied",
+    "ANY_PRESSURE",
+    "BOUNDS",
+    "CAM_SEARCHES",
+    "EXTRA",
+    "FIGURES",
+    "FORCE",
+    "LIMITS",
+    "OF_PRESSURE",
+    "SEARCHES",
+    "SHAFT_SEARCHES",
+    "USER",
+    "LimitReading",
+    "LimitValue",
+    "RankingColumn",
+    "RankingRow",
+    "Solution",
+    "StatedLimits",
+    "Trade",
+    "available_searches",
+    "available_shaft_searches",
+    "blend_candidates",
+    "default_limits",
+    "find",
+    "law_candidates",
+    "moving_segments",
+    "ranking",
+    "ranking_columns",
+    "ranking_row",
+    "remedy_of",
+    "same_design",
+    "sorted_rows",
+    "trade",
+    "traded_field",
+    "varied_fields",
 ]  # fmt: skip

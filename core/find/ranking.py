@@ -1,7 +1,8 @@
-"""Laws and blends compared where they are chosen: each put into this design, which is then studied at its own speed.
+"""Laws and blends compared in their design, which is studied with each of them at its own speed (Yang's verification).
 
-Yang's verification. The peaks of a law for unit rise and span leave out what else acts on the machine: the other segments, weight,
-springs, the geometry of the follower. Here stands what is left of the difference.
+The peaks of a law for unit rise and span leave out the other loads of the machine: the other segments, weight, springs,
+the
+geometry of the follower. The ranking contains them.
 """
 
 from __future__ import annotations
@@ -27,16 +28,24 @@ from core.study.stages import evaluations
 
 ExtremesByName = Mapping[str, Extremes]
 Candidate = Callable[[], Design]
-"""Makes the design with a law or a blend in it; raises KindynaError where it takes none."""
+"""Returns the design with a law or a blend; raises KindynaError where it cannot contain it."""
 
 
 @frozen
 class RankingColumn:
-    """One column.
+    """A column of the ranking.
 
-    key         name with the unit, as JSON has it; title as a heading
-    exists      whether a design has such a figure
-    value       [SI] of a study and of the extremes of ``quantities``, those of the stage dynamics that it reads; None where there is none
+    Attributes
+    ----------
+    key : str
+        Name with the unit, as in JSON.
+    title, help : str
+    exists : callable
+        Whether a design has the figure.
+    value : callable
+        Figure in SI units, from a study and the extremes of `quantities`; None where the figure does not exist.
+    quantities : tuple of str
+        Quantities of the stage dynamics whose extremes it reads.
     """
 
     key: str
@@ -48,43 +57,43 @@ class RankingColumn:
 
     @property
     def symbol(self) -> str:
-        """Symbol of its unit."""
+        """Symbol of the unit."""
         return split_unit(self.key)[1].symbol
 
 
 @frozen
-class Ranked:
-    """A row: figures in the order and the units of their columns, None where there is none; problem: why the design cannot take it."""
+class RankingRow:
+    """A candidate's figures in the order and units of the columns, None where one does not exist; or its problem."""
 
     name: str
     figures: tuple[float | None, ...]
     problem: str = ""
 
 
-def _size(found: Extremes) -> float:
-    return max(abs(found.low.value), abs(found.high.value))
+def _size(extremes: Extremes) -> float:
+    return max(abs(extremes.low.value), abs(extremes.high.value))
 
 
-def _wind_up(study: Study, found: ExtremesByName) -> float | None:
+def _wind_up(study: Study, extremes: ExtremesByName) -> float | None:
     steady = extremes_of(study, "stability")
     return _size(steady["wind_up"]) if "wind_up" in steady else None
 
 
-def _residual(study: Study, found: ExtremesByName) -> float | None:
-    """Of the roller's centre (of the contact) where the motion turns."""
-    way = 1.0 if study.program.motion.unit == "mm" else study.elasticity.lever_arm
-    return max((way * each.from_rest for each in study.follower_response.residuals), default=None)
+def _residual(study: Study, extremes: ExtremesByName) -> float | None:
+    """Amplitude of the residual vibration of the roller's centre (of the contact where the motion rotates)."""
+    lever_arm = 1.0 if study.program.motion.unit == "mm" else study.elasticity.lever_arm
+    return max((lever_arm * residual.from_rest for residual in study.follower_response.residuals), default=None)
 
 
-def _pressure(study: Study, found: ExtremesByName) -> float | None:
-    return max((found[name].high.value for name in PRESSURES.values() if name in found), default=None)
+def _pressure(study: Study, extremes: ExtremesByName) -> float | None:
+    return max((extremes[name].high.value for name in PRESSURES.values() if name in extremes), default=None)
 
 
-def _least_contact(study: Study, found: ExtremesByName) -> float | None:
-    """Of the elastic follower in steady running where there is one: None where nothing damps its vibration."""
+def _least_contact(study: Study, extremes: ExtremesByName) -> float | None:
+    """Least contact force, of the elastic follower in steady running where the design has one; None without damping."""
     if not study.is_elastic:
-        return found["contact_force"].low.value
-    return found["elastic_contact_force"].low.value if "elastic_contact_force" in found else None
+        return extremes["contact_force"].low.value
+    return extremes["elastic_contact_force"].low.value if "elastic_contact_force" in extremes else None
 
 
 def _is_open(study: Study) -> bool:
@@ -101,21 +110,24 @@ def _has_motor(study: Study) -> bool:
 
 FIGURES: tuple[RankingColumn, ...] = (
     RankingColumn(
-        "peak_torque_nm", "Peak torque", "Largest torque at the camshaft over the turn at this speed, of all that acts on it",
+        "peak_torque_nm", "Peak torque", "Largest torque at the camshaft over the turn at this speed, by all loads",
         lambda study: "cam" in study.stages and not study.loading.is_empty,
-        lambda study, found: _size(found["drive_torque"]), ("drive_torque",),
+        lambda study, extremes: _size(extremes["drive_torque"]), ("drive_torque",),
     ),
     RankingColumn(
         "wind_up_deg", "Wind-up", "Largest wind-up of the elastic camshaft over a steady turn",
-        lambda study: "stability" in study.stages and study.design.shaft is not None and study.design.shaft.elastic is not None, _wind_up,
+        lambda study: "stability" in study.stages and study.design.shaft is not None
+        and study.design.shaft.elastic is not None, _wind_up,
     ),
     RankingColumn(
-        "residual_mm", "Residual", "Amplitude with which the elastic follower vibrates in the worst of the dwells, begun at rest",
+        "residual_mm", "Residual",
+        "Amplitude of the elastic follower's vibration in the worst dwell, from a start at rest",
         lambda study: study.is_elastic, _residual,
     ),
     RankingColumn(
-        "least_contact_force_n", "Least contact", "Least contact force over the turn, of an elastic follower in steady running: below 0 "
-        "the follower leaves the cam", _is_open, _least_contact, ("contact_force", "elastic_contact_force"),
+        "least_contact_force_n", "Least contact",
+        "Least contact force over the turn, of an elastic follower in steady running: below 0 the follower leaves the cam",
+        _is_open, _least_contact, ("contact_force", "elastic_contact_force"),
     ),
     RankingColumn(
         "contact_pressure_mpa", "Pressure", "Largest Hertz pressure between follower and cam over the turn",
@@ -123,22 +135,22 @@ FIGURES: tuple[RankingColumn, ...] = (
     ),
     RankingColumn(
         "motor_rms_nm", "Motor rms", "Root mean square of the servo's torque over the turn", _has_motor,
-        lambda study, found: servo_turn(study).rms,
+        lambda study, extremes: servo_turn(study).rms,
     ),
     RankingColumn(
         "peak_power_w", "Peak power", "Largest power of the servo's motor", _has_motor,
-        lambda study, found: _size(found["servo_power"]), ("servo_power",),
+        lambda study, extremes: _size(extremes["servo_power"]), ("servo_power",),
     ),
     RankingColumn(
-        "energy_j", "Energy", "What the servo's motor takes in a turn, less what it gives back where it regenerates", _has_motor,
-        lambda study, found: servo_turn(study).given - servo_turn(study).braked * servo_part(study).regenerates,
+        "energy_j", "Energy", "Energy of the servo's motor in a turn, less the regenerated part", _has_motor,
+        lambda study, extremes: servo_turn(study).given - servo_turn(study).braked * servo_part(study).regenerates,
     ),
 )  # fmt: skip
-"""Quantity, unit, and how it is read of a study."""
+"""Figures of a study that are compared."""
 
 
-def figures_of(design: Design) -> tuple[RankingColumn, ...]:
-    """The columns that a design has: none without a cam and loads; without what cannot be assembled as it is."""
+def ranking_columns(design: Design) -> tuple[RankingColumn, ...]:
+    """Columns that a design has: none without a cam and loads, or where it cannot be assembled."""
     study = Study(design)
     try:
         return tuple(figure for figure in FIGURES if figure.exists(study))
@@ -146,43 +158,43 @@ def figures_of(design: Design) -> tuple[RankingColumn, ...]:
         return ()
 
 
-def ranked(name: str, candidate: Candidate, figures: Sequence[RankingColumn]) -> Ranked:
-    """One row, computed now."""
+def ranking_row(name: str, candidate: Candidate, figures: Sequence[RankingColumn]) -> RankingRow:
+    """Evaluate one candidate."""
     checkpoint()
     evaluations["ranking"] += 1
     try:
         design = candidate()
-        if wrong := faults(design):
-            raise DesignError(wrong)
+        if problems := faults(design):
+            raise DesignError(problems)
         study = Study(design)
         _require_cam(study)
-        wanted = {name for figure in figures for name in figure.quantities} & quantities_of(study, "dynamics").keys()
-        found = extremes_of(study, "dynamics", tuple(sorted(wanted))) if wanted else {}
-        return Ranked(name, tuple(_value(figure, study, found) for figure in figures))
+        names = {key for figure in figures for key in figure.quantities} & quantities_of(study, "dynamics").keys()
+        extremes = extremes_of(study, "dynamics", tuple(sorted(names))) if names else {}
+        return RankingRow(name, tuple(_value(figure, study, extremes) for figure in figures))
     except DesignError as error:
-        return _none(name, figures, "; ".join(fault.problem for fault in error.faults))
+        return _failed_row(name, figures, "; ".join(fault.problem for fault in error.faults))
     except NoSolution as error:
-        return _none(name, figures, error.problem)
+        return _failed_row(name, figures, error.problem)
     except KindynaError as error:
-        return _none(name, figures, str(error).partition("\n")[0])
+        return _failed_row(name, figures, str(error).partition("\n")[0])
 
 
-def _none(name: str, figures: Sequence[RankingColumn], problem: str) -> Ranked:
-    return Ranked(name, (None,) * len(figures), problem)
+def _failed_row(name: str, figures: Sequence[RankingColumn], problem: str) -> RankingRow:
+    return RankingRow(name, (None,) * len(figures), problem)
 
 
-def _value(figure: RankingColumn, study: Study, found: ExtremesByName) -> float | None:
-    """In the unit of its column; None where this part of the machine has no answer with it."""
+def _value(figure: RankingColumn, study: Study, extremes: ExtremesByName) -> float | None:
+    """Figure in the unit of its column; None where it cannot be computed."""
     checkpoint()
     try:
-        value = figure.value(study, found)
+        value = figure.value(study, extremes)
     except NoSolution:
         return None
     return None if value is None or isnan(value) else value / split_unit(figure.key)[1].factor
 
 
 def _require_cam(study: Study) -> None:
-    """Raises KindynaError where the velocity jumps, or no cam can be cut that gives this motion."""
+    """Raise KindynaError where the velocity jumps, or no cam can be cut for this motion."""
     jumping = [finding for finding in findings_of(study, ("motion",)) if finding.severity == ERROR]
     if not jumping and "cam" in study.stages:
         flanks = form_row(study.design.drive.cam.form).flanks
@@ -192,29 +204,29 @@ def _require_cam(study: Study) -> None:
         raise KindynaError(jumping[0].message)
 
 
-def ranking(candidates: Mapping[str, Candidate], figures: Sequence[RankingColumn]) -> Iterator[Ranked]:
-    """Row after row. Raises Cancelled where they are no longer wanted."""
-    return (ranked(name, candidate, figures) for name, candidate in candidates.items())
+def ranking(candidates: Mapping[str, Candidate], figures: Sequence[RankingColumn]) -> Iterator[RankingRow]:
+    """Evaluate the candidates one after the other. Raises Cancelled where the calculation is cancelled."""
+    return (ranking_row(name, candidate, figures) for name, candidate in candidates.items())
 
 
-def in_order(rows: Sequence[Ranked], column: int, downwards: bool = False) -> list[Ranked]:
-    """By one of their figures, those without it last; alike ones as they stood."""
-    having = [row for row in rows if row.figures[column] is not None]
+def sorted_rows(rows: Sequence[RankingRow], column: int, downwards: bool = False) -> list[RankingRow]:
+    """Rows sorted by one of their figures, those without it last; equal ones in their present order."""
+    complete = [row for row in rows if row.figures[column] is not None]
     without = [row for row in rows if row.figures[column] is None]
-    return [*sorted(having, key=lambda row: row.figures[column] or 0.0, reverse=downwards), *without]
+    return [*sorted(complete, key=lambda row: row.figures[column] or 0.0, reverse=downwards), *without]
 
 
 # -- laws --------------------------------------------------------------------------------------------------
 
 
 def moving_segments(design: Design) -> tuple[int, ...]:
-    """Numbers of the segments that move, from 0."""
+    """Indices of the segments that move."""
     motion = design.drive.motion
     return () if motion is None else tuple(i for i, segment in enumerate(motion.segments) if segment.rise)
 
 
 def law_candidates(design: Design, numbers: Sequence[int]) -> dict[str, Candidate]:
-    """Every law that moves, in place of the law of these segments."""
+    """Designs with each moving law in place of the law of these segments."""
     return {slug: partial(_with_law, design, numbers, slug) for slug, law in LAWS.items() if not law.is_dwell}
 
 
@@ -228,29 +240,40 @@ def _with_law(design: Design, numbers: Sequence[int], slug: str) -> Design:
 
 
 def blend_candidates(
-    blended: BlendResult, place: Callable[[BlendResult], Design], goal: str = ""
+    blended: BlendResult, put: Callable[[BlendResult], Design], goal: str = ""
 ) -> dict[str, Candidate]:
-    """The blend itself, every other sequence that answers the same request, and every law for rises and returns in place of each stroke.
+    """Designs with the blend, each other sequence for the same request, and each law in place of every rise and return.
 
-    place  puts a blend into the design; goal: what the blend makes least, empty where its settings leave nothing free
+    Parameters
+    ----------
+    blended : BlendResult
+    put : callable
+        Puts a blend into the design.
+    goal : str
+        Quantity that the blend minimises, empty where its settings leave nothing free.
+
+    Returns
+    -------
+    dict
+        Name -> function that returns the design.
     """
-    own = "-".join(blended.curves)
+    own_name = "-".join(blended.curves)
     request = blended.request
 
-    rows: dict[str, Candidate] = {own: partial(place, blended)}
+    rows: dict[str, Candidate] = {own_name: partial(put, blended)}
     if isinstance(request, Request):  # of one of Yang's types, which has other sequences
 
         def of_sequence(name: str) -> Design:
-            other = replace(request, sequence=name)
-            return place(best(other, goal) if goal else blend(other))
+            changed = replace(request, sequence=name)
+            return put(best(changed, goal) if goal else blend(changed))
 
         names = ["-".join(sequence.curves) for sequence in sequences(request.type, request.constant)]
-        rows |= {name: partial(of_sequence, name) for name in names if name != own}
+        rows |= {name: partial(of_sequence, name) for name in names if name != own_name}
     strokes = _strokes(blended.segments)
 
     def of_law(slug: str) -> Design:
         parts = tuple(replace(stroke, curve=NamedCurve(slug)) for stroke in strokes)
-        return place(replace(blended, segments=parts))
+        return put(replace(blended, segments=parts))
 
     return rows | {slug: partial(of_law, slug) for slug, law in LAWS.items() if not (law.is_dwell or law.rises)}
 

@@ -1,4 +1,4 @@
-"""What is sought for a whole shaft: its flywheel, the phases of its drives, the spring of its balance cam."""
+"""Searches for a complete shaft: its flywheel, the phases of its drives, the spring of its balance cam."""
 
 from __future__ import annotations
 
@@ -29,22 +29,22 @@ from core.design import (
 from core.design.camshaft import drive_of
 from core.design.parts import LINEAR, ROTARY
 from core.errors import KindynaError, NoSolution
-from core.find.offer import Stated
+from core.find.offer import StatedLimits
 from core.find.search import Solution
-from core.find.trial import NEEDED, FindingsCheck, Trials, nearest
+from core.find.trial import PRESSURE_ANGLES, FindingsCheck, TrialDesigns, nearest_accepted
 from core.numerics.roots import BracketEnds, bounded_minimum, bracketed_root
 from core.shaft import (
     AIMS,
     LoadCurve,
     Spacing,
+    aim_along,
     balance_drives,
     best_phases,
-    even,
+    fluctuation_with,
     inertia_by_energy,
     inertia_for,
+    is_even,
     motor_inertia,
-    reached_along,
-    reached_with,
     with_balancer,
 )
 from core.shaft.flywheel import ROUNDING, energy_range
@@ -61,15 +61,15 @@ FLYWHEEL, FLUCTUATION, SLOPE = (
 RATE, PRELOAD = "balancer.spring_rate_n_per_mm", "balancer.preload_n"
 FORCE = "loads.least_contact_force_n"
 ENDS = ("_min", "_max")
-KEPT = 1e-9  # by which a limit may be missed, as a part of it
+TOLERANCE = 1e-9  # of a limit, relative to it
 RISE, LEAST_RISE = "balancer.force_rise", 0.25  # of the preload; see ``EXTRA``
-RATES = np.exp(np.linspace(0.0, 8.0, 9))  # times the softest, or where that is 0 times
-SCARCE = 0.1  # of F0²/(2ΔE)
+RATES = np.exp(np.linspace(0.0, 8.0, 9))  # trial rates, times the softest rate
+SCARCE = 0.1  # least of these rates, relative to F0²/(2ΔE), where the softest rate is 0
 N_PER_MM = 1e3  # N/m
-FINEST, LAST = 1e-2, 1e-9  # of the preload: of the curve, of the answer
-FLAT = 1e-6  # of the rate with which the preload is least
+FINEST, LAST = 1e-2, 1e-9  # tolerance of the preload: of the curve, of the solution
+FLAT = 1e-6  # tolerance of the rate with the least preload
 STIFFEST = 1e7  # times the softest
-GROWTH, MOST = 1.6, 1e7  # steps towards a preload that serves; the most of it, times the least
+GROWTH, MOST = 1.6, 1e7  # factor of a step towards a sufficient preload; its maximum, times the least
 CURVE = 73
 
 
@@ -77,48 +77,64 @@ EXTRA: Mapping[str, Info] = MappingProxyType({
     RISE: Info("Force rise", "of the spring over the stroke, part of its preload: with a quarter it is "
                "compressed by four strokes before it works", 0.0, optional=True)
 })  # fmt: skip
-"""What is limited and is no field of a design."""
+"""Limits that are no fields of a design."""
 
 
 class ShaftRequest(NamedTuple):
-    """What is asked of a search: bounds of fields, limits of the balance cam, and what of the torque is to be least."""
+    """Bounds of fields, limits of the balance cam, and the property of the torque that a search minimises."""
 
     bounds: Mapping[str, tuple[float, float]]
     limits: Mapping[str, float]
     aim: str
 
     def low(self, path: str, otherwise: float = -math.inf) -> float:
-        """The lower bound stated for a field, in the unit of the file."""
-        found = self.bounds.get(path, (-math.inf, math.inf))[0]
-        return otherwise if found == -math.inf else found
+        """Stated lower bound of a field, in the unit of the file."""
+        bound = self.bounds.get(path, (-math.inf, math.inf))[0]
+        return otherwise if bound == -math.inf else bound
 
     def high(self, path: str, otherwise: float = math.inf) -> float:
-        """The upper bound stated for a field, in the unit of the file."""
-        found = self.bounds.get(path, (-math.inf, math.inf))[1]
-        return otherwise if found == math.inf else found
+        """Stated upper bound of a field, in the unit of the file."""
+        bound = self.bounds.get(path, (-math.inf, math.inf))[1]
+        return otherwise if bound == math.inf else bound
 
 
 class ShaftRow(NamedTuple):
-    """title as a heading; paths whose bounds may be stated, by their beginnings; limits: keys of the balance cam's limits; search;
-    there: whether a design has such a thing; stated: the keys that a design's search takes, with the values that hold where no others
-    are stated, None where none does; aims: what may be least, where there is a choice."""
+    """A search for a complete shaft.
+
+    Attributes
+    ----------
+    title : str
+        Heading.
+    paths : tuple of str
+        Beginnings of the paths whose bounds the user may state.
+    limits : tuple of str
+        Keys of the balance cam's limits.
+    search : callable
+    help : str
+    is_available : callable
+        Whether a design has the part searched for.
+    default_limits : callable
+        Keys of the limits for a design, with their default values, None where there is none.
+    aims : dict
+        Quantities one of which is minimised, where there is a choice.
+    """
 
     title: str
     paths: tuple[str, ...]
     limits: tuple[str, ...]
     search: Callable[[Design, ShaftRequest], Solution]
     help: str
-    there: Callable[[Design], bool]
-    stated: Callable[[Design], Mapping[str, float | None]]
+    is_available: Callable[[Design], bool]
+    default_limits: Callable[[Design], Mapping[str, float | None]]
     aims: Mapping[str, str] = MappingProxyType({})
 
 
-def offered_on_shaft(design: Design) -> tuple[str, ...]:
-    """The rows of ``ON_SHAFT`` that a design has something for."""
-    return tuple(what for what, row in ON_SHAFT.items() if row.there(design))
+def available_shaft_searches(design: Design) -> tuple[str, ...]:
+    """Keys of ``SHAFT_SEARCHES`` that are available for a design."""
+    return tuple(what for what, row in SHAFT_SEARCHES.items() if row.is_available(design))
 
 
-def _turns_shaft(design: Design) -> bool:
+def _has_loaded_shaft(design: Design) -> bool:
     return design.shaft is not None and any(drive.loads_shaft for drive in design.drives)
 
 
@@ -141,19 +157,22 @@ def _spring_keys(design: Design) -> Mapping[str, float | None]:
     }
 
 
-def find_on_shaft(design: Design, what: str, stated: Stated, aim: str = "peak") -> Solution:
-    """The answer of a row of ``ON_SHAFT``; stated as for ``find``. aim: a key of ``AIMS``, of the phases.
+def find_on_shaft(design: Design, what: str, stated: StatedLimits, aim: str = "peak") -> Solution:
+    """Solve a search of ``SHAFT_SEARCHES``; stated as in ``find``, aim of the phases a key of ``AIMS``.
 
-    Raises KindynaError where the design has no such thing, or a limit is none of this search.
+    Raises
+    ------
+    KindynaError
+        Where the search is not available for the design, or it has no such limit.
     """
-    row = ON_SHAFT[what]
+    row = SHAFT_SEARCHES[what]
     if design.shaft is None:
         raise KindynaError(f"find {what}: this design has no shaft; allowed: one with [shaft]")
     if aim not in AIMS:
         raise KindynaError(f"find {what} for {aim!r}: unknown; allowed: {' | '.join(AIMS)}")
     bounds: dict[str, tuple[float, float]] = {}
     limits: dict[str, float] = {}
-    for key, value in {**_defaults(row.stated(design), stated), **stated}.items():
+    for key, value in {**_unstated(row.default_limits(design), stated), **stated}.items():
         if value is None:
             continue
         path, end = key[:-4], key[-4:]
@@ -170,36 +189,36 @@ def find_on_shaft(design: Design, what: str, stated: Stated, aim: str = "peak") 
     return row.search(design, ShaftRequest(bounds, limits, aim))
 
 
-def _defaults(usual: Stated, stated: Stated) -> Stated:
-    """Of what is not stated; the pressure angle of rise or return stated, that of the whole turn has none."""
-    unsaid = {key: value for key, value in usual.items() if key not in stated}
-    if not stated.keys().isdisjoint(NEEDED):
-        unsaid.pop(ANY_PRESSURE, None)
-    return unsaid
+def _unstated(defaults: StatedLimits, stated: StatedLimits) -> StatedLimits:
+    """Default limits that are not stated; a stated limit of rise or return also replaces that of the full turn."""
+    unstated = {key: value for key, value in defaults.items() if key not in stated}
+    if not stated.keys().isdisjoint(PRESSURE_ANGLES):
+        unstated.pop(ANY_PRESSURE, None)
+    return unstated
 
 
-def _answered(
-    wanted: str,
+def _solution(
+    target: str,
     before: Design,
-    made: Design,
+    design: Design,
     answer: Mapping[str, float],
     reached: Mapping[str, float],
     limits: Mapping[str, float],
     curve: Sequence[tuple[float, float]],
     curve_of: str,
-    against: tuple[str, ...] = (),
+    violations: tuple[str, ...] = (),
     end: str = "",
     reached_before: Mapping[str, float] = MappingProxyType({}),
 ) -> Solution:
-    """A solution; curve: finite points, of which each value is one; reached_before: with the present values."""
+    """Solution with the finite points of the curve, one for each value; reached_before: with the present values."""
     points = dict(sorted((float(x), float(y)) for x, y in curve if math.isfinite(y)))
     first = next(iter(answer.values()), 0.0)
     near = (min(points, default=first), max(points, default=first))
-    lacks = before.balancer is None  # then the search began with one of its own
-    present = {path: None if lacks and path in (RATE, PRELOAD) else get(before, path) for path in answer}
+    is_new = before.balancer is None  # then the search added a balance cam
+    present = {path: None if is_new and path in (RATE, PRELOAD) else get(before, path) for path in answer}
     return Solution(
-        wanted,
-        made,
+        target,
+        design,
         answer,
         reached,
         limits,
@@ -208,13 +227,13 @@ def _answered(
         near,
         present,
         reached_before,
-        against,
+        violations,
         end,
     )
 
 
 def _load(design: Design) -> LoadCurve:
-    """Of the whole shaft, or of the one drive. Raises NoSolution."""
+    """Load of the shaft, or of the single drive. Raises NoSolution."""
     return Study(design).camshaft.load
 
 
@@ -223,27 +242,27 @@ def _load(design: Design) -> LoadCurve:
 RATIO, RMS = "servo.gear_ratio", "servo.rms_nm"
 
 
-def _geared(design: Design) -> dict[int, Study]:
-    """Number of each drive whose servo has a rotor and a gear -> its study."""
+def _geared_drives(design: Design) -> dict[int, Study]:
+    """Studies of the drives whose servo has a rotor and a gear, by their number."""
     servos = {i: drive.servo for i, drive in enumerate(design.drives) if drive.servo is not None}
     return {i: Study(only(design, i)) for i, servo in servos.items() if servo.rotor_inertia_kg_m2 > 0.0}
 
 
-def _gear_ratio(design: Design, wish: ShaftRequest) -> Solution:
-    """The gear ratio of least rms torque of each servo, no larger than its motor's rated speed allows."""
-    there = _geared(design)
+def _gear_ratio(design: Design, request: ShaftRequest) -> Solution:
+    """Gear ratio of least rms torque of each servo, limited by its motor's rated speed."""
+    geared = _geared_drives(design)
     if all(drive.servo is None or drive.servo.kind == LINEAR for drive in design.drives):
         raise KindynaError(
             f'find gear-ratio: this design has no motor with a gear; allowed: [servo] with kind = "{ROTARY}"'
         )
-    if not there:
+    if not geared:
         raise KindynaError(
             "servo.rotor_inertia_kg_m2: without a rotor's inertia the torque falls with every larger ratio; state it"
         )
-    made, answer, reached, before, ends = design, {}, {}, {}, []
+    changed, answer, reached, before, ends = design, {}, {}, {}, []
     curve: list[tuple[float, float]] = []
-    for i, study in there.items():
-        path, own = path_of(i, RATIO) if design.listed else RATIO, path_of(i, RMS) if design.listed else RMS
+    for i, study in geared.items():
+        path, rms_path = path_of(i, RATIO) if design.listed else RATIO, path_of(i, RMS) if design.listed else RMS
         servo = servo_part(study)
 
         def rms(ratio: float, study: Study = study, servo: Any = servo) -> float:
@@ -256,18 +275,18 @@ def _gear_ratio(design: Design, wish: ShaftRequest) -> Solution:
         fastest = extremes_of(study, "dynamics", ("servo_speed",))["servo_speed"]
         speed = max(abs(fastest.low.value), abs(fastest.high.value)) * 30.0 / math.pi / servo.gear_ratio
         most = math.inf if servo.rated_rpm is None else servo.rated_rpm / speed
-        found = min(max(best, wish.low(path, 0.0)), min(wish.high(path), most))
-        if found == most and most < best:
-            ends.append(f"{path} = {found:.9g}, where the motor reaches its rated speed; without that {best:.9g}")
-        answer[path], reached[own], before[own] = found, rms(found), rms(servo.gear_ratio)
-        curve = curve or [(x, rms(x)) for x in sorted({*(best * np.exp(np.linspace(-1.4, 1.4, 15))).tolist(), found})]
-        drives = list(made.drives)
-        drives[i] = replace(drives[i], servo=replace(servo, gear_ratio=found))
-        made = replace(made, drives=tuple(drives))
-    return _answered(
+        ratio = min(max(best, request.low(path, 0.0)), min(request.high(path), most))
+        if ratio == most and most < best:
+            ends.append(f"{path} = {ratio:.9g}, where the motor reaches its rated speed; without that {best:.9g}")
+        answer[path], reached[rms_path], before[rms_path] = ratio, rms(ratio), rms(servo.gear_ratio)
+        curve = curve or [(x, rms(x)) for x in sorted({*(best * np.exp(np.linspace(-1.4, 1.4, 15))).tolist(), ratio})]
+        drives = list(changed.drives)
+        drives[i] = replace(drives[i], servo=replace(servo, gear_ratio=ratio))
+        changed = replace(changed, drives=tuple(drives))
+    return _solution(
         "gear ratio of least rms torque",
         design,
-        made,
+        changed,
         answer,
         reached,
         {},
@@ -280,66 +299,66 @@ def _gear_ratio(design: Design, wish: ShaftRequest) -> Solution:
 
 
 def _ratio_keys(design: Design) -> Mapping[str, float | None]:
-    paths = [path_of(i, RATIO) if design.listed else RATIO for i in _geared(design)]
+    paths = [path_of(i, RATIO) if design.listed else RATIO for i in _geared_drives(design)]
     return dict.fromkeys(f"{path}{end}" for path in paths for end in ENDS)
 
 
 # -- flywheel ----------------------------------------------------------------------------------------------
 
 
-def _flywheel(design: Design, wish: ShaftRequest) -> Solution:
-    """The least flywheel with which the true speed fluctuates no more than it may."""
+def _flywheel(design: Design, request: ShaftRequest) -> Solution:
+    """Least flywheel with which the true speed fluctuates within its limit."""
     if not design.listed and not has_motor(design):
         raise KindynaError(
             "find flywheel: no shaft drives this design at constant speed; allowed: a cam, a crank, [[drives]]"
         )
     shaft = design.camshaft
-    wanted = wish.high(FLUCTUATION, shaft.speed_fluctuation)
-    if not wanted > 0.0:
-        raise KindynaError(f"limit {FLUCTUATION}_max = {wanted:g}: outside its range; allowed: > 0")
-    load, own = _load(design), motor_inertia(shaft)
+    limit = request.high(FLUCTUATION, shaft.speed_fluctuation)
+    if not limit > 0.0:
+        raise KindynaError(f"limit {FLUCTUATION}_max = {limit:g}: outside its range; allowed: > 0")
+    load, of_motor = _load(design), motor_inertia(shaft)
 
-    def reach(inertia: float) -> float:
-        return reached_with(load, shaft, inertia + own)
+    def fluctuation(inertia: float) -> float:
+        return fluctuation_with(load, shaft, inertia + of_motor)
 
-    needed = _least_inertia(load, shaft, wanted)
-    found = min(max(needed, wish.low(FLYWHEEL, 0.0)), wish.high(FLYWHEEL))
-    reached = reach(found)
-    against: tuple[str, ...] = ()
-    if reached > wanted * (1.0 + KEPT):
-        text = "the motor stalls" if reached == math.inf else f"speed fluctuation {reached:.6g}, limit {wanted:g}"
-        against = (f"{text}: it takes {needed:.6g} kg·m²",)
-    around = (needed or found or inertia_by_energy(load, shaft, wanted) or 1.0) * np.exp(np.linspace(-1.4, 1.4, 25))
-    curve = [(i, reach(i)) for i in sorted({*around.tolist(), found})]
-    end = f"{FLYWHEEL} = {found:.9g}" if (found != needed or not found) and not against else ""
-    made = replace(design, shaft=replace(shaft, flywheel_inertia_kg_m2=found))
-    before = {FLUCTUATION: reach(shaft.flywheel_inertia_kg_m2)}
-    solution = _answered(
+    needed = _least_inertia(load, shaft, limit)
+    inertia = min(max(needed, request.low(FLYWHEEL, 0.0)), request.high(FLYWHEEL))
+    reached = fluctuation(inertia)
+    violations: tuple[str, ...] = ()
+    if reached > limit * (1.0 + TOLERANCE):
+        text = "the motor stalls" if reached == math.inf else f"speed fluctuation {reached:.6g}, limit {limit:g}"
+        violations = (f"{text}: it requires {needed:.6g} kg·m²",)
+    around = (needed or inertia or inertia_by_energy(load, shaft, limit) or 1.0) * np.exp(np.linspace(-1.4, 1.4, 25))
+    curve = [(i, fluctuation(i)) for i in sorted({*around.tolist(), inertia})]
+    end = f"{FLYWHEEL} = {inertia:.9g}" if (inertia != needed or not inertia) and not violations else ""
+    changed = replace(design, shaft=replace(shaft, flywheel_inertia_kg_m2=inertia))
+    before = {FLUCTUATION: fluctuation(shaft.flywheel_inertia_kg_m2)}
+    solution = _solution(
         "least flywheel",
         design,
-        made,
-        {FLYWHEEL: found},
+        changed,
+        {FLYWHEEL: inertia},
         {FLUCTUATION: reached},
-        {FLUCTUATION: wanted},
+        {FLUCTUATION: limit},
         curve,
         FLUCTUATION,
-        against,
+        violations,
         end,
         before,
     )
     return replace(solution, assumed={SLOPE: shaft.motor_slope_nm_s_per_rad} if is_assumed(design, SLOPE) else {})
 
 
-def _least_inertia(load: LoadCurve, shaft: Shaft, wanted: float) -> float:
-    """Of a flywheel [kg m²] with which the speed fluctuates by no more. Raises KindynaError where none does."""
-    needed = max(inertia_for(load, shaft, wanted) - motor_inertia(shaft), 0.0)
+def _least_inertia(load: LoadCurve, shaft: Shaft, limit: float) -> float:
+    """Least flywheel inertia [kg m²] for a limit of the speed fluctuation. Raises KindynaError where none suffices."""
+    needed = max(inertia_for(load, shaft, limit) - motor_inertia(shaft), 0.0)
     if needed == math.inf:
-        raise KindynaError(f"no flywheel keeps a speed fluctuation of {wanted:g}: lower the load, or allow more")
+        raise KindynaError(f"no flywheel keeps a speed fluctuation of {limit:g}: lower the load, or allow more")
     return needed
 
 
 def with_least_flywheel(design: Design) -> tuple[Design, Mapping[str, float]]:
-    """The design with the answer of ``find flywheel`` where nothing is stated, and this. Raises KindynaError."""
+    """Return the design with its least flywheel, and the value by its path. Raises KindynaError where none suffices."""
     shaft = design.camshaft
     needed = _least_inertia(_load(design), shaft, shaft.speed_fluctuation)
     return replace(design, shaft=replace(shaft, flywheel_inertia_kg_m2=needed)), {FLYWHEEL: needed}
@@ -352,60 +371,59 @@ REACHED: Mapping[str, str] = MappingProxyType(
 )
 
 
-def _phases(design: Design, wish: ShaftRequest) -> Solution:
-    """The phases of least peak torque, or root mean square, or swing of energy, that keep the timing; the first drive stays."""
+def _phases(design: Design, request: ShaftRequest) -> Solution:
+    """Phases of least peak torque, rms torque or energy swing that satisfy the timing; the first drive is fixed."""
     if len(design.drives) < 2:
         raise KindynaError("find phases: this design has one drive alone; allowed: two or more under [[drives]]")
     study = Study(replace(design, balancer=None)).camshaft
     numbers = [study.drive_number(name) for name in study.loading_drives]
-    place = {number: i for i, number in enumerate(numbers)}  # what the shaft does not carry stays with the first
+    index = {number: i for i, number in enumerate(numbers)}  # drives that do not load the shaft move with the first
     spacings = [
         Spacing(
-            place.get(numbered(design, drive_of(row.first)), 0),
-            place.get(numbered(design, drive_of(row.second)), 0),
+            index.get(numbered(design, drive_of(row.first)), 0),
+            index.get(numbered(design, drive_of(row.second)), 0),
             math.radians(at.spare_deg),
         )
         for row, at in zip(design.timing, distances(design), strict=True)
     ]
     for i, number in enumerate(numbers):
-        path, now = f"drives[{number}].phase_deg", design.drives[number].phase_deg
-        for side, bound in ((1.0, wish.low(path)), (-1.0, wish.high(path))):
+        path, present = f"drives[{number}].phase_deg", design.drives[number].phase_deg
+        for side, bound in ((1.0, request.low(path)), (-1.0, request.high(path))):
             if math.isfinite(bound):
-                spare = math.radians((side * (now - bound) + 180.0) % 360.0 - 180.0)
+                spare = math.radians((side * (present - bound) + 180.0) % 360.0 - 180.0)
                 spacings.append(Spacing(0, i, spare) if side > 0.0 else Spacing(i, 0, spare))
     loads = [study.drive_load(name) for name in study.loading_drives]
-    turned, checked = best_phases(loads, spacings, wish.aim).turned, FindingsCheck(replace(design, balancer=None))
+    shifts = best_phases(loads, spacings, request.aim).rotations
+    checked = FindingsCheck(replace(design, balancer=None))
 
-    def placed(turned: np.ndarray) -> tuple[Design, dict[str, float]]:
-        made, answer = replace(design, balancer=None), {}
-        for number, by in zip(numbers[1:], turned[1:].tolist(), strict=True):
-            phase = (design.drives[number].phase_deg + math.degrees(by)) % 360.0
-            made, answer[f"drives[{number}].phase_deg"] = with_phase(made, number, phase), phase
-        return made, answer
+    def shifted(shifts: np.ndarray) -> tuple[Design, dict[str, float]]:
+        changed, answer = replace(design, balancer=None), {}
+        for number, shift in zip(numbers[1:], shifts[1:].tolist(), strict=True):
+            phase = (design.drives[number].phase_deg + math.degrees(shift)) % 360.0
+            changed, answer[f"drives[{number}].phase_deg"] = with_phase(changed, number, phase), phase
+        return changed, answer
 
-    if held_by := checked.new(
-        placed(turned)[0]
-    ):  # as far towards them as nothing is to be complained of that is not now
-        way = (turned + math.pi) % (2.0 * math.pi) - math.pi
-        part, beyond = nearest(
-            lambda part, quick: not checked.new(placed(part * way)[0], quick), 1.0, 0.0, checked.part
+    if next_findings := checked.new(shifted(shifts)[0]):  # as far towards them as the machine has no new finding
+        direction = (shifts + math.pi) % (2.0 * math.pi) - math.pi
+        part, beyond = nearest_accepted(
+            lambda part, quick: not checked.new(shifted(part * direction)[0], quick), 1.0, 0.0, checked.tolerance
         )
-        turned, held_by = part * way, checked.new(placed(beyond * way)[0])
-    made, answer = placed(turned)
-    made = replace(made, balancer=design.balancer)
+        shifts, next_findings = part * direction, checked.new(shifted(beyond * direction)[0])
+    changed, answer = shifted(shifts)
+    changed = replace(changed, balancer=design.balancer)
     steps = np.arange(CURVE) * (2.0 * math.pi / (CURVE - 1))
-    line = reached_along(loads, turned, 1, steps, wish.aim)
-    first = design.drives[numbers[1]].phase_deg + np.rad2deg(turned[1] + steps)
+    line = aim_along(loads, shifts, 1, steps, request.aim)
+    first = design.drives[numbers[1]].phase_deg + np.rad2deg(shifts[1] + steps)
     curve = sorted(zip(np.mod(first, 360.0).tolist(), line.tolist(), strict=True))
-    reached, before = (_with_phases(each) for each in (made, design))
-    kept = {f"timing[{i}].least_deg": row.least_deg for i, row in enumerate(design.timing)}
-    title = f"phases of least {wish.aim}"
-    solution = _answered(title, design, made, answer, reached, kept, curve, REACHED[wish.aim], reached_before=before)
-    return replace(solution, held_by=held_by)
+    reached, before = _phase_readings(changed), _phase_readings(design)
+    limits = {f"timing[{i}].least_deg": row.least_deg for i, row in enumerate(design.timing)}
+    title, figure = f"phases of least {request.aim}", REACHED[request.aim]
+    solution = _solution(title, design, changed, answer, reached, limits, curve, figure, reached_before=before)
+    return replace(solution, next_findings=next_findings)
 
 
-def _with_phases(design: Design) -> Mapping[str, float]:
-    """What the cams of a design ask of the shaft, and how its timing is kept."""
+def _phase_readings(design: Design) -> Mapping[str, float]:
+    """Torque and energy of the cams of a design, and the distances of its timing."""
     total = Study(replace(design, balancer=None)).camshaft
     return {
         "peak_torque_nm": abs(total.peak_torque.value),
@@ -418,8 +436,8 @@ def _with_phases(design: Design) -> Mapping[str, float]:
 # -- balancer ----------------------------------------------------------------------------------------------
 
 
-class _Balances(Trials):
-    """Balance cams of one torque by spring rate [N/mm] and preload [N], each a design of its own."""
+class _BalanceCams(TrialDesigns):
+    """Trial balance cams of one torque by spring rate [N/mm] and preload [N]."""
 
     def __init__(
         self, before: Design, design: Design, limits: Mapping[str, float | None], force: float, rise: float
@@ -438,34 +456,34 @@ class _Balances(Trials):
 
     @cached_property
     def swing(self) -> float:
-        """The energy that the spring takes up [J]."""
+        """Energy that the spring stores [J]."""
         low, high = energy_range(self.load)
         return high - low
 
     def most_preload(self, rate: float) -> float:
-        """With which the force still grows as it shall [N]."""
+        """Greatest preload [N] with which the force still rises enough."""
         most = 2.0 * self.swing * N_PER_MM * rate * (1.0 + ROUNDING)
         return math.sqrt(most / self.growth) if self.growth else math.inf
 
     def rise_of(self, rate: float, preload: float) -> float:
-        """By how much of the preload the force grows."""
+        """Rise of the force as a part of the preload."""
         return math.sqrt(1.0 + 2.0 * rate * N_PER_MM * self.swing / preload / preload) - 1.0
 
     def part(self, rate: float, preload: float) -> Balancer:
         return replace(self.balancer, spring_rate_n_per_mm=rate, preload_n=preload)
 
     def prepare(self, values: Sequence[tuple[float, float]]) -> None:
-        """Make the cams of these rates and preloads side by side."""
-        self._prepared = self._made(values)
+        """Design the cams of these rates and preloads together."""
+        self._prepared = self._design_cams(values)
 
-    def _made(self, values: Sequence[tuple[float, float]]) -> Mapping[tuple[float, float], Drive | NoSolution]:
-        parts = [self.part(*each) for each in values]
+    def _design_cams(self, values: Sequence[tuple[float, float]]) -> Mapping[tuple[float, float], Drive | NoSolution]:
+        parts = [self.part(rate, preload) for rate, preload in values]
         drives = balance_drives(self.load, parts, self.design.camshaft.speed_rpm * math.pi / 30.0)
         return dict(zip(values, drives, strict=True))
 
     def with_values(self, values: tuple[float, float]) -> Design:  # type: ignore[override]
         if values not in self._prepared and values not in self._last:
-            self._last = self._made([values])  # its limits and its least force are looked at one after the other
+            self._last = self._design_cams([values])  # its limits and its least force are evaluated one after the other
         drive = {**self._prepared, **self._last}[values]
         if isinstance(drive, NoSolution):
             raise drive
@@ -473,7 +491,7 @@ class _Balances(Trials):
         return Design("balancer", Shaft(shaft.rotation, shaft.speed_rpm), (drive,))
 
     def least_force(self, rate: float, preload: float) -> float:
-        """The least contact force [N]: the preload itself where the follower has no mass, for there the spring is longest."""
+        """Least contact force [N]; where the follower has no mass, the preload, which is the least spring force."""
         if not self.balancer.follower_mass_kg:
             return preload
         if (rate, preload) not in self._forces:
@@ -482,42 +500,45 @@ class _Balances(Trials):
         return self._forces[rate, preload]
 
     def spare(self, rate: float, preload: float, refined: bool = False) -> float:
-        """What is left of the tightest limit; -inf where there is no cam."""
+        """Margin of the tightest limit; -inf where there is no cam."""
         outcome = self.at(rate, preload, refined=refined)
         if not outcome.readings:
             return -math.inf
-        held = (self.least_force(rate, preload) - self.force) / preload if self.balancer.follower_mass_kg else math.inf
-        return min(outcome.margin, held)
+        if not self.balancer.follower_mass_kg:
+            return outcome.margin
+        return min(outcome.margin, (self.least_force(rate, preload) - self.force) / preload)
 
 
-def _balancer(design: Design, wish: ShaftRequest) -> Solution:
-    """The least preload, not below the force that is stated (else the present preload), with which some spring keeps the limits of the
-    balance cam and its own force grows enough; of such springs the softest. Where there is no balance cam, of one to begin with.
+def _balancer(design: Design, request: ShaftRequest) -> Solution:
+    """Least preload with which a spring satisfies the limits of the balance cam and its force rises enough.
 
-    The force of a spring of rate K that takes up the whole swing of energy ΔE grows from F0 to √(F0² + 2KΔE): by r of F0 from
-    K = F0²((1 + r)² - 1)/(2ΔE) on. There the search begins, wherever the present rate may be.
+    It is not below the stated force, else the present preload; of several springs it is the softest. A design without a
+    balance cam is searched with a first guess of one.
+
+    The force of a spring of rate K that stores the energy swing ΔE rises from F0 to √(F0² + 2KΔE): by r of F0 from
+    K = F0²((1 + r)² - 1)/(2ΔE) on. There the search begins, whatever the present rate.
     """
     if not design.listed:
         raise KindynaError("find balancer: this design has one drive alone; allowed: drives under [[drives]]")
-    begun = design if design.balancer is not None else with_balancer(design, Study(design).flywheel.energy_swing)
-    part = begun.balancer
+    balanced = design if design.balancer is not None else with_balancer(design, Study(design).flywheel.energy_swing)
+    part = balanced.balancer
     assert part is not None
-    force = max(wish.low(FORCE, 0.0), wish.low("balancer.least_contact_force_n", 0.0), 0.0)
-    least = max(force, wish.low(PRELOAD, 0.0)) or part.preload_n
-    most = wish.high(PRELOAD, least * MOST)
+    force = max(request.low(FORCE, 0.0), request.low("balancer.least_contact_force_n", 0.0), 0.0)
+    least = max(force, request.low(PRELOAD, 0.0)) or part.preload_n
+    most = request.high(PRELOAD, least * MOST)
     if least > most:
         raise KindynaError(f"limit {PRELOAD}_max = {most:g}: is below the force {least:g} N that the spring must keep")
-    trials = _Balances(design, begun, {CONVEX: None, **wish.limits}, force, wish.low(RISE, 0.0))
-    if even(trials.load):
+    trials = _BalanceCams(design, balanced, {CONVEX: None, **request.limits}, force, request.low(RISE, 0.0))
+    if is_even(trials.load):
         raise KindynaError(
-            "find balancer: the torque does not swing, so that there is nothing to balance; leave the balance cam out"
+            "find balancer: the torque is constant, so that there is nothing to balance; leave the balance cam out"
         )
     scale = least * least / (2.0 * trials.swing * N_PER_MM)
-    softest = max(scale * trials.growth, wish.low(RATE, 0.0))
-    if softest > wish.high(RATE):
-        return _unserved(trials, [wish.high(RATE)], least, most)
+    softest = max(scale * trials.growth, request.low(RATE, 0.0))
+    if softest > request.high(RATE):
+        return _invalid_solution(trials, [request.high(RATE)], least, most)
     first_rate = max(softest, scale * SCARCE)
-    rates = _between(first_rate * RATES, softest, wish.high(RATE))
+    rates = _between(first_rate * RATES, softest, request.high(RATE))
 
     def preload_of(rate: float, finest: float, near: float, refined: bool = False) -> float:
         return _least_preload(trials, rate, least, min(most, trials.most_preload(rate)), finest, refined, near)
@@ -525,14 +546,14 @@ def _balancer(design: Design, wish: ShaftRequest) -> Solution:
     if part.follower_mass_kg:
         trials.prepare([(rate, least) for rate in rates])
     preloads: list[float] = []
-    for rate in rates[::-1]:  # a softer spring mostly takes more preload
+    for rate in rates[::-1]:  # a softer spring usually requires more preload
         preloads.insert(0, preload_of(rate, FINEST, preloads[0] if preloads else least))
-    stiffest = min(STIFFEST * first_rate, wish.high(RATE))
+    stiffest = min(STIFFEST * first_rate, request.high(RATE))
     while least < preloads[-1] == min(preloads) < math.inf and rates[-1] < stiffest:
         rates.append(min(math.e * rates[-1], stiffest))
         preloads.append(preload_of(rates[-1], FINEST, least))
     if not np.isfinite(preloads).any():
-        return _unserved(trials, rates, least, most)
+        return _invalid_solution(trials, rates, least, most)
     best = min(preloads)
     first = preloads.index(best)  # the softest of those
     rate = rates[first]
@@ -542,11 +563,12 @@ def _balancer(design: Design, wish: ShaftRequest) -> Solution:
         rate, _ = bounded_minimum(lambda x: preload_of(x, LAST, 0.0), rates[first - 1], rates[first + 1], FLAT * rate)
     preload = preload_of(rate, LAST, best / GROWTH, refined=True)
     curve = [*zip(rates, preloads, strict=True), (rate, preload)]
-    bounds = (wish.low(RATE), wish.high(RATE), stiffest)
-    return _sprung(trials, rate, preload, curve, (), f"{RATE} = {rate:.9g}" if rate in bounds else "")
+    bounds = (request.low(RATE), request.high(RATE), stiffest)
+    return _spring_solution(trials, rate, preload, curve, (), f"{RATE} = {rate:.9g}" if rate in bounds else "")
 
 
 def _between(rates: np.ndarray, low: float, high: float) -> list[float]:
+    """Trial rates between the bounds, and the bounds."""
     inside = rates[(rates > low) & (rates < high)].tolist()
     ends = [bound for bound in (low, high) if math.isfinite(bound)]
     if len(inside) < 5 and len(ends) == 2:
@@ -555,9 +577,15 @@ def _between(rates: np.ndarray, low: float, high: float) -> list[float]:
 
 
 def _least_preload(
-    trials: _Balances, rate: float, least: float, most: float, finest: float, refined: bool = False, near: float = 0.0
+    trials: _BalanceCams,
+    rate: float,
+    least: float,
+    most: float,
+    finest: float,
+    refined: bool = False,
+    near: float = 0.0,
 ) -> float:
-    """The least preload with which this spring keeps all limits of the cam; infinite where none does. near: where it may be."""
+    """Least preload with which this spring satisfies all limits of the cam, infinite where none does."""
 
     def spare(preload: float) -> float:
         return trials.spare(rate, preload, refined)
@@ -574,98 +602,105 @@ def _least_preload(
     return bracketed_root(spare, BracketEnds(bad, spare(bad), good, spare(good)), finest * good).b
 
 
-def _softest(trials: _Balances, bad: float, good: float, preload: float) -> float:
-    """The softest spring with which this preload keeps all limits, between one that does not and one that does."""
+def _softest(trials: _BalanceCams, bad: float, good: float, preload: float) -> float:
+    """Softest spring with which this preload satisfies all limits, between a rate that does not and one that does."""
 
     def spare(rate: float) -> float:
         return trials.spare(rate, preload, refined=True)
 
-    if spare(bad) >= 0.0:  # at the very limit, where only rounding took it for one that does not
+    if spare(bad) >= 0.0:  # at the limit, where only rounding rejected it
         return bad
     if spare(good) < 0.0:
         return good
     return bracketed_root(spare, BracketEnds(bad, spare(bad), good, spare(good)), LAST * good).b
 
 
-def _sprung(
-    trials: _Balances,
+def _spring_solution(
+    trials: _BalanceCams,
     rate: float,
     preload: float,
     curve: Sequence[tuple[float, float]],
-    against: tuple[str, ...],
+    violations: tuple[str, ...],
     end: str,
 ) -> Solution:
+    """Solution with a spring of this rate and preload."""
     outcome = trials.at(rate, preload)
     reached = outcome.reached()
     force = trials.least_force(rate, preload)
     reached |= {FORCE: force, RISE: trials.rise_of(rate, preload)}
-    made = replace(trials.design, balancer=trials.part(rate, preload))
-    own = trials.balancer.spring_rate_n_per_mm, trials.balancer.preload_n
-    before = (
-        {} if trials.before.balancer is None else {reading.key: reading.reached for reading in trials.at(*own).readings}
-    )
+    design = replace(trials.design, balancer=trials.part(rate, preload))
+    present = trials.balancer.spring_rate_n_per_mm, trials.balancer.preload_n
+    readings = () if trials.before.balancer is None else trials.at(*present).readings
+    before = {reading.key: reading.reached for reading in readings}
     if before:
-        before |= {FORCE: trials.least_force(*own), RISE: trials.rise_of(*own)}
-    kept = {key: limit for key, limit in ((FORCE, trials.force), (RISE, trials.rise)) if limit}
-    limits = {each.key: each.limit for each in outcome.readings} | kept
-    return _answered(
+        before |= {FORCE: trials.least_force(*present), RISE: trials.rise_of(*present)}
+    spring_limits = {key: limit for key, limit in ((FORCE, trials.force), (RISE, trials.rise)) if limit}
+    limits = {reading.key: reading.limit for reading in outcome.readings} | spring_limits
+    return _solution(
         "least preload",
         trials.before,
-        made,
+        design,
         {RATE: rate, PRELOAD: preload},
         reached,
         limits,
         curve,
         PRELOAD,
-        against,
+        violations,
         end,
         before,
     )
 
 
-def _unserved(trials: _Balances, rates: list[float], least: float, most: float) -> Solution:
-    """The best that there is: the stiffest spring with the preload that keeps the limits of the cam, else with the most preload, and what
-    stands against it."""
+def _invalid_solution(trials: _BalanceCams, rates: list[float], least: float, most: float) -> Solution:
+    """Best spring where none satisfies every limit, with the limits it violates.
+
+    It is the stiffest one with the preload that satisfies the limits of the cam, else one with the greatest preload.
+    """
     preload = _least_preload(trials, rates[-1], least, most, LAST, refined=True)
     best = rates[-1] if preload < math.inf else max(rates, key=lambda rate: trials.spare(rate, most))
     most = min(preload, most)
     outcome = trials.at(best, most)
     if not outcome.readings:
         raise KindynaError(f"no spring balances this torque: {outcome.problem}")
-    against = [reading.text for reading in outcome.readings if not reading.kept]
-    if trials.rise_of(best, most) < trials.rise:
-        against.append(
-            f"its force grows by {trials.rise_of(best, most):.4g} of the preload, limit {trials.rise:g}: take a stiffer spring"
-        )
+    violations = [reading.text for reading in outcome.readings if not reading.is_satisfied]
+    rise = trials.rise_of(best, most)
+    if rise < trials.rise:
+        violations.append(f"its force rises by {rise:.4g} of the preload, limit {trials.rise:g}: use a stiffer spring")
     force = trials.least_force(best, most)
     if force < trials.force:
-        against.append(
-            f"the follower is pressed too little: least contact force {force:.6g} N, limit {trials.force:g} N"
+        violations.append(
+            f"the contact force is too small: least contact force {force:.6g} N, limit {trials.force:g} N"
         )
-    return _sprung(trials, best, most, (), tuple(against), "")
+    return _spring_solution(trials, best, most, (), tuple(violations), "")
 
 
-ON_SHAFT: Mapping[str, ShaftRow] = MappingProxyType(
+SHAFT_SEARCHES: Mapping[str, ShaftRow] = MappingProxyType(
     {
         "flywheel": ShaftRow(
-            "Least flywheel", (FLYWHEEL, FLUCTUATION), (), _flywheel, "the least flywheel for the fluctuation of speed that is allowed",
-            _turns_shaft, _wheel_keys,
+            "Least flywheel", (FLYWHEEL, FLUCTUATION), (), _flywheel,
+            "the least flywheel for the allowed fluctuation of speed",
+            _has_loaded_shaft, _wheel_keys,
         ),
         "gear-ratio": ShaftRow(
             "Gear ratio of the servo", (RATIO, "drives["), (), _gear_ratio,
-            "the gear ratio of the servo with the least rms torque of its motor, no larger than its rated speed allows",
-            lambda design: any(drive.servo is not None and drive.servo.kind == ROTARY for drive in design.drives), _ratio_keys,
+            "the gear ratio of the servo with the least rms torque of its motor, within its rated speed",
+            lambda design: any(drive.servo is not None and drive.servo.kind == ROTARY for drive in design.drives),
+            _ratio_keys,
         ),
         "phases": ShaftRow(
             "Best phases", ("drives[",), (), _phases,
             "the phases of least peak torque that keep the timing; --for rms or fluctuation: least of these",
             lambda design: len(design.drives) > 1, _phase_keys,
-            MappingProxyType({"peak": "Least peak torque", "rms": "Least RMS torque", "fluctuation": "Least fluctuation"}),
+            MappingProxyType(
+                {"peak": "Least peak torque", "rms": "Least RMS torque", "fluctuation": "Least fluctuation"}
+            ),
         ),
         "balancer": ShaftRow(
-            "Spring of the balance cam", (RATE, PRELOAD, FORCE, "balancer.least_contact_force_n", RISE), tuple(LIMITS), _balancer,
-            f"the spring of least preload that stays above a force, and of such springs the softest whose force grows by {LEAST_RISE:g} of "
-            f"the preload ({RISE}_min); a softer one would be compressed by more than {1.0 / LEAST_RISE:g} strokes before it works",
+            "Spring of the balance cam", (RATE, PRELOAD, FORCE, "balancer.least_contact_force_n", RISE), tuple(LIMITS),
+            _balancer,
+            "the spring of least preload with a least contact force, and of such springs the softest whose force rises "
+            f"by {LEAST_RISE:g} of the preload ({RISE}_min); "
+            f"a softer one would be preloaded by more than {1.0 / LEAST_RISE:g} strokes",
             lambda design: design.balancer is not None, _spring_keys,
         ),
     }

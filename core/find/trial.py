@@ -1,4 +1,4 @@
-"""Designs with other values in the fields that are varied: what each reaches of the limits."""
+"""Trial designs with other values in the varied fields, their findings, and their readings of the limits."""
 
 from __future__ import annotations
 
@@ -21,213 +21,261 @@ from core.numerics.lazy import checkpoint, column
 from core.study import Study, findings_of
 from core.study.limits import FORCE, FORCE_PART, LIMITS, POLAR, USER_BOUNDS, Curve, bounded_quantities, needs_torque
 
-# -- what ``check`` finds in the machine at hand ----------------------------------------------------------------
+# -- new findings of the machine --------------------------------------------------------------------------------
 
-
-Put = Callable[[Design], Design]
-"""The design of one drive -> the machine that it belongs to."""
-SAME = 1e-9  # of a value, to which it is the last one that serves ...
-NEAR = 1e-4  # ... and where only notes stand against the next one
+MachineOf = Callable[[Design], Design]
+"""The design of one drive -> the machine that contains it."""
+SAME = 1e-9  # relative tolerance of the last accepted value ...
+NEAR = 1e-4  # ... and where only notes are found with the next one
 UNEVEN = "speed-fluctuates"
-ENLARGED = 1.5  # times its size: so much may a flywheel grow that goes into the machine with the answer
-Found = Mapping[tuple[str, str], Finding]
+ENLARGED = 1.5  # greatest growth of a flywheel that is changed together with the result
+FindingsByField = Mapping[tuple[str, str], Finding]
 
 
-def alone(design: Design) -> Design:
-    """A design that is the whole machine."""
+def same_design(design: Design) -> Design:
+    """Machine of a design that is a machine by itself: the design."""
     return design
 
 
 class FindingsCheck:
-    """The findings of the machine that a design belongs to.
+    """Findings that a trial design adds to those of the machine.
 
-    machine  the design of one drive -> the whole; waived: codes that a search may bring, since their limits were stated in it
-    notes    whether a note counts, too
-    noted    notes, and nothing graver, stood against a design
+    Attributes
+    ----------
+    machine : callable
+        Design of one drive -> the machine.
+    waived : collection of str
+        Codes of findings that are allowed, since the search states their limits.
+    notes : bool
+        Whether a note counts.
+    has_notes : bool
+        Whether a design was rejected for notes only.
     """
 
-    def __init__(self, design: Design, machine: Put = alone, waived: Collection[str] = (), notes: bool = True) -> None:
+    def __init__(
+        self, design: Design, machine: MachineOf = same_design, waived: Collection[str] = (), notes: bool = True
+    ) -> None:
         self._machine, self._waived, self._notes, self._suspect = machine, frozenset(waived), notes, ""
-        self.noted = False
+        self.has_notes = False
         before = Study(machine(design))
         self._stages = before.stages
-        self._before = cache(lambda stage: _known(before, stage))
+        self._before = cache(lambda stage: _findings_or_none(before, stage))
 
     @property
-    def part(self) -> float:
-        """To which an answer is sought."""
-        return NEAR if self.noted else SAME
+    def tolerance(self) -> float:
+        """Relative tolerance of a result."""
+        return NEAR if self.has_notes else SAME
 
-    def new(self, made: Design, quick: bool = False) -> tuple[str, ...]:
-        """What would be found with another design in its place and is not now, in words, of the first stage in which something is. Where
-        there is no answer now: its errors. quick: in the stage only in which something was found last."""
-        study = Study(self._machine(made))
+    def new(self, design: Design, quick: bool = False) -> tuple[str, ...]:
+        """Messages of the new findings with another design, of the first stage that has any.
+
+        In a stage that cannot be computed: the error. ``quick``: only the stage of the last new finding.
+        """
+        study = Study(self._machine(design))
         order = sorted(self._stages, key=lambda stage: stage != self._suspect)
         for stage in order[:1] if quick else order:
             before = self._before(stage)
             try:
-                found = _found(study, stage)
+                findings = _findings(study, stage)
             except NoSolution as error:
                 return (str(error).partition("\n")[0],)
             new = [
-                each
-                for key, each in found.items()
-                if each.code not in self._waived
-                and not _mended(each)
-                and (each.severity == ERROR if before is None else key not in before)
-                and (self._notes or each.severity != NOTE)
+                finding
+                for key, finding in findings.items()
+                if finding.code not in self._waived
+                and not _is_remedied_by_flywheel(finding)
+                and (finding.severity == ERROR if before is None else key not in before)
+                and (self._notes or finding.severity != NOTE)
             ]
             if new:
                 self._suspect = stage
-                self.noted |= all(each.severity == NOTE for each in new)
-                return tuple(_words(each) for each in new)
+                self.has_notes |= all(finding.severity == NOTE for finding in new)
+                return tuple(_message(finding) for finding in new)
         return ()
 
 
-def uneven(machine: Design) -> bool:
-    """Whether its speed is found to fluctuate by more than wanted."""
+def has_uneven_speed(machine: Design) -> bool:
+    """Whether the speed fluctuates by more than its limit."""
     study = Study(machine)
-    return "dynamics" in study.stages and any(code == UNEVEN for code, _ in _known(study, "dynamics") or ())
+    findings = _findings_or_none(study, "dynamics") if "dynamics" in study.stages else None
+    return any(code == UNEVEN for code, _ in findings or ())
 
 
-def _found(study: Study, stage: str) -> Found:
-    """By code and field. Raises NoSolution."""
-    return {(each.code, each.field): each for each in findings_of(study, (stage,))}
+def _findings(study: Study, stage: str) -> FindingsByField:
+    """Findings by code and field. Raises NoSolution."""
+    return {(finding.code, finding.field): finding for finding in findings_of(study, (stage,))}
 
 
-def _known(study: Study, stage: str) -> Found | None:
-    """None where the machine has no answer there, or one of its drives has none at all."""
+def _findings_or_none(study: Study, stage: str) -> FindingsByField | None:
+    """Findings by code and field, None where the machine or one of its drives cannot be computed."""
     try:
-        found = _found(study, stage)
+        findings = _findings(study, stage)
     except NoSolution:
         return None
-    return None if any(code == "no-drive" for code, _ in found) else found
+    return None if any(code == "no-drive" for code, _ in findings) else findings
 
 
-def _mended(finding: Finding) -> bool:
-    """Whether a flywheel not much larger than the fitted one keeps the speed even."""
-    percent, wanted = (finding.values.get(name) for name in ("percent", "wanted_percent"))
+def _is_remedied_by_flywheel(finding: Finding) -> bool:
+    """Whether a flywheel not much larger than the present one keeps the speed even."""
+    percent, limit = (finding.values.get(name) for name in ("percent", "wanted_percent"))
     return (
         finding.code == UNEVEN
         and isinstance(percent, float)
-        and isinstance(wanted, float)
-        and percent <= ENLARGED * wanted
+        and isinstance(limit, float)
+        and percent <= ENLARGED * limit
     )
 
 
-def _words(finding: Finding) -> str:
+def _message(finding: Finding) -> str:
     drive = finding.values.get("drive")
     return f"{drive}: {finding.message}" if drive else finding.message
 
 
-def nearest(serves: Callable[[float, bool], bool], bad: float, good: float, part: float = SAME) -> tuple[float, float]:
-    """The value next to ``bad`` that serves, on the way from it to one that does, and the one beyond that does not: by halves, to a part of
-    the larger one.
+def nearest_accepted(
+    is_accepted: Callable[[float, bool], bool], bad: float, good: float, tolerance: float = SAME
+) -> tuple[float, float]:
+    """Last accepted value from ``good`` towards ``bad`` and the next, rejected one, by bisection.
 
-    serves: value, whether a quick look will do -> whether it serves
+    is_accepted: value, whether a quick check is sufficient -> whether the value is accepted.
     """
-    finest = part * max(abs(good), abs(bad))
+    finest = tolerance * max(abs(good), abs(bad))
     for quick in (True, False):
         near = good
         while abs(near - bad) > finest:
             middle = 0.5 * (bad + near)
-            near, bad = (middle, bad) if serves(middle, quick) else (near, middle)
-        if serves(near, False):
+            near, bad = (middle, bad) if is_accepted(middle, quick) else (near, middle)
+        if is_accepted(near, False):
             return near, bad
         bad = near
     return good, bad
 
 
-# -- the samples of many trial designs at once ------------------------------------------------------------------
-
+# -- samples of many trial designs together ---------------------------------------------------------------------
 
 MOTION = "motion."
 PutValue = Callable[[Design, str, Any], Design]
-"""The design with another number, or a column of them, at a path."""
+"""Design, path, number or column of numbers -> the design with it at the path."""
 
 
-class Top(NamedTuple):
-    """The highest value of a figure over the turn, and the greatest of its sizes."""
+class Peak(NamedTuple):
+    """Highest value of a figure over the turn, and its greatest size."""
 
     curve: Curve
-    found: Extreme
+    extreme: Extreme
     size: float
 
 
-Tops = Mapping[str, Sequence[Top]]
-"""Key of a limit -> the figures of its flanks."""
+Peaks = Mapping[str, Sequence[Peak]]
+"""Key of a limit -> the peaks of its flanks."""
 
 
 def curves_of(study: Study, keys: Sequence[str]) -> dict[str, tuple[Curve, ...]]:
-    """Key -> the figures of its flanks, at the cam angles of a study."""
+    """Key of a limit -> the curves of its flanks, at the cam angles of a study."""
     return {key: tuple(LIMITS[key].curves(study)) for key in keys}
 
 
-class Sampled(NamedTuple):
-    """Of one of many designs: its number; its limits, None where it has no answer; the linkage of all, of whose pairs the kinds are
-    its."""
+class SampledDesign(NamedTuple):
+    """Samples of one of many designs.
+
+    Attributes
+    ----------
+    number : int
+        Index of the design.
+    peaks : Peaks or None
+        None where it cannot be computed.
+    linkage : Kinematics
+        Of all designs together; it has the same kinds of pairs as each of them.
+    """
 
     number: int
-    tops: Tops | None
+    peaks: Peaks | None
     linkage: Kinematics
 
 
-def sampled_together(
+def sample_designs(
     design: Design, paths: Sequence[str], rows: np.ndarray, put: PutValue, keys: Sequence[str]
-) -> Iterator[Sampled]:
-    """The designs with other numbers (p, m) at these paths, by samples of every piece of the motion: those of them that can be
-    computed together."""
-    from core.study.batch import together
+) -> Iterator[SampledDesign]:
+    """Sample the designs with other values in some fields, as far as they can be computed together.
+
+    Parameters
+    ----------
+    design : Design
+    paths : sequence of str
+        Paths of p fields.
+    rows : ndarray (p, m) [unit of the field]
+        Values of the fields in m designs.
+    put : callable
+    keys : sequence of str
+        Keys of the limits.
+
+    Yields
+    ------
+    SampledDesign
+    """
+    from core.study.batch import is_batchable
     from core.study.quantity_requests import QuantityRequest
-    from core.study.stages_of_many import POINTS, Together
+    from core.study.stages_of_many import MAX_POSITIONS, DesignBlock
 
     read = [name for key in keys if key in USER_BOUNDS for name in bounded_quantities(design, key)]
-    if not rows.size or not all(together(design, paths, QuantityRequest("", name, "max", 1.0)) for name in read):
+    if not rows.size or not all(is_batchable(design, paths, QuantityRequest("", name, "max", 1.0)) for name in read):
         return
     stage = "dynamics" if any(LIMITS[key].needs_forces for key in keys) else "cam"
-    size = max(1, POINTS // piecewise_angles(Study(design).uncut).theta.size)
+    size = max(1, MAX_POSITIONS // piecewise_angles(Study(design).uncut).theta.size)
     for first in range(0, rows.shape[1], size):
         checkpoint()
-        moved, fixed = design, {}
+        with_motion, fixed = design, {}
         for path, row in zip(paths, rows[:, first : first + size], strict=True):
             if path.startswith(MOTION):
-                moved = put(moved, path, column(row))
+                with_motion = put(with_motion, path, column(row))
             else:
                 fixed[path] = row
-        motion = None if moved is design else moved.drive.motion
-        one = Together(design, fixed, motion, rows[0, first : first + size].size)
-        angles = piecewise_angles(one.program)
+        motion = None if with_motion is design else with_motion.drive.motion
+        batch = DesignBlock(design, fixed, motion, rows[0, first : first + size].size)
+        angles = piecewise_angles(batch.program)
         try:
-            linkage, curves = one.read(
-                stage, *one.spread(angles), lambda there: (there.linkage, curves_of(there, keys))
+            linkage, curves = batch.read(
+                stage, *batch.spread(angles), lambda study: (study.linkage, curves_of(study, keys))
             )
-        except NoSolution:  # all of them
+        except NoSolution:  # of any design
             continue
-        tops = tops_of(curves, one.count, angles)
-        lost = one.lost_at(stage)
-        for k in np.flatnonzero(~one.apart).tolist():
-            yield Sampled(first + k, None if lost[k] else tops[k], linkage)
+        peaks = curve_peaks(curves, batch.count, angles)
+        failed = batch.failed_at(stage)
+        for k in np.flatnonzero(~batch.separate).tolist():
+            yield SampledDesign(first + k, None if failed[k] else peaks[k], linkage)
 
 
-def tops_of(curves: Mapping[str, Sequence[Curve]], count: int, angles: Angles) -> list[Tops]:
-    """The limits of each of so many designs, by their samples one after the other."""
+def curve_peaks(curves: Mapping[str, Sequence[Curve]], count: int, angles: Angles) -> list[Peaks]:
+    """Peaks of the limits of each design; the samples of ``count`` designs follow one another."""
     every = [curve for rows in curves.values() for curve in rows]
     samples = np.array([curve.value for curve in every]).reshape(len(every) * count, -1)
-    value, theta = (each.reshape(-1, count).tolist() for each in highest_of_samples(samples, angles))
+    value, theta = (column.reshape(-1, count).tolist() for column in highest_of_samples(samples, angles))
     sizes = [
         np.reshape(curve.size, (count, -1)).max(axis=1).tolist() if np.ndim(curve.size) else [float(curve.size)] * count
         for curve in every
     ]
-    found: list[Tops] = []
+    result: list[Peaks] = []
     for k in range(count):
-        tops = iter(Top(curve, Extreme(value[i][k], theta[i][k]), sizes[i][k]) for i, curve in enumerate(every))
-        found.append({key: [next(tops) for _ in rows] for key, rows in curves.items()})
-    return found
+        peaks = iter(Peak(curve, Extreme(value[i][k], theta[i][k]), sizes[i][k]) for i, curve in enumerate(every))
+        result.append({key: [next(peaks) for _ in rows] for key, rows in curves.items()})
+    return result
 
 
 def highest_of_samples(value: np.ndarray, angles: Angles) -> tuple[np.ndarray, np.ndarray]:
-    """The highest of samples (m, n) at angles (n,), or of the parabola through it and its neighbours in the same segment, and the angle
-    of the sample [rad], both (m,)."""
+    """Highest sample of each row, or vertex of the parabola through it and its neighbours in the same piece.
+
+    Parameters
+    ----------
+    value : ndarray (m, n), dimensionless
+        The result has their unit.
+    angles : Angles
+        n cam angles.
+
+    Returns
+    -------
+    highest : ndarray (m,), dimensionless
+    theta : ndarray (m,) [rad]
+        Angle of the highest sample.
+    """
     value = np.where(np.isnan(value), -np.inf, value)
     top, last = value.argmax(axis=1), angles.theta.size - 1
     index = np.clip(top[:, None] + np.arange(-1, 2), 0, last)
@@ -237,19 +285,28 @@ def highest_of_samples(value: np.ndarray, angles: Angles) -> tuple[np.ndarray, n
     x, y = x[inside], y[inside]
     before, after = x[:, 0] - x[:, 1], x[:, 2] - x[:, 1]
     left, right = (y[:, 0] - y[:, 1]) / before, (y[:, 2] - y[:, 1]) / after
-    bend = (right - left) / (after - before)
-    slope = left - bend * before
+    curvature = (right - left) / (after - before)
+    slope = left - curvature * before
     highest = value[np.arange(top.size), top]
-    highest[inside] -= np.where(bend < 0.0, 0.25 * slope * slope / np.where(bend < 0.0, bend, 1.0), 0.0)
+    highest[inside] -= np.where(curvature < 0.0, 0.25 * slope * slope / np.where(curvature < 0.0, curvature, 1.0), 0.0)
     return highest, angles.theta[top]
 
 
-# -- designs with other values in the fields that are varied ----------------------------------------------------
+# -- trial designs ----------------------------------------------------------------------------------------------
 
 
 class Outcome(NamedTuple):
-    """What a design reaches: its limits, the tightest first; pressures: the greatest pressure angle [deg] where the motion rises,
-    where it returns, and over the turn. Both empty where there is no cam: then problem says why, but of samples."""
+    """Readings of a design; empty where it has no cam.
+
+    Attributes
+    ----------
+    readings : tuple of LimitReading
+        The tightest first.
+    pressures : tuple of float
+        Greatest pressure angle [deg] where the motion rises, where it returns, and over the turn.
+    problem : str
+        Why the design has no cam; empty for samples.
+    """
 
     readings: tuple[LimitReading, ...]
     pressures: tuple[float, ...]
@@ -257,48 +314,63 @@ class Outcome(NamedTuple):
 
     @property
     def margin(self) -> float:
-        """The least of all limits; NaN where there is no cam."""
+        """Least margin of all limits; NaN where there is no cam."""
         return self.readings[0].margin if self.readings else float("nan")
 
     @property
-    def kept(self) -> bool:
-        """Whether the design has a cam and keeps all limits."""
-        return bool(self.readings) and all(each.kept for each in self.readings)
+    def is_valid(self) -> bool:
+        """Whether the design has a cam and satisfies all limits."""
+        return bool(self.readings) and all(reading.is_satisfied for reading in self.readings)
 
     def reached(self, pressures: bool = False) -> dict[str, float]:
-        """Limit -> value reached; where one is of the pressure angle, or on demand, that of rise and return too."""
+        """Limit -> value reached, with both pressure angles of rise and return where one is limited, or on request."""
         reached = {reading.key: reading.reached for reading in self.readings}
-        if pressures or not reached.keys().isdisjoint(NEEDED):
-            stretches = zip(NEEDED[:2], self.pressures, strict=False)
+        if pressures or not reached.keys().isdisjoint(PRESSURE_ANGLES):
+            stretches = zip(PRESSURE_ANGLES[:2], self.pressures, strict=False)
             reached |= {key: value for key, value in stretches if math.isfinite(value) and key not in reached}
         return reached
 
 
 TINY = 1e-300  # [N]
 RPM = math.pi / 30.0  # of a speed of the shaft [rad/s]
-NEEDED = ("pressure_angle_rise_deg", "pressure_angle_return_deg", "pressure_angle_deg")
+PRESSURE_ANGLES = ("pressure_angle_rise_deg", "pressure_angle_return_deg", "pressure_angle_deg")
 
 
-class KeptForce(NamedTuple):
-    """What keeps the follower on the cam: force [N] up to the speed high [rad/s]; None: the usual one."""
+class ContactLimit(NamedTuple):
+    """Least contact force [N] up to the speed ``high`` [rad/s]; None: the typical part of the largest force."""
 
     force: float | None
     high: float
 
-    def of(self, largest: float) -> tuple[float, str]:
-        """The force [N] of a design whose largest is that, why, and up to which speed."""
+    def limit(self, largest: float) -> tuple[float, str]:
+        """Least force [N] of a design with the given largest force, and the reason with the highest speed."""
         fast = f"up to {self.high / RPM:.6g} rpm"
         if self.force is not None:
             return self.force, fast
         return FORCE_PART * largest, f"{100.0 * FORCE_PART:g} % of the largest, {largest:.5g} N, {fast}"
 
 
-class Trials:
-    """Designs that differ in the values of some fields, judged by limits: key -> value in its unit, None: what is usual for each of them.
+class TrialDesigns:
+    """Designs that differ in the values of some fields, and their readings of limits.
 
-    Evaluated by samples of every segment, many at once where they are known before, or refined to the true extremes.
-    contact: the force that is kept besides, on an open cam. checked: the machine that they belong to. put: design, path, value -> the
-    design with it. tell: called with how many were evaluated, after each.
+    They are evaluated by samples of every segment, many together where they are known in advance, or refined to the
+    true extremes.
+
+    Attributes
+    ----------
+    design : Design
+    paths : sequence of str
+        Paths of the varied fields.
+    limits : dict
+        Key of a limit -> value in its unit, None: the typical value for each design.
+    notify : callable
+        Called with the number of evaluated designs after each of them.
+    contact : ContactLimit or None
+        Least contact force on an open cam.
+    checked : FindingsCheck
+        Findings of the machine that contains the design.
+    put : callable
+        Design, path, value -> the design with the value.
     """
 
     def __init__(
@@ -306,69 +378,71 @@ class Trials:
         design: Design,
         paths: Sequence[str],
         limits: Mapping[str, float | None],
-        tell: Callable[[int], object] = lambda count: None,
-        contact: KeptForce | None = None,
+        notify: Callable[[int], object] = lambda count: None,
+        contact: ContactLimit | None = None,
         checked: FindingsCheck | None = None,
         put: PutValue = edited,
     ) -> None:
         self.design, self.paths, self.limits, self.contact = design, tuple(paths), dict(limits), contact
         self.checked = checked or FindingsCheck(design)
-        self._tell, self._put = tell, put
-        self._kept: dict[tuple[tuple[float, ...], bool], Outcome] = {}
-        self._short = False  # whether it was the forces
-        self._of_forces: dict[tuple[float, ...], tuple[LimitReading, ...]] = {}
+        self._notify, self._put = notify, put
+        self._outcomes: dict[tuple[tuple[float, ...], bool], Outcome] = {}
+        self._is_force_short = False  # whether the last rejection was by a force
+        self._force_readings: dict[tuple[float, ...], tuple[LimitReading, ...]] = {}
 
     def with_values(self, values: Sequence[float]) -> Design:
-        """The design with these values. Raises DesignError where it has faults."""
-        made = self.design
+        """Return the design with these values. Raises DesignError where it has faults."""
+        design = self.design
         for path, value in zip(self.paths, values, strict=True):
-            made = self._put(made, path, float(value))
+            design = self._put(design, path, float(value))
         tables = {path.partition(".")[0] for path in self.paths}
-        if found := [fault for name in sorted(tables) for fault in part_faults(made.tables[name], name)]:
-            raise DesignError(found)
-        return made
+        if faults := [fault for name in sorted(tables) for fault in part_faults(design.tables[name], name)]:
+            raise DesignError(faults)
+        return design
 
     def at(self, *values: float, refined: bool = True) -> Outcome:
-        """What the design with these values reaches."""
+        """Outcome of the design with these values."""
         key = (values, refined)
-        if key not in self._kept:
+        if key not in self._outcomes:
             checkpoint()
-            self._kept[key] = self._evaluated(values, refined)
-            self._tell(len(self._kept))
-        return self._kept[key]
+            self._outcomes[key] = self._evaluated(values, refined)
+            self._notify(len(self._outcomes))
+        return self._outcomes[key]
 
-    def scan(self, tried: Iterable[tuple[float, ...]]) -> None:
-        """Look at the samples of all these at once, as far as that can be, before they are asked for one by one."""
-        made = {}
-        for values in tried:
+    def scan(self, points: Iterable[tuple[float, ...]]) -> None:
+        """Sample all these values together, as far as that is possible, before they are read one by one."""
+        trials = {}
+        for values in points:
             with suppress(DesignError):
-                if (values, False) not in self._kept:
-                    made[values] = self.with_values(values)
-        asked, designs, rows = list(made), list(made.values()), np.array([*made]).T
-        for number, tops, linkage in sampled_together(self.design, self.paths, rows, self._put, self._keys):
+                if (values, False) not in self._outcomes:
+                    trials[values] = self.with_values(values)
+        requested, designs, rows = list(trials), list(trials.values()), np.array([*trials]).T
+        for number, peaks, linkage in sample_designs(self.design, self.paths, rows, self._put, self._keys):
             study = Study(designs[number])
-            vars(study)["linkage"] = linkage  # of which a usual limit reads the kinds of its pairs
-            self._kept[asked[number], False] = Outcome((), ()) if tops is None else self._outcome(study, tops)
-        self._tell(len(self._kept))
+            vars(study)["linkage"] = linkage  # a typical limit reads the kinds of its pairs
+            self._outcomes[requested[number], False] = Outcome((), ()) if peaks is None else self._outcome(study, peaks)
+        self._notify(len(self._outcomes))
 
     @property
     def _keys(self) -> tuple[str, ...]:
-        return tuple(dict.fromkeys((*self.limits, *NEEDED)))
+        return tuple(dict.fromkeys((*self.limits, *PRESSURE_ANGLES)))
 
     def forces(self, *values: float) -> tuple[LimitReading, ...]:
-        """What the forces ask for, which takes longer than the shape: that the follower is kept on the cam, and the room for a shaft that
-        carries the torque. Nothing where there are none, or friction jams."""
-        if values not in self._of_forces:
-            self._of_forces[values] = tuple(self._forces_of(Study(self.with_values(values))))
-        return self._of_forces[values]
+        """Readings of the limits of forces: contact of the follower, and space for a shaft that transmits the torque.
 
-    def _forces_of(self, study: Study) -> Iterator[LimitReading]:
+        Empty where there are no forces, or friction jams. They take longer than the limits of the shape.
+        """
+        if values not in self._force_readings:
+            self._force_readings[values] = tuple(self._read_forces(Study(self.with_values(values))))
+        return self._force_readings[values]
+
+    def _read_forces(self, study: Study) -> Iterator[LimitReading]:
         try:
             if self.contact is not None:
                 yield _contact_reading(study, self.contact)
             if self._by_torque(study) and (usual := LIMITS[POLAR].typical(study)):
-                nearest = _highest(study.at(piecewise_angles(study.program)), (POLAR,))[POLAR]
-                yield _reading(POLAR, nearest, usual.value, usual.reason)
+                peaks = _highest(study.at(piecewise_angles(study.program)), (POLAR,))[POLAR]
+                yield _reading(POLAR, peaks, usual.value, usual.reason)
         except NoSolution:
             return
 
@@ -376,28 +450,30 @@ class Trials:
         return POLAR in self.limits and self.limits[POLAR] is None and needs_torque(study)
 
     def new(self, *values: float, quick: bool = False) -> tuple[str, ...]:
-        """What the forces stand against with these values, and what else the machine would be complained of that it is not now; quick: of
-        what was found last only."""
-        if self._short or not quick:
-            short = tuple(each.text for each in self.forces(*values) if not each.kept)
-            self._short = bool(short) or (quick and self._short)
-            if short or quick:
-                return short
+        """Violated limits of forces with these values, else messages of the machine's new findings.
+
+        ``quick``: only of the kind that was violated last.
+        """
+        if self._is_force_short or not quick:
+            violations = tuple(reading.text for reading in self.forces(*values) if not reading.is_satisfied)
+            self._is_force_short = bool(violations) or (quick and self._is_force_short)
+            if violations or quick:
+                return violations
         return self.checked.new(self.with_values(values), quick)
 
-    def serves(self, *values: float, quick: bool = False) -> bool:
-        """Whether every limit is kept, and nothing new is to be complained of; quick: as for ``FindingsCheck.new``."""
-        return self.at(*values).kept and not self.new(*values, quick=quick)
+    def is_accepted(self, *values: float, quick: bool = False) -> bool:
+        """Whether every limit is satisfied and the machine has no new finding; ``quick`` as for ``new``."""
+        return self.at(*values).is_valid and not self.new(*values, quick=quick)
 
     def _evaluated(self, values: Sequence[float], refined: bool) -> Outcome:
         try:
             study = Study(self.with_values(values))
-            there = study.at(piecewise_angles(study.program))
-            return self._outcome(there, _highest(there, self._keys, refined))
+            sampled = study.at(piecewise_angles(study.program))
+            return self._outcome(sampled, _highest(sampled, self._keys, refined))
         except (NoSolution, DesignError) as error:
             return Outcome((), (), str(error).partition("\n")[0])
 
-    def _outcome(self, study: Study, tops: Tops) -> Outcome:
+    def _outcome(self, study: Study, peaks: Peaks) -> Outcome:
         readings = []
         for key, stated in self.limits.items():
             usual = (
@@ -405,55 +481,55 @@ class Trials:
             )
             limit = usual.value if usual else stated
             if limit is not None:
-                readings.append(_reading(key, tops[key], limit, usual.reason if usual else ""))
-        pressures = tuple(max((top.found.value for top in tops[key]), default=-np.inf) for key in NEEDED)
+                readings.append(_reading(key, peaks[key], limit, usual.reason if usual else ""))
+        pressures = tuple(max((peak.extreme.value for peak in peaks[key]), default=-np.inf) for key in PRESSURE_ANGLES)
         return Outcome(tuple(sorted(readings, key=_margin)), pressures)
 
 
 @np.errstate(invalid="ignore", over="ignore", divide="ignore")
-def _highest(there: Study, keys: Sequence[str], refined: bool = True) -> Tops:
-    """The figures of limits over the turn; there: a design at samples of every segment."""
-    made = curves_of(there, keys)
+def _highest(study: Study, keys: Sequence[str], refined: bool = True) -> Peaks:
+    """Peaks of the limits over the turn, from a study at samples of every segment."""
+    curves = curves_of(study, keys)
     if not refined:
-        return tops_of(made, 1, there.angles)[0]
-    found = find_highest(
-        lambda at: {
+        return curve_peaks(curves, 1, study.angles)[0]
+    extremes = find_highest(
+        lambda angles: {
             f"{key} {i}": curve.value
-            for key, rows in curves_of(there.at(at), keys).items()
+            for key, rows in curves_of(study.at(angles), keys).items()
             for i, curve in enumerate(rows)
         },
-        there.program,
+        study.program,
     )
     return {
-        key: [Top(curve, found[f"{key} {i}"], float(np.max(curve.size))) for i, curve in enumerate(rows)]
-        for key, rows in made.items()
+        key: [Peak(curve, extremes[f"{key} {i}"], float(np.max(curve.size))) for i, curve in enumerate(rows)]
+        for key, rows in curves.items()
     }
 
 
-def _reading(key: str, tops: Sequence[Top], limit: float, reason: str) -> LimitReading:
-    """Of the flank on which least is left."""
-    found = [
+def _reading(key: str, peaks: Sequence[Peak], limit: float, reason: str) -> LimitReading:
+    """Reading of the flank with the least margin."""
+    readings = [
         LimitReading(
             key,
             limit,
-            curve.reached(top.value, size),
-            curve.margin(top.value, limit, size),
-            top.theta,
+            curve.reached(extreme.value, size),
+            curve.margin(extreme.value, limit, size),
+            extreme.theta,
             reason,
             curve.whose,
         )
-        for curve, top, size in tops
-        if top.value > -np.inf
+        for curve, extreme, size in peaks
+        if extreme.value > -np.inf
     ]
-    return min(found, key=_margin, default=LimitReading(key, limit, np.nan, np.inf, 0.0))
+    return min(readings, key=_margin, default=LimitReading(key, limit, np.nan, np.inf, 0.0))
 
 
-def _contact_reading(study: Study, kept: KeptForce) -> LimitReading:
-    """The least contact force up to the speed, beside what is to be kept."""
-    found, largest = study.contact_force.least(kept.high), study.contact_force.greatest(kept.high)
-    limit, reason = kept.of(largest)
+def _contact_reading(study: Study, contact: ContactLimit) -> LimitReading:
+    """Reading of the least contact force up to the highest speed."""
+    least, largest = study.contact_force.least(contact.high), study.contact_force.greatest(contact.high)
+    limit, reason = contact.limit(largest)
     return LimitReading(
-        FORCE, limit, found.value, (found.value - limit) / max(abs(largest), abs(limit), TINY), found.theta, reason
+        FORCE, limit, least.value, (least.value - limit) / max(abs(largest), abs(limit), TINY), least.theta, reason
     )
 
 

@@ -12,7 +12,7 @@ from core.design import FRAME_LINK, CamSlider, Design, Driver, Link, Linkage, Li
 from core.errors import NoAssembly, angle_ranges
 from core.followers.dimensions import angle_at_pivot, rounded, second_on_arm
 from core.frozen import frozen
-from core.mechanism.mechanism import Mechanism, ReferencePoint, Solved
+from core.mechanism.mechanism import LinkageSolution, Mechanism, ReferencePoint
 from core.motion import MotionState
 from core.numerics.derivatives import heading, vector
 
@@ -92,7 +92,8 @@ def base_position(follower: CamSlider, reach: float) -> BasePosition:
 
 def cam_slider(follower: CamSlider, reach: float) -> Mechanism:
     """In the guide's frame, origin at the pivot: the slider leads at L = L0 + y on the line y = H; arm and rod follow as a
-    dyad of three pins, Shin1995 (9)-(14), whose triangle needs no tangent substitution.
+    dyad of three pins, whose triangle needs no tangent substitution: Shin1995 (8), (9), (10) for the positions, (11), (12) for
+    the velocities, (13), (14) for the accelerations.
 
     reach [m] is Br + Rr. Raises NoAssembly where the roller does not reach the base circle or the rod not the guide.
     """
@@ -119,11 +120,11 @@ def cam_slider(follower: CamSlider, reach: float) -> Mechanism:
     )
     guide = str(SLIDER)
 
-    def across(solved: Solved) -> dict[str, np.ndarray]:
+    def across(solved: LinkageSolution) -> dict[str, np.ndarray]:
         """|cos β|: a rod across the guide cannot move the slider."""
         return {"rod-across-guide": np.abs(solved.poses[ROD].unit.real)}
 
-    def refuse(motion: MotionState, solved: Solved, lost: np.ndarray) -> NoAssembly:
+    def refuse(motion: MotionState, solved: LinkageSolution, lost: np.ndarray) -> NoAssembly:
         return _refusal(follower, base.slider, motion, lost)
 
     return Mechanism(
@@ -134,7 +135,7 @@ def cam_slider(follower: CamSlider, reach: float) -> Mechanism:
         g.guide_angle,
         base.slider,
         pairs={guide: "guide"},
-        by={"arm_pin": ROD, "slider_pin": ROD},
+        force_links={"arm_pin": ROD, "slider_pin": ROD},
         points={guide: "slider_pin"},
         coordinates={"slider_position": guide, "phi": ARM, "beta": ROD},
         angles={ARM: base.phi, ROD: base.beta},

@@ -47,6 +47,10 @@ def oscillating(follower: Oscillating, reach: float) -> Mechanism:
 
     In a frame at the pivot whose x axis points at the cam centre. reach [m]: Br + Rr. Raises NoAssembly where the roller
     does not reach the base circle.
+
+    References
+    ----------
+    Shin1995 §3.
     """
     g, sense = si(follower), SIDES[follower.side]
     theta_b = angle_at_pivot(g.arm, np.hypot(g.pivot_x, g.pivot_y), reach, follower.face, "arm", "follower.arm_mm")
@@ -138,6 +142,10 @@ def translating(follower: Translating, reach: float) -> Mechanism:
 
     In the frame of e, origin at the cam centre. reach [m]: Br + Rr, Br of a flat face. Raises NoAssembly where the offset is
     beyond the base circle.
+
+    References
+    ----------
+    Geometry of the guide.
     """
     g, guide = si(follower), str(FOLLOWER)
     base = STARTS[type(follower.face)](follower, reach)

@@ -317,7 +317,7 @@ def move_joint(design: Design, kinematics: Kinematics, name: str, to: complex, d
 def _at(kinematics: Kinematics, point: str) -> complex:
     """Where a point stands [m]."""
     body = next(body for body in kinematics.bodies.values() if point in body.points)
-    return complex(body.place(point)[0])
+    return complex(body.position(point)[0])
 
 
 def _reach(design: Design) -> float:

@@ -17,7 +17,7 @@ import numpy as np
 
 from core.design import CamSlider, Oscillating, OscillatingFlat, Translating
 from core.followers.cam_slider import LAYOUT_TABLE
-from core.numerics.derivatives import Taylor, chosen, dot, heading
+from core.numerics.derivatives import Taylor, dot, heading, select
 
 
 class Touching(NamedTuple):
@@ -82,7 +82,7 @@ def _root(b: Taylor, c: Taylor, root: Taylor, curvature: float) -> Taylor:
         usual = (c * -2.0) / (b + root)
         if curvature == 0.0:
             return usual
-        return chosen(b.c[0].real >= 0.0, usual, (root - b) * (1.0 / curvature))
+        return select(b.c[0].real >= 0.0, usual, (root - b) * (1.0 / curvature))
 
 
 def _flat_sliding(follower: Translating) -> Touching:

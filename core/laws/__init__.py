@@ -1,6 +1,6 @@
-"""Motion laws as one table walked by one evaluator."""
+"""Motion laws: one table of curves, one evaluator, and splines of least jerk."""
 
-from core.laws.pieces import Acceleration, Piece, PieceTable, Sine, asymmetric, cut, integrate, moved
+from core.laws.pieces import Acceleration, Piece, PieceTable, Sine, asymmetric, integrate, shifted, split
 from core.laws.polynomial import NoSpline, hermite, least_jerk
 from core.laws.table import (
     ALIASES,
@@ -33,14 +33,14 @@ __all__ = [
     "PieceTable",
     "Sine",
     "asymmetric",
-    "cut",
     "find_law",
     "hermite",
     "integrate",
     "law_groups",
     "least_jerk",
-    "moved",
     "named_law",
     "peaks",
     "scca",
+    "shifted",
+    "split",
 ]

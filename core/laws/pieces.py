@@ -1,7 +1,6 @@
-"""Curves as tables of coefficients: every piece is a polynomial plus sines, so one evaluator gives them all;
-and how they are cut, stretched and mirrored.
+"""Curves as pieces, their evaluation, and curves built from pieces of others.
 
-A piece starting at u0 is  s(u) = sum_k c_k w**k + sum_j A_j sin(f_j w + p_j),  w = u - u0.
+A piece that starts at u0 is a polynomial plus sines, s(u) = Σ c_k wᵏ + Σ A_j sin(f_j w + p_j), w = u - u0.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ from core.numerics.derivatives import ORDERS, QUARTER, Derivatives
 
 @frozen
 class Sine:
-    """A sin(f w + p)."""
+    """A sine wave A sin(f w + p)."""
 
     amplitude: float
     frequency: float
@@ -30,7 +29,7 @@ class Sine:
 
 @frozen
 class Piece:
-    """One piece of a law: where it starts, its polynomial (ascending powers of w), its sines."""
+    """One piece of a curve: its start, coefficients of ascending powers of w, and sines."""
 
     start: float
     polynomial: tuple[float, ...]
@@ -39,7 +38,7 @@ class Piece:
 
 @frozen
 class Acceleration:
-    """One row of a law given by its acceleration: ``level + amplitude sin(frequency w + phase)`` over ``width``."""
+    """One section of an acceleration curve: ``level + amplitude sin(frequency w + phase)`` over ``width``."""
 
     width: float
     level: float = 0.0
@@ -49,27 +48,27 @@ class Acceleration:
 
 
 def integrate(rows: Sequence[Acceleration]) -> tuple[Piece, ...]:
-    """The rise 0 -> 1 from rest whose acceleration is proportional to the rows; rows of no width are dropped.
+    """Rise 0 -> 1 from rest with an acceleration proportional to the rows; rows without width are skipped.
 
-    Each row is integrated twice in closed form, with s and v carried over the joins.
+    Each row is integrated twice in closed form; s and v are continuous at the joins.
     """
     pieces, start, s, v = [], 0.0, 0.0, 0.0
     for row in rows:
         if row.width <= 0.0:
             continue
         f, a = row.frequency, row.amplitude
-        speed, place = a / f, a / f**2
+        speed, lift = a / f, a / f**2
         sin0, cos0 = math.sin(row.phase), math.cos(row.phase)
         piece = Piece(
             start,
-            (s + place * sin0, v + speed * cos0, row.level / 2.0),
-            (Sine(-place, f, row.phase),) if a else (),
+            (s + lift * sin0, v + speed * cos0, row.level / 2.0),
+            (Sine(-lift, f, row.phase),) if a else (),
         )
         pieces.append(piece)
         w = row.width
         sin1, cos1 = math.sin(f * w + row.phase), math.cos(f * w + row.phase)
         s, v = (
-            s + w * (v + speed * cos0 + 0.5 * row.level * w) + place * (sin0 - sin1),
+            s + w * (v + speed * cos0 + 0.5 * row.level * w) + lift * (sin0 - sin1),
             v + row.level * w + speed * (cos0 - cos1),
         )
         start += w
@@ -77,11 +76,13 @@ def integrate(rows: Sequence[Acceleration]) -> tuple[Piece, ...]:
 
 
 class PieceTable:
-    """m pieces as arrays, ready for the evaluator.
+    """Pieces of a curve as arrays, and their evaluation.
 
-    starts       (m,) where each starts
-    derivatives  of value and three derivatives the coefficients (powers, m)
-    sines        amplitude, frequency and phase (3, j, m)
+    Attributes
+    ----------
+    starts : (m,) start of each piece [unit of u]
+    derivatives : four arrays (powers, m), coefficients of the value and of three derivatives [unit of s, per unit of uᵏ]
+    sines : (3, j, m) amplitude [unit of s], frequency [per unit of u] and phase [rad]
     """
 
     def __init__(self, pieces: Sequence[Piece]) -> None:
@@ -103,42 +104,69 @@ class PieceTable:
 
     @classmethod
     def stacked(cls, tables: Sequence[PieceTable]) -> PieceTable:
-        """The pieces of several tables one after the other."""
-        made = cls.__new__(cls)
-        made.starts = np.concatenate([table.starts for table in tables])
-        made.derivatives = [_beside([table.derivatives[k] for table in tables], 0) for k in range(ORDERS)]
-        made.sines = _beside([table.sines for table in tables], 1)
-        return made
+        """Table of the pieces of several tables, one after the other."""
+        result = cls.__new__(cls)
+        result.starts = np.concatenate([table.starts for table in tables])
+        result.derivatives = [_concatenated([table.derivatives[k] for table in tables], 0) for k in range(ORDERS)]
+        result.sines = _concatenated([table.sines for table in tables], 1)
+        return result
 
     def sizes(self) -> np.ndarray:
-        """How large value and derivatives can become on each piece, and so how large their rounding (4, m)."""
+        """Bound of the value and of three derivatives on each piece, to which their rounding errors are proportional.
+
+        Returns
+        -------
+        ndarray (4, m) [unit of s, per unit of uᵏ]
+        """
         amplitude, frequency, _ = np.abs(self.sines)
         waves = [(amplitude * frequency**order).sum(axis=0) for order in range(ORDERS)]
         return np.array([np.abs(rows).sum(axis=0) for rows in self.derivatives]) + np.array(waves)
 
     def at(self, u: np.ndarray) -> Derivatives:
-        """Value and three derivatives at ``u`` (n,); at a join the right-hand limit."""
+        """Value and three derivatives; at a join the right-hand limit.
+
+        Parameters
+        ----------
+        u : ndarray (n,) [unit of u]
+
+        Returns
+        -------
+        Derivatives
+        """
         index = np.searchsorted(self.starts, u, side="right") - 1
         np.maximum(index, 0, out=index)
         return Derivatives(self.rows(index, u - self.starts[index]))
 
     def rows(self, index: np.ndarray, w: np.ndarray) -> Callable[[int], np.ndarray]:
-        """order -> the value (n,) or its derivative by w, at ``w`` (n,) of the pieces ``index`` (n,); sines and cosines are
-        shared by the orders."""
-        runs = _runs_of(index)
-        where = [(self._taken(index), slice(None))] if runs is None else [(self._pieces[i], part) for i, part in runs]
+        """Function of the order that evaluates s or a derivative; the orders share their sines and cosines.
+
+        Parameters
+        ----------
+        index : ndarray (n,) of int, dimensionless
+            Numbers of the pieces.
+        w : ndarray (n,) [unit of u]
+            Distances from the starts of these pieces.
+
+        Returns
+        -------
+        callable, order -> ndarray (n,) [unit of s, per unit of uᵏ]
+        """
+        runs = _runs(index)
+        where = [(self._at(index), slice(None))] if runs is None else [(self._pieces[i], part) for i, part in runs]
         parts = [
             (part, w[part], piece, [(f * w[part] + phase, quarter) for f, phase, quarter in piece.angles])
             for piece, part in where
         ]
-        known: dict[int, list[list[np.ndarray]]] = {}
+        waves_by_parity: dict[int, list[list[np.ndarray]]] = {}
 
         def row(order: int) -> np.ndarray:
             odd = order % 2
-            if odd not in known:
-                known[odd] = [[_wave(angle, quarter + odd) for angle, quarter in angles] for *_, angles in parts]
+            if odd not in waves_by_parity:
+                waves_by_parity[odd] = [
+                    [_wave(angle, quarter + odd) for angle, quarter in angles] for *_, angles in parts
+                ]
             out = np.empty(w.size)
-            for (part, along, piece, _), waves in zip(parts, known[odd], strict=True):
+            for (part, along, piece, _), waves in zip(parts, waves_by_parity[odd], strict=True):
                 total, (highest, *lower) = out[part], piece.powers[order]
                 total[...] = highest
                 for c in lower:
@@ -152,7 +180,7 @@ class PieceTable:
 
     @cached_property
     def _pieces(self) -> list[_Coefficients]:
-        """Of each piece, in plain numbers."""
+        """Coefficients of each piece, as plain numbers."""
         columns = zip(*(rows.T.tolist() for rows in self.derivatives), strict=True)
         return [
             _coefficients(
@@ -162,33 +190,41 @@ class PieceTable:
             for orders, waves, quarters in zip(columns, self.sines.T.tolist(), self._quarters.T.tolist(), strict=True)
         ]
 
-    def _taken(self, index: np.ndarray) -> _Coefficients:
-        """Of the pieces ``index`` (n,), each number as (n,)."""
+    def _at(self, index: np.ndarray) -> _Coefficients:
+        """Coefficients of the pieces ``index`` (n,), as arrays (n,)."""
         waves = zip(*self.sines[:, :, index], self._quarters[:, index], strict=True)
         return _coefficients([list(rows[::-1, index]) for rows in self.derivatives], waves)
 
     @cached_property
     def _quarters(self) -> np.ndarray:
-        """Whole quarter turns that the phases of the sines are meant to be, 0 ... 3 (j, m): of a cosine what vanishes at its
-        start is exactly 0 there."""
+        """Number of quarter turns 0 ... 3 in phases that are multiples of them (j, m).
+
+        A cosine that vanishes at its start is then exactly 0 there.
+        """
         quarters = np.rint(self.sines[2] / QUARTER)
         return np.where(quarters * QUARTER == self.sines[2], quarters, 0.0).astype(int) % 4
 
 
-def _beside(tables: Sequence[np.ndarray], axis: int) -> np.ndarray:
-    """Tables of pieces (..., m), of which some have less rows along an axis, beside each other."""
+def _concatenated(tables: Sequence[np.ndarray], axis: int) -> np.ndarray:
+    """Tables of pieces (..., m) joined, with zeros where a table has fewer rows along the axis."""
     most = max(table.shape[axis] for table in tables)
 
     def padded(table: np.ndarray) -> np.ndarray:
-        lacking = most - table.shape[axis]
-        return np.pad(table, [(0, lacking if k == axis else 0) for k in range(table.ndim)]) if lacking else table
+        missing = most - table.shape[axis]
+        return np.pad(table, [(0, missing if k == axis else 0) for k in range(table.ndim)]) if missing else table
 
     return np.concatenate([padded(table) for table in tables], axis=-1)
 
 
 class _Coefficients(NamedTuple):
-    """powers and gains: of value and derivatives the coefficients, the highest first, and the sines' amplitudes with their
-    signs; angles: frequency, phase and quarter turns besides of each sine. Numbers, or (n,)."""
+    """Coefficients of pieces, as numbers or arrays (n,).
+
+    Attributes
+    ----------
+    powers : of the value and each derivative, the highest power first
+    gains : signed amplitudes of the sines, for the value and each derivative
+    angles : frequency, phase and further quarter turns of each sine
+    """
 
     powers: list[list[Any]]
     gains: list[list[Any]]
@@ -206,7 +242,7 @@ def _coefficients(powers: list[list[Any]], sines: Iterable[Any]) -> _Coefficient
 
 
 def _wave(angle: np.ndarray, quarters: Any) -> np.ndarray:
-    """The sine of an angle (n,) and so many quarter turns, a number or (n,), without its sign."""
+    """Sine of an angle (n,) plus quarter turns, a number or (n,), without its sign."""
     if isinstance(quarters, int):
         return np.asarray((np.cos if quarters % 2 else np.sin)(angle))
     odd = quarters % 2 == 1
@@ -214,18 +250,17 @@ def _wave(angle: np.ndarray, quarters: Any) -> np.ndarray:
 
 
 def _descending(coefficients: list[float]) -> list[float]:
-    """The highest first, and not 0 where there are others."""
+    """Coefficients from the highest power, without leading zeros."""
     while len(coefficients) > 1 and coefficients[-1] == 0.0:
         coefficients.pop()
     return coefficients[::-1]
 
 
-_RUN = 100  # as many cam angles cost as much as one more pass over a piece
+_RUN = 100  # angles that cost as much as one more pass over a piece
 
 
-def _runs_of(index: np.ndarray) -> list[tuple[int, slice]] | None:
-    """The stretches of an index (n,) that stay on one piece: piece and where; None where they are too short to be worth
-    a pass each."""
+def _runs(index: np.ndarray) -> list[tuple[int, slice]] | None:
+    """Runs of an index (n,) on one piece: the piece and the slice; None where they are too short for a pass over each."""
     cuts = np.flatnonzero(index[1:] != index[:-1]) + 1
     if cuts.size > index.size // _RUN:
         return None
@@ -233,48 +268,53 @@ def _runs_of(index: np.ndarray) -> list[tuple[int, slice]] | None:
     return [(int(index[a]), slice(a, b)) for a, b in pairwise(ends) if b > a]
 
 
-# -- pieces made of others --------------------------------------------------------------------------------
+# -- curves built from pieces of others -------------------------------------------------------------------
 
 
-def moved(polynomial: Sequence[float], by: float) -> tuple[float, ...]:
-    """The polynomial p(w) written in w - by."""
+def shifted(polynomial: Sequence[float], offset: float) -> tuple[float, ...]:
+    """Coefficients of a polynomial p(w) in powers of w - offset."""
     n = len(polynomial)
-    return tuple(sum(polynomial[k] * comb(k, j) * by ** (k - j) for k in range(j, n)) for j in range(n))
+    return tuple(sum(polynomial[k] * comb(k, j) * offset ** (k - j) for k in range(j, n)) for j in range(n))
 
 
-def cut(pieces: Sequence[Piece], at: float) -> tuple[Piece, ...]:
-    """The same curve with a piece starting at u = at."""
-    out = []
+def split(pieces: Sequence[Piece], at: float) -> tuple[Piece, ...]:
+    """Pieces of the same curve, with a piece that starts at u = at."""
+    result = []
     for piece, end in zip(pieces, [p.start for p in pieces[1:]] + [1.0], strict=True):
-        out.append(piece)
+        result.append(piece)
         if piece.start < at < end:
-            by = at - piece.start
-            sines = tuple(Sine(q.amplitude, q.frequency, q.phase + q.frequency * by) for q in piece.sines)
-            out.append(Piece(at, moved(piece.polynomial, by), sines))
-    return tuple(out)
+            offset = at - piece.start
+            sines = tuple(Sine(q.amplitude, q.frequency, q.phase + q.frequency * offset) for q in piece.sines)
+            result.append(Piece(at, shifted(piece.polynomial, offset), sines))
+    return tuple(result)
 
 
 def stretched(
-    pieces: Sequence[Piece], start: float, by: float, new_start: float, gain: float, lift: float
+    pieces: Sequence[Piece], start: float, factor: float, new_start: float, gain: float, lift: float
 ) -> list[Piece]:
-    """lift + gain s, with u - start stretched ``by`` times and begun anew at new_start."""
-    out = []
+    """Curve lift + gain s(u), with u - start stretched by a factor and moved to new_start."""
+    result = []
     for p in pieces:
-        polynomial = [gain * c / by**k for k, c in enumerate(p.polynomial)]
+        polynomial = [gain * c / factor**k for k, c in enumerate(p.polynomial)]
         polynomial[0] += lift
-        sines = tuple(Sine(gain * q.amplitude, q.frequency / by, q.phase) for q in p.sines)
-        out.append(Piece(new_start + (p.start - start) * by, tuple(polynomial), sines))
-    return out
+        sines = tuple(Sine(gain * q.amplitude, q.frequency / factor, q.phase) for q in p.sines)
+        result.append(Piece(new_start + (p.start - start) * factor, tuple(polynomial), sines))
+    return result
 
 
 def asymmetric(pieces: Sequence[Piece], crossover: float) -> tuple[Piece, ...]:
-    """A symmetric rise whose crossover from acceleration to deceleration stands at u = crossover (0...1).
+    """Symmetric rise with its crossover from acceleration to deceleration moved to u = crossover (0...1).
 
-    The first half is stretched over 0...x and to the height x, the second over the rest, so that s and v are continuous
-    and a too where it is 0 in the middle (Norton ch. 3; Neklutin).
+    The first half is stretched over 0...x and to the height x, the second over the rest, so that s and v are continuous,
+    and a is continuous where it is 0 in the middle.
+
+    References
+    ----------
+    R. L. Norton, *Cam Design and Manufacturing Handbook*, ch. 3; C. N. Neklutin 1969, *Mechanisms and Cams for Automatic
+    Machines*.
     """
     x = crossover
-    halves = cut(pieces, 0.5)
+    halves = split(pieces, 0.5)
     first = stretched([p for p in halves if p.start < 0.5], 0.0, 2.0 * x, 0.0, 2.0 * x, 0.0)
     # 1 - 2(1-x)(1 - L) = (2x - 1) + 2(1-x) L
     second = stretched([p for p in halves if p.start >= 0.5], 0.5, 2.0 - 2.0 * x, x, 2.0 - 2.0 * x, 2.0 * x - 1.0)

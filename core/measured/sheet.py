@@ -44,7 +44,7 @@ SAMPLE = 400  # lines from which delimiter and columns are detected
 SAMPLE_LINE, SAMPLE_TEXT = 2000, 40_000  # greatest number of characters of a sample line, and of the sample
 HEADERS = 100  # lines above the rows that are searched for names
 csv.field_size_limit(FIELD)
-_COMMENT = re.compile(r"\s*(#|%|//)\s?")
+_COMMENT = re.compile(r"^\s*(#|%|//)\s?")
 _STATED = re.compile(r"sep=(.)$")  # the delimiter stated by a spreadsheet
 _PLAIN = r"(?:\d+(?:\.\d*)?|\.\d+)"
 _EXPONENT = r"(?:[eEdD][+-]?\d+)?"

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from core.frozen import frozen
-from core.laws.polynomial import STATES, jerk_rows, quintics, states
+from core.laws.polynomial import STATES, jerk_rows, least_jerk_states, quintics
 from core.measured.table import MeasuredTable, distinct_angles
 from core.numerics.lazy import checkpoint
 
@@ -80,7 +80,7 @@ def natural(knots: np.ndarray, order: int, given: np.ndarray) -> np.ndarray:
         part = given[:, first : first + SPLINES_AT_ONCE]
         known_states = np.zeros((knots.size, STATES, part.shape[1]))
         known_states[:, order] = part
-        result[:, :, first : first + SPLINES_AT_ONCE] = states(distances(knots), known_states, fixed)
+        result[:, :, first : first + SPLINES_AT_ONCE] = least_jerk_states(distances(knots), known_states, fixed)
     return result
 
 

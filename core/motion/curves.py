@@ -32,8 +32,8 @@ from core.design.parts import OUTPUT_LOADS, Output, Shaft
 from core.design.rules import CLOSING
 from core.errors import DesignError, Fault
 from core.frozen import frozen
-from core.laws import LAWS, Piece, PieceTable, asymmetric, find_law, hermite, least_jerk, moved, scca
-from core.numerics.lazy import taker
+from core.laws import LAWS, Piece, PieceTable, asymmetric, find_law, hermite, least_jerk, scca, shifted
+from core.numerics.lazy import part_mapper
 
 # -- curve of a segment as pieces -------------------------------------------------------------------------------
 
@@ -162,7 +162,7 @@ def _split_at_reversals(pieces: tuple[Piece, ...]) -> CurveShape:
     parts: list[Piece] = []
     for piece, reversals in zip(pieces, _reversals(pieces), strict=True):
         parts.append(piece)
-        parts += [Piece(piece.start + w, moved(piece.polynomial, w)) for w in reversals]
+        parts += [Piece(piece.start + w, shifted(piece.polynomial, w)) for w in reversals]
     table = PieceTable(parts)
     ends = [*(p.start for p in parts[1:]), 1.0]
     half_width = np.array([0.5 * (e - p.start) for p, e in zip(parts, ends, strict=True)])
@@ -217,14 +217,14 @@ def has_common_pieces(motion: Motion) -> bool:
 
     True where only spans and rises vary, and no dwell has a varying rise.
     """
-    return all(taker(segment) is None or _has_common_pieces(segment) for segment in motion.segments)
+    return all(part_mapper(segment) is None or _has_common_pieces(segment) for segment in motion.segments)
 
 
 def _has_common_pieces(segment: Segment) -> bool:
     curve = segment.curve
     law = find_law(curve.law) if isinstance(curve, NamedCurve) else None
-    rises_in_a_dwell = law is not None and law.is_dwell and taker(segment.rise) is not None
-    return type(curve) in _SCALED_CURVES and taker(curve) is None and not rises_in_a_dwell
+    rises_in_a_dwell = law is not None and law.is_dwell and part_mapper(segment.rise) is not None
+    return type(curve) in _SCALED_CURVES and part_mapper(curve) is None and not rises_in_a_dwell
 
 
 _VANISHING_VALUES: Mapping[str, tuple[float, float]] = MappingProxyType(
@@ -248,10 +248,10 @@ def with_all_pieces(plain: Motion, motion: Motion) -> Motion:
 
 
 def _with_all_pieces(curve: Curve, varied: Curve) -> Curve:
-    if type(curve) not in _SCALED_CURVES or taker(varied) is None:
+    if type(curve) not in _SCALED_CURVES or part_mapper(varied) is None:
         return curve
     numbers = [
-        (name, *row) for name, row in _VANISHING_VALUES.items() if taker(getattr(varied, name, None)) is not None
+        (name, *row) for name, row in _VANISHING_VALUES.items() if part_mapper(getattr(varied, name, None)) is not None
     ]
     changes: Any = {name: regular for name, vanishing, regular in numbers if getattr(curve, name) == vanishing}
     changed: Any = replace(curve, **changes)
@@ -266,7 +266,7 @@ def segment_shape(segment: Segment, whole_turn: bool, path: str) -> CurveShape:
 # -- motions without a mechanism --------------------------------------------------------------------------------
 
 
-REST_TO_REST = tuple(slug for slug, law in LAWS.items() if law.symmetric and not law.rises)
+REST_TO_REST = tuple(slug for slug, law in LAWS.items() if law.is_symmetric and not law.rises)
 LEAST_RAMP = 0.5  # [deg] shortest acceleration of a flying shear
 ASSUMED = ("shaft.rotation",)
 

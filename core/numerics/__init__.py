@@ -1,1 +1,1 @@
-"""Mathematics without mechanics: vectors, derivatives, lazy values, sums with their rounding, cancellation."""
+"""Mathematics without mechanics: vectors, derivatives, roots, quadrature, lazy values, cancellation."""

@@ -1,4 +1,4 @@
-"""Quantities with their derivatives, each order made when it is first read: few scenes need all of them."""
+"""Plane vectors, Taylor series, and quantities whose derivatives are computed when they are first read."""
 
 from __future__ import annotations
 
@@ -10,30 +10,46 @@ import numpy as np
 
 from core.numerics.lazy import Column
 
-# -- points in space as they look on paper ----------------------------------------------------------------------
+# -- views of points in space -----------------------------------------------------------------------------------
 
 
 ISOMETRIC = (45.0, float(np.rad2deg(np.arctan(np.sqrt(0.5)))))
-"""Turn about the upright axis and tilt [deg] under which all three axes look equally long."""
+"""Turn about the vertical axis and tilt [deg] of the isometric view."""
 
 
 def seen_from(points: np.ndarray, turn_deg: float, tilt_deg: float) -> np.ndarray:
-    """Points (n, 3) as they look (n,), complex, x to the right: turned about the upright axis z, then tilted towards the eye."""
+    """View of points in space, turned about the vertical axis z, then tilted towards the viewer.
+
+    Parameters
+    ----------
+    points : ndarray (n, 3) [any length]
+    turn_deg, tilt_deg : float [deg]
+
+    Returns
+    -------
+    ndarray (n,) complex [the same]
+        x to the right, y upwards.
+    """
     turn, tilt = np.deg2rad((turn_deg, tilt_deg))
     x, y, z = np.asarray(points, dtype=float).T
     right = x * np.cos(turn) + y * np.sin(turn)
-    away = -x * np.sin(turn) + y * np.cos(turn)
-    return np.asarray(right + 1j * (z * np.cos(tilt) + away * np.sin(tilt)))
+    depth = -x * np.sin(turn) + y * np.cos(turn)
+    return np.asarray(right + 1j * (z * np.cos(tilt) + depth * np.sin(tilt)))
 
 
-# -- taylor series of second order ------------------------------------------------------------------------------
+# -- Taylor series of second order ------------------------------------------------------------------------------
 
 
 PAIR_ORDERS = 3  # value and two derivatives
 
 
 class Taylor:
-    """c (3, n): the coefficients c_k of w^k, so that the derivatives are c_0, c_1, 2 c_2; real or complex."""
+    """Power series c_0 + c_1 w + c_2 w² of a quantity, real or complex.
+
+    Attributes
+    ----------
+    c : (3, n) coefficients [unit of the quantity, per unit of wᵏ]
+    """
 
     __slots__ = ("c",)
 
@@ -42,27 +58,37 @@ class Taylor:
 
     @classmethod
     def turning(cls, angle: np.ndarray, rate: float) -> Taylor:
-        """e^{i rate angle}, by angle (n,) [rad]."""
+        """Series of e^{i rate angle} about each angle.
+
+        Parameters
+        ----------
+        angle : ndarray (n,) [rad]
+        rate : float
+
+        Returns
+        -------
+        Taylor
+        """
         u = np.exp(1j * rate * np.asarray(angle, dtype=float))
         return cls(np.array([u, 1j * rate * u, -0.5 * rate * rate * u]))
 
     @property
     def derivatives(self) -> np.ndarray:
-        """Value, first and second derivative (3, n)."""
+        """Value, first and second derivative (3, n) [unit of the quantity, per unit of wᵏ]."""
         return self.c * np.array([1.0, 1.0, 2.0])[:, None]
 
     @property
     def real(self) -> Taylor:
-        """The real parts."""
+        """Series of the real part."""
         return Taylor(self.c.real)
 
     @property
     def imag(self) -> Taylor:
-        """The imaginary parts."""
+        """Series of the imaginary part."""
         return Taylor(self.c.imag)
 
     def conj(self) -> Taylor:
-        """The complex conjugate."""
+        """Series of the complex conjugate."""
         return Taylor(self.c.conj())
 
     def __neg__(self) -> Taylor:
@@ -71,9 +97,9 @@ class Taylor:
     def __add__(self, other: Taylor | complex) -> Taylor:
         if isinstance(other, Taylor):
             return Taylor(self.c + other.c)
-        made = self.c.astype(np.result_type(self.c, type(other)))
-        made[0] += other
-        return Taylor(made)
+        c = self.c.astype(np.result_type(self.c, type(other)))
+        c[0] += other
+        return Taylor(c)
 
     def __sub__(self, other: Taylor | complex) -> Taylor:
         return self + (-other)
@@ -91,34 +117,40 @@ class Taylor:
         return Taylor(np.array([first, second, (a[2] - first * b[2] - second * b[1]) / b[0]]))
 
     def sqrt(self) -> Taylor:
-        """The root of positive values."""
+        """Series of the square root, for positive values."""
         a = self.c
         root = np.sqrt(a[0])
         first = 0.5 * a[1] / root
         return Taylor(np.array([root, first, 0.5 * (a[2] - first * first) / root]))
 
     def log(self) -> Taylor:
-        """The complex logarithm, with the argument in -π ... π."""
+        """Series of the complex logarithm, with the argument in -π ... π."""
         a = self.c
         first = a[1] / a[0]
         return Taylor(np.array([np.log(a[0]), first, a[2] / a[0] - 0.5 * first * first]))
 
     def argument(self) -> Taylor:
-        """The angle of complex values."""
+        """Series of the argument of complex values [rad]."""
         return self.log().imag
 
     def arccos(self) -> Taylor:
-        """The angle 0 ... π of a cosine: the argument of x + i√(1 - x²)."""
-        high = ((self * -1.0 + 1.0) * (self + 1.0)).sqrt()
-        return Taylor(self.c + 1j * high.c).argument()
+        """Series of the angle 0 ... π of a cosine, the argument of x + i√(1 - x²) [rad]."""
+        sine = ((self * -1.0 + 1.0) * (self + 1.0)).sqrt()
+        return Taylor(self.c + 1j * sine.c).argument()
 
 
-def chosen(first: np.ndarray, one: Taylor, other: Taylor) -> Taylor:
-    """One where ``first`` (n,), else the other."""
-    return Taylor(np.where(first, one.c, other.c))
+def select(condition: np.ndarray, a: Taylor, b: Taylor) -> Taylor:
+    """Series a where the condition holds, else b.
+
+    Parameters
+    ----------
+    condition : ndarray (n,) of bool, dimensionless
+    a, b : Taylor
+    """
+    return Taylor(np.where(condition, a.c, b.c))
 
 
-# -- plane vectors as complex numbers, and points that turn -----------------------------------------------------
+# -- plane vectors as complex numbers ---------------------------------------------------------------------------
 
 
 QUARTER = 0.5 * np.pi
@@ -126,61 +158,131 @@ _QUARTERS = np.array([1.0, 1j, -1.0, -1j])
 
 
 class DerivativeRows(Protocol):
-    """A quantity's derivatives by order."""
+    """Derivatives of a quantity, by order."""
 
     def __getitem__(self, order: int, /) -> np.ndarray: ...
 
 
 def cross(a: np.ndarray | complex, b: np.ndarray | complex) -> np.ndarray:
-    """a × b (n,), the component out of the plane, of complex plane vectors (n,); unit: that of a times that of b."""
+    """Component out of the plane of the cross product a × b.
+
+    Parameters
+    ----------
+    a, b : ndarray (n,) complex [any]
+        Plane vectors.
+
+    Returns
+    -------
+    ndarray (n,) [unit of a times unit of b]
+    """
     out = a.real * b.imag
     out -= a.imag * b.real
     return np.asarray(out)
 
 
 def dot(a: np.ndarray | complex, b: np.ndarray | complex) -> np.ndarray:
-    """a · b (n,) of complex plane vectors (n,); unit: that of a times that of b."""
+    """Dot product a · b.
+
+    Parameters
+    ----------
+    a, b : ndarray (n,) complex [any]
+        Plane vectors.
+
+    Returns
+    -------
+    ndarray (n,) [unit of a times unit of b]
+    """
     out = a.real * b.real
     out += a.imag * b.imag
     return np.asarray(out)
 
 
 def between_lines(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """The acute angle (n,) [rad] between the lines along complex plane vectors a and b (n,): tan = |a × b| / |a · b|. Not by arctan2,
-    which takes twice as long. NaN where one of them is 0."""
+    """Acute angle between the lines along two vectors, tan γ = |a × b|/|a · b|.
+
+    Parameters
+    ----------
+    a, b : ndarray (n,) complex [any]
+        Plane vectors.
+
+    Returns
+    -------
+    ndarray (n,) [rad]
+        NaN where a vector is 0.
+    """
+    # arctan2 takes twice as long
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(np.arctan(np.abs(cross(a, b) / dot(a, b))))
 
 
-def opposite(u: np.ndarray) -> np.ndarray:
-    """-u, in a third of the time that numpy takes to change the signs of complex numbers."""
+def negated(u: np.ndarray) -> np.ndarray:
+    """Opposite vector -u, in a third of the time of numpy's minus for complex numbers.
+
+    Parameters
+    ----------
+    u : ndarray (n,) complex [any]
+
+    Returns
+    -------
+    ndarray (n,) complex [the same]
+    """
     return 0.0 - u
 
 
 def spread(row: np.ndarray, n: int) -> np.ndarray:
-    """A value at each of n positions, of which a row of one takes no memory; of many designs, (m, n) or (m, 1), as it is."""
+    """Row with a value at each of n positions; a constant row is broadcast, which takes no memory.
+
+    Parameters
+    ----------
+    row : ndarray (n,), (1,) or, with many designs, (m, n) or (m, 1) [any]
+    n : int
+
+    Returns
+    -------
+    ndarray (n,), or the row itself with many designs [the same]
+    """
     return row if row.size == n or row.ndim > 1 else np.broadcast_to(row, n)
 
 
-def finite(row: np.ndarray, nan: float) -> np.ndarray:
-    """The same as ``np.nan_to_num``, in one pass where there is nothing to replace."""
+def replace_nan(row: np.ndarray, nan: float) -> np.ndarray:
+    """``np.nan_to_num``, in one pass where all values are finite.
+
+    Parameters
+    ----------
+    row : ndarray (n,) or (m, n) [any]
+    nan : float
+        Value in place of NaN.
+
+    Returns
+    -------
+    ndarray (n,) or (m, n) [the same]
+    """
     return row if np.isfinite(row).all() else np.nan_to_num(row, nan=nan)
 
 
 def unit(angle: np.ndarray) -> np.ndarray:
-    """e^{i angle}; the number nearest to a quarter turn is meant as that: exactly 1, i, -1 or -i."""
+    """Unit vector e^{i angle}; exactly 1, i, -1 or -i at the float nearest to a multiple of a quarter turn.
+
+    Parameters
+    ----------
+    angle : ndarray (n,) or (m, n) [rad]
+
+    Returns
+    -------
+    ndarray (n,) or (m, n) complex, dimensionless
+    """
     out = np.empty(np.shape(angle), dtype=complex)
     np.cos(angle, out=out.real)
     np.sin(angle, out=out.imag)
     quarters = np.rint(angle * (1.0 / QUARTER))
-    meant = angle - quarters * QUARTER == 0.0
-    if meant.any():
-        out[meant] = _QUARTERS[quarters[meant].astype(int) % 4]
+    is_quarter = angle - quarters * QUARTER == 0.0
+    if is_quarter.any():
+        out[is_quarter] = _QUARTERS[quarters[is_quarter].astype(int) % 4]
     return out
 
 
 def heading(angle: Any) -> Any:
-    """e^{i angle} of one angle; of many designs a column."""
+    """Unit vector e^{i angle} of one angle [rad]; with many designs a column."""
     if isinstance(angle, Column):
         return unit(angle).view(Column)
     return _heading(angle)
@@ -192,15 +294,26 @@ def _heading(angle: float) -> complex:
 
 
 def vector(x: Any, y: Any) -> Any:
-    """x + iy of two numbers; of many designs a column."""
+    """Vector x + iy of two numbers; with many designs a column."""
     return x + 1j * y if isinstance(x, Column) or isinstance(y, Column) else complex(x, y)
 
 
-def turned(u: np.ndarray, angle: DerivativeRows, order: int) -> np.ndarray:
-    """A derivative (n,), of order 0 ... 3, of a vector u (n,) fixed in a body whose angle has the derivatives ``angle[1]``
-    ..., (n,) or (1,).
+def vector_derivative(u: np.ndarray, angle: DerivativeRows, order: int) -> np.ndarray:
+    """Derivative of a vector u fixed in a body that turns by the angle α.
 
     u' = iα'u, u'' = (iα'' - α'²)u, u''' = (i(α''' - α'³) - 3α'α'')u.
+
+    Parameters
+    ----------
+    u : ndarray (n,) complex [any]
+    angle : DerivativeRows
+        Derivatives α', α'', α''' as rows (n,) or (1,).
+    order : int
+        0 ... 3.
+
+    Returns
+    -------
+    ndarray (n,) complex [the same, per unit of the parameterᵏ]
     """
     if order == 0:
         return u
@@ -215,17 +328,27 @@ def turned(u: np.ndarray, angle: DerivativeRows, order: int) -> np.ndarray:
     else:
         np.multiply(-3.0 * a1, angle[2], out=factor.real)
         np.subtract(angle[3], a1 * a1 * a1, out=factor.imag)
-    inside = factor.size >= u.size and (u.ndim == 1 or factor.shape == u.shape)
-    return np.multiply(factor, u, out=factor) if inside else factor * u
+    is_product_shape = factor.size >= u.size and (u.ndim == 1 or factor.shape == u.shape)
+    return np.multiply(factor, u, out=factor) if is_product_shape else factor * u
 
 
 def distinct(values: np.ndarray) -> np.ndarray:
-    """Finite values (n,) in rising order, each once. Not by np.unique, which imports numpy.ma."""
-    rising = np.sort(values)
-    return np.asarray(rising[np.diff(rising, prepend=np.nan) != 0.0])
+    """Distinct values in ascending order; ``np.unique`` without its import of ``numpy.ma``.
+
+    Parameters
+    ----------
+    values : ndarray (n,) [any]
+        Finite.
+
+    Returns
+    -------
+    ndarray (m,) [the same]
+    """
+    ascending = np.sort(values)
+    return np.asarray(ascending[np.diff(ascending, prepend=np.nan) != 0.0])
 
 
-# -- quantities with their derivatives, each order made when it is first read -----------------------------------
+# -- quantities with their derivatives --------------------------------------------------------------------------
 
 
 ORDERS = 4  # the value and three derivatives
@@ -233,45 +356,52 @@ BINOMIAL = ((1.0,), (1.0, 1.0), (1.0, 2.0, 1.0), (1.0, 3.0, 3.0, 1.0))
 
 
 class Derivatives:
-    """A quantity at n positions: d[k] is its derivative of order k, 0 ... 3, by cam angle, (n,) and read-only; (1,) where
-    it is the same everywhere.
+    """Quantity at n positions with its derivatives by cam angle; an order is computed when it is first read.
 
-    make   order -> its row, asked for once and read-only from then on; it may read lower orders
-    constant  it never changes: all derivatives are 0, and whoever adds them need not ask
+    d[k] is the read-only derivative (n,) of order k = 0 ... 3; (1,) where it is constant.
+
+    Attributes
+    ----------
+    constant : whether the quantity is constant, so that all its derivatives are 0
     """
 
-    __slots__ = ("_all", "_make", "_rows", "constant")
+    __slots__ = ("_all", "_compute", "_rows", "constant")
 
-    def __init__(self, make: Callable[[int], np.ndarray], constant: bool = False) -> None:
-        self._make = make
+    def __init__(self, compute: Callable[[int], np.ndarray], constant: bool = False) -> None:
+        self._compute = compute  # called once for each order; it may read lower orders
         self.constant = constant
         self._rows: list[np.ndarray | None] = [None] * ORDERS
         self._all: np.ndarray | None = None
 
     @classmethod
     def of(cls, rows: np.ndarray | Sequence[np.ndarray]) -> Derivatives:
-        """Of what is known: (4, n), or four rows, which stay the caller's."""
-        made = cls(lambda order: rows[order].view())
+        """Derivatives from known rows, of which it makes read-only views.
+
+        Parameters
+        ----------
+        rows : ndarray (4, n), or a sequence of four (n,) [any, per radᵏ]
+        """
+        result = cls(lambda order: rows[order].view())
         if isinstance(rows, np.ndarray):
-            made._all = rows.view()
-            made._all.flags.writeable = False
-        return made
+            result._all = rows.view()
+            result._all.flags.writeable = False
+        return result
 
     def __getitem__(self, order: int) -> np.ndarray:
         row = self._rows[order]
         if row is None:
-            row = self._rows[order] = self._make(order)
+            row = self._rows[order] = self._compute(order)
             row.setflags(write=False)
         return row
 
     @property
-    def made(self) -> tuple[int, ...]:
-        """The orders that somebody has read."""
+    def computed_orders(self) -> tuple[int, ...]:
+        """The orders that have been read."""
         return tuple(order for order, row in enumerate(self._rows) if row is not None)
 
     @property
     def all(self) -> np.ndarray:
-        """The quantity and its first three derivatives (4, n); what is made once is read-only."""
+        """The quantity and its first three derivatives (4, n) [unit of the quantity, per radᵏ], read-only."""
         if self._all is None:
             rows = [self[order] for order in range(ORDERS)]
             same = all(row.size == rows[0].size for row in rows)
@@ -280,7 +410,7 @@ class Derivatives:
         return self._all
 
     def spread(self, n: int) -> Derivatives:
-        """The same with n values in every row, which take no memory."""
+        """The same quantity with n values in every row; constant rows are broadcast, which takes no memory."""
 
         def row(order: int) -> np.ndarray:
             return spread(self[order], n).view()
@@ -288,7 +418,7 @@ class Derivatives:
         return Derivatives(row, self.constant)
 
     def without_warnings(self) -> Derivatives:
-        """The same where derivatives may be infinite, as at a dead centre: none of its rows warns of that."""
+        """The same quantity without numpy's warnings where its derivatives are infinite, as at a dead centre."""
 
         def row(order: int) -> np.ndarray:
             with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
@@ -298,14 +428,14 @@ class Derivatives:
 
 
 Rows = np.ndarray | tuple[np.ndarray, ...]
-"""Of several quantities, a row (n,) each."""
+"""Rows (n,) of several quantities."""
 
 
 class Chain:
-    """Quantities whose derivatives follow from the lower ones of all of them: c[k] are their rows (n,) of order k.
+    """Quantities whose derivatives follow from the lower orders of all of them: c[k] are their rows (n,) of order k.
 
-    follow  order, chain -> the rows of this order, asked for once. The chain is handed over: a function that held it would
-            be in a circle with it, and all its rows in memory until Python comes to look for circles.
+    ``follow`` computes the rows of an order, once. It receives the chain as an argument: with a reference to the chain it
+    would form a cycle, which keeps all rows in memory until the garbage collector runs.
     """
 
     __slots__ = ("_follow", "_rows")
@@ -320,56 +450,90 @@ class Chain:
         return self._rows[order]
 
     def part(self, index: int, first: Callable[[], np.ndarray] | None = None) -> Derivatives:
-        """One of them; its value from elsewhere where the chain has derivatives only."""
+        """One of the quantities, with its derivatives.
+
+        Parameters
+        ----------
+        index : int
+            Number of the quantity.
+        first : callable, returns ndarray (n,) [unit of the quantity]
+            Computes the value where the chain has derivatives only.
+        """
         return Derivatives(lambda order: self[order][index] if order or first is None else first())
 
 
 def constant(value: complex | np.ndarray) -> Derivatives:
-    """What never changes; the same everywhere where it is a number."""
+    """Quantity that is constant over the cam angle.
+
+    Parameters
+    ----------
+    value : complex or ndarray (n,) [any]
+        One number for all positions, or a value at each.
+    """
     first = value if isinstance(value, np.ndarray) else np.array([value])
     return Derivatives(lambda order: np.zeros(1, first.dtype) if order else first, constant=True)
 
 
 def sum_of(a: Derivatives, b: Derivatives) -> Derivatives:
-    """a + b."""
-    return _joined(b, a, np.add) if a.constant else _joined(a, b, np.add)
+    """Sum a + b."""
+    return _combined(b, a, np.add) if a.constant else _combined(a, b, np.add)
 
 
 def difference(a: Derivatives, b: Derivatives) -> Derivatives:
-    """a - b."""
-    return _joined(a, b, np.subtract)
+    """Difference a - b."""
+    return _combined(a, b, np.subtract)
 
 
-def scaled(a: Derivatives, by: complex) -> Derivatives:
-    """A fixed multiple; of many designs plain rows too, which numpy is quicker with than with columns."""
-    return Derivatives(lambda order: np.asarray(a[order] * by), a.constant)
+def scaled(a: Derivatives, factor: complex) -> Derivatives:
+    """Multiple of a quantity, in plain arrays, which are faster than columns with many designs."""
+    return Derivatives(lambda order: np.asarray(a[order] * factor), a.constant)
 
 
-def _joined(a: Derivatives, b: Derivatives, both: np.ufunc) -> Derivatives:
+def _combined(a: Derivatives, b: Derivatives, operation: np.ufunc) -> Derivatives:
     def row(order: int) -> np.ndarray:
-        return a[order] if order and b.constant else both(a[order], b[order])
+        return a[order] if order and b.constant else operation(a[order], b[order])
 
     return Derivatives(row, a.constant and b.constant)
 
 
-def turning(u: np.ndarray, angle: Derivatives) -> Derivatives:
-    """A vector u (n,) fixed in a body that turns so."""
-    return constant(u) if angle.constant else Derivatives(lambda order: turned(u, angle, order))
+def body_vector(u: np.ndarray, angle: Derivatives) -> Derivatives:
+    """Vector fixed in a body that turns by an angle, with its derivatives.
+
+    Parameters
+    ----------
+    u : ndarray (n,) complex [any]
+        The vector at each position.
+    angle : Derivatives
+        Of the body [rad].
+    """
+    return constant(u) if angle.constant else Derivatives(lambda order: vector_derivative(u, angle, order))
 
 
-def earlier(s: Derivatives, t: Derivatives, order: int) -> np.ndarray:
-    """The derivative of s t in this order, 1 ... 3, without its term in s's highest derivative (Leibniz)."""
+def lower_order_terms(s: Derivatives, t: Derivatives, order: int) -> np.ndarray:
+    """Derivative of s t by Leibniz's rule, order 1 ... 3, without its term in the highest derivative of s.
+
+    Returns
+    -------
+    ndarray (n,) [unit of s times unit of t, per radᵏ]
+    """
     return np.asarray(sum(c * s[k] * t[order - k] for k, c in enumerate(BINOMIAL[order][:-1])))
 
 
 def product(
-    s: Derivatives, t: Derivatives, by: Callable[[np.ndarray, np.ndarray], np.ndarray] = np.multiply
+    s: Derivatives, t: Derivatives, multiply: Callable[[np.ndarray, np.ndarray], np.ndarray] = np.multiply
 ) -> Derivatives:
-    """s t, or another product of the two (Leibniz)."""
+    """Product s t, or another bilinear product of the two, by Leibniz's rule.
+
+    Parameters
+    ----------
+    s, t : Derivatives
+    multiply : callable, ndarray (n,) and ndarray (n,) -> ndarray (n,) [unit of s times unit of t]
+        The product of two rows.
+    """
 
     def row(order: int) -> np.ndarray:
         if t.constant:
-            return by(s[order], t[0])
-        return np.asarray(sum(c * by(s[k], t[order - k]) for k, c in enumerate(BINOMIAL[order])))
+            return multiply(s[order], t[0])
+        return np.asarray(sum(c * multiply(s[k], t[order - k]) for k, c in enumerate(BINOMIAL[order])))
 
     return Derivatives(row)

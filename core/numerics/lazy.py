@@ -1,4 +1,4 @@
-"""How results are kept: read-only, since others share them; made when they are first read."""
+"""Shared results: read-only arrays, fields computed when they are first read, columns of many designs, cancellation."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ import numpy as np
 
 from core.errors import ResultPending
 
-# -- giving up a long computation -------------------------------------------------------------------------------
+# -- cancelling and postponing a long computation ---------------------------------------------------------------
 
 
 class Cancelled(Exception):
-    """The result is no longer wanted."""
+    """The computation is cancelled."""
 
 
 _FLAG: ContextVar[Event | None] = ContextVar("flag", default=None)
@@ -27,7 +27,7 @@ _FLAG: ContextVar[Event | None] = ContextVar("flag", default=None)
 
 @contextmanager
 def cancellable(flag: Event) -> Iterator[None]:
-    """What is computed inside, in this thread, raises Cancelled at its next checkpoint once the flag is set."""
+    """Make the next checkpoint inside the block, in this thread, raise Cancelled once the flag is set."""
     token = _FLAG.set(flag)
     try:
         yield
@@ -36,141 +36,155 @@ def cancellable(flag: Event) -> Iterator[None]:
 
 
 def checkpoint() -> None:
-    """Raises Cancelled where the flag of the computation at hand is set."""
+    """Raise Cancelled where the flag of the current computation is set; long loops call it.
+
+    Raises
+    ------
+    Cancelled
+    """
     flag = _FLAG.get()
     if flag is not None and flag.is_set():
         raise Cancelled
 
 
-Later = Callable[[Hashable, Callable[[], Any]], str]
-"""Lets what a key names be computed elsewhere; what has become of that, empty where it is there by now."""
-_LATER: ContextVar[Later | None] = ContextVar("later", default=None)
+Postpone = Callable[[Hashable, Callable[[], Any]], str]
+"""Key and function of a result -> state of its computation in another thread, empty where it is complete."""
+_POSTPONE: ContextVar[Postpone | None] = ContextVar("postpone", default=None)
 
 
 @contextmanager
-def postponing(later: Later) -> Iterator[None]:
-    """What takes long is not computed inside, in this thread, but raises ResultPending."""
-    token = _LATER.set(later)
+def postponing(later: Postpone) -> Iterator[None]:
+    """Leave long computations inside the block to another thread; reading their results raises ResultPending."""
+    token = _POSTPONE.set(later)
     try:
         yield
     finally:
-        _LATER.reset(token)
+        _POSTPONE.reset(token)
 
 
 def postpone(what: str, key: Hashable, compute: Callable[[], Any], field: str) -> None:
-    """Before something that may take long, and that ``compute`` keeps where it is found. Raises ResultPending, which names a field, where
-    this thread must not wait for it and it is not there yet."""
-    later = _LATER.get()
+    """Announce a long computation, whose function ``compute`` stores its result.
+
+    Raises
+    ------
+    ResultPending
+        With the field, where this thread must not wait for the result, and it is not complete.
+    """
+    later = _POSTPONE.get()
     state = "" if later is None else later(key, compute)
     if state:
-        raise ResultPending(
-            f"{what} {state}", field, "the button in the status line ends the search, or begins it anew"
-        )
+        raise ResultPending(f"{what} {state}", field, "the button in the status line stops or restarts the search")
 
 
-# -- columns ----------------------------------------------------------------------------------------------------
+# -- columns: many designs in one array -------------------------------------------------------------------------
 
 
 class Column(np.ndarray):
-    """One value for each of many designs, or for each of their cam angles, in place of a plain number of a part.
+    """Values of many designs, or of their cam angles, in place of one number of a part.
 
-    True where any of them is not 0, as a plain number is: what a part has at all, some design has; where the others have 0, the
-    formula gives 0. A comparison has no truth of its own. A part that holds columns is equal only to itself.
+    A column is true where any of its values is not 0: a formula then runs for all designs, and gives 0 where the value is 0.
+    The truth of a comparison is undefined. A part with columns is equal only to itself.
     """
 
     __hash__ = object.__hash__  # type: ignore[assignment]
 
     def __bool__(self) -> bool:
         if self.dtype == bool and self.ndim:
-            raise TypeError("a comparison of many designs is true of some of them")
+            raise TypeError("a comparison of many designs has no single truth value")
         return bool(np.asarray(self).any())
 
 
 def column(values: Any) -> Column:
-    """Values (m,) as a column."""
+    """Column from values (m,)."""
     return np.asarray(values).view(Column)
 
 
-def first_of(value: Any) -> Any:
-    """A number; of many designs that of the first, for what all of them share."""
+def first_value(value: Any) -> Any:
+    """Number that all designs share: the first of a column, or the number itself."""
     return float(value.flat[0]) if isinstance(value, Column) else value
 
 
 def greatest(values: Sequence[Any]) -> Any:
-    """The greatest of some numbers; of many designs a column."""
-    many = any(isinstance(value, Column) for value in values)
-    return column(reduce(np.maximum, values)) if many else max(values)
+    """Greatest of several numbers; with many designs a column."""
+    has_column = any(isinstance(value, Column) for value in values)
+    return column(reduce(np.maximum, values)) if has_column else max(values)
 
 
 _PLAIN_TYPES = frozenset((float, int, str, bool, complex, type(None)))
-Take = Callable[[np.ndarray], Any]
-"""A column (m,) of designs -> what stands in its place: at angles (n,) of theirs a column (n,), of one design a number."""
-Taker = Callable[[Take, dict[int, Any]], Any]
+ColumnMap = Callable[[np.ndarray], Any]
+"""Column (m,) of designs -> its replacement: a column (n,) at n angles, or the number of one design."""
+PartMapper = Callable[[ColumnMap, dict[int, Any]], Any]
 
 
-def design_by_design(number: int) -> Take:
-    """The numbers of one design."""
+def one_design(number: int) -> ColumnMap:
+    """Map of a column to the number of one design."""
     return lambda row: float(row[number])
 
 
-def at_angles_of(owner: np.ndarray) -> Take:
-    """Of designs at angles (n,), each of which belongs to the design ``owner`` (n,)."""
+def at_owners(owner: np.ndarray) -> ColumnMap:
+    """Map of a column to a value at each of n angles.
+
+    Parameters
+    ----------
+    owner : ndarray (n,) of int, dimensionless
+        Number of the design to which each angle belongs.
+    """
     return lambda row: row[owner].view(Column)
 
 
-def repeated(designs: slice, each: int) -> Take:
-    """Of some designs, so many angles of each one after the other."""
-    return lambda row: np.repeat(row[designs], each).view(Column)
+def repeated_values(designs: slice, count: int) -> ColumnMap:
+    """Map of a column to ``count`` equal values for each of some designs, one design after the other."""
+    return lambda row: np.repeat(row[designs], count).view(Column)
 
 
-def taker(part: Any) -> Taker | None:
-    """How a part is made whose columns stand for designs; None where it has none. What is made takes from ``made``, by the identity of
-    a column, what that became, so that what was shared stays so."""
+def part_mapper(part: Any) -> PartMapper | None:
+    """Function that copies a part with its columns mapped; None where the part has no columns.
+
+    Its second argument caches mapped columns by identity, so that shared columns remain shared.
+    """
     if type(part) in _PLAIN_TYPES:
         return None
     if isinstance(part, np.ndarray):
-        return lambda take, made: made[id(part)] if id(part) in made else made.setdefault(id(part), take(part))
+        return lambda f, cache: cache[id(part)] if id(part) in cache else cache.setdefault(id(part), f(part))
     if isinstance(part, Mapping):
-        rows = _takers(part)
-        return rows and (lambda take, made: MappingProxyType({**part, **{k: t(take, made) for k, t in rows.items()}}))
+        rows = _part_mappers(part)
+        return rows and (lambda f, cache: MappingProxyType({**part, **{k: m(f, cache) for k, m in rows.items()}}))
     if isinstance(part, tuple):
-        values, kind = _takers(dict(enumerate(part))), getattr(type(part), "_make", tuple)
-        return values and (
-            lambda take, made: kind([values[i](take, made) if i in values else x for i, x in enumerate(part)])
-        )
+        items, kind = _part_mappers(dict(enumerate(part))), getattr(type(part), "_make", tuple)
+        return items and (lambda f, cache: kind([items[i](f, cache) if i in items else x for i, x in enumerate(part)]))
     if is_dataclass(part) and not isinstance(part, type):
-        own = {f.name: vars(part)[f.name] for f in fields(part)}
-        changed = _takers(own)
+        values = {field.name: vars(part)[field.name] for field in fields(part)}
+        changed = _part_mappers(values)
         return changed and (
-            lambda take, made: type(part)(**{**own, **{name: t(take, made) for name, t in changed.items()}})
+            lambda f, cache: type(part)(**{**values, **{name: m(f, cache) for name, m in changed.items()}})
         )
     return None
 
 
-def _takers(parts: Mapping[Any, Any]) -> Any:
-    """Those of the parts that have columns, by their keys; None where none has."""
-    return {key: found for key, part in parts.items() if (found := taker(part)) is not None} or None
+def _part_mappers(parts: Mapping[Any, Any]) -> Any:
+    """Mappers of the parts that have columns, by key; None where no part has columns."""
+    return {key: mapper for key, part in parts.items() if (mapper := part_mapper(part)) is not None} or None
 
 
-def taken(part: Any, take: Take) -> Any:
-    """The part with its columns taken."""
-    make = taker(part)
-    return part if make is None else make(take, {})
+def map_columns(part: Any, column_map: ColumnMap) -> Any:
+    """Copy of a part with its columns mapped."""
+    mapper = part_mapper(part)
+    return part if mapper is None else mapper(column_map, {})
 
 
-# -- how results are kept ---------------------------------------------------------------------------------------
+# -- read-only and lazy values ----------------------------------------------------------------------------------
 
 
 T = TypeVar("T")
 
 
 def locked(value: T) -> T:
-    """The value, every array in it read-only from now on; what is made later is locked then."""
+    """Make every array in a value read-only, and return it; lazy fields are locked when they are computed."""
     if isinstance(value, np.ndarray):
         value.flags.writeable = False
         return value
     for part in _parts_of(cast(Hashable, type(value)))(value):
-        if (kind := type(part)) not in _WITHOUT:
+        if (kind := type(part)) not in _WITHOUT_ARRAYS:
             if kind is np.ndarray:
                 part.flags.writeable = False
             else:
@@ -179,13 +193,13 @@ def locked(value: T) -> T:
 
 
 _PLAIN = ("float", "int", "str", "bool", "complex", "tuple[str, ...]")
-_WITHOUT: set[type] = {float, int, str, bool, complex, type(None)}
-"""Kinds of values that hold no arrays: most of what a result holds."""
+_WITHOUT_ARRAYS: set[type] = {float, int, str, bool, complex, type(None)}
+"""Types without arrays, which most values in a result have."""
 
 
 @lru_cache(maxsize=256)
 def _parts_of(kind: Any) -> Callable[[Any], Iterable[Any]]:
-    """What a value of this kind holds."""
+    """Function that returns the parts of a value of this type."""
     if issubclass(kind, Mapping):
         return lambda value: value.values()
     if issubclass(kind, tuple):
@@ -193,26 +207,26 @@ def _parts_of(kind: Any) -> Callable[[Any], Iterable[Any]]:
     if is_dataclass(kind) and any(field.type not in _PLAIN for field in fields(kind)):
         names = [field.name for field in fields(kind)]
         return lambda value: map(vars(value).get, names)
-    _WITHOUT.add(kind)
+    _WITHOUT_ARRAYS.add(kind)
     return lambda value: ()
 
 
-def once(make: Callable[[], T]) -> Callable[[], T]:
-    """The function, called once: what it gave from then on. As ``functools.cache``, whose wrapper costs ten times as much."""
-    made: list[T] = []
+def once(compute: Callable[[], T]) -> Callable[[], T]:
+    """Function that calls ``compute`` once and then returns its result; its overhead is a tenth of ``functools.cache``."""
+    result: list[T] = []
 
     def value() -> T:
-        if not made:
-            made.append(make())
-        return made[0]
+        if not result:
+            result.append(compute())
+        return result[0]
 
     return value
 
 
 class Lazy(Generic[T]):
-    """A field of a dataclass that may be given as a function: its value is made when it is first read.
+    """Field of a dataclass that may be given as a function: its value is computed when it is first read.
 
-    otherwise  makes it from the other fields where it is not given
+    Where the field is not given, ``otherwise`` computes it from the other fields.
     """
 
     def __init__(self, otherwise: Callable[[Any], T] | None = None) -> None:
@@ -221,16 +235,17 @@ class Lazy(Generic[T]):
     def __set_name__(self, owner: type, name: str) -> None:
         self._name = name
 
-    def __get__(self, part: Any, owner: type) -> T:
-        if part is None:
+    def __get__(self, instance: Any, owner: type) -> T:
+        if instance is None:
             if self._otherwise is None:
                 raise AttributeError(self._name)  # so that a dataclass finds no default
             return cast(T, self._otherwise)
-        value = vars(part)[self._name]
+        value = vars(instance)[self._name]
         if callable(value):
-            made = value() if self._otherwise is None or value is not self._otherwise else self._otherwise(part)
-            value = vars(part)[self._name] = locked(made)
+            otherwise = self._otherwise
+            computed = otherwise(instance) if otherwise is not None and value is otherwise else value()
+            value = vars(instance)[self._name] = locked(computed)
         return cast(T, value)
 
-    def __set__(self, part: Any, value: T | Callable[[], T]) -> None:
-        vars(part)[self._name] = value
+    def __set__(self, instance: Any, value: T | Callable[[], T]) -> None:
+        vars(instance)[self._name] = value

@@ -1,4 +1,8 @@
-"""Arithmetic of which the rounding is known: sums and squares in two parts, high + low."""
+"""Double-length arithmetic, Gauss quadrature with Legendre polynomials, roots and minima of one variable.
+
+Sources: T. J. Dekker 1971; D. E. Knuth, *The Art of Computer Programming*, vol. 2; G. H. Golub and J. H. Welsch 1969;
+R. P. Brent 1973.
+"""
 
 from __future__ import annotations
 
@@ -10,15 +14,20 @@ import numpy as np
 
 from core.numerics.lazy import locked
 
-# -- arithmetic of which the rounding is known ------------------------------------------------------------------
+# -- double-length arithmetic: high + low -----------------------------------------------------------------------
 
 
 F = TypeVar("F", float, np.ndarray)
-_SPLITTER = 134217729.0  # 2^27 + 1: halves of a float's digits (Veltkamp)
+_SPLITTER = 134217729.0  # 2^27 + 1 splits a float into halves of its digits (Veltkamp)
 
 
 def two_sum(a: F, b: F) -> tuple[F, F]:
-    """a + b rounded, and what rounding took (Knuth)."""
+    """Sum a + b, rounded, and its rounding error.
+
+    References
+    ----------
+    Knuth, *The Art of Computer Programming*, vol. 2, sec. 4.2.2, theorem B.
+    """
     total = a + b
     part = total - a
     rest = b - part
@@ -29,7 +38,7 @@ def two_sum(a: F, b: F) -> tuple[F, F]:
 
 
 def _square(a: F) -> tuple[F, F]:
-    """a² rounded, and what rounding took (Dekker)."""
+    """a², rounded, and its rounding error (Dekker 1971)."""
     high = _SPLITTER * a
     high -= high - a
     low = a - high
@@ -43,37 +52,53 @@ def _square(a: F) -> tuple[F, F]:
     return square, rest
 
 
-def square_of(high: F, low: F) -> tuple[F, F]:
-    """(high + low)² for a small ``low``."""
+def double_square(high: F, low: F) -> tuple[F, F]:
+    """Square (high + low)² in double length, for a small ``low``."""
     square, rest = _square(high)
     return square, rest + 2.0 * high * low
 
 
-def squares_of(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """x² + y² (n,)."""
+def double_sum_of_squares(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Sum of squares x² + y² in double length.
+
+    Parameters
+    ----------
+    x, y : ndarray (n,) [any]
+
+    Returns
+    -------
+    high, low : ndarray (n,) [square of the unit]
+    """
     (x2, x_rest), (y2, y_rest) = _square(x), _square(y)
     square, rest = two_sum(x2, y2)
     rest += x_rest + y_rest
     return square, rest
 
 
-# -- gauss's rule and Legendre's polynomials --------------------------------------------------------------------
+# -- Gauss quadrature and Legendre polynomials ------------------------------------------------------------------
 
 
 @lru_cache(maxsize=64)
 def gauss_legendre(count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Points (count,) in rising order and weights (count,) on -1 ... 1: eigenvalues of the tridiagonal matrix of Golub and Welsch, with
-    a step of Newton's; exact for polynomials of degree 2 count - 1."""
+    """Nodes and weights of Gauss-Legendre quadrature on -1 ... 1, exact for polynomials of degree 2 count - 1.
+
+    Eigenvalues of the tridiagonal matrix of Golub and Welsch, refined by a step of Newton's method.
+
+    Returns
+    -------
+    nodes, weights : ndarray (count,), dimensionless
+        Nodes in ascending order.
+
+    References
+    ----------
+    G. H. Golub and J. H. Welsch 1969, Calculation of Gauss quadrature rules.
+    """
     k = np.arange(1, count)
     x = np.linalg.eigvalsh(np.diag(k / np.sqrt(4.0 * k * k - 1.0), -1))
-    x -= _value(x, count) / _slope(x, count)
+    x -= legendre(x, count + 1)[count] / _slope(x, count)
     x = 0.5 * (x - x[::-1])
     weight = 2.0 / ((1.0 - x * x) * _slope(x, count) ** 2)
     return locked((x, weight * (2.0 / weight.sum())))
-
-
-def _value(x: np.ndarray, count: int) -> np.ndarray:
-    return legendre(x, count + 1)[count]
 
 
 def _slope(x: np.ndarray, count: int) -> np.ndarray:
@@ -84,13 +109,29 @@ def _slope(x: np.ndarray, count: int) -> np.ndarray:
 
 @lru_cache(maxsize=64)
 def gauss(count: int) -> tuple[np.ndarray, np.ndarray]:
-    """The same on 0 ... 1."""
+    """Nodes and weights of Gauss-Legendre quadrature on 0 ... 1.
+
+    Returns
+    -------
+    nodes, weights : ndarray (count,), dimensionless
+        Nodes in ascending order.
+    """
     x, weight = gauss_legendre(count)
     return locked((0.5 + 0.5 * x, 0.5 * weight))
 
 
 def legendre(x: np.ndarray, count: int) -> np.ndarray:
-    """P_0 ... P_(count - 1) (count, n) at x (n,)."""
+    """Legendre polynomials P_0 ... P_(count - 1).
+
+    Parameters
+    ----------
+    x : ndarray (n,), dimensionless
+    count : int
+
+    Returns
+    -------
+    ndarray (count, n), dimensionless
+    """
     p = np.ones((max(count, 2), x.size))
     p[1] = x
     for k in range(1, count - 1):
@@ -98,8 +139,14 @@ def legendre(x: np.ndarray, count: int) -> np.ndarray:
     return p[:count]
 
 
-def legendre_powers(count: int) -> np.ndarray:
-    """Of the same the coefficients (count, count) of x**k, a row each."""
+def legendre_coefficients(count: int) -> np.ndarray:
+    """Coefficients of the powers xᵏ in P_0 ... P_(count - 1).
+
+    Returns
+    -------
+    ndarray (count, count), dimensionless
+        A row for each polynomial.
+    """
     p = np.eye(count)
     for k in range(1, count - 1):
         p[k + 1] = -k * p[k - 1] / (k + 1)
@@ -107,14 +154,26 @@ def legendre_powers(count: int) -> np.ndarray:
     return p
 
 
-def integrated(p: np.ndarray, one: np.ndarray) -> np.ndarray:
-    """Their integrals from -1 (n - 1, ...): of P_0 ... P_n (n + 1, ...), the last of which has none, as values or as coefficients;
-    one: 1 as these are. (2k + 1) P_k is the derivative of P_(k+1) - P_(k-1)."""
+def legendre_integrals(p: np.ndarray, one: np.ndarray) -> np.ndarray:
+    """Integrals from -1 of the Legendre polynomials, by (2k + 1) P_k = (P_(k+1) - P_(k-1))'.
+
+    Parameters
+    ----------
+    p : ndarray (k + 1, ...), dimensionless
+        P_0 ... P_k, as values or as coefficients.
+    one : ndarray (...), dimensionless
+        The constant 1 in the same form.
+
+    Returns
+    -------
+    ndarray (k, ...), dimensionless
+        Integrals of all but the last.
+    """
     below = np.concatenate((-one[None], p[:-2]))
     return np.asarray((p[1:] - below) / (2.0 * np.arange(p.shape[0] - 1.0) + 1.0)[:, None])
 
 
-# -- roots and minima of functions of one number that are dear to evaluate --------------------------------------
+# -- roots and minima of functions of one variable that are expensive to evaluate -------------------------------
 
 
 PASSES = 200
@@ -125,7 +184,7 @@ Function = Callable[[float], float]
 
 
 class BracketEnds(NamedTuple):
-    """What is left of a bracket: its two ends, and the function there."""
+    """Two ends of a bracket, and the values of the function there."""
 
     a: float
     fa: float
@@ -133,17 +192,31 @@ class BracketEnds(NamedTuple):
     fb: float
 
 
-def bracketed_root(function: Function, ends: BracketEnds, finest: float = 0.0) -> BracketEnds:
-    """The bracket [a, b] of a change of sign narrowed to the width ``finest``, or to the last bits: false position, where an end
-    that stays a second time counts half (Illinois).
+def bracketed_root(function: Function, ends: BracketEnds, tolerance: float = 0.0) -> BracketEnds:
+    """Narrow the bracket [a, b] of a sign change by regula falsi, with the Illinois modification.
 
-    The function may be NaN or infinite beyond b, on the side of a: there the bracket is halved.
+    The function may be NaN or infinite on the side of a; the bracket is bisected there.
+
+    Parameters
+    ----------
+    function : callable
+    ends : BracketEnds
+    tolerance : float
+        Width of the resulting bracket; 0: to the last bits.
+
+    Returns
+    -------
+    BracketEnds
+
+    References
+    ----------
+    M. Dowell and P. Jarratt 1971, A modified regula falsi method.
     """
     a, fa, b, fb = ends
     weight_a, weight_b, side = fa, fb, 0
     for _ in range(PASSES):
         width = abs(b - a)
-        least = max(finest, 2.0 * EPS * max(abs(a), abs(b)))
+        least = max(tolerance, 2.0 * EPS * max(abs(a), abs(b)))
         if width <= least or fb == 0.0:
             break
         if np.isfinite(weight_a) and weight_a != weight_b:
@@ -168,15 +241,31 @@ def bracketed_root(function: Function, ends: BracketEnds, finest: float = 0.0) -
     return BracketEnds(a, fa, b, fb)
 
 
-def bounded_minimum(function: Function, low: float, high: float, finest: float) -> tuple[float, float]:
-    """Where a function of one hollow has its least value in [low, high], to ``finest``, and that value: parabolas through the
-    three best points, golden section where they do not help (Brent 1973, ch. 5). The ends themselves are not evaluated."""
+def bounded_minimum(function: Function, low: float, high: float, tolerance: float) -> tuple[float, float]:
+    """Minimum of a unimodal function in [low, high], by parabolic interpolation and golden section (Brent's method).
+
+    Parameters
+    ----------
+    function : callable
+        It is not evaluated at the ends.
+    low, high : float
+    tolerance : float
+        Accuracy of x.
+
+    Returns
+    -------
+    x, minimum : float
+
+    References
+    ----------
+    R. P. Brent 1973, *Algorithms for Minimization without Derivatives*, ch. 5.
+    """
     a, b = low, high
     x = w = v = a + GOLDEN * (b - a)
     fx = fw = fv = function(x)
     step = last = 0.0
     for _ in range(PASSES):
-        middle, least = 0.5 * (a + b), finest + 2.0 * EPS * abs(x)
+        middle, least = 0.5 * (a + b), tolerance + 2.0 * EPS * abs(x)
         if abs(x - middle) <= 2.0 * least - 0.5 * (b - a):
             break
         p = q = 0.0

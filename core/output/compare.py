@@ -1,4 +1,4 @@
-"""Two designs held against each other: the inputs that differ, the results that both have, the findings that came or went."""
+"""Comparison of two designs: different inputs, common results, and findings of only one of them."""
 
 from __future__ import annotations
 
@@ -20,55 +20,69 @@ from core.study import Study, findings_of
 from core.units import split_unit
 
 Results = Mapping[tuple[str, str], float | None]
-"""Quantity and what of it -> value."""
-HEAD = ("what", "quantity", "of", "a", "b", "change")
+"""Quantity and its extreme (empty for a total) -> value."""
+HEADER = ("what", "quantity", "of", "a", "b", "change")
 LONGEST = 32
-"""Letters of a word or list that stands in a column of the terminal; what is longer stands on lines of its own."""
+"""Longest text in a column of the terminal; longer ones are on separate lines."""
 SAME = 1e-12
-"""Of the size of a result: a smaller change is rounding."""
+"""Relative to the size of a result: a smaller change is rounding."""
 
 
 @frozen
 class Difference:
-    """An input at its path in the file, or a result: slug of its quantity, of ``max``, ``min`` or empty for a total; None: not there, or
-    infinite. size: of what the change is a share: the largest that the quantity becomes in either; typed: it is an input."""
+    """A difference of two designs a and b.
+
+    Attributes
+    ----------
+    quantity : path of an input in the file, or slug of a result
+    of : ``max``, ``min``, or empty for inputs and totals
+    a, b : values; None: missing or infinite
+    size : largest magnitude of the quantity in both, to which the change is related
+    is_input : whether it is an input
+    """
 
     quantity: str
     of: str
     a: Any
     b: Any
     size: float = 0.0
-    typed: bool = False
+    is_input: bool = False
 
     @property
     def change(self) -> float | None:
-        """b - a of numbers, in their unit; None of words, and where one is not there."""
+        """b - a for numbers, in their unit; None for words and missing values."""
         return self.b - self.a if _is_number(self.a) and _is_number(self.b) else None
 
     @property
     def share(self) -> float:
-        """Change over size: 0 for none, at most 2; infinite for words, and where it is there on one side only."""
+        """Change relative to the size: 0 for none, at most 2; infinite for words and for values in one design only."""
         if self.change is None:
             return 0.0 if self.a == self.b else math.inf
         return abs(self.change) / max(self.size, abs(self.a), abs(self.b)) if self.change else 0.0
 
     @property
     def texts(self) -> tuple[str, str, str]:
-        """a, b and change for reading: what was typed as it was typed, of a result nothing of rounding."""
+        """a, b and change for reading: inputs with all digits, results without rounding errors."""
         change: Any = self.change
-        if self.typed:
+        if self.is_input:
             if change is not None:
-                change = float(Decimal(repr(self.b)) - Decimal(repr(self.a)))  # of what was typed: nothing of rounding
-            return _shown(self.a, True), _shown(self.b, True), _shown(change, True)
+                change = float(Decimal(repr(self.b)) - Decimal(repr(self.a)))  # exact difference of the typed digits
+            return _value_text(self.a, True), _value_text(self.b, True), _value_text(change, True)
         small = SAME * self.size
-        values = (0.0 if _is_number(each) and abs(each) <= small else each for each in (self.a, self.b, change))
-        a, b, moved = (_shown(each, False) for each in values)
-        return a, b, moved
+        values = [0.0 if _is_number(value) and abs(value) <= small else value for value in (self.a, self.b, change)]
+        return _value_text(values[0], False), _value_text(values[1], False), _value_text(values[2], False)
 
 
 @frozen
 class Comparison:
-    """Of a and b, worst first: the inputs that differ, the results that both have; findings of a that b lacks, and of b that a lacks."""
+    """Comparison of two designs a and b, the largest changes first.
+
+    Attributes
+    ----------
+    inputs : different inputs
+    results : results of both designs
+    gone, new : findings of a only, findings of b only
+    """
 
     a: str
     b: str
@@ -79,13 +93,13 @@ class Comparison:
 
     @property
     def changed(self) -> tuple[Difference, ...]:
-        """The results that are not the same."""
+        """Results that differ."""
         return tuple(row for row in self.results if row.share > SAME)
 
 
 @frozen(eq=False)
-class Side:
-    """All of one design that is compared: its name, inputs by their paths, results, findings by code and field."""
+class ComparedDesign:
+    """Data of a design for a comparison: inputs by their paths, results, findings by code and field."""
 
     name: str
     inputs: Mapping[str, Any]
@@ -93,16 +107,16 @@ class Side:
     findings: Mapping[tuple[str, str], Finding]
 
 
-def side_of(study: Study) -> Side:
-    """Raises NoSolution as the stages do."""
-    findings = {(each.code, each.field): each for each in findings_of(study)}
-    return Side(study.design.name, dict(_leaves(to_table(study.design))), dict(_results(study)), findings)
+def compared_design(study: Study) -> ComparedDesign:
+    """Data of a design for a comparison. Raises NoSolution as the stages do."""
+    findings = {(finding.code, finding.field): finding for finding in findings_of(study)}
+    return ComparedDesign(study.design.name, dict(_entries(to_table(study.design))), dict(_results(study)), findings)
 
 
-def compared(a: Side, b: Side) -> Comparison:
-    """Two designs, of unlike kinds too."""
+def compare_designs(a: ComparedDesign, b: ComparedDesign) -> Comparison:
+    """Comparison of two designs, which may be of different kinds."""
     inputs = [
-        Difference(path, "", a.inputs.get(path), b.inputs.get(path), typed=True)
+        Difference(path, "", a.inputs.get(path), b.inputs.get(path), is_input=True)
         for path in dict.fromkeys((*a.inputs, *b.inputs))
     ]
     sizes = _sizes(a.results, b.results)
@@ -114,8 +128,8 @@ def compared(a: Side, b: Side) -> Comparison:
         b.name,
         tuple(sorted((row for row in inputs if row.a != row.b), key=_worst)),
         tuple(sorted(results, key=_worst)),
-        tuple(each for key, each in a.findings.items() if key not in b.findings),
-        tuple(each for key, each in b.findings.items() if key not in a.findings),
+        tuple(finding for key, finding in a.findings.items() if key not in b.findings),
+        tuple(finding for key, finding in b.findings.items() if key not in a.findings),
     )
 
 
@@ -127,37 +141,39 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def _leaves(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
-    """The values of a file with their paths; a list of numbers is one value."""
+def _entries(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
+    """Values of a file with their paths; a list of numbers is one value."""
     if isinstance(value, dict):
         for key, inner in value.items():
-            yield from _leaves(inner, f"{path}.{key}" if path else key)
+            yield from _entries(inner, f"{path}.{key}" if path else key)
     elif isinstance(value, list) and value and isinstance(value[0], dict):
         for i, inner in enumerate(value):
-            yield from _leaves(inner, f"{path}[{i}]")
+            yield from _entries(inner, f"{path}[{i}]")
     else:
         yield path, value
 
 
 def _results(study: Study) -> Iterator[tuple[tuple[str, str], float | None]]:
-    """Extremes and totals, of drives that are listed their own too: quantity and what of it, value."""
-    made = summary(study)
-    yield from _of_extremes(made["extremes"])
+    """Extremes and totals, also of listed drives: quantity and its extreme, value."""
+    figures = summary(study)
+    yield from _extreme_rows(figures["extremes"])
     for name in ("flywheel", "torque"):
-        for key, value in made.get(name, {}).items():
+        for key, value in figures.get(name, {}).items():
             yield (key if name == "flywheel" else f"torque_{key}", ""), value
-    for life in made.get("rolling_life", ()):
+    for life in figures.get("rolling_life", ()):
         yield (f"{life['roller'].replace(' ', '_')}_life_hours", ""), life["hours"]
-    for slug, each in study.solved_drives.items():
+    for slug, drive in study.solved_drives.items():
         if slug:
-            yield from _of_extremes(extremes(each, each.stages), f"{slug}.")
+            yield from _extreme_rows(extremes(drive, drive.stages), f"{slug}.")
 
 
-def _sizes(*found: Results) -> dict[str, float]:
-    """Quantity -> its largest magnitude; of one that is rounding beside the largest in its unit, as a mean torque or the couple on a guide
-    may be, that one's."""
+def _sizes(*sets: Results) -> dict[str, float]:
+    """Quantity -> its largest magnitude.
+
+    A quantity that is rounding, such as a mean torque, gets the largest magnitude of all quantities in its unit.
+    """
     sizes: dict[str, float] = {}
-    for results in found:
+    for results in sets:
         for (quantity, _), value in results.items():
             sizes[quantity] = max(sizes.get(quantity, 0.0), abs(value or 0.0))
     units = {quantity: split_unit(quantity)[1].symbol for quantity in sizes}
@@ -170,70 +186,73 @@ def _sizes(*found: Results) -> dict[str, float]:
     }
 
 
-def _of_extremes(rows: Mapping[str, Any], before: str = "") -> Iterator[tuple[tuple[str, str], float | None]]:
+def _extreme_rows(rows: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[tuple[str, str], float | None]]:
     for slug, sides in rows.items():
         for side in ("max", "min"):
             value = sides[side]["value"]
-            yield (before + slug, side), value if math.isfinite(value) else None
+            yield (prefix + slug, side), value if math.isfinite(value) else None
 
 
-# -- as files and text -------------------------------------------------------------------------------------
+# -- files and text ----------------------------------------------------------------------------------------
 
 
-def as_rows(found: Comparison) -> dict[str, Any]:
-    """For JSON."""
+def comparison_data(comparison: Comparison) -> dict[str, Any]:
+    """A comparison as data for JSON."""
     return {
-        "inputs": [{"path": row.quantity, "a": row.a, "b": row.b} for row in found.inputs],
+        "inputs": [{"path": row.quantity, "a": row.a, "b": row.b} for row in comparison.inputs],
         "results": [
             {"quantity": row.quantity, "of": row.of, "a": row.a, "b": row.b, "change": row.change}
-            for row in found.results
+            for row in comparison.results
         ],
-        "findings": {"gone": finding_rows(found.gone), "new": finding_rows(found.new)},
+        "findings": {"gone": finding_rows(comparison.gone), "new": finding_rows(comparison.new)},
     }
 
 
-def as_csv(found: Comparison) -> str:
-    """Inputs that differ, then all results, then findings: one row each."""
+def comparison_csv(comparison: Comparison) -> str:
+    """A comparison as CSV: different inputs, all results, findings, a row each."""
     text = io.StringIO()
-    out = csv.writer(text, lineterminator="\n")
-    out.writerow(HEAD)
-    for what, rows in (("input", found.inputs), ("result", found.results)):
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(HEADER)
+    for kind, rows in (("input", comparison.inputs), ("result", comparison.results)):
         for row in rows:
             values = (("" if value is None else value) for value in (row.a, row.b, row.change))
-            out.writerow((what, row.quantity, row.of, *values))
-    for finding in found.gone:
-        out.writerow(("finding", finding.code, finding.field, finding.message, "", ""))
-    for finding in found.new:
-        out.writerow(("finding", finding.code, finding.field, "", finding.message, ""))
+            writer.writerow((kind, row.quantity, row.of, *values))
+    for finding in comparison.gone:
+        writer.writerow(("finding", finding.code, finding.field, finding.message, "", ""))
+    for finding in comparison.new:
+        writer.writerow(("finding", finding.code, finding.field, "", finding.message, ""))
     return text.getvalue()
 
 
-def as_text(found: Comparison) -> str:
-    """What differs, for the terminal."""
-    rows = [(row.quantity, row.of, *row.texts) for row in (*found.inputs, *found.changed)]
+def comparison_text(comparison: Comparison) -> str:
+    """Differences as text for the terminal."""
+    rows = [(row.quantity, row.of, *row.texts) for row in (*comparison.inputs, *comparison.changed)]
     short = [row for row in rows if max(map(len, row[2:])) <= LONGEST]
-    names = [f"a: {printable(found.a)}", f"b: {printable(found.b)}"]
-    lines = columns([HEAD[1:], *short], left=2) if short else []
+    names = [f"a: {printable(comparison.a)}", f"b: {printable(comparison.b)}"]
+    lines = columns([HEADER[1:], *short], left=2) if short else []
     lines += [f"{name}\n  a: {a}\n  b: {b}" for name, _, a, b, _ in rows if max(len(a), len(b)) > LONGEST]
-    same = [] if rows else ["The designs and their results are the same."]
-    return "\n".join((*names, *lines, *same, *_finding_lines(found))) + "\n"
+    message = [] if rows else ["The designs and their results are the same."]
+    return "\n".join((*names, *lines, *message, *_finding_lines(comparison))) + "\n"
 
 
-def as_document(found: Comparison) -> Document:
-    """As a page to hand on."""
-    head = ("a", "b", "Change")
+def comparison_document(comparison: Comparison) -> Document:
+    """A comparison as a document."""
+    header = ("a", "b", "Change")
     inputs = table(
-        ("Input", *head), _cells(found.inputs, 1), slug="inputs", keys=[row.quantity for row in found.inputs]
+        ("Input", *header),
+        _cells(comparison.inputs, 1),
+        slug="inputs",
+        keys=[row.quantity for row in comparison.inputs],
     )
-    results = table(("Result", "of", *head), _cells(found.changed, 2), left=2, slug="results")
-    lines = _finding_lines(found) or ["The same."]
+    results = table(("Result", "of", *header), _cells(comparison.changed, 2), left=2, slug="results")
+    lines = _finding_lines(comparison) or ["The same."]
     return Document(
-        f"{printable(found.a)} and {printable(found.b)}",
+        f"{printable(comparison.a)} and {printable(comparison.b)}",
         (
-            ("a", printable(found.a)),
-            ("b", printable(found.b)),
-            ("Inputs that differ", str(len(found.inputs))),
-            ("Results that differ", str(len(found.changed))),
+            ("a", printable(comparison.a)),
+            ("b", printable(comparison.b)),
+            ("Inputs that differ", str(len(comparison.inputs))),
+            ("Results that differ", str(len(comparison.changed))),
         ),
         (
             *_chapter("Inputs that differ", inputs),
@@ -244,35 +263,40 @@ def as_document(found: Comparison) -> Document:
 
 
 def _chapter(title: str, rows: ReportTable) -> list[Section]:
-    return [Section(each.title, each.blocks, 1) for each in section(title, rows)]
+    return [Section(part.title, part.blocks, 1) for part in section(title, rows)]
 
 
 def _cells(rows: Iterable[Difference], names: int) -> list[tuple[str | Number, ...]]:
     return [
         (row.quantity, row.of)[:names]
         + tuple(
-            Number(value) if isinstance(value, float) and not row.typed else text
+            Number(value) if isinstance(value, float) and not row.is_input else text
             for value, text in zip((row.a, row.b, row.change), row.texts, strict=True)
         )
         for row in rows
     ]
 
 
-def _shown(value: Any, typed: bool) -> str:
-    """typed: with all its digits."""
+def _value_text(value: Any, is_input: bool) -> str:
+    """A value in words; an input with all its digits."""
     if value is None:
         return ""
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):
-        return shortest(value) if typed else digits(value)
+        return shortest(value) if is_input else digits(value)
     return printable(", ".join(map(str, value)) if isinstance(value, list) else str(value))
 
 
-def _finding_lines(found: Comparison) -> list[str]:
+def _finding_lines(comparison: Comparison) -> list[str]:
     return [
-        f"{mark}: {finding_line(each)}" for mark, rows in (("gone", found.gone), ("new", found.new)) for each in rows
+        f"{mark}: {finding_line(finding)}"
+        for mark, rows in (("gone", comparison.gone), ("new", comparison.new))
+        for finding in rows
     ]
 
 
-__all__ = ["Comparison", "Difference", "as_csv", "as_document", "as_rows", "as_text", "compared", "side_of"]
+__all__ = [
+    "ComparedDesign", "Comparison", "Difference", "compare_designs", "compared_design", "comparison_csv", "comparison_data",
+    "comparison_document", "comparison_text",
+]  # fmt: skip

@@ -1,4 +1,4 @@
-"""Tables and figures of a study as files: written whole or not at all, the same design giving the same bytes."""
+"""Tables and figures of a study as files: complete or not written at all, the same bytes for the same design."""
 
 from __future__ import annotations
 
@@ -27,37 +27,56 @@ if TYPE_CHECKING:
     from core.stability import Tongues
 
 
-# -- tables and figures of a study as files ---------------------------------------------------------------------
+# -- tables -----------------------------------------------------------------------------------------------------
 
 
 TABLES = (PROFILE, KINEMATICS, LINKAGE, DYNAMICS, SERVO, ORBIT)
-ANGLES_AT_ONCE = 32_768  # a larger study is computed and written in blocks: memory does not grow with its angles
-LINES_AT_ONCE = 1_024  # their text stays in the processor's cache
+ANGLES_AT_ONCE = 32_768  # a larger study is computed and written in blocks, which limits memory
+LINES_AT_ONCE = 1_024  # their text fits into the processor's cache
 TONGUES, SUMMARY, SHAFT = "tongues.csv", "summary.json", "shaft.csv"
 MOTOR_COLUMNS = {
-    f"servo_{each}": f"motor_{each}" for each in ("torque_nm", "force_n", "speed_rpm", "velocity_mm_s", "power_w")
+    f"servo_{suffix}": f"motor_{suffix}" for suffix in ("torque_nm", "force_n", "speed_rpm", "velocity_mm_s", "power_w")
 }
-"""What the motor's columns are called in its own table, where no motor of the shaft stands."""
-OF_SHAFT = frozenset({"motor_torque", "linear_motor_torque"})
-"""Quantities that belong to all drives of a shaft together, and stand in no table of one."""
+"""Names of the servo's columns in its table, which has no motor of the shaft."""
+SHAFT_QUANTITIES = frozenset({"motor_torque", "linear_motor_torque"})
+"""Quantities of all drives of a shaft together, which no table of a single drive holds."""
 
 
 def csv(names: Sequence[str], columns: Sequence[np.ndarray]) -> str:
-    """A table with a header line; every number is the shortest text that reads back to the same bits."""
-    return b"".join((csv_head(names), csv_lines(names, columns))).decode()
+    """A table with a header line; each number is the shortest text that reads back to the same bits.
+
+    Parameters
+    ----------
+    names : sequence of str
+    columns : sequence of ndarray (n,) [units in the names]
+    """
+    return b"".join((csv_header(names), csv_lines(names, columns))).decode()
 
 
-def csv_head(names: Sequence[str]) -> bytes:
-    """The header of a CSV file: names between commas."""
+def csv_header(names: Sequence[str]) -> bytes:
+    """Header line of a CSV file."""
     return ",".join(names).encode() + b"\n"
 
 
 def csv_lines(names: Sequence[str], columns: Sequence[np.ndarray]) -> bytes:
-    """The lines of columns (n,), without a header. Raises KindynaError where a number is not finite."""
+    """Lines of a CSV file, without a header.
+
+    Parameters
+    ----------
+    names : sequence of str
+    columns : sequence of ndarray (n,) [units in the names]
+
+    Raises
+    ------
+    KindynaError
+        A number is not finite.
+    """
     rows = np.column_stack(columns)
     if not np.isfinite(rows).all():
         row, column = np.argwhere(~np.isfinite(rows))[0]
-        raise KindynaError(f"{names[column]}: not finite at {names[0]} {columns[0][row]:.6g}; no table can hold that")
+        raise KindynaError(
+            f"{names[column]}: not finite at {names[0]} {columns[0][row]:.6g}; a table holds finite numbers only"
+        )
     return b"".join(_lines(rows[first : first + LINES_AT_ONCE]) for first in range(0, len(rows), LINES_AT_ONCE))
 
 
@@ -68,19 +87,24 @@ def _lines(rows: np.ndarray) -> bytearray:
     marks = np.frombuffer(text, dtype=np.uint8)
     marks[np.flatnonzero(marks == ord(","))[rows.shape[1] - 1 :: rows.shape[1]]] = ord("\n")
     marks[-1] = ord("\n")
-    del marks  # who looks at a bytearray keeps it from being shortened
+    del marks  # a bytearray with a view cannot be shortened
     del text[0]
     return text
 
 
-def bounded(study: Study) -> Study:
-    """The study whose findings, figures and certificate stand for it: extremes are refined, so that more angles tell no more."""
+def bounded_study(study: Study) -> Study:
+    """Study with a limited number of angles for findings, figures and certificate, whose extremes are refined."""
     return study if study.samples <= ANGLES_AT_ONCE else Study(study.design, ANGLES_AT_ONCE)
 
 
-def blocks(study: Study) -> Iterator[tuple[np.ndarray, Study]]:
-    """Angles as in tables [deg] and the study at them, so many at once, which is emptied when the next is asked for; a study of no
-    more angles comes as it is."""
+def study_blocks(study: Study) -> Iterator[tuple[np.ndarray, Study]]:
+    """Blocks of a study with many angles, each released when the next is requested; a smaller study is a single block.
+
+    Returns
+    -------
+    iterator of ndarray (n,) [deg] and Study
+        Angles as in tables, and the study at these angles.
+    """
     degrees = study.angle_degrees
     if degrees.size <= ANGLES_AT_ONCE:
         yield degrees, study
@@ -88,86 +112,90 @@ def blocks(study: Study) -> Iterator[tuple[np.ndarray, Study]]:
     for begin in range(0, degrees.size, ANGLES_AT_ONCE):
         checkpoint()
         part = degrees[begin : begin + ANGLES_AT_ONCE]
-        there = study.at(study.program.angles(np.deg2rad(part)))
-        yield part, there
-        vars(there).clear()  # its camshaft holds it in turn: what they hold would stay until garbage is searched for
+        block = study.at(study.program.angles(np.deg2rad(part)))
+        yield part, block
+        vars(block).clear()  # reference cycle with its camshaft: memory would wait for the garbage collector
 
 
 def table(
     study: Study, name: str, stages: Sequence[str], without: frozenset[str] = frozenset()
 ) -> Iterator[bytes] | None:
-    """One of ``TABLES`` with the columns of the named stages, block by block; None where no column is left, or no forces exist.
-    without: quantities that are left out."""
-    judged = bounded(study)
+    """One of ``TABLES`` with columns of the named stages, in blocks of lines.
+
+    None without columns or forces; ``without`` lists quantities to omit.
+    """
+    bounded = bounded_study(study)
     rows = existing(
-        judged, (row for row in channels(study.design, stages) if row.table == name and row.name not in without)
+        bounded, (row for row in channels(study.design, stages) if row.table == name and row.name not in without)
     )
-    if not rows or (name in (DYNAMICS, SERVO) and judged.jam is not None):
+    if not rows or (name in (DYNAMICS, SERVO) and bounded.jam is not None):
         return None
-    names = [ANGLES.get(name, study.angle_column), *(MOTOR_COLUMNS.get(row.slug, row.slug) for row in rows)]
+    columns = [ANGLES.get(name, study.angle_column), *(MOTOR_COLUMNS.get(row.slug, row.slug) for row in rows)]
 
-    def made() -> Iterator[bytes]:
-        yield csv_head(names)
-        for degrees, part in blocks(study):
-            yield csv_lines(names, [degrees, *(row.values(part) for row in rows)])
+    def lines() -> Iterator[bytes]:
+        yield csv_header(columns)
+        for degrees, part in study_blocks(study):
+            yield csv_lines(columns, [degrees, *(row.values(part) for row in rows)])
 
-    return made()
+    return lines()
 
 
-def names(design: Design) -> tuple[str, ...]:
-    """The files that a design can give; a quantity that does not exist may leave one out."""
-    there = {row.table for row in channels(design)}
+def file_names(design: Design) -> tuple[str, ...]:
+    """Names of the files of a design; a missing quantity may omit one."""
+    tables = {row.table for row in channels(design)}
     tongues = design.shaft is not None and design.shaft.elastic is not None
-    return (*(name for name in TABLES if name in there), *([TONGUES] if tongues else []), SUMMARY)
+    return (*(name for name in TABLES if name in tables), *([TONGUES] if tongues else []), SUMMARY)
 
 
-def tongues_table(rows_of_q: Sequence[Tongues]) -> str:
-    """The instability tongues of some rows of Q, one a line, those that are open."""
+def tongues_csv(tongues: Sequence[Tongues]) -> str:
+    """Open instability tongues for values of Q as CSV, one a line."""
     lines = ["model,q,n,eta_lo,eta_hi"]
-    for each in sorted(rows_of_q, key=lambda t: t.equation):
-        for q, edges in zip(each.q.tolist(), each.edges.tolist(), strict=True):
-            lines += [f"{each.equation},{q!r},{n},{lo!r},{hi!r}" for n, (lo, hi) in enumerate(edges, 1) if hi > 0.0]
+    for row in sorted(tongues, key=lambda row: row.equation):
+        for q, edges in zip(row.q.tolist(), row.edges.tolist(), strict=True):
+            lines += [f"{row.equation},{q!r},{n},{lo!r},{hi!r}" for n, (lo, hi) in enumerate(edges, 1) if hi > 0.0]
     return "\n".join(lines) + "\n"
 
 
-def streams(
+def file_parts(
     study: Study, stages: Sequence[str] = (), without: frozenset[str] = frozenset()
 ) -> dict[str, str | Iterator[bytes]]:
-    """File name -> text, or its parts as they are computed, of all that the named stages (all, where none is named) give; without:
-    quantities that are left out of tables and figures. Drives that are listed have a folder each, beside what they do together."""
+    """File name -> its text, or the parts of it as they are computed, for the named stages or for all.
+
+    Listed drives have a folder each; ``without`` lists quantities to omit in tables and figures.
+    """
     for name in stages:
         study.require_stage(name)
-    wanted = tuple(s for s in study.stages if s in stages) if stages else study.stages
-    made = _of_camshaft(study, stages) if study.design.listed else _of_drive(study, wanted, without)
-    made[SUMMARY] = to_json(summary(bounded(study), wanted, without))
-    return made
+    selected = tuple(s for s in study.stages if s in stages) if stages else study.stages
+    parts = _shaft_files(study, stages) if study.design.listed else _drive_files(study, selected, without)
+    parts[SUMMARY] = to_json(summary(bounded_study(study), selected, without))
+    return parts
 
 
-def _of_drive(study: Study, wanted: Sequence[str], without: frozenset[str]) -> dict[str, str | Iterator[bytes]]:
-    made = {name: table(study, name, wanted, without) for name in TABLES}
-    texts: dict[str, str | Iterator[bytes]] = {name: parts for name, parts in made.items() if parts is not None}
-    if "stability" in wanted and study.stability is not None:
+def _drive_files(study: Study, stages: Sequence[str], without: frozenset[str]) -> dict[str, str | Iterator[bytes]]:
+    tables = {name: table(study, name, stages, without) for name in TABLES}
+    contents: dict[str, str | Iterator[bytes]] = {name: parts for name, parts in tables.items() if parts is not None}
+    if "stability" in stages and study.stability is not None:
         from core.stability import EQUATIONS  # no design without a flexible shaft loads it
 
-        texts[TONGUES] = tongues_table([study.stability.tongues(equation) for equation in EQUATIONS])
-    return texts
+        contents[TONGUES] = tongues_csv([study.stability.tongues(equation) for equation in EQUATIONS])
+    return contents
 
 
 def files(study: Study, stages: Sequence[str] = ()) -> dict[str, str]:
-    """The same as texts."""
-    return texts(streams(study, stages))
+    """File name -> text of all files."""
+    return as_texts(file_parts(study, stages))
 
 
-def texts(made: Mapping[str, str | Iterator[bytes]]) -> dict[str, str]:
-    """Tables that are computed part by part, as texts."""
-    return {name: parts if isinstance(parts, str) else b"".join(parts).decode() for name, parts in made.items()}
+def as_texts(contents: Mapping[str, str | Iterator[bytes]]) -> dict[str, str]:
+    """File name -> text, for contents that may be computed in parts."""
+    return {name: parts if isinstance(parts, str) else b"".join(parts).decode() for name, parts in contents.items()}
 
 
 def export(study: Study, folder: Path, stages: Sequence[str] = ()) -> list[Path]:
-    """Write them all into the folder; the paths. Raises NoSolution, NoSuchStage, FileError, and then writes nothing."""
-    made = streams(study, stages)
-    write_into(folder, made)
-    return [folder / name for name in made]
+    """Write all files into the folder and return their paths. Raises NoSolution, NoSuchStage, FileError; then nothing is written."""
+    contents = file_parts(study, stages)
+    write_into(folder, contents)
+    return [folder / name for name in contents]
 
 
 # -- several drives on a shaft ------------------------------------------------------------------------------
@@ -176,63 +204,65 @@ Column = tuple[str, Callable[[Camshaft[Study]], np.ndarray]]
 
 
 def camshaft_columns(camshaft: Camshaft[Study]) -> list[Column]:
-    """Those that exist: where a drive has no answer its own and the sums are left out, where the motor stalls motor and speed."""
+    """Columns of the shaft: torques, without sums where a drive fails; motor and speed, where the motor does not stall."""
 
     def torque_of(name: str) -> Callable[[Camshaft[Study]], np.ndarray]:
-        return lambda there: there.drive_torque(name)
+        return lambda shaft: shaft.drive_torque(name)
 
-    rows: list[Column] = [("torque_nm", lambda there: there.torque)] if is_complete(camshaft) else []
+    rows: list[Column] = [("torque_nm", lambda shaft: shaft.torque)] if is_complete(camshaft) else []
     rows += [
         (f"{camshaft.slugs[name]}_torque_nm", torque_of(name))
         for name in camshaft.loading_drives
         if name not in camshaft.failures
     ]
     if is_complete(camshaft) and camshaft.design.balancer is not None:
-        rows.append(("balancer_torque_nm", lambda there: there.balancer_torque))
+        rows.append(("balancer_torque_nm", lambda shaft: shaft.balancer_torque))
     if has_speed(camshaft):
-        rows.append(("motor_torque_nm", lambda there: there.motor_torque))
-        rows.append(("speed_rpm", lambda there: there.speed / UNITS["rpm"].factor))
+        rows.append(("motor_torque_nm", lambda shaft: shaft.motor_torque))
+        rows.append(("speed_rpm", lambda shaft: shaft.speed / UNITS["rpm"].factor))
     return rows
 
 
 def camshaft_table(study: Study) -> Iterator[bytes] | None:
-    """``shaft.csv``, block by block; None where no drive has an answer."""
-    camshaft = bounded(study).camshaft
+    """``shaft.csv`` in blocks; None where every drive fails."""
+    camshaft = bounded_study(study).camshaft
     rows = camshaft_columns(camshaft)
     if not rows:
         return None
 
-    def made() -> Iterator[bytes]:
-        names = ["machine_angle_deg", *(name for name, _ in rows)]
-        yield csv_head(names)
+    def lines() -> Iterator[bytes]:
+        columns = ["machine_angle_deg", *(name for name, _ in rows)]
+        yield csv_header(columns)
         angles = study.angle_degrees
         for begin in range(0, angles.size, ANGLES_AT_ONCE):
             checkpoint()
             part = angles[begin : begin + ANGLES_AT_ONCE]
-            there = camshaft if angles.size <= ANGLES_AT_ONCE else camshaft.at_theta(np.deg2rad(part))
-            yield csv_lines(names, [part, *(values(there) + 0.0 for _, values in rows)])
+            block = camshaft if angles.size <= ANGLES_AT_ONCE else camshaft.at_theta(np.deg2rad(part))
+            yield csv_lines(columns, [part, *(values(block) + 0.0 for _, values in rows)])
 
-    return made()
+    return lines()
 
 
-def _of_camshaft(study: Study, stages: Sequence[str]) -> dict[str, str | Iterator[bytes]]:
-    """``shaft.csv``, and the tables of each drive in a folder of its slug."""
-    camshaft = bounded(study).camshaft
-    made: dict[str, str | Iterator[bytes]] = {}
+def _shaft_files(study: Study, stages: Sequence[str]) -> dict[str, str | Iterator[bytes]]:
+    """``shaft.csv``, and the tables of each drive in a folder named by its slug."""
+    camshaft = bounded_study(study).camshaft
+    contents: dict[str, str | Iterator[bytes]] = {}
     parts = camshaft_table(study) if not stages or "dynamics" in stages else None
     if parts is not None:
-        made[SHAFT] = parts
+        contents[SHAFT] = parts
     folders = {slug: study.drives[name] for name, slug in camshaft.slugs.items() if name not in camshaft.failures}
     if study.design.balancer is not None and is_complete(camshaft) and camshaft.balancer is not None:
         folders[BALANCER] = study.with_design(camshaft.balancer.design)
-    for folder, each in folders.items():
-        own = tuple(stage for stage in each.stages if stage in stages)
-        if own or not stages:
-            made |= {f"{folder}/{file}": parts for file, parts in streams(each, own, OF_SHAFT).items()}
-    return made
+    for folder, drive in folders.items():
+        drive_stages = tuple(stage for stage in drive.stages if stage in stages)
+        if drive_stages or not stages:
+            contents |= {
+                f"{folder}/{file}": parts for file, parts in file_parts(drive, drive_stages, SHAFT_QUANTITIES).items()
+            }
+    return contents
 
 
-# -- what an animation of one turn shall be like ----------------------------------------------------------------
+# -- request for an animation of one turn -----------------------------------------------------------------------
 
 
 FORMATS: Mapping[str, str] = MappingProxyType(
@@ -243,14 +273,14 @@ FORMATS: Mapping[str, str] = MappingProxyType(
         ".png": "PNG pictures in a folder",
     }
 )
-"""By the ending of the file's name; pictures go into a folder of that name without it."""
-TICK = 10  # milliseconds: what a GIF counts in
-LEAST_DELAY = 20  # a viewer plays what is shorter at a speed of its own
+"""Ending of the file -> its format; images are written into a folder of that name without the ending."""
+TICK = 10  # milliseconds, the unit of time in a GIF
+LEAST_DELAY = 20  # milliseconds: viewers replace shorter delays
 
 
 @frozen
 class Film:
-    """What is wanted: ``.gif`` or ``.webp``, frames of the turn, size in pixels, seconds of the turn."""
+    """An animation: ending of the file, frames of the turn, size [pixels], duration of the turn [s]."""
 
     ending: str = option(choice("Format", tuple(FORMATS), default=".gif"), None, words=FORMATS)
     frames: int = option(whole("Frames per turn", 2, 360, default=72), help="per turn")
@@ -260,7 +290,7 @@ class Film:
 
     @property
     def delays(self) -> list[int]:
-        """How long each frame stands [ms]: whole ticks that add up to the turn."""
+        """Duration of each frame [ms]: whole ticks with the sum of the turn."""
         total = max(round(1000.0 * self.seconds / TICK), self.frames * LEAST_DELAY // TICK)
         marks = [total * i // self.frames for i in range(self.frames + 1)]
         return [(after - before) * TICK for before, after in pairwise(marks)]

@@ -171,7 +171,7 @@ def _fixed(study: Study) -> list[dict[str, Any]]:
     for name, pair in kinematics.pairs.items():
         if pair.on != FRAME:
             continue
-        track = kinematics.bodies[pair.body].place(pair.point)
+        track = kinematics.bodies[pair.body].position(pair.point)
         row: dict[str, Any] = {"name": name, "at": _place(track[0])}
         if pair.kind == SLIDING:
             along = ((track - track[0]) * pair.axis.conjugate()).real
@@ -212,7 +212,7 @@ def _with_curves_shown(rows: list[dict[str, Any]], study: Study) -> list[dict[st
 def _curves(study: Study) -> Iterator[dict[str, Any]]:
     """Every channel that is no angle that goes round, and has a value at every angle."""
     for row in existing(study, channels(study.design, [stage for stage in study.stages if stage != "stability"])):
-        if row.turns:
+        if row.is_periodic:
             continue
         try:
             values = row.values(study)

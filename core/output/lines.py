@@ -1,4 +1,4 @@
-"""Lines of plain text: numbers, columns, findings. Apart from the report, so that who prints a finding need not load all of it."""
+"""Lines of plain text: numbers, columns, findings. Separate from the report, which is slower to load."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from collections.abc import Sequence
 from core.findings import Finding
 
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
-"""What a spreadsheet takes for a formula begins so."""
+"""Beginnings of a cell that a spreadsheet reads as a formula."""
 _PLAIN_FROM, _PLAIN_TO = 1e-7, 1e15
 
 
 def digits(value: float | None, most: int = 6) -> str:
-    """A number for reading: six significant digits, never an exponent where a plain number will do."""
+    """A number for reading: six significant digits, an exponent only for very small or large numbers."""
     if value is None or not math.isfinite(value):
         return "infinite"
     if value == 0.0:
@@ -25,7 +25,7 @@ def digits(value: float | None, most: int = 6) -> str:
 
 
 def shortest(value: float) -> str:
-    """The shortest text that reads back to the same number, without an exponent where that is no longer."""
+    """The shortest text that reads back to the same number, without an exponent where that is not longer."""
     if value == 0.0 or not math.isfinite(value):
         return f"{value + 0.0:g}"
     text = repr(float(value))
@@ -48,23 +48,25 @@ def columns(rows: Sequence[Sequence[str]], left: int = 1) -> list[str]:
 
 
 def text_cell(text: str, delimiter: str = ",") -> str:
-    """A cell of a table that holds words: with an apostrophe before what a spreadsheet would compute, in quotes where it holds more than
-    words."""
+    """A cell of a table with text.
+
+    An apostrophe precedes a text that a spreadsheet would compute; a text with delimiters, quotes or line ends is quoted.
+    """
     safe = f"'{text}" if text[:1] in FORMULA else text
     return '"' + safe.replace('"', '""') + '"' if set(safe) & {delimiter, '"', "\n", "\r"} else safe
 
 
 def printable(text: str) -> str:
-    """The text on one line, without what a terminal would obey."""
+    """The text on one line, without characters that a terminal executes."""
     return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
 
 
 def finding_line(finding: Finding, angle: str = "cam angle", least: int = 0) -> str:
-    """A finding on one line; least: digits of its figures."""
+    """A finding on one line; its figures have at least ``least`` digits."""
     drive = f"{printable(str(finding.values['drive']))}: " if "drive" in finding.values else ""
-    where = (
+    location = (
         ""
         if finding.cam_angle_deg is None or finding.states_angle
         else f", at {angle} {digits(finding.cam_angle_deg)} °"
     )
-    return f"{finding.severity}: {drive}{finding.with_digits(least)}{where} [{finding.field}]"
+    return f"{finding.severity}: {drive}{finding.with_digits(least)}{location} [{finding.field}]"

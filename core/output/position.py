@@ -94,7 +94,7 @@ def point_curves(study: Study, names: Sequence[str] = (), time_marks: int = 0) -
 
 def _places(study: Study, names: Sequence[str]) -> dict[str, np.ndarray]:
     kinematics = study.linkage
-    return {name: kinematics.bodies[kinematics.body_of(name)].place(name) * _MM for name in names}
+    return {name: kinematics.bodies[kinematics.body_of(name)].position(name) * _MM for name in names}
 
 
 def curves_table(curves: PointCurves) -> str:
@@ -152,7 +152,7 @@ def pose_layers(study: Study) -> dict[str, LayerShapes]:
         guides.setdefault(slider.on, []).append((at + np.array([-4.0, 4.0]) * half * axis, False))
     for number in sorted(linkage.by_number):
         body = kinematics.bodies[body_name(number)]
-        z = np.array([complex(body.place(name)[0]) * _MM for name in linkage.by_number[number].places])
+        z = np.array([complex(body.position(name)[0]) * _MM for name in linkage.by_number[number].places])
         lines = [(z, z.size > 2)] if z.size > 1 and number != FRAME_LINK else []
         lines += [blocks[number]] if number in blocks else []
         lines += guides.get(number, [])
@@ -163,12 +163,12 @@ def pose_layers(study: Study) -> dict[str, LayerShapes]:
 def ghost_layers(study: Study, every_deg: float) -> dict[str, LayerShapes]:
     """A layer with the lines of all links every so many degrees of the turn, where the linkage stands there."""
     wanted = np.deg2rad(np.arange(0.0, 360.0, every_deg))
-    there = study.at_theta(wanted[study.uncut.within(wanted)] if study.by_crank else wanted)
+    there = study.at_theta(wanted[study.uncut.is_assembled(wanted)] if study.by_crank else wanted)
     lines: list[tuple[np.ndarray, bool]] = []
     for number, link in require_linkage(study.design).drive.linkage.by_number.items():
         if number != FRAME_LINK and len(link.points) > 1:
             body = there.linkage.bodies[body_name(number)]
-            poses = np.array([np.broadcast_to(body.place(name), there.theta.shape) for name in link.places]).T * _MM
+            poses = np.array([np.broadcast_to(body.position(name), there.theta.shape) for name in link.places]).T * _MM
             lines += [(z, z.size > 2) for z in poses]
     return {"GHOSTS": LayerShapes(tuple(lines))}
 
@@ -344,7 +344,7 @@ def _points(study: Study) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     if study.design.drive.links:
         return study.points()
     poses = {name: pose for pose in study.linkage.bodies.values() for name in pose.points}
-    return {name: (pose.place(name), pose.place(name, 1) * study.omega) for name, pose in poses.items()}
+    return {name: (pose.position(name), pose.position(name, 1) * study.omega) for name, pose in poses.items()}
 
 
 def _differences(study: Study) -> Iterator[DifferenceRow]:

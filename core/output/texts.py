@@ -1,4 +1,4 @@
-"""A blended motion as a figure: displacement, velocity and acceleration by cam angle, below each other on one axis."""
+"""Blended motions and motions from drawings as text, data and figures."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ from core.motion.extremes import true_stroke
 from core.output.lines import columns, digits
 from core.plot import Figure, Plot, PlotCurve
 
-# -- A blended motion as text and data --------------------------------------------------------------------------
+# -- blended motion as text and data ----------------------------------------------------------------------------
 
 
 @frozen
 class BlendCurveRow:
-    """One blended curve: from which cam angle over how many degrees, from which level how much higher."""
+    """One blended curve: its cam angle and span [deg], its level and rise [unit]."""
 
     curve: str
     angle: float
@@ -46,7 +46,7 @@ class BlendCurveRow:
 
 
 def curve_rows(blended: BlendResult) -> list[BlendCurveRow]:
-    """The curves in order; the motion starts at level 0, or falls to it."""
+    """Curves of a blended motion in order, which starts at level 0 or falls to it."""
     angle, level = blended.request.start, blended.first_level
     rows = []
     for segment in blended.segments:
@@ -57,7 +57,7 @@ def curve_rows(blended: BlendResult) -> list[BlendCurveRow]:
 
 @frozen
 class FlatRow:
-    """A constant acceleration inside a curve: from which cam angle over how many degrees, and its size [per deg²]."""
+    """A constant acceleration inside a curve: its cam angle and span [deg], its value [unit/deg²]."""
 
     curve: str
     angle: float
@@ -66,20 +66,23 @@ class FlatRow:
 
 
 def flat_rows(blended: BlendResult) -> list[FlatRow]:
-    """Of the curves that have one, in order; it lies in the middle of its curve."""
-    made = []
+    """Constant accelerations in order; each is in the middle of its curve."""
+    rows = []
     for row, segment in zip(curve_rows(blended), blended.segments, strict=True):
         flat = segment.curve.flat_fraction if isinstance(segment.curve, NamedCurve) else 0.0
         if flat:
             size = peak_of(row.curve, flat) * abs(row.rise) / row.span**2
             sign = ELEMENTS[row.curve].end[0] - ELEMENTS[row.curve].start[0]
-            made.append(FlatRow(row.curve, row.angle + 0.5 * row.span * (1.0 - flat), flat * row.span, sign * size))
-    return made
+            rows.append(FlatRow(row.curve, row.angle + 0.5 * row.span * (1.0 - flat), flat * row.span, sign * size))
+    return rows
 
 
 def curves_data(blended: BlendResult) -> list[dict[str, Any]]:
-    """The curves in order, with their angles and levels. A motion in degrees has a ``level_deg`` where one in mm has a
-    ``start_mm``: its ``start_deg`` is the cam angle. A constant acceleration inside a curve has three entries more."""
+    """Curves of a blended motion with their angles and levels, as data.
+
+    The level is ``start_mm`` in mm, and ``level_deg`` in degrees, where ``start_deg`` is the cam angle. A constant acceleration
+    inside a curve adds three entries.
+    """
     unit = blended.request.unit
     level = {"mm": "start_mm", "deg": "level_deg"}[unit]
     flats = {
@@ -100,7 +103,7 @@ def curves_data(blended: BlendResult) -> list[dict[str, Any]]:
 
 
 def blend_text(blended: BlendResult) -> str:
-    """Sequence, spans and the table of starts and ends."""
+    """Sequence, spans and the table of starts and ends, as text."""
     unit = blended.request.unit
     rows: list[tuple[str, ...]] = [
         ("curve", f"height {unit}", "span deg", "cam from deg", "cam to deg", f"from {unit}", f"to {unit}")
@@ -114,33 +117,35 @@ def blend_text(blended: BlendResult) -> str:
         if speed:
             lines.append(f"peak velocity of the {label} {digits(speed, 9)} {unit}/deg")
     for flat in flat_rows(blended):
-        place = (
+        position = (
             f"over {digits(flat.span, 9)} deg, from {digits(flat.angle, 9)} to {digits(flat.angle + flat.span, 9)} deg"
         )
-        lines.append(f"constant acceleration of {flat.curve} {digits(flat.acceleration, 9)} {unit}/deg^2 {place}")
+        lines.append(f"constant acceleration of {flat.curve} {digits(flat.acceleration, 9)} {unit}/deg^2 {position}")
     lines.append(f"peak acceleration {digits(solution.peak_acceleration, 9)} {unit}/deg^2")
     return "\n".join(lines) + "\n"
 
 
-def changed_beside(before: Motion, after: Motion, blended: BlendResult) -> tuple[int, Segment] | None:
-    """What moves otherwise beside the blended curves, so that the follower comes back to where it starts: the first such
-    segment and its number, counted from 1; None where the rest stays as it was."""
-    was = {(s.curve, s.rise) for s in before.segments}
-    others = ((n, s) for n, s in enumerate(after.segments, 1) if s.rise and s not in blended.segments)
-    return next(((n, s) for n, s in others if (s.curve, s.rise) not in was), None)
+def changed_segment(before: Motion, after: Motion, blended: BlendResult) -> tuple[int, Segment] | None:
+    """First segment outside of the blended curves that changes so that the follower returns to its start, and its number from 1.
+
+    None where the other segments are unchanged.
+    """
+    unchanged = {(s.curve, s.rise) for s in before.segments}
+    remaining = ((n, s) for n, s in enumerate(after.segments, 1) if s.rise and s not in blended.segments)
+    return next(((n, s) for n, s in remaining if (s.curve, s.rise) not in unchanged), None)
 
 
-def beside_text(before: Design, after: Design, blended: BlendResult) -> str:
-    """The same in a line, for a design into which the curves came; nothing where the rest stays."""
-    changed = changed_beside(require_motion(before), require_motion(after), blended)
+def changed_segment_text(before: Design, after: Design, blended: BlendResult) -> str:
+    """Line on a changed segment of the design outside of the blended curves; empty where none changes."""
+    changed = changed_segment(require_motion(before), require_motion(after), blended)
     if changed is None:
         return ""
     n, segment = changed
     moves = f"{digits(segment.rise, 9)} {blended.request.unit} over {digits(segment.span_deg, 9)} deg"
-    return f"in the design segment {n}, {segment.curve.law}, moves otherwise, to come back: {moves}\n"
+    return f"in the design segment {n}, {segment.curve.law}, changes to close the turn: {moves}\n"
 
 
-# -- which curve may follow which -------------------------------------------------------------------------
+# -- possible sequences of curves -------------------------------------------------------------------------
 
 
 def _ends(signs: tuple[int, int]) -> str:
@@ -148,9 +153,12 @@ def _ends(signs: tuple[int, int]) -> str:
 
 
 def table_data(curve: str = "", motion_type: str = "") -> dict[str, Any]:
-    """Yang's Table 1; with a curve whether each other may follow it; with a type of motion its sequences and the signs of
-    velocity and acceleration at each place of them."""
-    made: dict[str, Any] = {
+    """Yang's Table 1 as data.
+
+    With a curve: whether each other curve may follow it. With a type of motion: its sequences, and the signs of velocity and
+    acceleration at their curves.
+    """
+    result: dict[str, Any] = {
         "curves": [
             {"curve": r.curve, "displacement": _ends(r.displacement), "velocity": _ends(r.velocity),
              "acceleration": _ends(r.acceleration), "usable_next": list(r.usable_next)}
@@ -158,15 +166,17 @@ def table_data(curve: str = "", motion_type: str = "") -> dict[str, Any]:
         ]
     }  # fmt: skip
     if curve:
-        made["after"] = curve
-        made["may_follow"] = {name: join_error(curve, name) or "yes" for name in ELEMENTS}
+        result["after"] = curve
+        result["may_follow"] = {name: join_error(curve, name) or "yes" for name in ELEMENTS}
     if motion_type:
-        made["sequences"] = {str(each): [state_text(s) for s in states(each)] for each in all_sequences(motion_type)}
-    return made
+        result["sequences"] = {
+            str(sequence): [state_text(s) for s in states(sequence)] for sequence in all_sequences(motion_type)
+        }
+    return result
 
 
 def table_text(curve: str = "", motion_type: str = "") -> str:
-    """The same as text."""
+    """Yang's Table 1 as text, with the same options as `table_data`."""
     rows = [("curve", "s", "v", "a", "usable next")]
     rows += [
         (r.curve, _ends(r.displacement), _ends(r.velocity), _ends(r.acceleration), ", ".join(r.usable_next))
@@ -178,45 +188,48 @@ def table_text(curve: str = "", motion_type: str = "") -> str:
         lines += ["", f"after {curve}, which ends {state_words(end)} ({state_text(end)}):"]
         lines += columns([(f"  {name}", join_error(curve, name) or "may follow") for name in ELEMENTS], left=2)
     if motion_type:
-        lines += ["", f"places of {motion_type}:"]
-        for each in all_sequences(motion_type):
-            first, *others = (f"({state_text(state)})" for state in states(each))
+        lines += ["", f"positions of {motion_type}:"]
+        for sequence in all_sequences(motion_type):
+            first, *following = (f"({state_text(signs)})" for signs in states(sequence))
             lines.append(
-                f"  {first} " + " ".join(f"{name} {there}" for name, there in zip(each.curves, others, strict=True))
+                f"  {first} "
+                + " ".join(f"{name} {state}" for name, state in zip(sequence.curves, following, strict=True))
             )
     return "\n".join(lines) + "\n"
 
 
 @frozen
 class SuccessionVerdict:
-    """Whether a curve may follow another by the signs at their ends; whether it does so at this place of the motion; in words."""
+    """Whether a curve may follow another by the signs at their ends, whether also at this position of the motion, and why."""
 
     may_follow: bool
-    here: bool
-    words: str
+    is_possible: bool
+    reason: str
 
 
-def verdict_after(curves: tuple[str, ...], name: str, motion_type: str) -> SuccessionVerdict:
-    """Of a curve after the last of these, with which the motion begins; without a type of motion after this one curve anywhere."""
+def succession_verdict(curves: tuple[str, ...], name: str, motion_type: str) -> SuccessionVerdict:
+    """Verdict on a curve after the first curves of a motion; without a type of motion, after this curve anywhere."""
     reason = join_error(curves[-1], name)
     if reason:
         return SuccessionVerdict(False, False, reason)
     if not motion_type or name in next_curves(motion_type, curves):
         return SuccessionVerdict(True, True, f"may follow {curves[-1]}")
-    return SuccessionVerdict(True, False, f"may follow {curves[-1]}, but not at this place of {motion_type}")
+    return SuccessionVerdict(True, False, f"may follow {curves[-1]}, but not at this position of {motion_type}")
 
 
-# -- A blended motion as a figure -------------------------------------------------------------------------------
+# -- blended motion as a figure ---------------------------------------------------------------------------------
 
 
 SAMPLES = 181
-"""Cam angles of each curve, its ends among them."""
+"""Number of cam angles of each curve, ends included."""
 _QUANTITIES = (("Displacement", ""), ("Velocity", "/°"), ("Acceleration", "/°²"))
 
 
 def blend_figure(blended: BlendResult, name: str = "blend") -> Figure:
-    """Every curve from its own formula, velocity and acceleration by degrees of cam angle; where curves meet stands the name
-    of the one that begins."""
+    """Displacement, velocity and acceleration of a blended motion by degrees of cam angle, from the formula of each curve.
+
+    Marks at the joins name the curve that begins.
+    """
     u = np.linspace(0.0, 1.0, SAMPLES)
     angles, values, marks = [], [], []
     for row, segment in zip(curve_rows(blended), blended.segments, strict=True):
@@ -242,30 +255,42 @@ def blend_figure(blended: BlendResult, name: str = "blend") -> Figure:
 
 
 def curve_shape(curve: str) -> np.ndarray:
-    """An elementary curve alone over 0 ... 1, its displacement above its lowest level: u, s, v, a (4, n)."""
+    """An elementary curve over 0 ... 1, with its displacement above its lowest level.
+
+    Returns
+    -------
+    ndarray (4, n), dimensionless
+        u, s, v, a.
+    """
     u = np.linspace(0.0, 1.0, SAMPLES)
     s, v, a = ELEMENTS[curve].velocity_sign * LAWS[curve.lower()](u)[:3]
     return np.array([u, s - s.min(), v, a])
 
 
 def type_shape(motion_type: str) -> np.ndarray:
-    """A type of motion of fewest curves, stroke 1, with the dwells it has: cam angle [deg], s, v, a (4, n)."""
+    """A type of motion with the fewest curves and stroke 1, with its dwells.
+
+    Returns
+    -------
+    ndarray (4, n) [deg], dimensionless
+        Cam angle; displacement, velocity and acceleration per degree.
+    """
     row = MOTION_TYPES[motion_type]
-    rests = (0, 0) in (row.rise or row.back or ())
-    request = Request(motion_type, 1.0, *((60.0, 300.0) if rests else (0.0, 360.0)))
+    has_dwells = (0, 0) in (row.rise or row.back or ())
+    request = Request(motion_type, 1.0, *((60.0, 300.0) if has_dwells else (0.0, 360.0)))
     plots = blend_figure(blend(request)).plots
-    made = np.array([plots[0].curves[0].x, *(plot.curves[0].y for plot in plots)])
-    if not rests:  # one turn after another
-        return np.hstack([made, made + np.array([[360.0], [0.0], [0.0], [0.0]])])
-    (low, high), (start, end) = made[0, [0, -1]], made[1, [0, -1]]
-    still = [
+    shape = np.array([plots[0].curves[0].x, *(plot.curves[0].y for plot in plots)])
+    if not has_dwells:  # two turns
+        return np.hstack([shape, shape + np.array([[360.0], [0.0], [0.0], [0.0]])])
+    (low, high), (start, end) = shape[0, [0, -1]], shape[1, [0, -1]]
+    dwells = [
         np.array([angles, [level] * 2, [0.0] * 2, [0.0] * 2])
         for angles, level in (((0.0, low), start), ((high, 360.0), end))
     ]
-    return np.hstack([still[0], made, still[1]])
+    return np.hstack([dwells[0], shape, dwells[1]])
 
 
-# -- A motion that was rolled off a drawing, as text and as data ------------------------------------------------
+# -- motion from a drawing --------------------------------------------------------------------------------------
 
 
 _NAMES = {1: "velocity", 2: "acceleration"}
@@ -273,24 +298,24 @@ _PER = {1: "/deg", 2: "/deg²"}
 
 
 def jump_text(jump: Jump, unit: str) -> str:
-    """``acceleration jumps at 34.21 deg, from 0 to 0.0113 mm/deg²``."""
+    """A jump in words: ``acceleration jumps at 34.21 deg, from 0 to 0.0113 mm/deg²``."""
     before, after = (digits(value) for value in (jump.before, jump.after))
     return f"{_NAMES[jump.order]} jumps at {digits(jump.angle)} deg, from {before} to {after} {unit}{_PER[jump.order]}"
 
 
-def figures(traced: TracedMotion) -> list[tuple[str, str]]:
-    """The figures of the result: name, value with unit."""
+def traced_figures(traced: TracedMotion) -> list[tuple[str, str]]:
+    """Figures of a motion from a drawing: name, value with unit."""
     motion, contour = require_motion(traced.design), traced.contour
-    straight = sum(each.is_line for each in contour.elements)
+    straight = sum(element.is_line for element in contour.elements)
     curve = f"{straight} lines, {len(contour.elements) - straight} arcs on layer {contour.layer}, in {contour.unit}"
     rows = [("curve", curve), ("base radius", f"{traced.base_radius_mm:.9g} mm")]
     rows.append(("stroke", f"{_stroke(traced):.9g} {motion.unit}"))
     if traced.fit is None:
         return [*rows, ("motion", f"{len(motion.segments)} segments, exact for lines and arcs")]
     fit = traced.fit
-    points = f"fitted to {len(fit.residuals)} points: lines so short, with corners so small, count as points of a smooth curve"
+    points = f"fitted to {len(fit.residuals)} points: short lines with small corners count as points of a smooth curve"
     rows.append(("motion", points))
-    rows.append(("measuring error", f"{digits(fit.error, 3)} {motion.unit}, as the points tell"))
+    rows.append(("measuring error", f"{digits(fit.error, 3)} {motion.unit}, from the points"))
     largest = abs(float(fit.residuals[fit.largest]))
     rows.append(
         (
@@ -300,33 +325,33 @@ def figures(traced: TracedMotion) -> list[tuple[str, str]]:
     )
     return [
         *rows,
-        *([("left out", f"{len(fit.left_out)} points that contradict those beside them")] if fit.left_out else []),
+        *([("omitted", f"{len(fit.left_out)} points that contradict their neighbours")] if fit.left_out else []),
     ]
 
 
 def _stroke(traced: TracedMotion) -> float:
-    """Highest minus lowest position, in the motion's unit."""
+    """Highest less lowest position, in the motion's unit."""
     return true_stroke(require_motion(traced.design))
 
 
 def contour_text(traced: TracedMotion) -> str:
-    """What was read and what came of it, in lines."""
+    """Curve and motion from a drawing, in lines."""
     unit = require_motion(traced.design).unit
-    lines = [f"{name}: {value}" for name, value in figures(traced)]
+    lines = [f"{name}: {value}" for name, value in traced_figures(traced)]
     jumps = [jump_text(jump, unit) for jump in traced.jumps]
     return "\n".join([traced.contour.name, *lines, *(jumps or ["neither velocity nor acceleration jumps"])]) + "\n"
 
 
 def contour_data(traced: TracedMotion) -> dict[str, Any]:
-    """The same as data."""
+    """Curve and motion from a drawing, as data."""
     motion, contour = require_motion(traced.design), traced.contour
     return {
         "curve": {
             "file": contour.name,
             "layer": contour.layer,
             "unit": contour.unit,
-            "lines": sum(each.is_line for each in contour.elements),
-            "arcs": sum(not each.is_line for each in contour.elements),
+            "lines": sum(element.is_line for element in contour.elements),
+            "arcs": sum(not element.is_line for element in contour.elements),
         },
         "base_radius_mm": traced.base_radius_mm,
         f"stroke_{motion.unit}": _stroke(traced),

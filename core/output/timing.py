@@ -1,4 +1,4 @@
-"""The timing chart of a shaft as numbers: one band a drive over the machine angle, and the table of events."""
+"""The timing chart of a shaft as numbers: a band of motion over the machine angle for each drive, and the table of events."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from core.output.lines import text_cell
 EVENTS = ("event", "machine_angle_deg", "time_ms")
 """Columns of the table of events."""
 ENDINGS = (".pdf", ".svg", ".png", ".csv")
-"""Files that the chart, or as .csv the table of events, can be written to."""
+"""Endings of files of the chart; .csv holds the table of events."""
 SAMPLES = 360
 
 
@@ -22,10 +22,13 @@ SAMPLES = 360
 class MotionBand:
     """The motion of a drive over the machine angle.
 
-    angles   (n,) machine angles [deg], 0 ... 360, the joins among them
-    level    (n,) displacement there over its stroke, 0 ... 1; 0 of a motion without a stroke, empty without a motion
-    stroke   highest less lowest, in the motion's unit; joins: machine angles in the order of the segments
-    moving   where it rises or returns, from - to, past 360 where it goes on over the start of the turn
+    Attributes
+    ----------
+    angles : (n,) machine angles from 0 to 360, joins included [deg]
+    level : (n,) displacement relative to the stroke, 0 ... 1; 0 without a stroke, empty without a motion
+    stroke : highest less lowest displacement [unit]
+    joins : machine angles of the joins in the order of the segments [deg]
+    moving : ranges of rise and return, beyond 360 where they pass the start of the turn [deg]
     """
 
     name: str
@@ -38,7 +41,7 @@ class MotionBand:
 
 
 def bands(design: Design) -> tuple[MotionBand, ...]:
-    """Those of all drives, in their order."""
+    """Bands of all drives, in their order."""
     return tuple(_band(design, index, name) for index, name in enumerate(drive_names(design)))
 
 
@@ -55,8 +58,8 @@ def _band(design: Design, index: int, name: str) -> MotionBand:
 def _curve(motion: Motion, phase: float, joins: tuple[float, ...]) -> tuple[np.ndarray, np.ndarray, float]:
     """Angles, level and stroke of a band."""
     angles = np.unique(np.concatenate((np.linspace(0.0, 360.0, SAMPLES + 1), joins)))
-    moved = program(motion)
-    y = moved.state(moved.angles(np.deg2rad((angles - phase) % 360.0))).displacement[0]
+    compiled = program(motion)
+    y = compiled.state(compiled.angles(np.deg2rad((angles - phase) % 360.0))).displacement[0]
     y = y + motion.gain * motion.scale * np.floor((angles - phase) / 360.0)
     low, stroke = float(y.min()), float(np.ptp(y))
     level = (y - low) / stroke if stroke > 1e-12 * max(abs(low), 1e-6) else np.zeros(y.size)
@@ -66,13 +69,13 @@ def _curve(motion: Motion, phase: float, joins: tuple[float, ...]) -> tuple[np.n
 
 
 def event_rows(design: Design) -> list[tuple[str, float, float]]:
-    """Event, its machine angle [deg], and the time [ms] since machine angle 0, in the order of the turn."""
+    """Events in the order of the turn: name, machine angle [deg], time [ms] since machine angle 0."""
     rows = sorted(events(design).items(), key=lambda row: row[1])
     return [(name, angle, milliseconds(design, angle)) for name, angle in rows]
 
 
 def events_csv(design: Design) -> str:
-    """The same as a table."""
+    """Table of the events as CSV."""
     lines = [",".join(EVENTS), *(f"{text_cell(name)},{angle!r},{time!r}" for name, angle, time in event_rows(design))]
     return "\n".join(lines) + "\n"
 

@@ -161,7 +161,7 @@ def _points(examples: Examples) -> FigureTable:
         ("arm", "arm_pin", "arm pin"),
         ("slider", "slider_pin", "slider pin"),
     ):
-        named[name] = complex(bodies[body].place(point)[0])
+        named[name] = complex(bodies[body].position(point)[0])
     z = np.array(list(named.values())) * MM
     return FigureTable(("point", "x_mm", "y_mm"), (tuple(named), z.real, z.imag), "Lift mechanism at its base position")
 

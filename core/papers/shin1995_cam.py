@@ -242,7 +242,7 @@ def pin_force(examples: Examples) -> dict[str, np.ndarray]:
     rod, beta = study.linkage.bodies["rod"], study.linkage.coordinates["beta"]
     mass, inertia = loads.rod_mass_kg, loads.rod_inertia_kg_m2
     l3, l4 = loads.rod_centre * g.rod, (1.0 - loads.rod_centre) * g.rod
-    a = rod.carried(complex(l3, 0.0))[2] * study.omega**2
+    a = rod.fixed_point(complex(l3, 0.0))[2] * study.omega**2
     slider = -study.dynamics.pairs["slider_pin"]
     x = mass * a.real - slider.real
     s, c, turning = np.sin(beta[0]), np.cos(beta[0]), inertia * beta[2] * study.omega**2
@@ -275,16 +275,16 @@ def arm_torque(examples: Examples) -> dict[str, np.ndarray]:
     study = weightless(examples)
     g, loads = si(study.design.drive.follower), study.design.drive.loads
     arm, at = study.linkage.bodies["arm"], study.linkage.coordinates["phi"]
-    pivot = arm.place("pivot")
+    pivot = arm.position("pivot")
     phi2 = at[2] * study.omega**2
-    pin = arm.place("arm_pin") - pivot
+    pin = arm.position("arm_pin") - pivot
     force = -study.dynamics.pairs["arm_pin"]
     centre = loads.arm_centre_mm * 1e-3 * np.exp(1j * np.deg2rad(loads.arm_centre_angle_deg))
     moments = cross(pin, -force)
     about_pivot = about_centres = (loads.arm_inertia_kg_m2 + loads.roller_inertia_kg_m2) * phi2
     for mass, place, distance in (
-        (loads.arm_mass_kg, arm.carried(centre), abs(centre)),
-        (loads.roller_mass_kg, arm.carried(arm.points["roller"]), g.roller_arm),
+        (loads.arm_mass_kg, arm.fixed_point(centre), abs(centre)),
+        (loads.roller_mass_kg, arm.fixed_point(arm.points["roller"]), g.roller_arm),
     ):
         moments = moments + cross(place[0] - pivot, -mass * place[2] * study.omega**2)
         about_pivot = about_pivot + mass * distance**2 * phi2

@@ -286,7 +286,7 @@ def sides(study: Study, theta: float) -> Sides:
     there = study.at_theta(np.array([theta]))
     bodies = there.linkage.bodies
     pivot, pin, slider = (
-        complex(bodies[body].place(point)[0])
+        complex(bodies[body].position(point)[0])
         for body, point in (("arm", "pivot"), ("arm", "arm_pin"), ("slider", "slider_pin"))
     )
     side = (pivot.conjugate() * complex(there.cam.reference[0])).imag

@@ -66,7 +66,7 @@ def energy(examples: Examples) -> Numbers:
             if not turns.any():
                 continue
             own = quantity(f"kinetic_energy.{body_name(mass.link)}").value(study)
-            place = body.carried(complex(mass.centre_x_mm, mass.centre_y_mm) * 1e-3)[0]
+            place = body.fixed_point(complex(mass.centre_x_mm, mass.centre_y_mm) * 1e-3)[0]
             pole = study.centres.of("frame", body_name(mass.link)).finite
             about = 0.5 * (mass.inertia_kg_m2 + mass.mass_kg * np.abs(place - pole)[turns] ** 2) * omega[turns] ** 2
             off = max(off, float(np.abs(about - own[turns]).max() / own.max()))

@@ -47,6 +47,10 @@ class Machine:
         Q, max J / I_c.
     inertia : float
         max J [kg m²].
+
+    References
+    ----------
+    Kim1990: Q = M_v X′_m²/I_c is the case of a single mass, max J = M_v X′_m².
     """
 
     camshaft_inertia: float
@@ -58,7 +62,7 @@ class Machine:
 
     @property
     def natural(self) -> float:
-        """Natural frequency √(K_s/I_c) [rad/s]."""
+        """Natural frequency n_s = √(K_s/I_c) [rad/s]."""
         return sqrt(self.stiffness / self.camshaft_inertia)
 
     @property

@@ -163,6 +163,10 @@ def monodromy(
     Returns
     -------
     Monodromy
+
+    References
+    ----------
+    Kim1990 (21).
     """
     eta, q = np.broadcast_arrays(np.atleast_1d(np.asarray(eta, dtype=float)), np.asarray(q, dtype=float))
     nodes = coefficients.panels.count * NODES

@@ -13,7 +13,7 @@ import numpy as np
 from core.errors import NoStability
 from core.frozen import frozen
 from core.motion import TURN, Angles, CompiledMotion
-from core.numerics.roots import gauss, gauss_legendre, integrated, legendre, legendre_powers
+from core.numerics.roots import gauss, gauss_legendre, legendre, legendre_coefficients, legendre_integrals
 
 NODES = 16  # Gauss-Legendre nodes per panel; the polynomial has this many coefficients
 WIDEST = np.deg2rad(30.0)  # [rad] greatest width of a panel
@@ -46,13 +46,13 @@ def to_legendre(n: int) -> np.ndarray:
 @lru_cache(maxsize=8)
 def _legendre_to_powers(n: int) -> np.ndarray:
     """Matrix (n, n) from Legendre coefficients to those of t**k, t = -1...1."""
-    return legendre_powers(n).T
+    return legendre_coefficients(n).T
 
 
 @lru_cache(maxsize=8)
 def _legendre_integrals(n: int) -> np.ndarray:
     """Matrix (n + 1, n) from Legendre coefficients to the coefficients of t**k of half the integral from t = -1."""
-    return 0.5 * integrated(legendre_powers(n + 1), np.eye(n + 1)[0]).T
+    return 0.5 * legendre_integrals(legendre_coefficients(n + 1), np.eye(n + 1)[0]).T
 
 
 def to_powers(values: np.ndarray) -> np.ndarray:
@@ -105,7 +105,7 @@ def integration(n: int) -> np.ndarray:
     -------
     ndarray (n, n), dimensionless
     """
-    return 0.5 * integrated(legendre(gauss_legendre(n)[0], n + 1), np.ones(n)).T @ to_legendre(n)
+    return 0.5 * legendre_integrals(legendre(gauss_legendre(n)[0], n + 1), np.ones(n)).T @ to_legendre(n)
 
 
 def powers(t: np.ndarray, n: int) -> np.ndarray:

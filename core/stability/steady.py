@@ -369,6 +369,10 @@ class SteadyTurn:
         Returns
         -------
         ndarray (n,) [rad]
+
+        References
+        ----------
+        Kim1990 (13).
         """
         return TURN * self.history.at(np.mod(theta, TURN) / TURN)[0]
 
@@ -404,6 +408,10 @@ class SteadyTurn:
         Returns
         -------
         ndarray (n,) [N m]
+
+        References
+        ----------
+        Kim1990 §1.
         """
         return self.stiffness * self.wind_up(theta)
 
@@ -420,6 +428,10 @@ class SteadyTurn:
         Returns
         -------
         ndarray (n,) [m or rad]
+
+        References
+        ----------
+        Kim1990 §1.
         """
         displacement = self.followers[number].displacement
         actual = displacement(np.mod(theta - self.wind_up(theta), TURN))

@@ -120,6 +120,7 @@ def harmonic_tongues(
     References
     ----------
     Kim (1990), §5.
+    Kim1990 (21), harmonics.
     """
     q = np.atleast_1d(np.asarray(q, dtype=float))
     order = max(LEAST_ORDER, (count + 1) // 2 + SPARE)

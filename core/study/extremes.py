@@ -114,7 +114,7 @@ def has_undercut(study: Study) -> bool:
 
 def has_quantity(study: Study, row: Quantity) -> bool:
     """Whether a design has a quantity: its stage gives it, and no undercut rules it out."""
-    return row.exists(study) and not (row.fitting and has_undercut(study))
+    return row.exists(study) and not (row.needs_smooth_profile and has_undercut(study))
 
 
 def _steady_turn_extremes(study: Study) -> Mapping[str, Extremes]:
@@ -139,7 +139,7 @@ def _rows(study: Study, stage: str, only: tuple[str, ...]) -> dict[str, Quantity
     return {
         name: row
         for name, row in quantities_of(study, stage).items()
-        if not row.turns and (name in only if only else has_quantity(study, row))
+        if not row.is_periodic and (name in only if only else has_quantity(study, row))
     }
 
 

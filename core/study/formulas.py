@@ -20,7 +20,7 @@ _LAW, _SHIN8 = "definition of a motion law", "Shin1995 (8)"
 _CENTRE = "Shin1995 (18), φ′ against the cam; Kennedy"
 _POSE, _FACE, _PARALLEL = "Shin1995 (20), for any pose", "support function of the face", "parallel curve"
 _VALUES, _CAM = "core.study.member_quantities", "core.cam.shape"
-_COORDINATE = f"{_VALUES}.coordinate"
+_COORDINATE, _ARM_AND_ROD = f"{_VALUES}.coordinate", "core.followers.cam_slider.cam_slider"
 
 
 def _rotated(axis: str, x: str, y: str) -> str:
@@ -30,34 +30,34 @@ def _rotated(axis: str, x: str, y: str) -> str:
 
 _MOTION: tuple[Formula, ...] = (
     Formula("displacement", "Displacement over a segment", ("y = y_0 + h s(u)", "u = (θ - θ_0)/β"),
-            "y y_0 h.rise s.law u.law θ θ_0 β.span", _LAW, f"{_VALUES}.moved"),
-    Formula("velocity", "Velocity, acceleration, jerk", ("ẏ = ω y′",), "ẏ ω y′", "constant speed ω", f"{_VALUES}.moved",
+            "y y_0 h.rise s.law u.law θ θ_0 β.span", _LAW, f"{_VALUES}.motion_by_time"),
+    Formula("velocity", "Velocity, acceleration, jerk", ("ẏ = ω y′",), "ẏ ω y′", "constant speed ω", f"{_VALUES}.motion_by_time",
             remark="′ is d/dθ; derivatives in closed form, segment by segment"),
-    Formula("acceleration", "Velocity, acceleration, jerk", ("ÿ = ω² y″",), "ÿ ω y″", "constant speed ω", f"{_VALUES}.moved"),
-    Formula("jerk", "Velocity, acceleration, jerk", ("y⃛ = ω³ y‴",), "y⃛ ω y‴", "constant speed ω", f"{_VALUES}.moved"),
+    Formula("acceleration", "Velocity, acceleration, jerk", ("ÿ = ω² y″",), "ÿ ω y″", "constant speed ω", f"{_VALUES}.motion_by_time"),
+    Formula("jerk", "Velocity, acceleration, jerk", ("y⃛ = ω³ y‴",), "y⃛ ω y‴", "constant speed ω", f"{_VALUES}.motion_by_time"),
     Formula("position_modulo", "Position modulo the advance", ("m = y - k a",), "m.modulo y k.advance a.advance",
-            "advance of the motion", f"{_VALUES}.modulo"),
-    Formula("slider_position", "Slider position", ("L = L_0 + y",), "L L_0 y", _SHIN8, "core.followers.cam_slider.cam_slider"),
+            "advance of the motion", f"{_VALUES}.position_modulo"),
+    Formula("slider_position", "Slider position", ("L = L_0 + y",), "L L_0 y", _SHIN8, _ARM_AND_ROD),
     Formula("phi", "Triangle of arm and rod",
             ("φ = atan2(H, L) + σ atan2(K, r² + (L₁ - L₂)(L₁ + L₂))",
              "K = √((A + (B + C))(C - (A - B))(C + (A - B))(A + (B - C)))"),
             "φ H L σ K.triangle r.triangle L₁ L₂ A.side B.side C.side", _TRIANGLE,
-            "core.mechanism.dyads.triangle", working="φ = atan2(H, L) + σ arccos((r² + L₁² - L₂²)/(2 r L₁))",
+            _ARM_AND_ROD, working="φ = atan2(H, L) + σ arccos((r² + L₁² - L₂²)/(2 r L₁))",
             values="H L σ r.triangle L₁ L₂"),
     Formula("beta", "Triangle of arm and rod",
             ("β = atan2(H, L) - σ atan2(K, r² - (L₁ - L₂)(L₁ + L₂))",
              "K = √((A + (B + C))(C - (A - B))(C + (A - B))(A + (B - C)))"),
             "β H L σ K.triangle r.triangle L₁ L₂ A.side B.side C.side", _TRIANGLE,
-            "core.mechanism.dyads.triangle", working="β = atan2(H, L) - σ arccos((r² + L₂² - L₁²)/(2 r L₂))",
+            _ARM_AND_ROD, working="β = atan2(H, L) - σ arccos((r² + L₂² - L₁²)/(2 r L₂))",
             values="H L σ r.triangle L₁ L₂"),
     Formula("phi_velocity", "Velocities of arm and rod", ("φ̇ = L̇ cos β/(L₁ sin(β - φ))",), "φ̇ L̇ β φ L₁", "Shin1995 (11), (12)",
-            _COORDINATE),
+            _ARM_AND_ROD),
     Formula("beta_velocity", "Velocities of arm and rod", ("β̇ = L̇ cos φ/(L₂ sin(φ - β))",), "β̇ L̇ β φ L₂", "Shin1995 (11), (12)",
-            _COORDINATE),
+            _ARM_AND_ROD),
     Formula("phi_acceleration", "Accelerations of arm and rod",
-            ("φ̈ = (L̈ cos β + L₁ φ̇² cos(φ - β) + L₂ β̇²)/(L₁ sin(β - φ))",), "φ̈ L̈ β φ L₁ L₂ φ̇ β̇", "Shin1995 (13), (14)", _COORDINATE),
+            ("φ̈ = (L̈ cos β + L₁ φ̇² cos(φ - β) + L₂ β̇²)/(L₁ sin(β - φ))",), "φ̈ L̈ β φ L₁ L₂ φ̇ β̇", "Shin1995 (13), (14)", _ARM_AND_ROD),
     Formula("beta_acceleration", "Accelerations of arm and rod",
-            ("β̈ = (L̈ cos φ + L₂ β̇² cos(φ - β) + L₁ φ̇²)/(L₂ sin(φ - β))",), "β̈ L̈ β φ L₁ L₂ φ̇ β̇", "Shin1995 (13), (14)", _COORDINATE),
+            ("β̈ = (L̈ cos φ + L₂ β̇² cos(φ - β) + L₁ φ̇²)/(L₂ sin(φ - β))",), "β̈ L̈ β φ L₁ L₂ φ̇ β̇", "Shin1995 (13), (14)", _ARM_AND_ROD),
 )  # fmt: skip
 
 _LINKAGE: tuple[Formula, ...] = (
@@ -66,24 +66,25 @@ _LINKAGE: tuple[Formula, ...] = (
     Formula("slide.{}", "Angles of the links", ("Σ r_k e^(i θ_k) = 0",), "r_k θ_k", "closed loops, dyad by dyad", _COORDINATE,
             working="s = s_0", values="s_0"),
     Formula("driver_angle", "Angle of the crank", ("φ = φ_0 + r (θ - θ_0)",), "φ.driver φ_0 r.cycle θ.cycle θ_0.cycle",
-            "ends of the drawn circuit, ratios", "core.mechanism.drivers.CrankProgram.state"),
+            "ends of the drawn circuit, ratios", "core.mechanism.drivers.CrankMotion.state"),
     Formula("link.{}_velocity", "Velocities of links and slides", ("θ̇ = ω θ′",), "θ̇ ω θ′", "Velocity 6.4", _COORDINATE),
     Formula("slide.{}_velocity", "Velocities of links and slides", ("ṡ = ω s′",), "ṡ ω s′", "Velocity 6.4", _COORDINATE),
     Formula("link.{}_acceleration", "Accelerations of links and slides", ("θ̈ = ω² θ″",), "θ̈ ω θ″", "loop equations", _COORDINATE),
     Formula("slide.{}_acceleration", "Accelerations of links and slides", ("s̈ = ω² s″",), "s̈ ω s″", "loop equations", _COORDINATE),
     *(Formula(f"point.{{}}_{axis}", "Points of the links", ("r_P = o + (a + i b) e^(i θ)",), "r_P o a.point b.point θ.link",
-              "closed loops", f"{_VALUES}.point_part", working=line, values=f"o_{axis} a.point b.point θ.link")
+              "closed loops", f"{_VALUES}.point_component", working=line, values=f"o_{axis} a.point b.point θ.link")
       for axis, line in (("x", "x = o_x + a cos θ - b sin θ"), ("y", "y = o_y + a sin θ + b cos θ"))),
     *(Formula(f"point.{{}}_v{axis}", "Velocities of points", ("V_P = V_A + V_PA", "V_PA = i ω_k (r_P - r_A)"),
-              "V_P V_A V_PA ω_k r_P r_A", "Velocity 6.1", f"{_VALUES}.point_part", working=line, values=keys,
+              "V_P V_A V_PA ω_k r_P r_A", "Velocity 6.1", f"{_VALUES}.point_component", working=line, values=keys,
               remark="A and P on one link k")
       for axis, line, keys in (("x", "ẋ = ω x′", "ω x′"), ("y", "ẏ = ω y′", "ω y′.point"))),
-    Formula("point.{}_speed", "Velocities of points", ("V = √(ẋ² + ẏ²)",), "V.point ẋ ẏ.point", "Velocity 6.1", f"{_VALUES}.point_part"),
+    Formula("point.{}_speed", "Velocities of points", ("V = √(ẋ² + ẏ²)",), "V.point ẋ ẏ.point", "Velocity 6.1",
+            f"{_VALUES}.point_component"),
     *(Formula(f"point.{{}}_a{axis}", "Accelerations of points", ("a_P = a_A + (i α_k - ω_k²)(r_P - r_A)",),
-              "a_P a_A α_k ω_k r_P r_A", "loop equations", f"{_VALUES}.point_part", working=line, values=keys)
+              "a_P a_A α_k ω_k r_P r_A", "loop equations", f"{_VALUES}.point_component", working=line, values=keys)
       for axis, line, keys in (("x", "ẍ = ω² x″", "ω x″"), ("y", "ÿ = ω² y″", "ω y″.point"))),
     Formula("transmission.{}", "Transmission angle", ("μ = atan2(|c₁ × c₂|, |c₁ · c₂|)",), "μ.transmission c₁ c₂",
-            "angle between the links at the joint", f"{_VALUES}.transmission", working="μ = atan2(s, c)", values="s.sine c.cosine"),
+            "angle between the links at the joint", f"{_VALUES}.transmission_angle", working="μ = atan2(s, c)", values="s.sine c.cosine"),
 )  # fmt: skip
 
 
@@ -117,7 +118,7 @@ _CAM_ROWS: tuple[Formula, ...] = (
               working=f"{axis} = {_rotated(axis, 'm_x h - m_y h_ν', 'm_y h + m_x h_ν')}", values="m_x m_y h.support h_ν d θ")
       for axis in "xy"),
     Formula("radius", "Profile in polar coordinates", ("r = |p|",), "r p.profile", "polar coordinates of the profile",
-            "core.study.quantities.QUANTITIES", working="r = √(x² + y²)", values="x.profile y.profile"),
+            f"{_VALUES}.profile_radius", working="r = √(x² + y²)", values="x.profile y.profile"),
     Formula("polar_angle", "Profile in polar coordinates", ("ϑ = arg(p)",), "ϑ p.profile", "polar coordinates of the profile",
             f"{_VALUES}.polar_angle", working="ϑ = atan2(y, x) + 2 π k", values="y.profile x.profile k.turn"),
     Formula("contact_on_face", "Profile under a straight face", ("x_f = h_ν - m × R",), "x_f h_ν m R", _FACE, "core.cam.faces.envelope",
@@ -147,7 +148,7 @@ _CAM_ROWS: tuple[Formula, ...] = (
     Formula(f"profile_curvature{FLAT}", "Profile under a straight face", ("κ = 1/(h + h_νν)",), "κ h.support h_νν", _FACE,
             "core.cam.faces.envelope", working="κ = 1/ρ", values="ρ"),
     *_places("{}_o", "outer", "Outer flank", "p_o = (R - (R_r + s_p) n) e^(-i d θ)", "p_o R R_r s_p n d θ", "(-R_r - s_p)", "R_r s_p",
-             source="second envelope of the roller", function="core.cam.forms.envelope"),
+             source="second envelope of the roller"),
     Formula("outer_curvature", "Outer flank", ("κ_o = κ_p/(1 + (R_r + s_p) κ_p)",), "κ_o κ_p R_r s_p", _PARALLEL, f"{_CAM}.round_envelope"),
     *_places("{}₂", "second", "Second profile", "p_2 = (R_2 + (R_r2 + s_p) n_2) e^(-i d θ)", "p_2 R_2 R_r2 s_p n_2 d θ",
              "(R_r2 + s_p)", "R_r2 s_p"),

@@ -1,7 +1,7 @@
-"""Every scalar that can be read from a study, one row each: what it is called in files and in words, its equation, its value.
+"""Every scalar of a study, one row each: its names in files and in words, its unit and its value; its formula is a row of ``FORMULAS``.
 
-Most are of any design. Others a linkage has for each of its links, points, pairs and bodies: their names hold the member,
-``link.3_velocity``, ``point.B_x``, and their rows {} in its place.
+Most rows belong to any design. Others belong to a link, point, pair or body of a linkage: their names contain that member,
+``link.3_velocity``, ``point.B_x``, and their rows have {} instead.
 """
 
 from __future__ import annotations
@@ -17,40 +17,41 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from core.cam import OUTER, SECOND, form_row, row_of
-from core.design import FOLLOWER_KINDS, FRAME_LINK, MOTION, Design, Unit, split_unit
+from core.design import FOLLOWER_KINDS, MOTION, Design, Unit, split_unit
 from core.design.parts import LINEAR, ROTARY
-from core.design.topology import GROUP, INPUT, driver_pair, input_slides, is_pin, solving_order
-from core.dynamics import CAM_FACE, element_power, gravity_power, input_power, kinetic_energy, loading_of
+from core.dynamics import element_power, gravity_power, input_power, kinetic_energy
 from core.dynamics.walk import input_of
-from core.errors import DesignError, NoSolution
 from core.frozen import frozen
-from core.mechanism import SINGULAR, body_name, mechanism_of
+from core.mechanism import SINGULAR, body_name
 from core.shaft import Flywheel
 from core.stress import load_ratings, pairings
 from core.study.drive_forces import ROLLERS, has_servo, roller_speed, servo_power, servo_speed, servo_torque
 from core.study.member_quantities import (
-    always,
-    by_motor,
     centre_distance,
     centre_velocity,
+    contact_stress_part,
     coordinate,
-    force_part,
-    guide_of,
-    levelled_runs,
-    modulo,
-    motor_runs,
-    moved,
-    point_part,
+    force_component,
+    guide_reaction,
+    has_any,
+    has_motor_torque,
+    has_steady_turn,
+    has_steady_vibration,
+    has_variable_speed,
+    members,
+    motion_by_time,
+    motor_quantity,
+    output_power,
+    point_component,
     polar_angle,
+    position_modulo,
+    profile_radius,
+    push_product,
     reference_velocity,
-    second_push,
     second_roller_distance,
-    singular,
-    speed,
-    stress,
-    transmission,
-    turns_steadily,
-    vibrates,  # fmt: skip
+    shaft_speed,
+    singular_value,
+    transmission_angle,
 )
 from core.study.study import Study
 
@@ -69,7 +70,7 @@ LINKAGE, ORBIT, SERVO = "linkage.csv", "orbit.csv", "servo.csv"
 TABLES: Mapping[str, str] = MappingProxyType(
     {"motion": KINEMATICS, "linkage": LINKAGE, "cam": PROFILE, "dynamics": DYNAMICS, "stability": ORBIT}
 )
-"""Stage -> the CSV file in which its quantities stand."""
+"""Stage -> CSV file with its quantities."""
 
 
 def _is_rated(roller: str, design: Design) -> bool:
@@ -107,28 +108,30 @@ NEEDS: Mapping[str, Callable[[Design], bool]] = MappingProxyType(
         "shaft": has_motor,
     }
 )
-"""What a design must hold for a quantity."""
+"""Name of a need -> whether a design meets it."""
 
 
 @frozen
 class Quantity:
-    """One row.
+    """A scalar of a study, as tables, plots, limits and reports use it.
 
-    name       as limits, graphs and setups call it
-    slug       column name; its ending tells the unit. Empty: for checks only, no reader sees it
-    label, symbol
-    family     what sets its colour: displacement, velocity, speed, acceleration, jerk, pressure-angle, curvature, force, torque, stress,
-               angle, length, energy, power, ratio
-    stage      of the study, that it needs
-    value      study -> (n,) in SI units, by time where it is a rate; where the name holds {}: study and member
-    kinds      of mechanism that have it
-    needs      what else the design must hold: row of ``NEEDS``
-    turns      an angle that goes round, which has no extremes
-    exists     whether a design that could have it does
-    fitting    it does so only where what touches fits the profile (``extremes.exists`` asks both)
-    beside     quantity that it is an approximation of, to be compared with: drawn dashed
-    tabled     CSV file it stands in, where that is not the one of its stage
-    straight   whether the design's face is straight, under which some quantities have another formula
+    Attributes
+    ----------
+    name : name in limits, graphs and setups
+    slug : column name, which ends with the unit; empty for a quantity of checks, which no reader sees
+    label, symbol : in words and in formulas
+    family : chooses its colour: displacement, velocity, speed, acceleration, jerk, pressure-angle, curvature, force, torque, stress,
+        angle, length, energy, power, ratio
+    stage : stage of the study that computes it
+    value : study -> ndarray (n,) in SI units, by time where it is a rate; where the name has {}: of study and member
+    kinds : kinds of mechanism that have it
+    needs : row of ``NEEDS``, what else the design must have
+    is_periodic : whether it is an angle that wraps, without extremes
+    exists : whether a study of such a design has it
+    needs_smooth_profile : whether it exists only where the profile has no undercut (``extremes.has_quantity`` checks both)
+    approximates : quantity that it approximates; it is drawn dashed
+    file : CSV file of its column, where that is not the file of its stage
+    straight : whether the design's face is straight, under which some quantities have another formula
     """
 
     name: str
@@ -140,16 +143,16 @@ class Quantity:
     value: Callable[..., np.ndarray] = field(compare=False)
     kinds: frozenset[str] = ALL_KINDS
     needs: str = ""
-    turns: bool = False
-    exists: Callable[[Study], bool] = always
-    fitting: bool = False
-    beside: str = ""
-    tabled: str = ""
+    is_periodic: bool = False
+    exists: Callable[[Study], bool] = has_any
+    needs_smooth_profile: bool = False
+    approximates: str = ""
+    file: str = ""
     straight: bool = False
 
     @property
     def unit(self) -> Unit:
-        """The unit that its slug ends with."""
+        """Unit at the end of its slug."""
         return split_unit(self.slug)[1]
 
     @property
@@ -178,19 +181,28 @@ class Quantity:
 
     @property
     def table(self) -> str:
-        """Name of the table that its column stands in."""
-        return self.tabled or TABLES[self.stage]
+        """CSV file with its column."""
+        return self.file or TABLES[self.stage]
 
     def values(self, study: Study) -> np.ndarray:
-        """In the unit of its column (n,)."""
+        """Values in the unit of its column.
+
+        Parameters
+        ----------
+        study : Study
+
+        Returns
+        -------
+        ndarray (n,) [unit of the column]
+        """
         return np.asarray(self.value(study) / self.unit.factor + 0.0)  # no minus zero in tables
 
 
-# -- of any design -----------------------------------------------------------------------------------------
+# -- rows of any design -----------------------------------------------------------------------------------------
 
 _DIRECTIONS = (
     Quantity(f"{name}_direction", f"{name}_direction_deg", f"{label}, direction", f"∠{symbol}", "angle",
-             "dynamics", partial(force_part, pair=name, what="direction"), kinds, turns=True)
+             "dynamics", partial(force_component, pair=name, component="direction"), kinds, is_periodic=True)
     for name, label, symbol, kinds in (
         ("slider_pin", "Slider pin", "A", SLIDER), ("arm_pin", "Arm pin", "B", SLIDER), ("pivot", "Pivot", "P", PIVOTED),
         ("bearing", "Camshaft bearing", "O", FOLLOWERS), ("guide", "Guide", "G", GUIDED),
@@ -205,17 +217,17 @@ _HERTZ = (
 
 
 def _contact(key: str, index: str, second: bool) -> Iterator[Quantity]:
-    """Of the first roller or face, or of the second roller."""
+    """Stresses under the first roller or face, or under the second roller."""
 
-    def called(label: str) -> str:
+    def labelled(label: str) -> str:
         return f"Second {label.lower()}" if second else label
 
     for name, unit, label, symbol, family, part in _HERTZ:
-        yield Quantity(f"{key}{name}", f"{key}{name}_{unit}", called(label), f"{symbol}{index}", family,
-                       "dynamics", partial(stress, part=part, second=second), needs="second stress" if second else "stress",
-                       fitting=True)  # fmt: skip
+        yield Quantity(f"{key}{name}", f"{key}{name}_{unit}", labelled(label), f"{symbol}{index}", family,
+                       "dynamics", partial(contact_stress_part, part=part, second=second), needs="second stress" if second else "stress",
+                       needs_smooth_profile=True)  # fmt: skip
     roller = "second" if second else "first"
-    yield Quantity(f"{key}roller_speed", f"{key}roller_speed_rpm", called("Roller's own speed"), f"n_r{index}", "speed",
+    yield Quantity(f"{key}roller_speed", f"{key}roller_speed_rpm", labelled("Roller's own speed"), f"n_r{index}", "speed",
                    "dynamics", partial(roller_speed, roller=roller), needs=f"{roller} rating")  # fmt: skip
 
 
@@ -225,32 +237,32 @@ _CONTACT = (*_contact("", "", second=False), *_contact("second_", "₂", second=
 def _unseen(
     name: str, stage: str, value: Callable[[Study], np.ndarray], kinds: frozenset[str] = ALL_KINDS, needs: str = ""
 ) -> Quantity:
-    """For checks only."""
+    """A quantity of checks, which no reader sees."""
     return Quantity(name, "", "", "", "", stage, value, kinds, needs)
 
 
 # {m} is the unit of the motion: mm where the output slides, deg where it swings
 _ROWS: tuple[Quantity, ...] = (
     Quantity("displacement", "displacement_{m}", "Displacement", "y", "displacement",
-             "motion", lambda s: moved(s, 0), needs="motion"),
-    Quantity("velocity", "velocity_{m}_s", "Velocity", "ẏ", "velocity", "motion", lambda s: moved(s, 1), needs="motion"),
+             "motion", lambda s: motion_by_time(s, 0), needs="motion"),
+    Quantity("velocity", "velocity_{m}_s", "Velocity", "ẏ", "velocity", "motion", lambda s: motion_by_time(s, 1), needs="motion"),
     Quantity("acceleration", "acceleration_{m}_s2", "Acceleration", "ÿ", "acceleration",
-             "motion", lambda s: moved(s, 2), needs="motion"),
-    Quantity("jerk", "jerk_{m}_s3", "Jerk", "y⃛", "jerk", "motion", lambda s: moved(s, 3), needs="motion"),
+             "motion", lambda s: motion_by_time(s, 2), needs="motion"),
+    Quantity("jerk", "jerk_{m}_s3", "Jerk", "y⃛", "jerk", "motion", lambda s: motion_by_time(s, 3), needs="motion"),
     Quantity("position_modulo", "position_modulo_{m}", "Position modulo the advance", "y mod a", "displacement",
-             "motion", modulo, ALONE, turns=True),
+             "motion", position_modulo, ALONE, is_periodic=True),
     Quantity("slider_position", "slider_position_mm", "Slider position", "L", "displacement",
-             "linkage", lambda s: coordinate(s, "slider_position"), SLIDER, tabled=KINEMATICS),
-    Quantity("phi", "phi_deg", "Arm angle", "φ", "angle", "linkage", lambda s: coordinate(s, "phi"), SLIDER, tabled=KINEMATICS),
+             "linkage", lambda s: coordinate(s, "slider_position"), SLIDER, file=KINEMATICS),
+    Quantity("phi", "phi_deg", "Arm angle", "φ", "angle", "linkage", lambda s: coordinate(s, "phi"), SLIDER, file=KINEMATICS),
     Quantity("phi_velocity", "phi_rad_s", "Arm velocity", "φ̇", "velocity",
-             "linkage", lambda s: coordinate(s, "phi", 1), SLIDER, tabled=KINEMATICS),
+             "linkage", lambda s: coordinate(s, "phi", 1), SLIDER, file=KINEMATICS),
     Quantity("phi_acceleration", "phi_rad_s2", "Arm acceleration", "φ̈", "acceleration",
-             "linkage", lambda s: coordinate(s, "phi", 2), SLIDER, tabled=KINEMATICS),
-    Quantity("beta", "beta_deg", "Rod angle", "β", "angle", "linkage", lambda s: coordinate(s, "beta"), SLIDER, tabled=KINEMATICS),
+             "linkage", lambda s: coordinate(s, "phi", 2), SLIDER, file=KINEMATICS),
+    Quantity("beta", "beta_deg", "Rod angle", "β", "angle", "linkage", lambda s: coordinate(s, "beta"), SLIDER, file=KINEMATICS),
     Quantity("beta_velocity", "beta_rad_s", "Rod velocity", "β̇", "velocity",
-             "linkage", lambda s: coordinate(s, "beta", 1), SLIDER, tabled=KINEMATICS),
+             "linkage", lambda s: coordinate(s, "beta", 1), SLIDER, file=KINEMATICS),
     Quantity("beta_acceleration", "beta_rad_s2", "Rod acceleration", "β̈", "acceleration",
-             "linkage", lambda s: coordinate(s, "beta", 2), SLIDER, tabled=KINEMATICS),
+             "linkage", lambda s: coordinate(s, "beta", 2), SLIDER, file=KINEMATICS),
     Quantity("profile_x", "x_mm", "Profile x", "x", "length", "cam", lambda s: s.cam.flank.profile.real, needs="cam"),
     Quantity("profile_y", "y_mm", "Profile y", "y", "length", "cam", lambda s: s.cam.flank.profile.imag, needs="cam"),
     Quantity("pitch_x", "pitch_x_mm", "Pitch curve x", "x_p", "length", "cam", lambda s: s.cam.flank.pitch.real, needs="pitch"),
@@ -259,8 +271,8 @@ _ROWS: tuple[Quantity, ...] = (
              "cam", lambda s: s.cam.flank.pressure_angle, needs="cam"),
     Quantity("pitch_curvature", "pitch_curvature_per_mm", "Pitch curvature", "κ_p", "curvature",
              "cam", lambda s: s.cam.flank.pitch_curvature, needs="pitch"),
-    Quantity("radius", "radius_mm", "Cam radius", "r", "length", "cam", lambda s: np.abs(s.cam.flank.profile), needs="cam"),
-    Quantity("polar_angle", "polar_angle_deg", "Polar angle", "ϑ", "angle", "cam", polar_angle, needs="cam", turns=True),
+    Quantity("radius", "radius_mm", "Cam radius", "r", "length", "cam", profile_radius, needs="cam"),
+    Quantity("polar_angle", "polar_angle_deg", "Polar angle", "ϑ", "angle", "cam", polar_angle, needs="cam", is_periodic=True),
     Quantity("profile_curvature", "profile_curvature_per_mm", "Profile curvature", "κ", "curvature",
              "cam", lambda s: s.cam.flank.profile_curvature, needs="cam"),
     Quantity("contact_on_face", "contact_on_face_mm", "Contact on the face", "x_f", "length",
@@ -292,63 +304,66 @@ _ROWS: tuple[Quantity, ...] = (
     Quantity("force", "force_n", "Force", "F", "force", "dynamics", lambda s: s.dynamics.driver, ALONE, needs="slide"),
     Quantity("output_torque", "torque_nm", "Torque", "T", "torque", "dynamics", lambda s: s.dynamics.driver, ALONE, needs="turned"),
     Quantity("output_power", "power_w", "Power", "P", "power",
-             "dynamics", lambda s: s.dynamics.driver * moved(s, 1), ALONE, needs="loaded"),
+             "dynamics", output_power, ALONE, needs="loaded"),
     Quantity("drive_torque", "drive_torque_nm", "Cam torque", "T_c", "torque",
              "dynamics", lambda s: s.dynamics.torque, needs="cam"),
     Quantity("motor_torque", "motor_torque_nm", "Motor torque with flywheel", "T_m", "torque",
-             "dynamics", by_motor(Flywheel.motor_torque), needs="shaft", exists=motor_runs),
+             "dynamics", motor_quantity(Flywheel.motor_torque), needs="shaft", exists=has_motor_torque),
     Quantity("servo_torque", "servo_torque_nm", "Servo's torque", "T_s", "torque",
-             "dynamics", servo_torque, needs="rotary servo", tabled=SERVO),
+             "dynamics", servo_torque, needs="rotary servo", file=SERVO),
     Quantity("servo_force", "servo_force_n", "Servo's force", "F_s", "force",
-             "dynamics", servo_torque, needs="linear servo", tabled=SERVO),
+             "dynamics", servo_torque, needs="linear servo", file=SERVO),
     Quantity("servo_speed", "servo_speed_rpm", "Servo's speed", "n_s", "speed",
-             "dynamics", servo_speed, needs="rotary servo", tabled=SERVO),
+             "dynamics", servo_speed, needs="rotary servo", file=SERVO),
     Quantity("servo_velocity", "servo_velocity_mm_s", "Servo's velocity", "v_s", "velocity",
-             "dynamics", servo_speed, needs="linear servo", tabled=SERVO),
-    Quantity("servo_power", "servo_power_w", "Servo's power", "P_s", "power", "dynamics", servo_power, needs="servo", tabled=SERVO),
-    Quantity("guide_force", "guide_force_n", "Guide force", "N", "force", "dynamics", lambda s: guide_of(s).normal, GUIDED),
+             "dynamics", servo_speed, needs="linear servo", file=SERVO),
+    Quantity("servo_power", "servo_power_w", "Servo's power", "P_s", "power", "dynamics", servo_power, needs="servo", file=SERVO),
+    Quantity("guide_force", "guide_force_n", "Guide force", "N", "force", "dynamics", lambda s: guide_reaction(s).normal, GUIDED),
     Quantity("slider_pin_x", "slider_pin_x_n", "Slider pin, x", "A_x", "force",
-             "dynamics", lambda s: force_part(s, "slider_pin", "x"), SLIDER),
+             "dynamics", lambda s: force_component(s, "slider_pin", "x"), SLIDER),
     Quantity("slider_pin_y", "slider_pin_y_n", "Slider pin, y", "A_y", "force",
-             "dynamics", lambda s: force_part(s, "slider_pin", "y"), SLIDER),
+             "dynamics", lambda s: force_component(s, "slider_pin", "y"), SLIDER),
     Quantity("arm_pin_x", "arm_pin_x_n", "Arm pin, x", "-B_x", "force",
-             "dynamics", lambda s: force_part(s, "arm_pin", "x"), SLIDER),
+             "dynamics", lambda s: force_component(s, "arm_pin", "x"), SLIDER),
     Quantity("arm_pin_y", "arm_pin_y_n", "Arm pin, y", "-B_y", "force",
-             "dynamics", lambda s: force_part(s, "arm_pin", "y"), SLIDER),
-    Quantity("pivot_x", "pivot_x_n", "Pivot, x", "P_x", "force", "dynamics", lambda s: force_part(s, "pivot", "x"), PIVOTED),
-    Quantity("pivot_y", "pivot_y_n", "Pivot, y", "P_y", "force", "dynamics", lambda s: force_part(s, "pivot", "y"), PIVOTED),
+             "dynamics", lambda s: force_component(s, "arm_pin", "y"), SLIDER),
+    Quantity("pivot_x", "pivot_x_n", "Pivot, x", "P_x", "force", "dynamics", lambda s: force_component(s, "pivot", "x"), PIVOTED),
+    Quantity("pivot_y", "pivot_y_n", "Pivot, y", "P_y", "force", "dynamics", lambda s: force_component(s, "pivot", "y"), PIVOTED),
     Quantity("bearing_x", "bearing_x_n", "Camshaft bearing, x", "O_x", "force",
-             "dynamics", lambda s: force_part(s, "bearing", "x"), FOLLOWERS),
+             "dynamics", lambda s: force_component(s, "bearing", "x"), FOLLOWERS),
     Quantity("bearing_y", "bearing_y_n", "Camshaft bearing, y", "O_y", "force",
-             "dynamics", lambda s: force_part(s, "bearing", "y"), FOLLOWERS),
-    Quantity("camshaft_speed", "speed_rpm", "Camshaft speed", "n", "speed", "dynamics", speed, needs="shaft", exists=motor_runs),
+             "dynamics", lambda s: force_component(s, "bearing", "y"), FOLLOWERS),
+    Quantity("camshaft_speed", "speed_rpm", "Camshaft speed", "n", "speed",
+             "dynamics", shaft_speed, needs="shaft", exists=has_motor_torque),
     Quantity("follower_torque", "slider_torque_nm", "Slider torque", "T_L", "torque",
              "dynamics", lambda s: s.dynamics.follower_torque, PIVOTED),
     Quantity("slider_pin", "slider_pin_n", "Slider pin", "|A|", "force",
-             "dynamics", lambda s: force_part(s, "slider_pin", "size"), SLIDER),
-    Quantity("arm_pin", "arm_pin_n", "Arm pin", "|B|", "force", "dynamics", lambda s: force_part(s, "arm_pin", "size"), SLIDER),
-    Quantity("pivot", "pivot_n", "Pivot", "|P|", "force", "dynamics", lambda s: force_part(s, "pivot", "size"), PIVOTED),
+             "dynamics", lambda s: force_component(s, "slider_pin", "size"), SLIDER),
+    Quantity("arm_pin", "arm_pin_n", "Arm pin", "|B|", "force", "dynamics", lambda s: force_component(s, "arm_pin", "size"), SLIDER),
+    Quantity("pivot", "pivot_n", "Pivot", "|P|", "force", "dynamics", lambda s: force_component(s, "pivot", "size"), PIVOTED),
     Quantity("bearing", "bearing_n", "Camshaft bearing", "|O|", "force",
-             "dynamics", lambda s: force_part(s, "bearing", "size"), FOLLOWERS),
-    Quantity("guide_x", "guide_x_n", "Guide, x", "G_x", "force", "dynamics", lambda s: force_part(s, "guide", "x"), GUIDED),
-    Quantity("guide_y", "guide_y_n", "Guide, y", "G_y", "force", "dynamics", lambda s: force_part(s, "guide", "y"), GUIDED),
+             "dynamics", lambda s: force_component(s, "bearing", "size"), FOLLOWERS),
+    Quantity("guide_x", "guide_x_n", "Guide, x", "G_x", "force", "dynamics", lambda s: force_component(s, "guide", "x"), GUIDED),
+    Quantity("guide_y", "guide_y_n", "Guide, y", "G_y", "force", "dynamics", lambda s: force_component(s, "guide", "y"), GUIDED),
     Quantity("guide", "guide_n", "Guide, with friction", "|G|", "force",
-             "dynamics", lambda s: force_part(s, "guide", "size"), GUIDED),
+             "dynamics", lambda s: force_component(s, "guide", "size"), GUIDED),
     Quantity("guide_couple", "guide_couple_nm", "Couple on the guide", "M_G", "torque",
              "dynamics", lambda s: s.dynamics.couples["guide"], GUIDED),
     *_DIRECTIONS,
-    Quantity("jam_factor", "jam_factor", "Jamming factor", "μ|tan β|", "ratio", "dynamics", lambda s: guide_of(s).jam, GUIDED),
+    Quantity("jam_factor", "jam_factor", "Jamming factor", "μ|tan β|", "ratio", "dynamics", lambda s: guide_reaction(s).jam, GUIDED),
     *_CONTACT,
     Quantity("elastic_displacement", "elastic_displacement_{m}", "Elastic follower", "z", "displacement",
-             "dynamics", lambda s: s.motion.displacement[0] + s.elastic_error(), needs="elastic", exists=vibrates),
+             "dynamics", lambda s: s.motion.displacement[0] + s.elastic_error(), needs="elastic", exists=has_steady_vibration),
     Quantity("elastic_error", "elastic_error_{m}", "Elastic follower, error", "z - s", "displacement",
-             "dynamics", lambda s: s.elastic_error(), needs="elastic", exists=vibrates),
+             "dynamics", lambda s: s.elastic_error(), needs="elastic", exists=has_steady_vibration),
     Quantity("elastic_acceleration", "elastic_acceleration_{m}_s2", "Elastic follower, acceleration", "z̈", "acceleration",
-             "dynamics", lambda s: s.motion.displacement[2] * s.omega**2 + s.elastic_error(2), needs="elastic", exists=vibrates),
+             "dynamics", lambda s: s.motion.displacement[2] * s.omega**2 + s.elastic_error(2),
+             needs="elastic", exists=has_steady_vibration),
     Quantity("elastic_contact_force", "elastic_contact_force_n", "Contact force, elastic follower", "F_c", "force",
-             "dynamics", lambda s: s.elastic_contact_force, needs="elastic open", exists=vibrates),
+             "dynamics", lambda s: s.elastic_contact_force, needs="elastic open", exists=has_steady_vibration),
     Quantity("linear_motor_torque", "linear_motor_torque_nm", "Motor torque, linear, Shin1995", "T_m", "torque",
-             "dynamics", by_motor(Flywheel.linear_motor_torque), needs="shaft", exists=levelled_runs, beside="motor_torque"),
+             "dynamics", motor_quantity(Flywheel.linear_motor_torque), needs="shaft", exists=has_variable_speed,
+             approximates="motor_torque"),
     Quantity("instant_centre", "instant_centre_mm", "Instant centre Q", "Q", "length",
              "cam", centre_distance, FOLLOWERS, needs="cam"),
     Quantity("instant_centre_x", "instant_centre_x_mm", "Instant centre Q, x", "Q_x", "length",
@@ -360,29 +375,29 @@ _ROWS: tuple[Quantity, ...] = (
     Quantity("reference_velocity", "roller_centre_velocity_mm_s", "Velocity of the roller centre", "V_R", "velocity",
              "cam", reference_velocity, needs="pitch"),
     Quantity("wind_up", "wind_up_deg", "Wind-up of the shaft", "θ_i - θ_c", "angle",
-             "stability", lambda s: s.steady_turn.wind_up(s.theta), needs="elastic shaft", exists=turns_steadily),
+             "stability", lambda s: s.steady_turn.wind_up(s.theta), needs="elastic shaft", exists=has_steady_turn),
     Quantity("follower_error", "follower_error_{m}", "Follower's error", "ΔX", "displacement",
-             "stability", lambda s: s.steady_turn.error(s.theta), needs="elastic shaft", exists=turns_steadily),
+             "stability", lambda s: s.steady_turn.error(s.theta), needs="elastic shaft", exists=has_steady_turn),
     Quantity("shaft_torque", "shaft_torque_nm", "Torque in the shaft", "T_s", "torque",
-             "stability", lambda s: s.steady_turn.torque(s.theta), needs="elastic shaft", exists=turns_steadily),
-    *(_unseen(code, "linkage", partial(singular, code=code), SLIDER) for code in SINGULAR),
+             "stability", lambda s: s.steady_turn.torque(s.theta), needs="elastic shaft", exists=has_steady_turn),
+    *(_unseen(code, "linkage", partial(singular_value, code=code), SLIDER) for code in SINGULAR),
     _unseen("profile_radius", "cam", lambda s: s.cam.flank.profile_radius, needs="straight"),
     _unseen("second_roller_distance", "cam", second_roller_distance, needs=SECOND),
-    _unseen("second_push", "cam", second_push, needs=SECOND),
+    _unseen("second_push", "cam", push_product, needs=SECOND),
 )  # fmt: skip
 QUANTITIES: Mapping[str, Quantity] = MappingProxyType({row.name: row for row in _ROWS})
 
 OF_MOTOR = frozenset({"motor_torque", "linear_motor_torque", "camshaft_speed"})
-"""Those of the stage ``dynamics`` that flywheel and motor change; forces are those of a constant speed."""
+"""Quantities of the stage ``dynamics`` that flywheel and motor change; all forces are computed at constant speed."""
 
 OF_CONTACT = frozenset(row.name for row in _CONTACT)
-"""Those of it that what cam and roller are made of changes."""
+"""Quantities of the stage ``dynamics`` that the materials of cam and roller change."""
 
 OF_SPEED = frozenset({"instant_centre_velocity", "reference_velocity"})
-"""Those of the stage ``cam`` that the machine's speed changes; its shape is the same at any."""
+"""Quantities of the stage ``cam`` that the machine's speed changes."""
 
 
-# -- of the members of a linkage ---------------------------------------------------------------------------
+# -- rows of members of a linkage ---------------------------------------------------------------------------
 
 TRANSMISSION = "transmission.{}"
 OF_MEMBERS: Mapping[str, tuple[Quantity, ...]] = MappingProxyType(
@@ -403,44 +418,44 @@ OF_MEMBERS: Mapping[str, tuple[Quantity, ...]] = MappingProxyType(
                      "linkage", lambda s, n: coordinate(s, f"slide{n}", 2)),
         ),
         "point": (
-            Quantity("point.{}_x", "{}_x_mm", "{}, x", "x_{}", "length", "linkage", lambda s, point: point_part(s, point, "x")),
-            Quantity("point.{}_y", "{}_y_mm", "{}, y", "y_{}", "length", "linkage", lambda s, point: point_part(s, point, "y")),
+            Quantity("point.{}_x", "{}_x_mm", "{}, x", "x_{}", "length", "linkage", lambda s, point: point_component(s, point, "x")),
+            Quantity("point.{}_y", "{}_y_mm", "{}, y", "y_{}", "length", "linkage", lambda s, point: point_component(s, point, "y")),
             Quantity("point.{}_vx", "{}_vx_mm_s", "{}, velocity x", "ẋ_{}", "velocity",
-                     "linkage", lambda s, point: point_part(s, point, "vx")),
+                     "linkage", lambda s, point: point_component(s, point, "vx")),
             Quantity("point.{}_vy", "{}_vy_mm_s", "{}, velocity y", "ẏ_{}", "velocity",
-                     "linkage", lambda s, point: point_part(s, point, "vy")),
+                     "linkage", lambda s, point: point_component(s, point, "vy")),
             Quantity("point.{}_ax", "{}_ax_mm_s2", "{}, acceleration x", "ẍ_{}", "acceleration",
-                     "linkage", lambda s, point: point_part(s, point, "ax")),
+                     "linkage", lambda s, point: point_component(s, point, "ax")),
             Quantity("point.{}_ay", "{}_ay_mm_s2", "{}, acceleration y", "ÿ_{}", "acceleration",
-                     "linkage", lambda s, point: point_part(s, point, "ay")),
+                     "linkage", lambda s, point: point_component(s, point, "ay")),
             Quantity("point.{}_speed", "{}_speed_mm_s", "{}, speed", "|V_{}|", "velocity",
-                     "linkage", lambda s, point: point_part(s, point, "speed")),
+                     "linkage", lambda s, point: point_component(s, point, "speed")),
         ),
         "dyad": (
             Quantity(TRANSMISSION, "transmission_{}_deg", "Transmission angle at {}", "μ_{}", "pressure-angle",
-                     "linkage", transmission),
+                     "linkage", transmission_angle),
         ),
         "guide": (
             Quantity("force.{}_x", "link{}_guide_x_n", "Guide of link {}, x", "F_{}x", "force",
-                     "dynamics", lambda s, pair: force_part(s, pair, "x")),
+                     "dynamics", lambda s, pair: force_component(s, pair, "x")),
             Quantity("force.{}_y", "link{}_guide_y_n", "Guide of link {}, y", "F_{}y", "force",
-                     "dynamics", lambda s, pair: force_part(s, pair, "y")),
+                     "dynamics", lambda s, pair: force_component(s, pair, "y")),
             Quantity("force.{}_size", "link{}_guide_n", "Guide of link {}", "|F_{}|", "force",
-                     "dynamics", lambda s, pair: force_part(s, pair, "size")),
+                     "dynamics", lambda s, pair: force_component(s, pair, "size")),
             Quantity("force.{}_direction", "link{}_guide_direction_deg", "Guide of link {}, direction", "∠F_{}", "angle",
-                     "dynamics", lambda s, pair: force_part(s, pair, "direction"), turns=True),
+                     "dynamics", lambda s, pair: force_component(s, pair, "direction"), is_periodic=True),
             Quantity("couple.{}", "link{}_couple_nm", "Couple on the guide of link {}", "M_{}", "torque",
                      "dynamics", lambda s, pair: s.dynamics.couples[pair]),
         ),
         "pin": (
             Quantity("force.{}_x", "{}_x_n", "Force at {}, x", "F_{}x", "force",
-                     "dynamics", lambda s, pair: force_part(s, pair, "x")),
+                     "dynamics", lambda s, pair: force_component(s, pair, "x")),
             Quantity("force.{}_y", "{}_y_n", "Force at {}, y", "F_{}y", "force",
-                     "dynamics", lambda s, pair: force_part(s, pair, "y")),
+                     "dynamics", lambda s, pair: force_component(s, pair, "y")),
             Quantity("force.{}_size", "{}_n", "Force at {}", "|F_{}|", "force",
-                     "dynamics", lambda s, pair: force_part(s, pair, "size")),
+                     "dynamics", lambda s, pair: force_component(s, pair, "size")),
             Quantity("force.{}_direction", "{}_direction_deg", "Force at {}, direction", "∠F_{}", "angle",
-                     "dynamics", lambda s, pair: force_part(s, pair, "direction"), turns=True),
+                     "dynamics", lambda s, pair: force_component(s, pair, "direction"), is_periodic=True),
         ),
         "bodies": (
             Quantity("kinetic_energy", "kinetic_energy_j", "Kinetic energy", "E", "energy",
@@ -490,16 +505,16 @@ OF_MEMBERS: Mapping[str, tuple[Quantity, ...]] = MappingProxyType(
         ),
     }
 )  # fmt: skip
-"""Sort of member -> its rows; what there is one of has a name without {}. A name belongs to the first row that it fits."""
+"""Sort of member -> its rows; a sort with one member has a name without {}. A name belongs to the first row that matches."""
 _NUMBERED = frozenset({"link", "slide", "guide", "second driver", "second slide"})
-"""Sorts whose members are called by the number of a link."""
-_SPOKEN = frozenset({"body", "friction", "element"})
-"""Sorts whose members are called in words, such as ``torsion_spring2``."""
+"""Sorts whose members are numbers of links."""
+_WORDED = frozenset({"body", "friction", "element"})
+"""Sorts whose members are words, such as ``torsion_spring2``."""
 
 
 @lru_cache(maxsize=1024)
-def _found(name: str) -> tuple[str, Quantity, str] | None:
-    """Sort, row and member of a name; None for that of no linkage."""
+def _match(name: str) -> tuple[str, Quantity, str] | None:
+    """Sort, row and member of a name; None where no member has it."""
     for sort, rows in OF_MEMBERS.items():
         for row in rows:
             before, has_member, after = row.name.partition("{}")
@@ -514,36 +529,36 @@ def _found(name: str) -> tuple[str, Quantity, str] | None:
 
 def shape_of(name: str) -> str:
     """The name with {} in place of its member: ``link.{}_velocity`` of ``link.3_velocity``; the name itself where it has none."""
-    found = None if name in QUANTITIES else _found(name)
-    return name if found is None else found[1].name
+    match = None if name in QUANTITIES else _match(name)
+    return name if match is None else match[1].name
 
 
 def member_of(name: str) -> str:
-    """The link, point, pair or body that a name is of; empty where there is none."""
-    found = None if name in QUANTITIES else _found(name)
-    return "" if found is None else found[2]
+    """Link, point, pair or body in the name of a quantity; empty where it has none."""
+    match = None if name in QUANTITIES else _match(name)
+    return "" if match is None else match[2]
 
 
 @lru_cache(maxsize=1024)
 def quantity(name: str) -> Quantity:
-    """The row of a quantity's name, with the member in it where it is that of a linkage. Raises KeyError."""
+    """Row of a quantity by its name, with the member of a linkage filled in. Raises KeyError."""
     if name in QUANTITIES:
         return QUANTITIES[name]
-    if (found := _found(name)) is None:
+    if (match := _match(name)) is None:
         raise KeyError(name)
-    sort, row, member = found
-    words = re.sub(r"(?<=[a-z])(?=\d)", " ", member).replace("_", " ") if sort in _SPOKEN else member
+    sort, row, member = match
+    words = re.sub(r"(?<=[a-z])(?=\d)", " ", member).replace("_", " ") if sort in _WORDED else member
     return replace(
         row,
         name=name,
         slug=row.slug.format(member),
         label=row.label.format(words),
         symbol=row.symbol.format(member),
-        value=partial(_of_member, row, member) if member else row.value,
+        value=partial(_member_value, row, member) if member else row.value,
     )
 
 
-def _of_member(row: Quantity, member: str, study: Study) -> np.ndarray:
+def _member_value(row: Quantity, member: str, study: Study) -> np.ndarray:
     return row.value(study, member)
 
 
@@ -557,23 +572,23 @@ def _slugs() -> tuple[tuple[re.Pattern[str], str], ...]:
 
 
 def label_of(column: str) -> str:
-    """A column in words, as any design that has it calls it; empty for what no design has."""
+    """Label of a column, the same in every design; empty where no design has the column."""
     matches = ((pattern.fullmatch(column), label) for pattern, label in _slugs())
     return next((label.format(*match.groups()) for match, label in matches if match), "")
 
 
-# -- of a study, and of a design -----------------------------------------------------------------------------
+# -- quantities of a study and of a design -----------------------------------------------------------------------------
 
 
 def quantities_of(study: Study, stage: str | None = None) -> Mapping[str, Quantity]:
-    """The scalars that can be read, of one stage or of all."""
-    found = dict(_rows_of(names_of(study.design), stage))
+    """Quantities of a study, of one stage or of all."""
+    rows = dict(_rows_of(names_of(study.design), stage))
     if stage in (None, "linkage") and study.mechanism.ranged:
-        for link, turning in study.driver_ranges.turning.items():
+        for link, turning in study.driver_ranges.angles.items():
             name = f"link.{link}"
-            if turning.turns and name in found:
-                found[name] = replace(found[name], turns=True)
-    return found
+            if turning.rotates and name in rows:
+                rows[name] = replace(rows[name], is_periodic=True)
+    return rows
 
 
 @lru_cache(maxsize=64)
@@ -584,108 +599,20 @@ def _rows_of(names: tuple[str, ...], stage: str | None) -> Mapping[str, Quantity
 
 @lru_cache(maxsize=64)
 def names_of(design: Design) -> tuple[str, ...]:
-    """Every quantity that a design can have, in the order of the stages and of the tables."""
-    kind, holds = design.drive.kind, _Holds(design)
-    rows = [(row.stage, row.name) for row in _ROWS if kind in row.kinds and holds[row.needs]]
-    rows += [(row.stage, row.name.format(member)) for sort, member in _members(design) for row in OF_MEMBERS[sort]]
-    return tuple(name for stage in TABLES for at, name in rows if at == stage)
+    """Names of all quantities of a design, in the order of stages and tables."""
+    kind, needs = design.drive.kind, _Needs(design)
+    rows = [(row.stage, row.name) for row in _ROWS if kind in row.kinds and needs[row.needs]]
+    rows += [(row.stage, row.name.format(member)) for sort, member in members(design) for row in OF_MEMBERS[sort]]
+    return tuple(name for stage in TABLES for row_stage, name in rows if row_stage == stage)
 
 
-class _Holds(dict[str, bool]):
-    """What a design holds of ``NEEDS``, each asked for once."""
+class _Needs(dict[str, bool]):
+    """Rows of ``NEEDS`` that a design meets, each evaluated once."""
 
     def __init__(self, design: Design) -> None:
         super().__init__()
         self._design = design
 
     def __missing__(self, need: str) -> bool:
-        self[need] = found = NEEDS[need](self._design)
-        return found
-
-
-def _members(design: Design) -> Iterator[tuple[str, str]]:
-    """Sort and name of all that a linkage has rows for."""
-    if design.drive.links:
-        yield from _links(design)
-        yield from _pairs(design)
-    yield from _energies(design)
-
-
-def _links(design: Design) -> Iterator[tuple[str, str]]:
-    """The moving links, slides, points and dyads."""
-    linkage = design.drive.linkage
-    if design.by_crank:
-        yield "swing", ""
-    for number in sorted(linkage.by_number):
-        if number != FRAME_LINK and not (
-            design.by_crank and number == linkage.driver.link and linkage.driver.on == FRAME_LINK
-        ):
-            yield "link", str(number)
-    yield from (("slide", str(slider.link)) for slider in linkage.sliders)
-    fixed = linkage.by_number[FRAME_LINK].places
-    for point in dict.fromkeys(p.name for link in linkage.links for p in link.points if p.name not in fixed):
-        yield "point", point
-    yield from (("dyad", step.joint) for step in solving_order(linkage).steps if step.kind not in (GROUP, INPUT))
-
-
-def _energies(design: Design) -> Iterator[tuple[str, str]]:
-    """All bodies, and each where there are several; the drive, gravity, each force element and what rubs."""
-    loads = design.drive.loads
-    if not design.drive.loaded:
-        return
-    loading = loading_of(design.drive.mechanism, loads)
-    moved = [mass.body for mass in loading.masses if mass.is_active]
-    if moved:
-        yield "bodies", ""
-    yield from (("body", body) for body in moved if len(moved) > 1)
-    if not design.drive.is_alone:
-        yield "drive", ""
-    if any(mass.inertia.mass and mass.gravity for mass in loading.masses):
-        yield "gravity", ""
-    yield from (
-        ("load" if element.name == "load" else "element", element.name) for element in loading.elements if element.name
-    )
-    for list_name, name in (("springs", "spring"), ("torsion_springs", "torsion_spring"), ("process", "process")):
-        yield from (("element", f"{name}{i}") for i, _ in enumerate(getattr(loads, list_name), 1))
-    yield from (("friction", friction.pair) for friction in loading.frictions)
-    yield from (("friction", CAM_FACE) for _ in range(loading.contact_friction > 0.0))
-    yield from (("friction", name) for name in _rubbing(design))
-
-
-def _rubbing(design: Design) -> Iterator[str]:
-    """The pairs that rub by a row of the loads, as the forces name them."""
-    rows = design.drive.loads.pair_friction
-    if not design.drive.links:
-        yield from (row.pair for row in rows)
-        return
-    for row in rows:
-        named, links = mechanism_of(design.drive.linkage).pair_names, {row.link, row.other} - {None}
-        joined = (name for j, name in named.items() if j.name == row.pair and links <= {j.first.link, j.second.link})
-        yield from list(joined)[:1]
-
-
-def _pairs(design: Design) -> Iterator[tuple[str, str]]:
-    """The driver, where no cam moves it, and every pair."""
-    linkage = design.drive.linkage
-    pair = driver_pair(linkage)
-    if design.drive.cam is None:
-        yield "driving pin" if pair is not None and is_pin(pair) else "driving slide", ""
-    for each in linkage.drivers:
-        yield "second slide" if input_slides(linkage, each) else "second driver", str(each.link)
-    try:
-        mechanism = mechanism_of(linkage)
-        names, redundant = mechanism.pair_names, mechanism.plan.redundant
-    except DesignError:  # no mechanism yet
-        return
-    without = _undetermined(design) if redundant else frozenset()
-    for joint, name in names.items():
-        if name not in without:
-            yield "pin" if joint.revolute else "guide", name
-
-
-def _undetermined(design: Design) -> frozenset[str]:
-    """The pairs of redundant links whose forces statics does not fix."""
-    try:
-        return Study(design).undetermined
-    except NoSolution:
-        return frozenset()
+        self[need] = is_met = NEEDS[need](self._design)
+        return is_met

@@ -132,7 +132,7 @@ def quantity_request(design: Design, key: str) -> QuantityRequest:
 def _columns(design: Design) -> Mapping[str, str]:
     """Column, whose unit the values have -> name of the quantity, of quantities with extremes."""
     rows = (quantity(name) for name in names_of(design))
-    return {row.slug.format(m=design.drive.motion_unit): row.name for row in rows if row.slug and not row.turns}
+    return {row.slug.format(m=design.drive.motion_unit): row.name for row in rows if row.slug and not row.is_periodic}
 
 
 def request_columns(design: Design) -> tuple[str, ...]:

@@ -15,7 +15,7 @@ from core.frozen import frozen
 from core.motion import degrees
 from core.motion.program import ShaftPosition
 from core.numerics.lazy import checkpoint
-from core.shaft import Flywheel, combined
+from core.shaft import Flywheel, combined_load
 from core.study import Camshaft, Study
 from core.study.batch import with_numbers
 from core.study.limits import SPEEDS
@@ -106,7 +106,7 @@ def motor_bands(design: Design, samples: int = 360, machines: int = FEW_MACHINES
     found = {name: np.full((machines, samples), np.nan) for name in (MOTOR, SPEED)}
     for k, shaft in enumerate(_shafts(design, _drawn(design, machines), theta)):
         with suppress(NoSolution):
-            load = combined([(shaft.cams_load, ShaftPosition()), *balance])
+            load = combined_load([(shaft.cams_load, ShaftPosition()), *balance])
             wheel = Flywheel(lambda _, shaft=shaft: shaft.cams_torque, load, shaft.design.camshaft)  # type: ignore[misc]
             angles = shaft.turn.angles(theta)
             found[MOTOR][k], found[SPEED][k] = wheel.motor_torque(angles), wheel.speed(angles)

@@ -17,8 +17,8 @@ from core.design import Design, get
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.study import many
-from core.study.batch import at_once, together
-from core.study.highest import nodes_of
+from core.study.batch import design_block, is_batchable
+from core.study.highest import clenshaw_curtis_nodes
 from core.study.quantity_requests import QuantityRequest, quantity_request
 from core.varying.request import AskedFor, Goal, StudyOfMany
 from core.varying.space import Axis, as_it_is
@@ -147,9 +147,12 @@ class Descent:
         signs = {("max", 1.0): (1.0,), ("min", -1.0): (-1.0,), ("abs", 1.0): (1.0, -1.0)}.get(
             (asked.statistic, side), ()
         )
-        if signs and (asked.drive is not None or not asked.name or not together(self.design, self.paths, asked)):
+        if signs and (asked.drive is not None or not asked.name or not is_batchable(self.design, self.paths, asked)):
             signs = ()
-        if signs and at_once(self.design, self.paths, self._numbers(np.full((len(self.paths), 1), 0.5))).apart.any():
+        if (
+            signs
+            and design_block(self.design, self.paths, self._numbers(np.full((len(self.paths), 1), 0.5))).separate.any()
+        ):
             signs = ()
         face = self.design.drives[asked.drive or 0].face if asked.name == "profile_curvature" else None
         roller = float(getattr(face, "radius_mm", 0.0))
@@ -191,14 +194,14 @@ class Descent:
         self, u: np.ndarray, angles: Sequence[tuple[np.ndarray, np.ndarray]], terms: Sequence[Term]
     ) -> list[np.ndarray]:
         """Quantities of terms (m, n) at angles of each (theta, piece), of designs u (k, m); NaN where there is none."""
-        one = at_once(self.design, self.paths, self._numbers(u))
+        one = design_block(self.design, self.paths, self._numbers(u))
         theta, piece = (np.concatenate([each[i] for each in angles]) for i in (0, 1))
         n, m = theta.size, one.count
         owner = np.repeat(np.arange(m), n)
         names = list(dict.fromkeys(term.asked.name for term in terms))
         state = one.state(np.tile(theta, m), np.tile(piece, m), owner)
         found = one.values(names, state, owner)
-        lost = one.lost_at("dynamics") if any(_of_forces(term) for term in terms) else one.lost_at("cam")
+        lost = one.failed_at("dynamics") if any(_of_forces(term) for term in terms) else one.failed_at("cam")
         rows, first = [], 0
         for term, (own, _) in zip(terms, angles, strict=True):
             row = found[term.asked.name].reshape(m, n)[:, first : first + own.size] / term.asked.unit
@@ -208,8 +211,8 @@ class Descent:
 
     def peaks(self, u: np.ndarray, terms: Sequence[Term]) -> list[list[tuple[float, int, float]]]:
         """Of each term its highest local maxima at a design (k,): cam angle, piece, sign."""
-        one = at_once(self.design, self.paths, self._numbers(u[:, None]))
-        nodes, _ = nodes_of(one.program)
+        one = design_block(self.design, self.paths, self._numbers(u[:, None]))
+        nodes, _ = clenshaw_curtis_nodes(one.program)
         theta, piece = nodes.theta, nodes.piece
         every = self._at(u[:, None], [(theta, piece)] * len(terms), terms)
         first = np.append(True, np.diff(piece) != 0)

@@ -16,7 +16,7 @@ import numpy as np
 from core.design import Design, all_paths, edited, get, only, row_at
 from core.errors import KindynaError
 from core.find.shaft import with_least_flywheel
-from core.find.trial import FindingsCheck, uneven
+from core.find.trial import FindingsCheck, has_uneven_speed
 from core.frozen import frozen
 from core.laws import LAWS
 from core.study import Study, many
@@ -356,7 +356,7 @@ def waived(file: StudyFile) -> set[str]:
 
 def with_flywheel(design: Design, before: Design) -> tuple[Design, Mapping[str, float]]:
     """The design, with a flywheel that keeps the speed as even as is wanted where that of the design before did; and this."""
-    if uneven(design) and not uneven(before):
+    if has_uneven_speed(design) and not has_uneven_speed(before):
         with suppress(KindynaError):
             return with_least_flywheel(design)
     return design, {}

@@ -304,10 +304,10 @@ def with_values(design: Design, values: Mapping[str, float]) -> Design:
 def present(study: Study, quantities: Sequence[str]) -> tuple[Mapping[str, float], str]:
     """What is asked (keys of ``many``) of one design, extremes refined; and the code of why something of it has no value, else empty.
     Raises ValueError as ``many``."""
-    from core.study.batch import asked_of_study
+    from core.study.batch import study_figures
 
     asked = [quantity_request(study.design, key) for key in quantities]
-    values, _, reason = asked_of_study(study, asked)
+    values, _, reason = study_figures(study, asked)
     return {each.key: value / each.unit for each, value in zip(asked, values, strict=True)}, reason
 
 

@@ -20,7 +20,7 @@ from core.mechanism.kinematics import Kinematics
 from core.motion import TURN, degrees
 from core.numerics.lazy import checkpoint
 from core.study import Study, many, sensitivity
-from core.study.batch import at_once, together
+from core.study.batch import design_block, is_batchable
 from core.study.quantities import quantity
 from core.study.quantity_requests import TORQUE, QuantityRequest, quantity_request
 from core.varying.request import AskedFor, Bounded, StudyFile, StudyOfMany, study_of
@@ -481,7 +481,7 @@ class Scatter:
     def quick(self, asked: QuantityRequest) -> bool:
         """Whether a quantity is computed of many machines at once, at the same angles of all."""
         moved = any(path.startswith("motion.") for path in self.own)
-        return not moved and together(self.design, list(self.machines(1, 0)), asked)
+        return not moved and is_batchable(self.design, list(self.machines(1, 0)), asked)
 
     def _at_once(
         self, names: Mapping[str, QuantityRequest], rows: np.ndarray, theta: np.ndarray, into: Mapping[str, np.ndarray]
@@ -490,15 +490,15 @@ class Scatter:
         themselves instead."""
         if not names:
             return np.zeros(rows.shape[1], dtype=bool)
-        one = at_once(self.design, list(self.machines(1, 0)), rows)
+        one = design_block(self.design, list(self.machines(1, 0)), rows)
         m, angles = one.count, one.program.angles(theta)
         owner = np.repeat(np.arange(m), theta.size)
         state = one.state(np.tile(angles.theta, m), np.tile(angles.piece, m), owner)
         values = one.values([each.name for each in names.values()], state, owner)
         for slug, each in names.items():
-            lost = one.lost_at(quantity(each.name).stage)
+            lost = one.failed_at(quantity(each.name).stage)
             into[slug][~lost] = (values[each.name].reshape(m, theta.size) / each.unit)[~lost]
-        return one.apart
+        return one.separate
 
     def _by_itself(
         self,

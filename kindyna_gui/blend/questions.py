@@ -37,7 +37,7 @@ from core.blend import (
 )
 from core.design import UNITS, Info
 from core.design.fields import LONGEST_MM
-from core.output.texts import verdict_after
+from core.output.texts import succession_verdict
 from kindyna_gui.blend.kind import CURVE_SIZE, KindChoice, curve_icon
 from kindyna_gui.blend.request import AUTOMATIC, WizardRequest, count_text, has_both, open_candidates, plan, reason
 from kindyna_gui.blend.settings import LiveBox, SettingsArea, quiet
@@ -426,11 +426,11 @@ class SuccessionPage(QFrame):
         kind = self._type if self._in_sequence else ""
         rows, able = [], []
         for row in TABLE:
-            verdict = verdict_after(self.chosen, row.curve, kind)
+            verdict = succession_verdict(self.chosen, row.curve, kind)
             able += [row.curve] if verdict.may_follow else []
             cells = (row.curve, _ends(row.displacement), _ends(row.velocity), _ends(row.acceleration))
-            colour = SCREEN.good if verdict.here else SCREEN.ink if verdict.may_follow else SCREEN.quiet
-            words = verdict.words[0].upper() + verdict.words[1:]
+            colour = SCREEN.good if verdict.is_possible else SCREEN.ink if verdict.may_follow else SCREEN.quiet
+            words = verdict.reason[0].upper() + verdict.reason[1:]
             rows.append(TableRow((*cells, words), icon=curve_icon(row.curve), tip=words, colour=colour))
         end = ELEMENTS[self.curve].end
         ends = f"<b>{self.curve}</b> ends {state_words(end)} ({_signs(state_text(end))})"

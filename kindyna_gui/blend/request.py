@@ -24,7 +24,7 @@ from core.design import UNITS, Motion, NamedCurve, Segment, join_angles
 from core.design.edits import is_dwell
 from core.frozen import frozen
 from core.output.lines import shortest
-from core.output.texts import changed_beside, curve_rows, flat_rows
+from core.output.texts import changed_segment, curve_rows, flat_rows
 from kindyna_gui.labels import law_label
 from kindyna_gui.pictures.units import MINUS, brief, measure, number, readable, short
 from kindyna_gui.settings import size_of
@@ -513,7 +513,7 @@ def effect(before: Motion, after: Motion, blended: BlendResult) -> str:
         return "These curves and the dwells about them make the whole turn."
     if not any(s.rise for s in before.segments):
         return "Nothing else moves yet, so the same curves run backwards bring the follower back."
-    changed = changed_beside(before, after, blended)
+    changed = changed_segment(before, after, blended)
     if changed is None:
         return "The rest of the motion stays."
     n, segment = changed

@@ -40,7 +40,7 @@ from core.design import (
     with_when,
 )
 from core.errors import KindynaError
-from core.output.load_text import held_text, row_name
+from core.output.load_text import attachment_text, row_name
 from kindyna_gui.documents.edits import Refusal
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import COLUMNS, NameLabel
@@ -142,7 +142,7 @@ class HoldRows(QWidget):
             if values != self._values.get(hold.key):
                 self._values[hold.key] = values
                 box.clear()
-                box.addItems([held_text(design, value) for value in values])
+                box.addItems([attachment_text(design, value) for value in values])
             box.setCurrentIndex(values.index(now))
 
     def _refused(self, refusal: Refusal) -> None:
@@ -197,7 +197,7 @@ def put_held(session: Session, path: str, hold: AttachedEnd, held: Held | None) 
     except KindynaError as error:
         session.refuse(at, reason(design, error))
         return False
-    label = f"{row_name(design, path)}: {hold.label[:1].lower()}{hold.label[1:]} {held_text(design, held)}"
+    label = f"{row_name(design, path)}: {hold.label[:1].lower()}{hold.label[1:]} {attachment_text(design, held)}"
     done = session.lay_out(changed, label, at)
     session.end_gesture()
     return done

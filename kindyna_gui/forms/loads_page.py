@@ -15,7 +15,7 @@ from core.dynamics import element_at, peak_load
 from core.errors import NoSolution
 from core.frozen import frozen
 from core.output.lines import shortest
-from core.output.load_text import row_name, row_place
+from core.output.load_text import row_attachments, row_name
 from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.form import Form
@@ -80,7 +80,7 @@ def _rows(design: Design, texts: Mapping[str, list[str]]) -> Iterator[LoadRow]:
     for name in load_lists(design.drive):
         for i, row in enumerate(getattr(design.drive.loads, name)):
             path = f"loads.{name}[{i}]"
-            where = row_place(design, path)
+            where = row_attachments(design, path)
             value = _process_text(row) if isinstance(row, Process) else ", ".join(texts.get(path, [])[:MOST_VALUES])
             cells = (row_name(design, path), where, value)
             yield LoadRow(path, cells, ": ".join(cell for cell in cells if cell))

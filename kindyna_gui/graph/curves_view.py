@@ -57,7 +57,7 @@ from core.output.graph import (
 from core.output.graph.curves import GraphImage
 from core.output.graph.model import ENDING, load_setup, save_setup, with_relative_paths
 from core.study import STAGES, Quantity, Study, quantity
-from core.study.member_quantities import gain_of
+from core.study.member_quantities import gain_per_turn
 from core.units import conversion_factor
 from kindyna_gui import dialogs
 from kindyna_gui.documents.edits import UndoStep
@@ -308,7 +308,7 @@ class CurvesView(View):
         found, made = self.bands.read(list(wanted.values())), {}
         for i, row in wanted.items():
             if row.slug in found:
-                x, band = closed(found[row.slug], gain_of(self.session.study, row.name) / row.unit.factor)
+                x, band = closed(found[row.slug], gain_per_turn(self.session.study, row.name) / row.unit.factor)
                 each = self.found.series[i]
                 made[i] = (
                     x * conversion_factor("°", each.x_unit),

@@ -68,7 +68,7 @@ class PeakDrag:
     def drag(self, wanted: float) -> None:
         """The peak is drawn to this value."""
         if self._trade is not None and not self._typed:
-            self._put(self._trade.at(wanted, self._present), wanted, DECIMALS)
+            self._put(self._trade.field_value(wanted, self._present), wanted, DECIMALS)
 
     @property
     def _present(self) -> float:
@@ -112,7 +112,7 @@ class PeakDrag:
             wanted = parsed(self._typed, split_unit(held.key.partition(":")[0])[1]) if self._typed else None
             if wanted is None:
                 self._answer(sentence(no_number(self._typed)))
-            elif self._put(held.exactly(wanted, self._present), wanted, 12):
+            elif self._put(held.exact_field_value(wanted, self._present), wanted, 12):
                 self.drop()
             self._typed = ""
         else:
@@ -256,7 +256,7 @@ class LivePlot(_Turned, CurvePlot):
         for mark in self._extreme_marks:
             extreme = mark.extreme
             name = next(
-                (c.channel.name for c in self._curves if c.colour == extreme.colour and not c.channel.beside), ""
+                (c.channel.name for c in self._curves if c.colour == extreme.colour and not c.channel.approximates), ""
             )
             at = self.mapFromScene(self.getViewBox().mapViewToScene(QPointF(extreme.angle, extreme.value)))
             near = abs(complex(at.x() - place.x(), at.y() - place.y())) <= REACH

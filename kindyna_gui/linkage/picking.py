@@ -29,7 +29,7 @@ from core.design import (
 from core.dynamics import Torsion, attachment_point, element_at, pairs_named, row_of_element
 from core.errors import NoSolution
 from core.frozen import frozen
-from core.output.load_text import held_text
+from core.output.load_text import attachment_text
 from kindyna_gui.linkage.canvas import Canvas
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.drawing.load_parts import spirals
@@ -269,7 +269,7 @@ class Picker(QObject):
             painter.setPen(QPen(colour, 2.4))
             here = self._pixel(self._under.at)
             painter.drawEllipse(here, MARK_RADIUS + 3.0, MARK_RADIUS + 3.0)
-            self._name(painter, here, held_text(self._geometry.study.design, self._under.held))
+            self._name(painter, here, attachment_text(self._geometry.study.design, self._under.held))
 
     def _name(self, painter: QPainter, here: QPointF, text: str) -> None:
         font = QFont(self._canvas.font())
@@ -363,7 +363,7 @@ def row_places(geometry: Geometry, path: str, index: int) -> list[complex]:
 def _output(geometry: Geometry, index: int) -> complex:
     """The point of the output that its motion moves."""
     kinematics = geometry.kinematics
-    return complex(kinematics.bodies[kinematics.output].place(kinematics.driver_pair.point)[index]) * MM
+    return complex(kinematics.bodies[kinematics.output].position(kinematics.driver_pair.point)[index]) * MM
 
 
 def row_paths(geometry: Geometry) -> Iterator[str]:

@@ -439,7 +439,7 @@ def crosses(motion: Motion, index: int) -> bool:
     """Whether the place where the segment turns from acceleration to deceleration can be chosen."""
     curve = motion.segments[index].curve
     law = find_law(curve.law) if isinstance(curve, NamedCurve) else None
-    return law is not None and law.symmetric and peaks(law).ca > 0.0
+    return law is not None and law.is_symmetric and peaks(law).ca > 0.0
 
 
 def keys_of_form(motion: Motion, index: int) -> tuple[str, ...]:

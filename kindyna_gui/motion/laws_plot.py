@@ -23,13 +23,13 @@ from PySide6.QtWidgets import (
 
 from core.design import Design
 from core.errors import KindynaError
-from core.find import Ranked, RankingColumn, figures_of, in_order, ranked
+from core.find import RankingColumn, RankingRow, ranking_columns, ranking_row, sorted_rows
 from core.find.ranking import Candidate
 from core.frozen import frozen
 from core.laws import LAWS, Law
 from core.motion.curves import FlyingShear, Indexer, flying_shear, indexer
 from core.numerics.lazy import Cancelled
-from core.output.channels import begun_text
+from core.output.channels import new_design_text
 from core.requests import command_words
 from kindyna_gui.background import Background
 from kindyna_gui.forms.request_form import RequestDialog, RequestForm
@@ -93,7 +93,7 @@ class BeginDialog(RequestDialog):
 
     def _tell(self, values: Mapping[str, Any]) -> str:
         try:
-            return begun_text(self.row.make(self.row.kind(**values)))
+            return new_design_text(self.row.make(self.row.kind(**values)))
         except KindynaError as error:
             return str(error)
 
@@ -258,7 +258,7 @@ class RankingPanel(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self.rows: dict[str, Ranked] = {}
+        self.rows: dict[str, RankingRow] = {}
         self.figures: tuple[RankingColumn, ...] = ()
         self.table: RowsTable | None = None
         self._candidates: Mapping[str, Candidate] = {}
@@ -317,17 +317,17 @@ class RankingPanel(QWidget):
     def _start(self) -> None:
         assert self._design is not None, "what is offered is offered in a design"
         self._stale = False
-        self._name_columns(figures_of(self._design))
+        self._name_columns(ranking_columns(self._design))
         self._begin()
 
     def _begin(self) -> None:
         """Compute what is missing."""
         missing = [name for name in self._candidates if name not in self.rows] if self.figures else []
-        self._work.start([(name, partial(ranked, name, self._candidates[name], self.figures)) for name in missing])
+        self._work.start([(name, partial(ranking_row, name, self._candidates[name], self.figures)) for name in missing])
         self._show()
 
-    def _answered(self, name: str, result: Ranked | KindynaError | Cancelled) -> None:
-        if isinstance(result, Ranked):
+    def _answered(self, name: str, result: RankingRow | KindynaError | Cancelled) -> None:
+        if isinstance(result, RankingRow):
             self.rows[name] = result
         if self._work.busy:
             if not self._soon.isActive():
@@ -397,14 +397,14 @@ class RankingPanel(QWidget):
             head.setSortIndicator(-1, Qt.SortOrder.AscendingOrder)
         else:
             column, downwards = self._sorted
-            rows = in_order(rows, column, downwards)
+            rows = sorted_rows(rows, column, downwards)
             head.setSortIndicator(
                 column + 1, Qt.SortOrder.DescendingOrder if downwards else Qt.SortOrder.AscendingOrder
             )
         self._shown = [row.name for row in rows]
         self.table.show_rows([self._row(row) for row in rows])
 
-    def _row(self, row: Ranked) -> TableRow:
+    def _row(self, row: RankingRow) -> TableRow:
         label = law_label(row.name) if row.name in LAWS else row.name
         name = f"{label}  ◂ {self._mark}" if row.name == self._own else label
         if row.problem:

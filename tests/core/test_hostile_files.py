@@ -72,6 +72,7 @@ CASES: dict[str, tuple[str, Callable[[], str | bytes], str]] = {
     "path as ending": ("controllers", lambda: _controller('extension = "./../../e.txt"'), "own: controllers[0].extension"),
     "braces": ("controllers", lambda: _controller("", "{{{master}}}\\t{slave}"), ""),
     "long header": ("measured", lambda: _table("(" * 500_000), ""),
+    "blanks of a header": ("measured", lambda: _table(" \t" * 400_000 + "x"), ""),
     "underscores": ("measured", lambda: _table("angle," + "_" * 900_000), ""),
     "quotes without end": ("measured", lambda: _table(more='\n"' + "1," * 400_000), "2 are required"),
     "field beyond the csv module's": ("measured", lambda: _table(more='\n"' + "1" * 500_000 + '",2'), "required: a number"),
@@ -94,7 +95,7 @@ CASES: dict[str, tuple[str, Callable[[], str | bytes], str]] = {
     "no entity": ("underlay", lambda: "5\n1\n", "not a DXF"),
     "overlapping lines": ("motion-from", lambda: _dxf("".join(map(_long_line, range(19_000)))), ""),
     "large picture": ("logo", lambda: _png(30_000), ""),
-    "graph of lists": ("graph-setup", lambda: "[" * 900_000, "no graph"),
+    "graph of lists": ("graph-setup", lambda: "[" * 900_000, "not a graph"),
     "number of a row": ("arguments", lambda: b"explain\nX\nloads.friction[" + b"9" * 5000 + b"]", "cannot be read"),
 }  # fmt: skip
 

@@ -32,7 +32,7 @@ from core.measured.sheet import (
     split_cells,
 )
 from core.numerics.lazy import checkpoint
-from core.output.channels import ACCELERATION, SPEED, channels, outputs, travel_column
+from core.output.channels import ACCELERATION, SPEED, channels, output_columns, travel_column
 from core.output.export import camshaft_columns
 from core.output.graph.model import (
     ALL,
@@ -373,7 +373,8 @@ class DesignSource:
         if drive == SHAFT:
             names = [name for name, _ in camshaft_columns(self.shaft)]
             sums = (
-                ColumnHeading(row.name, row.label, unit_of_column(row.name), row.family) for row in outputs(self.shaft)
+                ColumnHeading(row.name, row.label, unit_of_column(row.name), row.family)
+                for row in output_columns(self.shaft)
             )
             return (machine, *map(_heading, names), *sums)
         study = self._study(drive)
@@ -404,7 +405,7 @@ class DesignSource:
         return columns
 
     def _shaft_columns(self, names: Sequence[str]) -> tuple[np.ndarray, ...]:
-        rows = {row.name: row.values for row in outputs(self.shaft)}
+        rows = {row.name: row.values for row in output_columns(self.shaft)}
         if not {MACHINE, *rows}.issuperset(names):
             rows |= dict(camshaft_columns(self.shaft))
         return tuple(self.shaft.angle_degrees if name == MACHINE else rows[name](self.shaft) for name in names)

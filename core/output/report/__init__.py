@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from core.output.export import OF_SHAFT
+from core.output.export import SHAFT_QUANTITIES
 from core.output.lines import digits
 from core.output.report import sections
 from core.output.report.chapters import TEXT, sections_of, subject_of
@@ -32,7 +32,7 @@ def report(study: Study) -> str:
     """The whole report as plain text; of drives that are listed what they do together, then what is each drive's own. Raises NoSolution
     where the design has none."""
     whole = subject_of(study)
-    of_each = (whole, *whole.drives(OF_SHAFT | _TORQUE))
+    of_each = (whole, *whole.drives(SHAFT_QUANTITIES | _TORQUE))
     return "\n\n".join(text(each.study.design.name, sections_of(TEXT, each)) for each in of_each)
 
 

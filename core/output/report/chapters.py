@@ -11,7 +11,7 @@ import numpy as np
 
 from core.frozen import frozen
 from core.output.channels import channels
-from core.output.export import OF_SHAFT
+from core.output.export import SHAFT_QUANTITIES
 from core.output.lines import printable
 from core.output.report import sections as of_camshaft
 from core.output.report import sections as of_sources
@@ -70,12 +70,12 @@ class Subject:
     parts: frozenset[str] = frozenset()
     without: frozenset[str] = frozenset()
 
-    def drives(self, without: frozenset[str] = OF_SHAFT) -> Iterator[Subject]:
+    def drives(self, without: frozenset[str] = SHAFT_QUANTITIES) -> Iterator[Subject]:
         """Each drive of a shaft that has an answer."""
         if self.of == SHAFT:
             yield from (self.drive(each, (), without) for each in self.study.solved_drives.values())
 
-    def drive(self, study: Study, less: Sequence[str], without: frozenset[str] = OF_SHAFT) -> Subject:
+    def drive(self, study: Study, less: Sequence[str], without: frozenset[str] = SHAFT_QUANTITIES) -> Subject:
         """One drive of the shaft; less: tables that are left out besides the shaft's."""
         apart = (*of_study.APART, "shaft", *less)
         return Subject(study, DRIVE, _but(study.design.tables, apart), self.parts, without)

@@ -14,7 +14,7 @@ from core.cam import SECOND
 from core.design import CRANK, FRAME_LINK, UNITS, Design, distances, drive_at, entries, entry_at, is_assumed, only
 from core.findings import Residual
 from core.laws import find_law
-from core.output.channels import channels, cycle_of, has_cycle
+from core.output.channels import channels, has_cycle, motion_cycle
 from core.output.lines import digits, finding_line, printable
 from core.output.load_text import ROW, row_title
 from core.output.report.equations import equations_of
@@ -25,7 +25,7 @@ from core.output.summary import flywheel as flywheel_of
 from core.output.summary import torque as torque_of
 from core.output.timing import event_rows
 from core.project.reading_faults import reason, reasons_of
-from core.shaft import levels, peaks
+from core.shaft import has_flywheel, peaks
 from core.study import Camshaft, Quantity, Study, certificate_of, findings_of, quantity_requests, roller_lives
 from core.study.cam_checks import limit_rows, pressure_angles
 from core.study.study import shaft_in_chart
@@ -405,7 +405,7 @@ def cycle(study: Study) -> list[Section]:
     """What a motion that no cam makes does in a turn, and how far its stops are off."""
     if not has_cycle(study):
         return []
-    found, unit = cycle_of(study), study.design.drive.motion_unit
+    found, unit = motion_cycle(study), study.design.drive.motion_unit
     symbol, kind = UNITS[unit].symbol, "N" if unit == "mm" else "N·m"
     rows: list[Sequence[Cell]] = [("Mean speed", Number(found.mean_speed), f"{symbol}/s")]
     if found.work is not None:
@@ -559,11 +559,11 @@ def flywheel(study: Study, wheel: Mapping[str, float | None], with_mean: bool = 
             "kg·m²",
             "needed_inertia_kg_m2",
         ),
-        ("Estimate of it, ΔE/(C_s ω̄²)", Number(wheel["estimated_inertia_kg_m2"]), "kg·m²", "estimated_inertia_kg_m2"),
+        ("Estimate of it by energy", Number(wheel["estimated_inertia_kg_m2"]), "kg·m²", "estimated_inertia_kg_m2"),
     ]
     if fluctuation is None:
         rows.append(("Speed", "the motor stalls", "", ""))
-    elif levels(shaft):
+    elif has_flywheel(shaft):
         rows += [
             (f"Fluctuation of speed reached{guess}", Number(100.0 * fluctuation), "%", ""),
             ("Lowest speed", Number(wheel["min_speed_rpm"]), "rpm", "min_speed_rpm"),

@@ -180,7 +180,7 @@ class CurvePlot(FixedPlot):
             free=0.0,
         )
         low, high = self._reach(self._core)
-        rows = [(curve, line, Z_CURVE, DASHED if curve.channel.beside else ()) for curve in curves]
+        rows = [(curve, line, Z_CURVE, DASHED if curve.channel.approximates else ()) for curve in curves]
         if beside is not None:
             rows += [(curve, beside, Z_REFERENCE, DASHED) for curve in others]
         self._drawn = self._grown(self._drawn, len(rows), lambda: CurveLine(self._view))
@@ -265,7 +265,7 @@ class CurvePlot(FixedPlot):
         (low, high), size = self._view.viewRange()[1], self.rung.size
         rows = []
         for curve in self._curves:
-            if curve.channel.beside:
+            if curve.channel.approximates:
                 continue
             refined = (self._ranges or {}).get(curve.channel.name)
             ends = self._sampled(curve) if refined is None else curve.ends(refined)
@@ -349,7 +349,7 @@ class CurvePlot(FixedPlot):
         """Names of the curves above the plot, where there is more than one."""
         rows: list[Entry] = []
         if len(self._curves) > 1 or reference or made:
-            rows = [Entry(c.colour, c.channel.label, "– –" if c.channel.beside else "—") for c in self._curves]
+            rows = [Entry(c.colour, c.channel.label, "– –" if c.channel.approximates else "—") for c in self._curves]
             rows += [Entry(self._theme.quiet, "reference", "– –")] if reference else []
             rows += [shades_entry(self._theme)] if made else []
         self._name(rows)

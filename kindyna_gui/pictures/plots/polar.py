@@ -90,7 +90,7 @@ class PolarPlot(QWidget):
         self._range = (min(0.0, *(side[0] for side in sides)), max(0.0, *(side[1] for side in sides)))
         self._scale()
         self._theta, self._whole = study.theta, study.theta.size == study.samples
-        colours = [self._theme.quiet if curve.channel.beside else curve.colour for curve in self._curves]
+        colours = [self._theme.quiet if curve.channel.approximates else curve.colour for curve in self._curves]
         self._rows = list(zip(channels, shown[: len(channels)], colours, strict=True))
         self._shaded = [
             (*closed(band / self.rung.size, curve.gain / self.rung.size), curve.colour) for curve, band in shaded
@@ -126,7 +126,9 @@ class PolarPlot(QWidget):
     def marked(self) -> list[Extreme]:
         """The extremes that are marked, each at its angle, in the unit of the circles."""
         known = [
-            (curve, (self._ranges or {}).get(curve.channel.name)) for curve in self._curves if not curve.channel.beside
+            (curve, (self._ranges or {}).get(curve.channel.name))
+            for curve in self._curves
+            if not curve.channel.approximates
         ]
         return [each for curve, ends in known if ends for each in both_ends(curve, curve.ends(ends), self.rung.size)]
 

@@ -25,7 +25,7 @@ from core.output.channels import channels, existing
 from core.stress import RollerLife
 from core.study import STAGES, Quantity, Study, extremes_of, quantities_of, quantity, roller_lives
 from core.study.limits import USER_BOUNDS, bounded_quantities
-from core.study.member_quantities import gain_of
+from core.study.member_quantities import gain_per_turn
 from core.study.quantities import OF_MEMBERS, TRANSMISSION, member_of, names_of, shape_of
 from core.study.quantity_requests import allowable_pressure
 from core.units import split_unit
@@ -128,12 +128,12 @@ def read_curves(study: Study, channels: Sequence[Quantity], theme: Theme) -> lis
     seen: dict[str, int] = {}
     curves: list[Curve] = []
     for row in channels:
-        beside = next((curve for curve in curves if curve.channel.name == row.beside), None)
+        beside = next((curve for curve in curves if curve.channel.name == row.approximates), None)
         nth = seen[row.family] = seen.get(row.family, -1) + 1
         floor = floor_of(study, row)
         values = without_noise(row.values(study), floor)
         colour = theme.seen(shade(theme.family(row.family), nth)) if beside is None else beside.colour
-        gain = gain_of(study, row.name) / row.unit.factor
+        gain = gain_per_turn(study, row.name) / row.unit.factor
         curves.append(Curve(row, values, colour, floor, gain))
     return curves
 
@@ -150,7 +150,7 @@ def channel_extremes(study: Study, channels: Sequence[Quantity]) -> dict[str, Ex
     """Refined extremes of these channels by quantity, of those that have any; in SI."""
     found: dict[str, Extremes] = {}
     for stage in dict.fromkeys(row.stage for row in channels):
-        names = tuple(row.name for row in channels if row.stage == stage and not row.beside)
+        names = tuple(row.name for row in channels if row.stage == stage and not row.approximates)
         with suppress(KindynaError):
             found |= extremes_of(study, stage, names) if names else {}
     return found
@@ -326,13 +326,13 @@ def _names(study: Study) -> tuple[str, ...]:
     """The quantities of a linkage worth a curve: without angles that go round, and links that never turn."""
     try:
         rows = quantities_of(study)
-        turning = study.driver_ranges.turning
+        turning = study.driver_ranges.angles
     except KindynaError:  # no mechanism yet, or none that can be assembled
         return ()
     at_rest = {str(n) for n, turn in turning.items() if np.ptp(turn.angle) < NO_TURN}
     links = {row.name for row in OF_MEMBERS["link"]}
     return tuple(
-        n for n, row in rows.items() if not row.turns and not (shape_of(n) in links and member_of(n) in at_rest)
+        n for n, row in rows.items() if not row.is_periodic and not (shape_of(n) in links and member_of(n) in at_rest)
     )
 
 
@@ -409,8 +409,8 @@ def split(study: Study, rows: Sequence[Quantity]) -> tuple[list[Quantity], list[
     """
     available = existing(study, rows)
     drawn = different(study, available)
-    reasons = [why_missing(study, row) for row in rows if row not in available and not row.beside]
-    reasons += [f"{row.label} is the same curve" for row in available if row not in drawn and not row.beside]
+    reasons = [why_missing(study, row) for row in rows if row not in available and not row.approximates]
+    reasons += [f"{row.label} is the same curve" for row in available if row not in drawn and not row.approximates]
     return drawn, reasons
 
 

@@ -482,7 +482,7 @@ def test_what_moves_otherwise_in_the_design_is_told(run: Run, tmp_path: Path) ->
     told = run.text(*words, "--stroke", "120").splitlines()[-1]
     changed = project.load(path).drive.motion.segments[1]
     assert (changed.curve.law, changed.rise) == ("modified-sine", -120.0)
-    assert told.startswith("in the design segment 2, modified-sine, moves otherwise, to come back: -120.0")
+    assert told.startswith("in the design segment 2, modified-sine, changes to close the turn: -120.0")
     rows = run.json(*words, "--stroke", "90")
     assert [row["rise_mm"] for row in rows] == [90.0], "nothing but the curves as JSON"
 

@@ -108,9 +108,9 @@ def test_the_shaft_that_a_speed_needs_is_told(capsys: pytest.CaptureFixture[str]
     ]
     needed = found.stiffness_for(speeds[0])
     assert f"needs at least {needed.stiffer:.6g} N·m/rad or at most {needed.softer:.6g}; the present 85" in inside
-    assert inside.endswith("stands in a forbidden band.")
-    assert near.endswith("stands too near a forbidden band.")
-    assert clear == "At 6000 rpm the present 85 N·m/rad keeps clear of every forbidden band."
+    assert inside.endswith("is in a forbidden band.")
+    assert near.endswith("is too near a forbidden band.")
+    assert clear == "At 6000 rpm the present 85 N·m/rad is outside every forbidden band."
 
 
 @pytest.mark.stress

@@ -14,7 +14,7 @@ from sampled import spread, stressed
 from core.__main__ import main
 from core.design import Design, edited, get, only
 from core.errors import KindynaError
-from core.find import ON_SHAFT, SEARCHES, WANTED, find, offered, offered_on_shaft
+from core.find import CAM_SEARCHES, SEARCHES, SHAFT_SEARCHES, available_searches, available_shaft_searches, find
 from core.project import load
 from core.study import Study, extremes_of, findings_of
 
@@ -33,8 +33,10 @@ def requests() -> Iterator[tuple[str, str, str]]:
     for path in sorted(EXAMPLES.glob("*.toml")):
         whole = example(path.stem)
         names = [drive.name or "" for drive in whole.drives]
-        yield from ((path.stem, name, what) for i, name in enumerate(names) for what in offered(only(whole, i)))
-        yield from ((path.stem, "", what) for what in offered_on_shaft(whole))
+        yield from (
+            (path.stem, name, what) for i, name in enumerate(names) for what in available_searches(only(whole, i))
+        )
+        yield from ((path.stem, "", what) for what in available_shaft_searches(whole))
     yield "transfer_unit", "", "balancer"
 
 
@@ -73,7 +75,7 @@ def new(before: Design, after: Design) -> dict[tuple[str, str], str]:
 
 def test_every_goal_is_sought_somewhere() -> None:
     sought = {what for _, _, what in requests()} | {"gear-ratio"}  # of a servo, which no example has: in test_servo
-    assert sought == SEARCHES.keys() == {*WANTED, *ON_SHAFT}
+    assert sought == SEARCHES.keys() == {*CAM_SEARCHES, *SHAFT_SEARCHES}
 
 
 @pytest.mark.parametrize(("name", "drive", "what"), spread(list(cases()), 4))
@@ -107,7 +109,7 @@ def test_a_spring_for_more_speed_keeps_the_follower_at_that_speed(rpm: float, wh
     force = extremes_of(Study(just), "dynamics", ("contact_force",))["contact_force"]
     assert 1e-11 < force.low.value / force.high.value < 1e-9, "kept, by more than rounding"
     usual = find(fast, what, {})
-    assert usual.serves
+    assert usual.is_valid
     assert usual.reasons["loads.least_contact_force_n"].startswith("2 % of the largest")
     assert usual.reasons["loads.least_contact_force_n"].endswith(f"up to {1.1 * rpm:.6g} rpm")
     for made in (just, usual.machine):
@@ -130,7 +132,7 @@ def test_the_speed_of_lift_off_is_a_fact_and_one_below_it_is_taken_over(name: st
     assert "separation" in [each.code for each in lost]
     taken = get(solution.machine, path)
     assert rpm * (1.0 - 1e-9) <= taken < rpm
-    assert dict(solution.taken) == {path: taken}
+    assert dict(solution.applied) == {path: taken}
     assert not new(design, solution.machine)
 
 
@@ -192,12 +194,12 @@ def test_a_base_circle_without_room_for_its_shaft_is_complained_of() -> None:
 @pytest.mark.parametrize("seed", range(RANDOM))
 def test_answers_for_random_designs_add_nothing_either(seed: int) -> None:
     design = random_design(np.random.default_rng([seed, 26]), *CASES[seed % len(CASES)])
-    goals = (*offered(design), *offered_on_shaft(design))
+    goals = (*available_searches(design), *available_shaft_searches(design))
     for what in {goals[seed % len(goals)], goals[(seed // len(goals) + 3) % len(goals)]}:
         try:
             solution = find(design, what, {})
         except KindynaError:
             continue
-        if solution.serves:
+        if solution.is_valid:
             added = new(design, solution.machine)
-            assert not added or (solution.besides and all(text.startswith("note: ") for text in added.values())), what
+            assert not added or (solution.notes and all(text.startswith("note: ") for text in added.values())), what

@@ -413,13 +413,13 @@ def test_a_cam_that_must_stay_evenly_driven_gets_its_flywheel() -> None:
     """The load has grown: the flywheel goes along as far as half of it more will do, and holds the answer beyond."""
     design = load(EXAMPLES / "conjugate.toml")
     more = find(design, "span", {})
-    (wheel,) = more.taken.values()
+    (wheel,) = more.applied.values()
     assert 0.5 < wheel <= 0.75
     assert more.machine.shaft is not None
     assert more.machine.shaft.flywheel_inertia_kg_m2 == wheel
     assert "speed-fluctuates" not in [f.code for f in findings_of(Study(more.machine))]
     held = find(load(EXAMPLES / "groove.toml"), "span", {})
-    assert "the speed fluctuates" in held.held_by[0]
+    assert "the speed fluctuates" in held.next_findings[0]
 
 
 def test_the_design_s_example_files_answer_with_a_curve(tmp_path: Path) -> None:
@@ -518,7 +518,7 @@ def test_contact_force_and_pressure_are_limits_of_a_search() -> None:
         ("roller-radius", "contact_force_n", "contact_force", 1.0, 300.0),
     ):
         solution = find(design, what, {key: limit, "pressure_angle_deg": 60.0})
-        assert solution.serves
+        assert solution.is_valid
         greatest = extremes_of(Study(solution.design), "dynamics", (quantity,))[quantity].high.value
         assert size * greatest == pytest.approx(limit, rel=1e-7), "just kept"
         assert solution.reached[key] == pytest.approx(limit, rel=1e-7)

@@ -40,7 +40,7 @@ def test_the_least_flywheel_of_a_motor_that_stalls_with_less() -> None:
     """Where so large a fluctuation is allowed that the motor would stall first, the answer is where it just runs."""
     wide = replace(LIFT, shaft=replace(LIFT.shaft, speed_fluctuation=1.9))
     solution = find(wide, "flywheel", {})
-    assert solution.serves
+    assert solution.is_valid
     assert 0.0 < solution.reached["shaft.speed_fluctuation"] <= 1.9
 
 
@@ -95,10 +95,10 @@ def test_a_flywheel_that_is_found_gives_the_fluctuation_that_is_allowed() -> Non
         study = Study(found.design)
         speed = study.camshaft.speed
         assert np.ptp(speed) / study.omega == pytest.approx(0.03, rel=1e-4)
-        assert found.serves
+        assert found.is_valid
     small = find(LIFT, "flywheel", {"shaft.flywheel_inertia_kg_m2_max": 100.0})
-    assert not small.serves
-    assert "it takes" in small.against[0]
+    assert not small.is_valid
+    assert "it requires" in small.violations[0]
 
 
 def pressure(rate: float, preload: float) -> float:
@@ -161,7 +161,7 @@ def test_a_limit_of_the_balance_cam_that_is_taken_away_holds_no_more() -> None:
     free = find(soft, "balancer", {"balancer.force_rise_min": None})
     assert "balancer.force_rise" in usual.limits
     assert "balancer.force_rise" not in free.limits
-    assert free.serves
+    assert free.is_valid
     assert free.answer[RATE] < 0.5 * usual.answer[RATE]
 
 
@@ -169,8 +169,8 @@ def test_a_limit_of_the_balance_cam_that_is_taken_away_holds_no_more() -> None:
 def test_with_a_bounded_rate_find_balancer_gives_the_least_preload_by_a_scan() -> None:
     wish = {FORCE: 2000.0, f"{RATE}_max": 60.0, "pressure_angle_deg": 25.0}
     stiff = find(UNIT, "balancer", wish)
-    assert not stiff.serves, "compressed by more than ten strokes"
-    assert stiff.against == ("its force grows by 0.08593 of the preload, limit 0.25: take a stiffer spring",)
+    assert not stiff.is_valid, "compressed by more than ten strokes"
+    assert stiff.violations == ("its force rises by 0.08593 of the preload, limit 0.25: use a stiffer spring",)
     found = find(UNIT, "balancer", {**wish, "balancer.force_rise_min": 0.0})
     assert dict(stiff.answer) == pytest.approx(dict(found.answer))
     rate, preload = found.answer[RATE], found.answer[PRELOAD]
@@ -182,8 +182,8 @@ def test_with_a_bounded_rate_find_balancer_gives_the_least_preload_by_a_scan() -
 
 def test_what_no_search_can_give_is_named() -> None:
     slack = find(UNIT, "balancer", {f"{RATE}_max": 1.0, f"{PRELOAD}_max": 3500.0})
-    assert not slack.serves
-    assert "pressure angle" in slack.against[0]
+    assert not slack.is_valid
+    assert "pressure angle" in slack.violations[0]
     with pytest.raises(KindynaError, match="find balancer: this design has one drive alone"):
         find(LIFT, "balancer", {})
     with pytest.raises(KindynaError, match="one drive alone"):

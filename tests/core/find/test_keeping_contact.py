@@ -81,7 +81,7 @@ def test_the_spring_found_keeps_the_force_at_every_angle_and_speed(name: str, rp
     design = load(EXAMPLES / f"{name}.toml")
     stated = {f"{FORCE}_min": 2.0, f"{SPEED}_max": rpm}
     solution = find(design, what, stated)
-    assert solution.serves
+    assert solution.is_valid
     ((path, value),) = solution.answer.items()
     dense = least_by_scan(solution.design, rpm)
     assert 2.0 - 1e-9 * value <= dense <= 2.0 + 0.02, "kept, and no more than it takes"
@@ -126,13 +126,13 @@ def test_the_worst_speed_may_be_standstill() -> None:
 def test_what_cannot_be_kept_is_refused_with_what_stands_against_it() -> None:
     design = load(EXAMPLES / "card_picker.toml")
     solution = find(design, "preload", {f"{FORCE}_min": 5.0, f"{SPEED}_max": 900.0, "loads.preload_n_max": 100.0})
-    assert not solution.serves
+    assert not solution.is_valid
     assert solution.answer["loads.preload_n"] == 100.0
     needed = find(design, "preload", {f"{FORCE}_min": 5.0, f"{SPEED}_max": 900.0}).answer["loads.preload_n"]
-    assert f"it takes loads.preload_n = {needed:.9g}" in solution.against[0]
+    assert f"it requires loads.preload_n = {needed:.9g}" in solution.violations[0]
     solution = find(design, "spring", {f"{FORCE}_min": 500.0, f"{SPEED}_max": 60.0})
-    assert not solution.serves
-    assert "where the motion is 0" in solution.against[0]
+    assert not solution.is_valid
+    assert "where the motion is 0" in solution.violations[0]
     assert solution.answer == {"loads.spring_rate_n_per_mm": design.drive.loads.spring_rate_n_per_mm}, (
         "none is better than the present one"
     )
@@ -159,7 +159,7 @@ def test_where_a_rate_serves_nothing_the_angle_is_one_where_it_adds_nothing() ->
     table = tomllib.loads((EXAMPLES / "rocker_cam.toml").read_text(encoding="utf-8"))
     table["loads"]["pair_friction"] = [{"pair": "pivot", "radius_mm": 8.0, "coefficient": 0.1}]
     design = from_table(table)
-    against = find(design, "spring", {f"{FORCE}_min": 400.0, f"{SPEED}_max": 1500.0}).against[0]
+    against = find(design, "spring", {f"{FORCE}_min": 400.0, f"{SPEED}_max": 1500.0}).violations[0]
     found = re.match(
         r"contact force (\S+) N at (\S+) deg, limit 400 N: the spring's rate adds nothing where the motion is 0",
         against,

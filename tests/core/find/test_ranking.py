@@ -13,7 +13,16 @@ from core.__main__ import main
 from core.blend import Request, blend
 from core.blend.best import with_blend
 from core.design import Design, edited
-from core.find import FIGURES, blend_candidates, figures_of, in_order, law_candidates, moving_segments, ranked, ranking
+from core.find import (
+    FIGURES,
+    blend_candidates,
+    law_candidates,
+    moving_segments,
+    ranking,
+    ranking_columns,
+    ranking_row,
+    sorted_rows,
+)
 from core.project import load
 from core.study import Study, extremes_of, undercut_on
 
@@ -56,7 +65,9 @@ def test_torque_and_contact_force_of_laws_are_those_of_their_closed_forms() -> N
     assert motion is not None
     reach = 1e-3 * (design.drive.cam.base_radius_mm + design.drive.cam.roller_radius_mm)
     numbers = moving_segments(design)
-    figures = [figure for figure in figures_of(design) if figure.key in ("peak_torque_nm", "least_contact_force_n")]
+    figures = [
+        figure for figure in ranking_columns(design) if figure.key in ("peak_torque_nm", "least_contact_force_n")
+    ]
     candidates = law_candidates(design, numbers)
     for slug, textbook in TEXTBOOK.items():
         u, torques, forces, low = np.linspace(0.0, 1.0, 20001), [], [preload], 0.0
@@ -69,14 +80,14 @@ def test_torque_and_contact_force_of_laws_are_those_of_their_closed_forms() -> N
             force = preload + rate * lift + mass * omega**2 * rise * a / span**2
             forces.append((force * np.hypot(1.0, speed / (reach + lift))).min())
             torques.append(np.abs(force * speed).max())
-        row = ranked(slug, candidates[slug], figures)
+        row = ranking_row(slug, candidates[slug], figures)
         assert row.figures == pytest.approx((max(torques), min(forces)), rel=1e-6), slug
         assert row.problem == ""
 
 
 def test_every_column_is_read_of_the_design_with_the_law() -> None:
     design = elastic_rocker()
-    figures = figures_of(design)
+    figures = ranking_columns(design)
     assert [figure.key for figure in figures] == [
         "peak_torque_nm",
         "residual_mm",
@@ -96,14 +107,14 @@ def test_every_column_is_read_of_the_design_with_the_law() -> None:
     assert rows["c3"].figures == (None,) * 4
     assert rows["c3"].problem == "c3 is a return"
     assert rows["c1"].problem.startswith("velocity jumps by ")
-    assert [row.name for row in in_order(list(rows.values()), 0)] == ["cycloidal", "c3", "c1"]
+    assert [row.name for row in sorted_rows(list(rows.values()), 0)] == ["cycloidal", "c3", "c1"]
 
 
 def test_a_law_whose_cam_would_be_undercut_says_so() -> None:
     design = edited(load(EXAMPLES / "tappet_flat.toml"), "cam.base_radius_mm", 10.0)
     candidates = law_candidates(design, moving_segments(design))
     rows = list(
-        ranking({slug: candidates[slug] for slug in ("cycloidal", "double-harmonic", "mcv66")}, figures_of(design))
+        ranking({slug: candidates[slug] for slug in ("cycloidal", "double-harmonic", "mcv66")}, ranking_columns(design))
     )
     taken = {row.name for row in rows if not row.problem}
     for row in rows:
@@ -116,12 +127,12 @@ def test_a_law_whose_cam_would_be_undercut_says_so() -> None:
 
 def test_an_elastic_shaft_winds_up_and_the_laws_are_sorted_by_it() -> None:
     design = load(EXAMPLES / "kim_1990.toml")
-    figures = figures_of(design)
+    figures = ranking_columns(design)
     candidates = law_candidates(design, moving_segments(design))
-    rows = [ranked(slug, candidates[slug], figures) for slug in ("cycloidal", "simple-harmonic", "cv2")]
+    rows = [ranking_row(slug, candidates[slug], figures) for slug in ("cycloidal", "simple-harmonic", "cv2")]
     column = [figure.key for figure in figures].index("wind_up_deg")
-    assert [row.name for row in in_order(rows, column)] == ["simple-harmonic", "cycloidal", "cv2"]
-    assert [row.name for row in in_order(rows, column, downwards=True)] == ["cycloidal", "simple-harmonic", "cv2"]
+    assert [row.name for row in sorted_rows(rows, column)] == ["simple-harmonic", "cycloidal", "cv2"]
+    assert [row.name for row in sorted_rows(rows, column, downwards=True)] == ["cycloidal", "simple-harmonic", "cv2"]
     wind_up = extremes_of(Study(candidates["cycloidal"]()), "stability")["wind_up"]
     largest = max(abs(wind_up.low.value), abs(wind_up.high.value))
     assert rows[0].figures[column] == pytest.approx(math.degrees(largest), rel=1e-9)
@@ -132,9 +143,9 @@ def test_blends_stand_beside_other_sequences_and_laws_for_their_strokes() -> Non
     blended = blend(Request("DRRD", 30.0, 60.0, 260.0, settings={"h1": 10.0, "h4": 12.0}))
     candidates = blend_candidates(blended, lambda other: with_blend(design, other))
     assert next(iter(candidates)) == "-".join(blended.curves)
-    figures = figures_of(design)
+    figures = ranking_columns(design)
     wanted = ("-".join(blended.curves), "P1-P2", "cycloidal")
-    rows = {name: ranked(name, candidates[name], figures) for name in wanted}
+    rows = {name: ranking_row(name, candidates[name], figures) for name in wanted}
     assert "settings" in rows["P1-P2"].problem
     instead = candidates["cycloidal"]().drive.motion
     assert instead is not None

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from sampled import stressed
 
-from core.find.goals import WANTED, bounded
-from core.find.offer import request
-from core.find.trial import Outcome, Trials
+from core.find.goals import CAM_SEARCHES, trial_values
+from core.find.offer import search_request
+from core.find.trial import Outcome, TrialDesigns
 from core.project import load
 from core.study.stages import clear_caches, evaluations
 
@@ -16,13 +16,13 @@ EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
 FORCES = {"contact_force_n": 5000.0}
 
 
-def _trials(name: str, what: str, stated: dict[str, float]) -> tuple[Trials, list[tuple[float, ...]]]:
-    design, row = load(EXAMPLES / f"{name}.toml"), WANTED[what]
-    wish = request(design, what, stated)
+def _trials(name: str, what: str, stated: dict[str, float]) -> tuple[TrialDesigns, list[tuple[float, ...]]]:
+    design, row = load(EXAMPLES / f"{name}.toml"), CAM_SEARCHES[what]
+    wish = search_request(design, what, stated)
     paths = row.fields(design, wish.bounds)
-    axes = [bounded(row.values(design, path), None, None)[:: 3 * len(paths)] for path in paths]
+    axes = [trial_values(row.values(design, path), None, None)[:: 3 * len(paths)] for path in paths]
     tried = [tuple(each) for each in np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, len(paths)).tolist()]
-    return Trials(design, paths, wish.limits, put=row.put), tried
+    return TrialDesigns(design, paths, wish.limits, put=row.put), tried
 
 
 def _same(one: Outcome, other: Outcome, slack: float) -> bool:

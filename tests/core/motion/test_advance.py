@@ -17,7 +17,7 @@ from core.design import Motion, NamedCurve, Segment, SplineCurve, SplinePoint, e
 from core.errors import DesignError, NoSuchStage
 from core.motion import findings, program
 from core.motion.curves import Indexer, indexer
-from core.output.channels import stops_of
+from core.output.channels import motion_stops
 from core.project import dumps, load, loads
 from core.study import Study
 
@@ -73,7 +73,7 @@ def test_a_linkage_stands_an_advance_further_on_in_each_turn(assembled: str) -> 
         turned = np.exp(1j * (later.bodies["link2"].turn[0] - first.bodies["link2"].turn[0]))
         assert np.abs(turned - np.exp(1j * np.deg2rad(on))).max() < 1e-12
         a, b = (later.bodies[body].points[name] for body, name in (("link2", "A"), ("link4", "B")))
-        a, b = (later.bodies[body].carried(at)[0] for body, at in (("link2", a), ("link4", b)))
+        a, b = (later.bodies[body].fixed_point(at)[0] for body, at in (("link2", a), ("link4", b)))
         assert np.abs(np.abs(b - a) - 0.090).max() < 1e-12
         assert ((b - a).conj() * (0.1 - a)).imag.max() < 0.0  # on the side where it was assembled
     assert turns_on(loads(DEFAULT_CAM + FOUR_BAR), 5) == loads(DEFAULT_CAM + FOUR_BAR)
@@ -211,10 +211,10 @@ def test_figures_of_a_turn_in_summary_and_report(tmp_path: Path, capsys: pytest.
 
 def test_stops_that_do_not_divide_the_turn_say_so() -> None:
     steps = tuple(Segment(90.0, rise, NamedCurve(law)) for rise, law in ((60.1, "3-4-5"), (0.0, "dwell")) * 2)
-    off = [each.error for each in stops_of(Motion(0.0, steps, "deg", 120.2))]
+    off = [each.error for each in motion_stops(Motion(0.0, steps, "deg", 120.2))]
     assert off == pytest.approx([0.0, 0.1, 0.2], abs=1e-12)
     whole = Motion(0.0, (Segment(90.0, 0.0), *steps[:1], Segment(180.0, 0.0)), "deg", 60.1)
-    assert [each.at_deg for each in stops_of(whole)] == [180.0, 540.0]  # a rest over 360 degrees is one
+    assert [each.at_deg for each in motion_stops(whole)] == [180.0, 540.0]  # a rest over 360 degrees is one
 
 
 def test_an_indexer_and_a_flying_shear_are_commands(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

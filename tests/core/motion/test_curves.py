@@ -34,7 +34,7 @@ from core.motion.split import split_segment
 from core.project import dumps, loads
 
 EPS = float(np.finfo(float).eps)
-SYMMETRIC = [slug for slug, law in LAWS.items() if law.symmetric]
+SYMMETRIC = [slug for slug, law in LAWS.items() if law.is_symmetric]
 Exact = Callable[[mpmath.mpf], mpmath.mpf]
 
 

@@ -87,44 +87,46 @@ def test_what_is_made_late_cannot_be_spoilt_either(design: object) -> None:
 def test_a_curve_of_a_link_makes_no_derivative_that_it_does_not_show() -> None:
     study = Study(LIFT, 24)
     _ = quantity("phi_velocity").value(study)
-    assert {name: each.made for name, each in study.linkage.coordinates.items() if each.made} == {"phi": (1,)}
+    assert {name: each.computed_orders for name, each in study.linkage.coordinates.items() if each.computed_orders} == {
+        "phi": (1,)
+    }
 
 
 def test_a_profile_makes_no_curvature_and_a_linkage_no_pose() -> None:
     study = Study(LIFT, 24)
     kinematics, shape = study.linkage, study.cam
-    assert kinematics.bodies["rod"].origin.made == kinematics.bodies["rod"].turn.made == ()
+    assert kinematics.bodies["rod"].origin.computed_orders == kinematics.bodies["rod"].turn.computed_orders == ()
     assert not isinstance(vars(kinematics)["residual"], np.ndarray)
     _ = shape.flank.profile
     assert isinstance(vars(shape.flank)["profile"], np.ndarray)
     assert not isinstance(vars(shape.flank)["pitch_curvature"], np.ndarray)
-    assert kinematics.follower.origin.made == (0, 1)
-    assert kinematics.follower.turn.made == ()  # the roller is carried by its arm, which turns as one
+    assert kinematics.follower.origin.computed_orders == (0, 1)
+    assert kinematics.follower.turn.computed_orders == ()  # the roller is carried by its arm, which turns as one
     _ = shape.flank.profile_curvature
     assert isinstance(vars(shape.flank)["profile_curvature"], np.ndarray)
-    assert kinematics.follower.origin.made == (0, 1, 2)
+    assert kinematics.follower.origin.computed_orders == (0, 1, 2)
     _ = shape.flank.pitch_curvature_slope
-    assert kinematics.follower.origin.made == (0, 1, 2, 3)
+    assert kinematics.follower.origin.computed_orders == (0, 1, 2, 3)
 
 
 def test_a_linkage_makes_no_derivative_that_nobody_reads() -> None:
     """Of a general linkage, too: where the links are, then velocities, then accelerations."""
     driver_ranges = driver_ranges_of(four_bar(100.0, 30.0, 90.0, 70.0).drive.linkage)
     rocker = driver_ranges.solve(at_driver(np.linspace(0.1, 6.0, 24))).poses[4]
-    assert rocker.turn.made == ()
+    assert rocker.turn.computed_orders == ()
     for order in range(3):
-        _ = rocker.carried(0.07)[order]
-        assert rocker.spin.made == tuple(range(order + 1))
-        assert 0 not in rocker.turn.made, "the angle itself is not needed"
+        _ = rocker.fixed_point(0.07)[order]
+        assert rocker.spin.computed_orders == tuple(range(order + 1))
+        assert 0 not in rocker.turn.computed_orders, "the angle itself is not needed"
 
 
 def test_forces_ask_for_no_jerk() -> None:
     there = Study(LIFT).at_theta(np.linspace(0.1, 6.0, 24))
-    assert there.motion.displacement.made == ()
+    assert there.motion.displacement.computed_orders == ()
     _ = there.dynamics.torque
-    assert there.motion.displacement.made == (0, 1, 2)
-    assert there.linkage.follower.turn.made == (2,)
-    assert there.linkage.follower.spin.made == (0, 1, 2)
+    assert there.motion.displacement.computed_orders == (0, 1, 2)
+    assert there.linkage.follower.turn.computed_orders == (2,)
+    assert there.linkage.follower.spin.computed_orders == (0, 1, 2)
 
 
 @pytest.mark.parametrize("make", [

@@ -15,7 +15,7 @@ from sampled import spread
 from core import project
 from core.__main__ import main
 from core.design import Design
-from core.output.compare import Comparison, as_csv, as_rows, compared, side_of
+from core.output.compare import Comparison, compare_designs, compared_design, comparison_csv, comparison_data
 from core.study import Study
 
 EXAMPLES = {path.stem: path for path in sorted((Path(__file__).parents[3] / "resources" / "examples").glob("*.toml"))}
@@ -28,7 +28,7 @@ def saved(folder: Path, name: str, design: Design) -> str:
 
 
 def held(one: Design, other: Design) -> Comparison:
-    return compared(side_of(Study(one)), side_of(Study(other)))
+    return compare_designs(compared_design(Study(one)), compared_design(Study(other)))
 
 
 def said(*words: str) -> str:
@@ -106,9 +106,9 @@ PAIRS = [
 
 @pytest.mark.parametrize("names", spread(PAIRS, 1))
 def test_any_two_examples_are_compared_by_what_both_have(names: list[str]) -> None:
-    sides = [side_of(Study(project.load(EXAMPLES[name]))) for name in names]
+    sides = [compared_design(Study(project.load(EXAMPLES[name]))) for name in names]
     for one, other in combinations(sides, 2):
-        rows, back = as_rows(compared(one, other)), as_rows(compared(other, one))
+        rows, back = comparison_data(compare_designs(one, other)), comparison_data(compare_designs(other, one))
         assert {row["path"] for row in rows["inputs"]} == {row["path"] for row in back["inputs"]} != set()
         changes = {(row["quantity"], row["of"]): row["change"] for row in rows["results"]}
         for row in back["results"]:
@@ -121,7 +121,7 @@ def test_the_table_holds_inputs_results_and_findings_and_the_page_stands_alone(t
     said(*files, "--out", str(tmp_path / "c.csv"))
     said(*files, "--out", str(tmp_path / "c.html"))
     text = (tmp_path / "c.csv").read_text("utf-8")
-    assert text == as_csv(held(*(project.load(Path(file)) for file in files)))
+    assert text == comparison_csv(held(*(project.load(Path(file)) for file in files)))
     table = list(csv.DictReader(io.StringIO(text)))
     assert {
         "what": "input",

@@ -16,7 +16,7 @@ from sampled import spread
 from core.__main__ import main
 from core.design import Balancer, edited, entries, put
 from core.laws import LAWS
-from core.output.export import OF_SHAFT
+from core.output.export import SHAFT_QUANTITIES
 from core.output.report import report
 from core.output.report.document import PARTS, document, html, inline_svg
 from core.output.report.equations import equations, equations_of
@@ -172,7 +172,7 @@ def test_the_whole_and_each_drive_of_a_shaft(unit: Study) -> None:
     for number, (name, each) in enumerate(unit.drives.items()):
         tables = (read.table(slug, number).rows.items() for slug in ("main", "extremes"))
         own = {key: numbers for rows in tables for key, (_, numbers) in rows if numbers}
-        figures_of_it = summary(each, each.stages, OF_SHAFT)["extremes"]
+        figures_of_it = summary(each, each.stages, SHAFT_QUANTITIES)["extremes"]
         assert own == {
             slug: ends(row) for slug, row in figures_of_it.items() if slug not in ("pressure_angle_deg", "speed_rpm")
         }
@@ -266,6 +266,7 @@ def test_every_equation_is_mathml_of_its_line() -> None:
         assert row.where, row.name
         for line, typeset in zip(row.lines, row.mathml, strict=True):
             root = ElementTree.fromstring(typeset)
+            assert root.get("alttext") == line
             letters = re.sub(r"[^A-Za-zα-ω]", "", "".join(root.itertext()))
             assert sorted(letters) == sorted(re.sub(r"[^A-Za-zα-ω]", "", unicodedata.normalize("NFD", line))), line
 

@@ -873,7 +873,7 @@ def test_what_may_follow_a_step_of_the_sequence(ask: Ask) -> None:
     wizard.click(page.steps[2])
     rows = {row.cells[0]: row for row in page.table.rows.rows}
     assert rows["P2"].cells[1:] == ("+, 0", "0, 0", "−, 0", "May follow H2")
-    assert rows["H6"].cells[-1] == "May follow H2, but not at this place of DRRD"
+    assert rows["H6"].cells[-1] == "May follow H2, but not at this position of DRRD"
     assert rows["C4"].cells[-1] == "Velocity would jump from rest to falling"
     assert {name for name, row in rows.items() if row.colour == LIGHT.good} == {"H3", "P2"}
     assert page.verdict.text().endswith("May follow: <b>H3, H6, P2</b>")
@@ -890,7 +890,7 @@ def test_what_may_follow_a_step_of_the_sequence(ask: Ask) -> None:
     assert page.curve == "H1"
     wizard.click(page.steps[-1])
     turn = {row.cells[0]: row.cells[-1] for row in page.table.rows.rows}
-    assert (turn["H1"], turn["H5"]) == ("May follow H4", "May follow H4, but not at this place of RRR"), (
+    assert (turn["H1"], turn["H5"]) == ("May follow H4", "May follow H4, but not at this position of RRR"), (
         "the next turn begins"
     )
 

@@ -17,7 +17,7 @@ from window_user import Open, User, end_pauses, pixel, settle, wait_for
 
 from core.design import drive_names, only, phase_room
 from core.design.limits import Waviness
-from core.output.export import Film, streams, texts
+from core.output.export import Film, as_texts, file_parts
 from core.project import load
 from core.study import Study
 from core.study.stages import memory
@@ -449,7 +449,7 @@ def test_tables_of_the_shaft_and_the_profile_of_the_chosen_drive(
     out = tmp_path / "out"
     monkeypatch.setattr(export_dialogs, "tables_wanted", lambda *_: TablesWanted(out, 72))
     unit.choose("File", "Export", "Tables...")
-    wanted = texts(streams(Study(load(UNIT), 72)))
+    wanted = as_texts(file_parts(Study(load(UNIT), 72)))
     assert {name: (out / name).read_text("utf-8") for name in wanted} == wanted
     assert unit.faults == []
     click_drive(unit, 2)

@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QPushButton
 from window_user import Open, User, end_pauses, settle, wait_for
 
 from core.design import edited, get
-from core.find import WANTED, find
+from core.find import CAM_SEARCHES, find
 from core.project import load
 from kindyna_gui.find import FindView
 from kindyna_gui.pictures.style import LIGHT
@@ -78,7 +78,7 @@ def test_the_answer_is_the_cores_and_is_taken_over_as_one_step(open_user: Open) 
     held = ("preload", "spring", "lift-off-speed")
     titles = [view.what.itemText(i) for i in range(view.what.count())]
     assert titles == [
-        *(WANTED[what].title for what in ("base-radius", "offset", "roller-radius", "span", *held)),
+        *(CAM_SEARCHES[what].title for what in ("base-radius", "offset", "roller-radius", "span", *held)),
         "Least flywheel",
     ]
     type_limit(view, RETURN, "2*11 + 3")
@@ -207,7 +207,7 @@ def test_where_no_value_serves_the_best_is_shown_with_what_stands_against_it(ope
     rested(view)
     assert "cam.base_radius_mm_min" in view.limits.boxes, "of 24 mm, which leaves nothing: what is typed holds"
     solution = find(user.design, "base-radius", {RISE: 10.0, "cam.base_radius_mm_max": 20.0})
-    assert not solution.serves
+    assert not solution.is_valid
     text = text_of(view)
     assert text.startswith("No value serves. The best that there is:\nBase radius")
     assert "Against it: Pressure angle" in text

@@ -7,7 +7,7 @@ from PySide6.QtWidgets import QWidget
 from window_user import Open, User, settle, wait_for
 
 from core.design import edited
-from core.find import blend_candidates, figures_of, law_candidates, moving_segments, ranked
+from core.find import blend_candidates, law_candidates, moving_segments, ranking_columns, ranking_row
 from core.laws import LAWS
 from core.project import load
 from core.study.stages import evaluations
@@ -90,10 +90,10 @@ def test_laws_are_ranked_in_the_design_while_it_is_asked_for(open_user: Open) ->
     rested(panel)
     candidates = law_candidates(user.design, (1,))
     assert evaluations["ranking"] - before == len(candidates) == len(names(panel))
-    figures = figures_of(user.design)
+    figures = ranking_columns(user.design)
     assert [figure.key for figure in panel.figures] == ["peak_torque_nm", "residual_mm", "least_contact_force_n"]
     for slug, label in (("modified-sine", "Modified sine  ◂ now"), ("5-6-7-8-9", "Polynomial 5-6-7-8-9")):
-        wanted = ranked(slug, candidates[slug], figures).figures
+        wanted = ranking_row(slug, candidates[slug], figures).figures
         at = names(panel).index(label)
         assert [column(panel, i)[at] for i in (1, 2, 3)] == [digits(value, 4) for value in wanted if value is not None]
     torques = numbers(panel, 1)
@@ -121,7 +121,7 @@ def test_laws_are_ranked_in_the_design_while_it_is_asked_for(open_user: Open) ->
     click(view.all_button)
     rested(panel)
     candidates = law_candidates(user.design, moving_segments(user.design))
-    wanted = ranked("cycloidal", candidates["cycloidal"], figures).figures
+    wanted = ranking_row("cycloidal", candidates["cycloidal"], figures).figures
     assert column(panel, 2)[names(panel).index("Cycloidal")] == digits(wanted[1] or 0.0, 4)
 
     click(view.rank_button)
@@ -169,8 +169,8 @@ def test_blends_are_ranked_in_the_wizard(open_user: Open) -> None:
     assert evaluations["ranking"] > before
     where = next(name for name, button in dialog.places.items() if button.isChecked())
     candidates = blend_candidates(dialog.blended, lambda other: PLACES[where](user.design, other))
-    figures = figures_of(user.design)
-    wanted = ranked(own, candidates[own], figures).figures
+    figures = ranking_columns(user.design)
+    wanted = ranking_row(own, candidates[own], figures).figures
     at = names(dialog.ranking).index(f"{own}  ◂ this blend")
     assert [column(dialog.ranking, i + 1)[at] for i in range(len(wanted))] == [
         digits(value or 0.0, 4) for value in wanted

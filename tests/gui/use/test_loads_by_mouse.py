@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QMenu, QStyle, QStyleOptionSpinBox, QWidget
 from window_user import Open, User, pixel, plain, settle, wait_for
 
 from core.design import Attachment, get
-from core.output.load_text import held_text
+from core.output.load_text import attachment_text
 from core.project import dumps, loads
 from core.study import Study
 from kindyna_gui.documents.edits import SAMPLES
@@ -168,7 +168,7 @@ def test_escape_adds_nothing_and_pick_attaches_elsewhere(same_window: Open) -> N
     click_at(user, complex(5.0, -5.0))  # the first end is on the ground already
     assert "Nothing there" in user.window.status.currentMessage()
     click_at(user, point(user, "C"))
-    assert held_text(user.design, user.design.drive.loads.springs[0].to) == "C of link 3"
+    assert attachment_text(user.design, user.design.drive.loads.springs[0].to) == "C of link 3"
     assert user.steps[-1] == "Spring 1: second end C of link 3"
 
 
