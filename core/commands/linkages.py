@@ -21,16 +21,16 @@ from core.linkage_programs.design import UNITS, decoded
 from core.mechanism.drivers import Circuit, circuits, with_drawn_pose, with_signs
 from core.output.lines import printable
 from core.output.position import (
-    DRAWN,
+    WRITERS,
     Layers,
     LayerShapes,
     centres_data,
     curves_file,
-    ghost_layers,
-    part_layers,
-    part_table,
+    path_csv,
+    path_layers,
     point_curves,
     pose_file,
+    repeated_pose_layers,
     snapshot,
 )
 from core.output.summary import to_json
@@ -139,7 +139,7 @@ class CurvesArguments:
 
     design: Path = design_file()
     drive: str = drive_name()
-    out: Path = text_option("file to write", type=ending_with("curves", ".csv", *DRAWN), metavar="FILE.csv|.dxf|.svg")
+    out: Path = text_option("file to write", type=ending_with("curves", ".csv", *WRITERS), metavar="FILE.csv|.dxf|.svg")
     points: tuple[str, ...] = text_option(
         "of these points only", default=(), default_text="all that move", nargs="+", metavar="NAME"
     )
@@ -163,11 +163,11 @@ def run_curves(arguments: CurvesArguments, painter: Painter | None) -> int:
 
 def _of_part(study: Study, out: Path) -> int:
     ending = out.suffix.lower()
-    if ending in DRAWN:
+    if ending in WRITERS:
         comment = f"{study.design.name}: path of the part that is carried, isometric, mm"
-        write(out, DRAWN[ending]((comment,), part_layers(study)))
+        write(out, WRITERS[ending]((comment,), path_layers(study)))
     else:
-        write(out, part_table(study))
+        write(out, path_csv(study))
     print(out)
     return DONE
 
@@ -188,13 +188,13 @@ class PoseArguments:
     underlay: bool = option(
         flag("Underlay", help="with the lines of the DXF that lies under the drawing of the design")
     )
-    out: Path = text_option("file to write", type=ending_with("a drawing", *DRAWN), metavar="FILE.dxf|.svg")
+    out: Path = text_option("file to write", type=ending_with("a drawing", *WRITERS), metavar="FILE.dxf|.svg")
 
 
 def run_pose(arguments: PoseArguments, painter: Painter | None) -> int:
     """The drawing, a layer a link."""
     study = Study(load_one(arguments.design, arguments.drive))
-    more = dict(ghost_layers(study, arguments.every_deg)) if arguments.every_deg else {}
+    more = dict(repeated_pose_layers(study, arguments.every_deg)) if arguments.every_deg else {}
     if arguments.underlay:
         more |= _underlay(arguments.design)
     theta = float(np.deg2rad(arguments.angle_deg))

@@ -63,7 +63,7 @@ def fitted(contour: Contour, design: Design) -> MeasuredMotion:
         _require_convex(contour, support - dot(n, z), z)
         z, reach = z + (support - dot(n, z)) * n, float(support.min())
         turned = row.angle(z, n)
-        place = row.place(n * np.exp(1j * turned), z * np.exp(1j * turned))
+        place = row.driver(n * np.exp(1j * turned), z * np.exp(1j * turned))
     else:
         centres = z + face.radius_mm * n
         from scipy.spatial import cKDTree
@@ -73,7 +73,7 @@ def fitted(contour: Contour, design: Design) -> MeasuredMotion:
         centres = centres[touched]
         reach = float(np.abs(centres).min())
         turned = row.angle(centres)
-        place = row.place(centres * np.exp(1j * turned))
+        place = row.driver(centres * np.exp(1j * turned))
     if np.isnan(turned).any() or np.isnan(place).any():
         raise DrawingError(
             f"{contour.name}: the {face.noun} cannot reach all of the curve; change the follower's lengths"

@@ -301,7 +301,7 @@ def test_a_speed_too_low_to_be_answered_is_refused_in_one_line(
 def test_claims_are_about_kims_cam_only(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = saved(tmp_path, with_elastic(KIM, spring_factor=1.6))
     assert main(["stability", str(path), "--claims"]) == 2
-    assert "take the example kim_1990.toml" in capsys.readouterr().err
+    assert "use the example kim_1990.toml" in capsys.readouterr().err
     assert coefficients(KIM).q == pytest.approx(0.05)
 
 
