@@ -205,12 +205,12 @@ def run_pose(arguments: PoseArguments, painter: Painter | None) -> int:
 
 def _underlay(design: Path) -> Layers:
     """The lines of the DXF under a design; none where it is missing, or a picture, which is said. Raises FileError of its placement."""
-    from core.contour.underlay import ENDINGS, PICTURES, read_lines, read_underlay, sidecar
+    from core.contour.underlay import ENDINGS, IMAGES, read_lines, read_underlay, sidecar
 
     underlay = read_underlay(design)
     if underlay is None:
         print(f"underlay: there is no {sidecar(design).name}; Underlay in the window places one", file=sys.stderr)
-    elif underlay.file.suffix.lower() in PICTURES:
+    elif underlay.file.suffix.lower() in IMAGES:
         print(
             f"underlay: {underlay.file.name} is a picture, left out; of {' | '.join(ENDINGS)} a DXF has lines",
             file=sys.stderr,
@@ -221,7 +221,7 @@ def _underlay(design: Path) -> Layers:
         except KindynaError as error:
             print(f"underlay: left out: {error}", file=sys.stderr)
         else:
-            return {"UNDERLAY": LayerShapes(tuple((underlay.placed(z), False) for z in drawn.lines))}
+            return {"UNDERLAY": LayerShapes(tuple((underlay.to_plane(z), False) for z in drawn.lines))}
     return {}
 
 

@@ -344,8 +344,9 @@ def number_of_finding(study: Study, finding: Finding) -> str:
 
 
 def number_of_residual(study: Study, name: str) -> str:
-    """Name of a number that a residual proves; empty where it is not explained. Of several drives the residual's name begins with the
-    drive.
+    """Name of a number that a residual proves; empty where it is not explained.
+
+    With several drives the residual's name begins with its drive.
     """
     residual = name.rpartition(".")[2]
     return _first(study, next((names for end, names in RESIDUAL_NUMBERS.items() if residual.endswith(end)), ()))

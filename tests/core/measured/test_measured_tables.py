@@ -534,7 +534,8 @@ def test_velocities_and_accelerations_have_their_offset_taken_off() -> None:
             gained = ("0.72 mm,", "0.108 mm/deg,")[order - 1]
             assert any(f"over a turn the table gains {gained}" in note for note in notes(found)), notes(found)
             assert any(
-                "does not determine the position of the follower; its lowest position is 0 mm" in n for n in notes(found)
+                "does not determine the position of the follower; its lowest position is 0 mm" in n
+                for n in notes(found)
             )
 
 
@@ -615,7 +616,9 @@ def test_rows_that_repeat_an_angle_and_disagree_are_told() -> None:
     values = moved(angles)
     values[-2] += 0.5
     found = spline(taken(written(angles, values)), 0.01, keep_all=True)
-    assert any("the table does not close: a turn later, the deviation of line 74 is 0.5 mm" in note for note in notes(found))
+    assert any(
+        "the table does not close: a turn later, the deviation of line 74 is 0.5 mm" in note for note in notes(found)
+    )
     assert found.rms == pytest.approx(0.5 / math.sqrt(2 * angles.size), rel=0.01)
     assert any("rows that repeat a cam angle leave 0.04" in note for note in notes(found))
 
