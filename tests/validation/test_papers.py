@@ -205,7 +205,10 @@ def test_numbers_from_outside() -> None:
     assert (picker["end"], picker["end_carried"]) == (pytest.approx(216.0 / 41.0, rel=1e-14), 5.27)
     assert at("yang", "§3.2, 3)").numbers["h3"] == pytest.approx(0.5707, abs=5e-5)
     coupler = at("velocity", "p. 11, link 3").numbers
-    assert (coupler["required"], coupler["rocker"]) == (pytest.approx(6.897436, abs=5e-7), pytest.approx(59.946, abs=5e-4))
+    assert (coupler["required"], coupler["rocker"]) == (
+        pytest.approx(6.897436, abs=5e-7),
+        pytest.approx(59.946, abs=5e-4),
+    )
     psi = at("kim1990", "(22)").numbers
     assert (psi["printed"], psi["trace"], psi["trace_as_printed"]) == pytest.approx((3.75, 2.0036, 1.925), abs=2e-4)
     assert (at("kim1990", "(5)").numbers["needed"], at("kim1990", "(5)").numbers["factor"]) == pytest.approx(
