@@ -226,7 +226,6 @@ UNDOCUMENTED: tuple[str, ...] = (
     "core/design/",
     "core/instant_centres/",
     "core/linkage_programs/",
-    "core/output/report/",
     "core/project/",
     "core/study/",
     "core/varying/",
