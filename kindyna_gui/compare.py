@@ -158,7 +158,7 @@ def _in_words(quantity: str, labels: Mapping[str, str]) -> str:
 # -- explain view ----------------------------------------------------------------------------------------
 
 EXPLAIN_HEADINGS = (
-    TableHeading("Letter"),
+    TableHeading("Symbol"),
     TableHeading("Value", number=True),
     TableHeading("Unit"),
     TableHeading("What it is", wide=True),

@@ -30,7 +30,7 @@ from core.output.controllers.rows import controllers
 from core.output.export import FORMATS, Film, file_names
 from core.output.files.cam_drawing import drawing
 from core.output.files.sheet import DrawingRequest
-from core.output.handover import HandoverFile, HandoverRequest, drives_of
+from core.output.handover import HandoverFile, HandoverRequest, drive_folders
 from core.output.report.document import PAPERS, PARTS, Cover, document
 from core.requests import build_request, command_words
 from core.study import Study
@@ -157,7 +157,7 @@ def painted(
     files = [HandoverFile("report.pdf", "the whole report", report)]
     left_out = [("logo", made.lacking)] if made.lacking else []
     title = {name: getattr(request, name) for name in ("author", "company", "logo", "date")}
-    for folder, name, each in drives_of(study):
+    for folder, name, each in drive_folders(study):
         if "cam" not in each.stages:
             continue
         of = f" of {name}" if name else ""

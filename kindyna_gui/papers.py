@@ -23,7 +23,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from core.output.stability_files import counted, table_text
+from core.output.stability_files import table_text, verdict_counts
 from core.papers import PAPERS, VERDICTS, Claim, Drawing, Examples, claims
 from core.papers.claim import (
     AGREES,
@@ -240,7 +240,7 @@ class FiguresWindow(QWidget):
     def _count(self, paper: str) -> None:
         """How many there are of each verdict, below the name of the paper."""
         known = [claim for claim in self._judged if claim.paper == paper and self._judged[claim] in VERDICTS]
-        words = ", ".join(f"{verdict} {count}" for verdict, count in counted(known))
+        words = ", ".join(f"{verdict} {count}" for verdict, count in verdict_counts(known))
         self._tops[paper].setText(0, f"{PAPERS[paper].label}\n{words or COMPUTING}")
 
     def _show_words(self, heading: str, says: str, here: str = "", verdict: str = "") -> None:

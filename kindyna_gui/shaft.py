@@ -15,7 +15,7 @@ from PySide6.QtWidgets import QProgressBar, QSplitter, QWidget
 from core.design import UNITS
 from core.errors import KindynaError, NoSolution
 from core.numerics.lazy import Cancelled
-from core.output.subject_files import SERVO, Asked, asked, field_plot, torque_figure
+from core.output.subject_files import SERVO, DriveEffort, drive_efforts, field_plot, torque_figure
 from core.shaft import AgainstSpeed, LoadCurve, peaks, rms
 from core.study import Camshaft, Study
 from core.study.drive_forces import ServoTurn, has_servo, servo_part, servo_turn
@@ -77,7 +77,7 @@ class ServoView(View):
         if not has_servo(study.design):
             raise NotHere(NO_SERVO)
         study.require_load()
-        found, turn = asked(study), servo_turn(study)
+        found, turn = drive_efforts(study), servo_turn(study)
         plots = torque_figure(study, found).plots
         self.force.setVisible(len(plots) > 1)
         for widget, plot in zip((self.torque, self.force), plots, strict=False):
@@ -103,11 +103,11 @@ def _energies(given: float, braked: float) -> tuple[str, str, str]:
     return digits(given), digits(braked), digits(net if abs(net) > ROUNDING * given else 0.0)
 
 
-def _rows(study: Study, found: tuple[Asked, ...], turn: ServoTurn) -> list[TableRow]:
+def _rows(study: Study, found: tuple[DriveEffort, ...], turn: ServoTurn) -> list[TableRow]:
     """Each way, then the segments of the motion by the servo, then the ratio of inertias."""
     rows = []
     for each in found:
-        tip = KEPT if each.way != SERVO or servo_part(study).regenerates else LOST
+        tip = KEPT if each.drive != SERVO or servo_part(study).regenerates else LOST
         cells = f"{each.label}, {each.unit}", *map(digits, (each.rms, each.peak)), digits(each.peak_deg, 4)
         energies = _energies(each.given, each.braked)
         rows.append(TableRow((*cells, digits(each.peak_power), *energies), tip=tip))

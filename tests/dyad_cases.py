@@ -128,7 +128,7 @@ class DyadCase:
             bodies[link] = Pose.of(z[:, None], angle[:, None].copy())
         found = DYADS[self.kind](bodies, self.joints(), float(self.side)).poses
         which, held = self.where
-        joint = found[which].carried(self.pins[held][0]).all[:, 0]
+        joint = found[which].fixed_point(self.pins[held][0]).all[:, 0]
         rates = [complex(pose.angle[k, 0]) for pose in found for k in (1, 2, 3)]
         headings = [complex(math.cos(pose.angle[0, 0]), math.sin(pose.angle[0, 0])) for pose in found]
         return [*rates, *headings, *map(complex, joint)]

@@ -223,19 +223,11 @@ def test_files_that_are_named_to_a_reader_are_there(page: str) -> None:
 
 UNDOCUMENTED: tuple[str, ...] = (
     "core/commands/",
-    "core/contour/",
     "core/design/",
-    "core/followers/",
     "core/instant_centres/",
     "core/linkage_programs/",
     "core/measured/",
-    "core/mechanism/",
-    "core/output/",
-    "core/output/explain/",
-    "core/output/report/",
-    "core/papers/",
     "core/project/",
-    "core/shaft/",
     "core/study/",
     "core/varying/",
 )

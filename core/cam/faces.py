@@ -122,7 +122,7 @@ def _travel(kinematics: Kinematics, contact: np.ndarray) -> np.ndarray:
     """Direction (n,) of the velocity of the follower's point at the contact: about its pivot, or along its guide."""
     pair = kinematics.pairs[kinematics.ground]
     if pair.kind == REVOLUTE:
-        return 1j * (contact - kinematics.bodies[pair.body].place(pair.point))
+        return 1j * (contact - kinematics.bodies[pair.body].position(pair.point))
     return kinematics.line(pair)
 
 

@@ -75,10 +75,10 @@ def second_kinematics(kinematics: Kinematics, carrier: str, point: str) -> Kinem
     """The same mechanism for a cam that acts on another point, of the body ``carrier``."""
     body = kinematics.bodies[carrier]
     local = body.points[point]
-    pose = Pose(body.carried(local), body.turn, MappingProxyType({point: 0j}), lambda: body.unit)
+    pose = Pose(body.fixed_point(local), body.turn, MappingProxyType({point: 0j}), lambda: body.unit)
 
     def travel() -> np.ndarray:
-        path = kinematics.by_driver[carrier].carried(local)[1]
+        path = kinematics.by_driver[carrier].fixed_point(local)[1]
         return np.asarray(path / np.abs(path))
 
     bodies = {

@@ -31,15 +31,15 @@ from core.output.lines import finding_line, printable
 from core.output.subject_files import (
     CONTACT_SPEEDS,
     SPECTRUM_SPEEDS,
+    contact_force_map,
+    contact_map_csv,
+    elastic_figures,
     elastic_lines,
-    elastic_rows,
     flight_lines,
     lift_off_lines,
-    map_csv,
-    map_of,
     spectrum_csv,
+    spectrum_speeds,
     spectrum_table,
-    speeds_of,
 )
 from core.output.summary import to_json
 from core.project import load_one
@@ -80,8 +80,8 @@ def run_contact(arguments: ContactArguments, painter: Painter | None) -> int:
         lines += ["", *flight_lines(study, study.flights(arguments.turns))]
     if arguments.out is not None:
         theta = np.deg2rad(degrees(arguments.samples))
-        found = map_of(study, theta, arguments.rpm, arguments.speeds)
-        write_all(arguments.out.parent, {arguments.out.name: map_csv(found)})
+        found = contact_force_map(study, theta, arguments.rpm, arguments.speeds)
+        write_all(arguments.out.parent, {arguments.out.name: contact_map_csv(found)})
     print("\n".join(lines))
     return DONE
 
@@ -224,12 +224,12 @@ def run_vibration(arguments: VibrationArguments, painter: Painter | None) -> int
     low, high = arguments.speeds or (None, None)
     found = None
     if arguments.out is not None or arguments.json:
-        found = study.vibration(speeds_of(study, low, high, arguments.count))
+        found = study.vibration(spectrum_speeds(study, low, high, arguments.count))
     if arguments.out is not None and found is not None:
         write_all(arguments.out.parent, {arguments.out.name: spectrum_csv(study, found)})
     if arguments.json and found is not None:
         table = {name: column.tolist() for name, column in spectrum_table(study, found).items()}
-        print(to_json({**elastic_rows(study), "spectrum": table}), end="")
+        print(to_json({**elastic_figures(study), "spectrum": table}), end="")
     else:
         print("\n".join(elastic_lines(study)))
     return DONE

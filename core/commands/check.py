@@ -17,7 +17,7 @@ from core.project.files import read_text
 from core.study import certificate_of, findings_of
 
 if TYPE_CHECKING:  # few designs lack anything
-    from core.mechanism.unfinished import Unfinished
+    from core.mechanism.unfinished import Mobility
 
 
 @frozen(kw_only=True)
@@ -55,7 +55,7 @@ def _finished(path: Path) -> Design:
         raise DesignError([Fault("linkage", MISSING, sentence) for sentence in lack.sentences]) from None
 
 
-def _lack(text: str, source: str, error: DesignError) -> Unfinished | None:
+def _lack(text: str, source: str, error: DesignError) -> Mobility | None:
     """What a linkage in a text lacks, where it has no other faults."""
     try:
         drawn = loads(text, source, unfinished=True)
@@ -63,7 +63,7 @@ def _lack(text: str, source: str, error: DesignError) -> Unfinished | None:
         return None
     if drawn.listed or not only_unfinished(drawn.drive, error.faults) or not drawn.drive.links:
         return None
-    from core.mechanism.unfinished import unfinished
+    from core.mechanism.unfinished import mobility
 
-    lack = unfinished(drawn.drive.linkage)
+    lack = mobility(drawn.drive.linkage)
     return lack if lack.sentences else None

@@ -18,19 +18,19 @@ from core.errors import KindynaError
 from core.frozen import frozen
 from core.linkage_programs import FORMATS, Made, read_linkage
 from core.linkage_programs.design import UNITS, decoded
-from core.mechanism.drivers import Circuit, circuits, redrawn, with_signs
+from core.mechanism.drivers import Circuit, circuits, with_drawn_pose, with_signs
 from core.output.lines import printable
 from core.output.position import (
-    DRAWN,
+    WRITERS,
     Layers,
     LayerShapes,
     centres_data,
     curves_file,
-    ghost_layers,
-    part_layers,
-    part_table,
+    path_csv,
+    path_layers,
     point_curves,
     pose_file,
+    repeated_pose_layers,
     snapshot,
 )
 from core.output.summary import to_json
@@ -113,14 +113,14 @@ def _as(circuit: Circuit, told: str) -> Design:
     return (
         design
         if design.drive.linkage.drawn is not None
-        else redrawn(design, Study(design).at_theta(np.zeros(1)).linkage)
+        else with_drawn_pose(design, Study(design).at_theta(np.zeros(1)).linkage)
     )
 
 
 def _row(design: Design, number: int, circuit: Circuit) -> dict[str, object]:
     turns = driver_turns(design.drive.linkage)
     ends = [float(np.rad2deg(end)) if turns else 1e3 * end for end in (circuit.range.low, circuit.range.high)]
-    return {"number": number, "here": circuit.here, "driver_deg" if turns else "driver_mm": ends}
+    return {"number": number, "here": circuit.is_current, "driver_deg" if turns else "driver_mm": ends}
 
 
 def _line(row: dict[str, object]) -> str:
@@ -139,7 +139,7 @@ class CurvesArguments:
 
     design: Path = design_file()
     drive: str = drive_name()
-    out: Path = text_option("file to write", type=ending_with("curves", ".csv", *DRAWN), metavar="FILE.csv|.dxf|.svg")
+    out: Path = text_option("file to write", type=ending_with("curves", ".csv", *WRITERS), metavar="FILE.csv|.dxf|.svg")
     points: tuple[str, ...] = text_option(
         "of these points only", default=(), default_text="all that move", nargs="+", metavar="NAME"
     )
@@ -163,11 +163,11 @@ def run_curves(arguments: CurvesArguments, painter: Painter | None) -> int:
 
 def _of_part(study: Study, out: Path) -> int:
     ending = out.suffix.lower()
-    if ending in DRAWN:
+    if ending in WRITERS:
         comment = f"{study.design.name}: path of the part that is carried, isometric, mm"
-        write(out, DRAWN[ending]((comment,), part_layers(study)))
+        write(out, WRITERS[ending]((comment,), path_layers(study)))
     else:
-        write(out, part_table(study))
+        write(out, path_csv(study))
     print(out)
     return DONE
 
@@ -188,13 +188,13 @@ class PoseArguments:
     underlay: bool = option(
         flag("Underlay", help="with the lines of the DXF that lies under the drawing of the design")
     )
-    out: Path = text_option("file to write", type=ending_with("a drawing", *DRAWN), metavar="FILE.dxf|.svg")
+    out: Path = text_option("file to write", type=ending_with("a drawing", *WRITERS), metavar="FILE.dxf|.svg")
 
 
 def run_pose(arguments: PoseArguments, painter: Painter | None) -> int:
     """The drawing, a layer a link."""
     study = Study(load_one(arguments.design, arguments.drive))
-    more = dict(ghost_layers(study, arguments.every_deg)) if arguments.every_deg else {}
+    more = dict(repeated_pose_layers(study, arguments.every_deg)) if arguments.every_deg else {}
     if arguments.underlay:
         more |= _underlay(arguments.design)
     theta = float(np.deg2rad(arguments.angle_deg))
@@ -205,12 +205,12 @@ def run_pose(arguments: PoseArguments, painter: Painter | None) -> int:
 
 def _underlay(design: Path) -> Layers:
     """The lines of the DXF under a design; none where it is missing, or a picture, which is said. Raises FileError of its placement."""
-    from core.contour.underlay import ENDINGS, PICTURES, read_lines, read_underlay, sidecar
+    from core.contour.underlay import ENDINGS, IMAGES, read_lines, read_underlay, sidecar
 
     underlay = read_underlay(design)
     if underlay is None:
         print(f"underlay: there is no {sidecar(design).name}; Underlay in the window places one", file=sys.stderr)
-    elif underlay.file.suffix.lower() in PICTURES:
+    elif underlay.file.suffix.lower() in IMAGES:
         print(
             f"underlay: {underlay.file.name} is a picture, left out; of {' | '.join(ENDINGS)} a DXF has lines",
             file=sys.stderr,
@@ -221,7 +221,7 @@ def _underlay(design: Path) -> Layers:
         except KindynaError as error:
             print(f"underlay: left out: {error}", file=sys.stderr)
         else:
-            return {"UNDERLAY": LayerShapes(tuple((underlay.placed(z), False) for z in drawn.lines))}
+            return {"UNDERLAY": LayerShapes(tuple((underlay.to_plane(z), False) for z in drawn.lines))}
     return {}
 
 

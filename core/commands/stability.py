@@ -15,13 +15,13 @@ from core.frozen import frozen
 from core.output.lines import finding_line
 from core.output.report import point_text, stability_text
 from core.output.stability_files import (
+    claim_tables,
+    claims_data,
     claims_text,
     kim_files,
-    needed_text,
-    rows_data,
     stability_files,
+    stiffness_text,
     table_file,
-    tables_of,
 )
 from core.output.summary import to_json
 from core.papers import PAPERS, Claim, Examples, claims
@@ -55,9 +55,9 @@ def run_figures(arguments: FiguresArguments, painter: Painter | None) -> int:
     examples = Examples()
     found = {paper: claims(paper, examples) for paper in wanted}
     rows = [claim for each in found.values() for claim in each]
-    made: dict[str, str | bytes] = {**tables_of(rows), **_painted(rows, painter)}
+    made: dict[str, str | bytes] = {**claim_tables(rows), **_painted(rows, painter)}
     if arguments.json:
-        text = to_json(rows_data(rows))
+        text = to_json(claims_data(rows))
     else:
         text = "\n".join(
             claims_text(f"{PAPERS[paper].label}: {PAPERS[paper].title}", each) for paper, each in found.items()
@@ -184,7 +184,7 @@ def run_stability(arguments: StabilityArguments, painter: Painter | None) -> int
 def _machine(study: Study, shaft: Stability, arguments: StabilityArguments, painter: Painter | None) -> int:
     """What there is to say of the design's own shaft. Raises NoStability where that is nothing."""
     shaft.exact  # noqa: B018 - asked before anything is written: the report only notes that it has no answer
-    needed = [needed_text(shaft.stiffness_for(rpm)) for rpm in arguments.rpm]
+    needed = [stiffness_text(shaft.stiffness_for(rpm)) for rpm in arguments.rpm]
     points = _points(shaft, arguments.at)
     verdicts = [(eta, q, shaft.verdicts(eta, q, arguments.periods)) for eta, q in points]
     told = "".join("\n" + point_text(shaft, *row) for row in verdicts)

@@ -34,7 +34,7 @@ from core.varying import (
     StudyOfMany,
     duration,
     load_study,
-    none_built,
+    none_built_text,
     optimise,
     remarks,
     tolerance_study,
@@ -213,7 +213,7 @@ def _sensitivity(scatter: Scatter, slopes: np.ndarray) -> str:
     """Field, quantity, change of the quantity per unit of the field, part of its variance; of each quantity the largest part first."""
     parts, fields = scatter.parts(slopes), list(scatter.own)
     lines = ["field,quantity,per_unit,part_of_tolerance"]
-    for q, row in enumerate(scatter.study.asked):
+    for q, row in enumerate(scatter.study.quantities):
         for i in sorted(range(len(fields)), key=lambda i: -parts[i, q]):
             if np.isfinite(slopes[i, q]):
                 lines.append(f"{fields[i]},{row.column},{float(slopes[i, q])!r},{float(parts[i, q])!r}")
@@ -306,7 +306,7 @@ def run_vary(arguments: VaryArguments, painter: Painter | None) -> int:
         built += int((~np.isnan(block.value).any(axis=0)).sum())
         reasons.update(block.reason[block.reason != ""].tolist())
     if not built:
-        raise KindynaError(none_built(made.count, *reasons.most_common(1)[0]))
+        raise KindynaError(none_built_text(made.count, *reasons.most_common(1)[0]))
     write_table(made, arguments.out)
     if arguments.json:
         data = {

@@ -1,4 +1,4 @@
-"""Curves of lines and arcs from drawings, and the motion that a follower has on them."""
+"""Curves of lines and arcs from drawings, and the motion of a follower that rolls on them."""
 
 from core.contour.drawing import GAP_MM, MOST_GAP_MM, UNITS, Contour, DrawingError, read_contour
 from core.contour.elements import ContourElement, sampled

@@ -1,5 +1,7 @@
-"""The motion of a follower that is rolled over a curve, as segments: dwells where it stands, else tables that hold the closed
-form within a tolerance; and the cam angles where velocity or acceleration jumps."""
+"""Motion of a follower that rolls on a curve, as segments, and the cam angles where velocity or acceleration jumps.
+
+A segment is a dwell, or a table that represents the closed form within a tolerance.
+"""
 
 from __future__ import annotations
 
@@ -26,14 +28,14 @@ from core.measured.table import SAME
 from core.measured.units import ValueUnit
 from core.numerics.derivatives import dot
 
-# -- A digitised curve ------------------------------------------------------------------------------------------
+# -- digitised curve --------------------------------------------------------------------------------------------
 
 
 LEAST_LINES = 36
 LARGEST_TURN = math.radians(20.0)
-"""A curve of at least so many lines, whose corners all turn by less, is one that was digitised."""
-DECIMALS = 9  # that a drawing is taken to hold
-INSIDE = 0.01  # of a round's radius: a point beside which it would enter the curve by more is not touched
+"""A curve of at least so many lines, whose corners all turn by less, counts as digitised."""
+DECIMALS = 9  # assumed precision of a drawing
+INSIDE = 0.01  # of a round's radius: largest penetration of the neighbours of a contact point
 
 
 @frozen(eq=False)
@@ -46,46 +48,46 @@ class MeasuredMotion:
 
 def is_digitised(elements: Sequence[ContourElement]) -> bool:
     """Whether a curve counts as points on a smooth one."""
-    if len(elements) < LEAST_LINES or not all(each.is_line for each in elements):
+    if len(elements) < LEAST_LINES or not all(element.is_line for element in elements):
         return False
-    chords = np.array([each.end - each.start for each in elements])
+    chords = np.array([element.end - element.start for element in elements])
     return bool(np.abs(np.angle(np.roll(chords, -1) / chords)).max() <= LARGEST_TURN)
 
 
-def fitted(contour: Contour, design: Design) -> MeasuredMotion:
-    """The motion through the lifts of all points. Raises DrawingError where the follower does not reach them."""
+def fit_motion(contour: Contour, design: Design) -> MeasuredMotion:
+    """Motion through the lifts of all points. Raises DrawingError where the follower does not reach them."""
     drive, motion = design.drive, require_motion(design)
     follower: Any = drive.mechanism
-    face, row, sense = drive.face, touching(follower), design.sense
+    face, row, sign = drive.face, touching(follower), design.sense
     z, n = _points(contour.elements)
     if face.straight:
         support = _support(z, n)
         _require_convex(contour, support - dot(n, z), z)
         z, reach = z + (support - dot(n, z)) * n, float(support.min())
-        turned = row.angle(z, n)
-        place = row.place(n * np.exp(1j * turned), z * np.exp(1j * turned))
+        rotation = row.angle(z, n)
+        position = row.driver(n * np.exp(1j * rotation), z * np.exp(1j * rotation))
     else:
         centres = z + face.radius_mm * n
         from scipy.spatial import cKDTree
 
         depth = cKDTree(np.column_stack((z.real, z.imag))).query(np.column_stack((centres.real, centres.imag)))[0]
-        touched = depth >= (1.0 - INSIDE) * face.radius_mm
-        centres = centres[touched]
+        is_contact = depth >= (1.0 - INSIDE) * face.radius_mm
+        centres = centres[is_contact]
         reach = float(np.abs(centres).min())
-        turned = row.angle(centres)
-        place = row.place(centres * np.exp(1j * turned))
-    if np.isnan(turned).any() or np.isnan(place).any():
+        rotation = row.angle(centres)
+        position = row.driver(centres * np.exp(1j * rotation))
+    if np.isnan(rotation).any() or np.isnan(position).any():
         raise DrawingError(
             f"{contour.name}: the {face.noun} cannot reach all of the curve; change the follower's lengths"
         )
     changed = put(design, "cam.base_radius_mm", reach - face.radius_mm)
     changed = replace(changed, assumed=tuple(path for path in changed.assumed if path != "cam.base_radius_mm"))
     mechanism = built(follower, changed.drive.cam)
-    turns = motion.unit == "deg"
-    lift = place - (mechanism.start if turns else 1e3 * mechanism.start)
-    if turns:
+    is_rotary = motion.unit == "deg"
+    lift = position - (mechanism.start if is_rotary else 1e3 * mechanism.start)
+    if is_rotary:
         lift = np.rad2deg(np.remainder(lift + math.pi, 2.0 * math.pi) - math.pi)
-    angles = np.remainder(np.rad2deg(sense * turned), 360.0)
+    angles = np.remainder(np.rad2deg(sign * rotation), 360.0)
     angles = np.where((angles > 360.0 - SAME) | (angles < SAME), 0.0, angles)
     order = np.argsort(angles, kind="stable")
     table = MeasuredTable(
@@ -94,7 +96,7 @@ def fitted(contour: Contour, design: Design) -> MeasuredMotion:
         motion.unit,
         np.arange(1, order.size + 1),
         angles[order],
-        mechanism.sense * lift[order],
+        mechanism.driver_sign * lift[order],
         1.0,
         DECIMALS,
         None,
@@ -105,9 +107,12 @@ def fitted(contour: Contour, design: Design) -> MeasuredMotion:
 
 
 def _points(elements: Sequence[ContourElement]) -> tuple[np.ndarray, np.ndarray]:
-    """The corners (n,) and unit normals there, away from the body: square to the tangent d₁/|d₁|² + d₂/|d₂|² of the circle through
-    a corner and its neighbours, d₁ and d₂ being the chords before and behind it."""
-    z = np.array([each.start for each in elements])
+    """Corners (n,) and the unit normals at them, away from the body.
+
+    The tangent d₁/|d₁|² + d₂/|d₂|², d₁ and d₂ the chords before and after the corner, is that of the circle through the
+    corner and its neighbours.
+    """
+    z = np.array([element.start for element in elements])
     after = np.roll(z, -1) - z
     before = np.roll(after, 1)
     tangent = before / np.abs(before) ** 2 + after / np.abs(after) ** 2
@@ -115,18 +120,18 @@ def _points(elements: Sequence[ContourElement]) -> tuple[np.ndarray, np.ndarray]
 
 
 def _support(z: np.ndarray, n: np.ndarray) -> np.ndarray:
-    """How far points z (k,) reach along unit vectors n (m,), both about the origin (m,): a flat face lies on a corner of their hull."""
+    """Support (m,) of points z (k,) along unit vectors n (m,): a flat face touches a corner of their hull."""
     from scipy.spatial import ConvexHull
 
     hull = z[ConvexHull(np.column_stack((z.real, z.imag))).vertices]  # counter-clockwise
     sides = np.unwrap(np.angle(-1j * (np.roll(hull, -1) - hull)))  # outward normals, rising
     corner = np.searchsorted(sides, sides[0] + np.mod(np.angle(n) - sides[0], 2.0 * math.pi), side="right")
-    near = hull[(corner[:, None] + np.arange(-1, 2)) % hull.size]  # and those beside it, for rounding
-    return np.asarray(dot(n[:, None], near).max(axis=1))
+    corners = hull[(corner[:, None] + np.arange(-1, 2)) % hull.size]  # and its neighbours, for rounding
+    return np.asarray(dot(n[:, None], corners).max(axis=1))
 
 
 def _require_convex(contour: Contour, depth: np.ndarray, z: np.ndarray) -> None:
-    """Raises DrawingError where a flat face bridges a hollow."""
+    """Raise DrawingError where a flat face bridges a concave part."""
     worst = int(np.argmax(depth))
     if depth[worst] > INSIDE * float(np.abs(z).max()):
         raise DrawingError(
@@ -135,26 +140,29 @@ def _require_convex(contour: Contour, depth: np.ndarray, z: np.ndarray) -> None:
         )
 
 
-# -- the motion of a follower that is rolled over a curve, as segments ------------------------------------------
+# -- motion as segments -----------------------------------------------------------------------------------------
 
 
 TOLERANCE_MM = 2e-10
-"""How far the tables may be from the closed form."""
-ALIKE = 1e-8  # relative: accelerations that differ by less go on
+"""Tolerance of the tables against the closed form."""
+ALIKE = 1e-8  # relative: a smaller difference of accelerations is no jump
 _NO_ACCELERATION = 1e-10  # of the stroke, per deg²
-SHORTEST = 2e-6  # degrees: a shorter stretch belongs to its neighbours
-_CLOSE = 1e-9  # degrees: a join this close to 0 is there
+SHORTEST = 2e-6  # [deg] a shorter stretch belongs to its neighbours
+_CLOSE = 1e-9  # [deg] a join so near to 0 is at 0
 _MOST_HALVINGS = 12
 _AT_CORNERS = 0.02
 DROP = 1e-4
-"""More than the joints of a drawing, rounded as they are, let the motion differ on their two sides [mm or deg]."""
-_INSIDE = np.array([0.2, 0.5, 0.8])  # of a table's interval, where it is compared with the closed form
+"""Least jump of the motion [mm or deg], larger than that from rounded joints of a drawing."""
+_INSIDE = np.array([0.2, 0.5, 0.8])  # of a table's interval, at which it is compared with the closed form
 
 
 @frozen
 class Jump:
-    """Where the velocity (order 1) or the acceleration (2) jumps: cam angle [deg], values before and after, in the motion's unit
-    per deg^order; place: of the round's centre, or on the curve under a flat face, as drawn at cam angle 0 [mm]."""
+    """Jump of the velocity (order 1) or the acceleration (order 2) at a cam angle [deg].
+
+    before, after: values in the motion's unit per deg^order; place: of the round's centre, or on the curve under a flat
+    face, as drawn at cam angle 0 [mm].
+    """
 
     angle: float
     order: int
@@ -167,9 +175,11 @@ class Jump:
 class TracedMotion:
     """The design with the motion and the base radius of a curve.
 
-    jumps  by cam angle; those of the acceleration only where the velocity goes on
-    path   of a round's centre at cam angle 0 [mm], or the curve itself under a flat face
-    fit    of the lifts that a digitised curve was turned into; None where the motion is exact
+    Attributes
+    ----------
+    jumps : by cam angle; a jump of the acceleration only where the velocity is continuous
+    path : of a round's centre at cam angle 0 [mm], or the curve itself under a flat face
+    fit : of the lifts of a digitised curve; None where the motion is exact
     """
 
     design: Design
@@ -180,17 +190,17 @@ class TracedMotion:
 
     @property
     def base_radius_mm(self) -> float:
-        """The base radius of the cam [mm]."""
+        """Base radius of the cam [mm]."""
         radius: float = self.design.drive.cam.base_radius_mm
         return radius
 
 
 def trace(design: Design, contour: Contour) -> TracedMotion:
-    """The motion that a curve gives to the follower of a design, with the base radius that belongs to it.
+    """Motion that a curve gives to the follower of a design, with its base radius.
 
-    Lines and arcs are followed exactly; a curve of many short lines with small corners counts as points that were measured on a
-    smooth one. Raises DrawingError where the follower cannot follow the curve, DesignError where the design has no follower on a
-    cam with a motion.
+    Lines and arcs are followed exactly; a curve of many short lines with small corners counts as measured points of a
+    smooth one. Raises DrawingError where the follower cannot follow the curve, DesignError where the design has no
+    follower on a cam with a motion.
     """
     motion = require_motion(design)
     if design.drive.cam is None or not hasattr(design.drive.cam, "base_radius_mm"):
@@ -198,7 +208,7 @@ def trace(design: Design, contour: Contour) -> TracedMotion:
             [Fault("cam", MISSING, "a curve gives its motion to a follower on a disk cam", "a design with [follower]")]
         )
     if is_digitised(contour.elements):
-        measured = fitted(contour, design)
+        measured = fit_motion(contour, design)
         return TracedMotion(measured.design, contour, (), contour.elements, measured.fit)
     rolled = roll(contour, design)
     changed = _with_base(design, rolled.reach)
@@ -206,12 +216,12 @@ def trace(design: Design, contour: Contour) -> TracedMotion:
     lever = touching(changed.drive.mechanism).lever_mm
     tolerance = TOLERANCE_MM * min(1.0, lever) if motion.unit == "mm" else math.degrees(TOLERANCE_MM / lever)
     segments, start, jumps = _segments(rolled, position, tolerance)
-    made = without_marks(with_motion(changed, Motion(start, segments, motion.unit)))
-    return TracedMotion(made, contour, jumps, rolled.path)
+    traced = without_marks(with_motion(changed, Motion(start, segments, motion.unit)))
+    return TracedMotion(traced, contour, jumps, rolled.path)
 
 
 def _with_base(design: Design, reach: float) -> Design:
-    """The base radius from the nearest place of the face's reference."""
+    """The design with the base radius from the least distance of the face's reference."""
     radius = reach - design.drive.face.radius_mm
     if radius <= 0.0:
         raise DrawingError(
@@ -222,19 +232,19 @@ def _with_base(design: Design, reach: float) -> Design:
 
 
 def _position(design: Design, unit: str) -> Callable[[RolledPart, np.ndarray], np.ndarray]:
-    """Part, cam angles (n,) [deg] -> the motion with two derivatives by degrees (3, n), in its unit."""
+    """Part, cam angles (n,) [deg] -> motion with two derivatives by degrees (3, n), in its unit."""
     drive = design.drive
-    mechanism, turns = built(drive.mechanism, drive.cam), unit == "deg"
-    scale = 180.0 / math.pi if turns else 1.0
-    base = mechanism.start if turns else 1e3 * mechanism.start
+    mechanism, is_rotary = built(drive.mechanism, drive.cam), unit == "deg"
+    scale = 180.0 / math.pi if is_rotary else 1.0
+    base = mechanism.start if is_rotary else 1e3 * mechanism.start
 
     def states(part: RolledPart, angles: np.ndarray) -> np.ndarray:
         with np.errstate(invalid="ignore", divide="ignore"):
             rows = part.driver(np.deg2rad(angles)).derivatives.real.copy()
         rows[0] -= base
-        if turns:
+        if is_rotary:
             rows[0] = np.remainder(rows[0] + math.pi, 2.0 * math.pi) - math.pi
-        return np.asarray(mechanism.sense * scale * rows * np.deg2rad(1.0) ** np.arange(3)[:, None])
+        return np.asarray(mechanism.driver_sign * scale * rows * np.deg2rad(1.0) ** np.arange(3)[:, None])
 
     return states
 
@@ -244,7 +254,7 @@ def _position(design: Design, unit: str) -> Callable[[RolledPart, np.ndarray], n
 
 @frozen(eq=False)
 class _Stretch:
-    """A part between two cam angles [deg], low < high; breaks: the velocity may jump where it begins."""
+    """A part between two cam angles [deg], low < high; breaks: the velocity may jump at its begin."""
 
     part: RolledPart
     low: float
@@ -253,24 +263,24 @@ class _Stretch:
 
 
 def _stretches(parts: Sequence[RolledPart]) -> list[_Stretch]:
-    """The parts cut at cam angle 0, from there on; those too short are left to their neighbours."""
-    whole = [_Stretch(p, math.degrees(p.low), math.degrees(p.high), p.breaks) for p in parts]
-    kept: list[_Stretch] = []
-    for each in whole:
-        if each.high - each.low >= SHORTEST:
-            low = kept[-1].high if kept else each.low
-            kept.append(_Stretch(each.part, low, each.high, each.breaks))
-        elif kept:
-            kept[-1] = _Stretch(kept[-1].part, kept[-1].low, each.high, kept[-1].breaks)
-    shift = 360.0 * math.floor((kept[0].low + _CLOSE) / 360.0)
-    laid = [_Stretch(s.part, s.low - shift, s.high - shift, s.breaks) for s in kept]
+    """The parts from cam angle 0 on; short ones are added to their neighbours."""
+    stretches = [_Stretch(p, math.degrees(p.low), math.degrees(p.high), p.breaks) for p in parts]
+    merged: list[_Stretch] = []
+    for stretch in stretches:
+        if stretch.high - stretch.low >= SHORTEST:
+            low = merged[-1].high if merged else stretch.low
+            merged.append(_Stretch(stretch.part, low, stretch.high, stretch.breaks))
+        elif merged:
+            merged[-1] = _Stretch(merged[-1].part, merged[-1].low, stretch.high, merged[-1].breaks)
+    shift = 360.0 * math.floor((merged[0].low + _CLOSE) / 360.0)
+    shifted = [_Stretch(s.part, s.low - shift, s.high - shift, s.breaks) for s in merged]
     before, after = [], []
-    for s in laid:  # from low in 0 ... 360 on
+    for s in shifted:  # begin in 0 ... 360
         if s.low >= 360.0 - _CLOSE:
             before.append(_Stretch(s.part, s.low - 360.0, s.high - 360.0, s.breaks))
         elif s.high > 360.0 + _CLOSE:
             after.append(_Stretch(s.part, s.low, 360.0, s.breaks))
-            before.append(_Stretch(s.part, 0.0, s.high - 360.0, False))  # the curve goes on there
+            before.append(_Stretch(s.part, 0.0, s.high - 360.0, False))  # smooth there
         else:
             after.append(s)
     rows = [*before, *after]
@@ -288,37 +298,37 @@ def _segments(
     rows = [_rows(s, position, tolerance) for s in stretches]
     for (angles, states), s in zip(rows, stretches, strict=True):
         if not np.isfinite(states).all():
-            place = float(angles[np.flatnonzero(~np.isfinite(states).all(axis=0))[0]])
+            angle = float(angles[np.flatnonzero(~np.isfinite(states).all(axis=0))[0]])
             raise DrawingError(
-                f"the follower cannot follow the curve at cam angle {place:.6g} deg ({s.low:.6g} ... {s.high:.6g} deg)"
+                f"the follower cannot follow the curve at cam angle {angle:.6g} deg ({s.low:.6g} ... {s.high:.6g} deg)"
             )
-    still = [float(np.ptp(states[0])) <= tolerance for _, states in rows]
-    for (_, states), dwells in zip(rows, still, strict=True):
-        if dwells:
+    is_dwell = [float(np.ptp(states[0])) <= tolerance for _, states in rows]
+    for (_, states), dwell in zip(rows, is_dwell, strict=True):
+        if dwell:
             level = float(np.mean(states[0]))
             states[0], states[1:] = (0.0 if abs(level) < tolerance else level), 0.0
-    jumps = _settle(rows, stretches, still)
+    jumps = _settle(rows, stretches, is_dwell)
     segments: list[Segment] = []
-    for (angles, states), s, dwells in zip(rows, stretches, still, strict=True):
+    for (angles, states), s, dwell in zip(rows, stretches, is_dwell, strict=True):
         span, rise = s.high - s.low, float(states[0, -1] - states[0, 0])
-        if dwells and rise == 0.0:
+        if dwell and rise == 0.0:
             if segments and segments[-1].curve == NamedCurve("dwell"):
                 segments[-1] = Segment(segments[-1].span_deg + span, 0.0)
             else:
                 segments.append(Segment(span, 0.0))
             continue
-        at = np.append(angles[:-1] - s.low, span)
+        local = np.append(angles[:-1] - s.low, span)
         points = (
             SplinePoint(*map(float, row))
-            for row in zip(at, states[0] - states[0, 0], states[1], states[2], strict=True)
+            for row in zip(local, states[0] - states[0, 0], states[1], states[2], strict=True)
         )
         segments.append(Segment(span, rise, TableCurve(tuple(points))))
     return tuple(segments), float(rows[0][1][0, 0]), jumps
 
 
 def _rows(s: _Stretch, position: States, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
-    """Angles (m,) [deg] and states (3, m) between which quintics keep to the closed form."""
-    # a profile that is a corner shows the slope's error too
+    """Angles (m,) [deg] and states (3, m) between which quintics agree with the closed form."""
+    # where the profile is a corner the error of the slope matters too
     tolerance *= _AT_CORNERS if s.part.corner else 1.0
     angles = np.linspace(s.low, s.high, 2 + int((s.high - s.low) / 30.0))
     for _ in range(_MOST_HALVINGS):
@@ -327,17 +337,17 @@ def _rows(s: _Stretch, position: States, tolerance: float) -> tuple[np.ndarray, 
         c = quintics(h, states.T[:-1, :, None], states.T[1:, :, None])[:, :, 0]
         curve = sum(c[:, k] * x**k for k in range(6))
         exact = position(s.part, (angles[:-1] + x).ravel())[0].reshape(x.shape)
-        off = np.flatnonzero(np.abs(curve - exact).max(axis=0) > tolerance)
-        if not off.size or not np.isfinite(states).all():
+        coarse = np.flatnonzero(np.abs(curve - exact).max(axis=0) > tolerance)
+        if not coarse.size or not np.isfinite(states).all():
             break
-        angles = np.insert(angles, off + 1, 0.5 * (angles[off] + angles[off + 1]))
+        angles = np.insert(angles, coarse + 1, 0.5 * (angles[coarse] + angles[coarse + 1]))
     return angles, position(s.part, angles)
 
 
 def _settle(
-    rows: Sequence[tuple[np.ndarray, np.ndarray]], stretches: Sequence[_Stretch], still: Sequence[bool]
+    rows: Sequence[tuple[np.ndarray, np.ndarray]], stretches: Sequence[_Stretch], is_dwell: Sequence[bool]
 ) -> tuple[Jump, ...]:
-    """Both sides of every join given the same values, as far as nothing jumps there; what does."""
+    """Give both sides of every join equal values, except at jumps, and return the jumps."""
     jumps = []
     heights = np.concatenate([states[0] for _, states in rows])
     rounding = _NO_ACCELERATION * float(np.ptp(heights))
@@ -348,14 +358,14 @@ def _settle(
                 f"the follower cannot follow the curve at cam angle {s.low:.6g} deg: the pressure angle passes 90 deg there; choose "
                 "another follower or centre"
             )
-        level = left[0, -1] if still[i - 1] else right[0, 0] if still[i] else 0.5 * (left[0, -1] + right[0, 0])
+        level = left[0, -1] if is_dwell[i - 1] else right[0, 0] if is_dwell[i] else 0.5 * (left[0, -1] + right[0, 0])
         left[0, -1] = right[0, 0] = level
         if s.breaks:
             jumps.append(Jump(s.low, 1, float(left[1, -1]), float(right[1, 0]), s.part.place))
             continue
-        left[1, -1] = right[1, 0] = 0.0 if still[i - 1] or still[i] else 0.5 * (left[1, -1] + right[1, 0])
+        left[1, -1] = right[1, 0] = 0.0 if is_dwell[i - 1] or is_dwell[i] else 0.5 * (left[1, -1] + right[1, 0])
         if abs(left[2, -1] - right[2, 0]) > ALIKE * max(abs(left[2, -1]), abs(right[2, 0])) + rounding:
             jumps.append(Jump(s.low, 2, float(left[2, -1]), float(right[2, 0]), s.part.place))
         else:
-            left[2, -1] = right[2, 0] = 0.0 if still[i - 1] or still[i] else 0.5 * (left[2, -1] + right[2, 0])
+            left[2, -1] = right[2, 0] = 0.0 if is_dwell[i - 1] or is_dwell[i] else 0.5 * (left[2, -1] + right[2, 0])
     return tuple(jumps)

@@ -1,5 +1,4 @@
-"""A picture or a drawing under the drawing of a linkage: where it lies, kept in a file beside the design's, and the corners and centres
-of a DXF."""
+"""Image or DXF drawing under the drawing of a linkage: its position, its file next to the design's, and its points."""
 
 from __future__ import annotations
 
@@ -23,12 +22,10 @@ from core.frozen import frozen
 from core.project import parsed
 from core.project.files import read_bytes, read_text, remove, write_into
 
-# -- the lines of a DXF with its blocks laid out ----------------------------------------------------------------
+# -- lines of a DXF with its blocks -----------------------------------------------------------------------------
 
 
-_PER_ROOT = (
-    14.0  # lines of an arc of 1 rad; of others by the root of their angle, which keeps the sagitta to 1/500 of the size
-)
+_PER_ROOT = 14.0  # lines of an arc of 1 rad; proportional to the root of the angle, with a sagitta of 1/500 of the size
 _PER_SPAN = 8  # lines between two knots of a spline
 _UP = (0.0, 0.0, 1.0)
 _INSERTS = ("INSERT", "DIMENSION")
@@ -37,7 +34,16 @@ _DEGREES = range(1, 12)  # of a spline
 
 @frozen(eq=False)
 class Polylines:
-    """Points (n, 3), the number of the first of each line (m,), corners (k, 3) and centres (c, 3), in the units of the drawing."""
+    """Polylines in the units of the drawing.
+
+    Attributes
+    ----------
+    points : ndarray (n, 3) [drawing units]
+    starts : ndarray (m,), dimensionless
+        Index of the first point of each line.
+    corners : ndarray (k, 3) [drawing units]
+    centres : ndarray (c, 3) [drawing units]
+    """
 
     points: np.ndarray
     starts: np.ndarray
@@ -46,45 +52,45 @@ class Polylines:
 
     @property
     def count(self) -> int:
-        """Straight lines between the points."""
+        """Number of straight lines between the points."""
         return len(self.points) - len(self.starts)
 
     @property
     def size(self) -> int:
-        """These lines, or half the corners where they are more."""
+        """Number of lines, or half the number of corners where it is larger."""
         return max(self.count, -(-len(self.corners) // 2), len(self.centres))
 
 
-_NONE = np.zeros((0, 3))
-NOTHING = Polylines(_NONE, np.zeros(0, int), _NONE, _NONE)
+_NO_POINTS = np.zeros((0, 3))
+EMPTY = Polylines(_NO_POINTS, np.zeros(0, int), _NO_POINTS, _NO_POINTS)
 
 
-Placing = tuple[float, ...]
-"""A matrix (3, 3) by its rows, and the place (3,) of a block's base."""
+Placement = tuple[float, ...]
+"""A matrix (3, 3) by its rows, and the position (3,) of a block's base."""
 
 
 @dataclass
 class Layout:
-    """Lays out the blocks of a drawing; notes: what is left out of it, each once."""
+    """Inserts the blocks of a drawing; notes: its omitted parts, each once."""
 
     drawing: Drawing
     notes: dict[str, None] = field(default_factory=dict)
-    _done: dict[str, Polylines] = field(default_factory=dict)
+    _cache: dict[str, Polylines] = field(default_factory=dict)
     _open: list[str] = field(default_factory=list)
-    _work: int = 10 * LINES  # lines that are computed for all blocks
-    _spoiled: int = 0
+    _work: int = 10 * LINES  # limit on the lines of all blocks
+    _unreadable: int = 0
 
     def model(self) -> Polylines:
-        """The model space."""
+        """Lines of the model space."""
         with np.errstate(all="ignore"):
-            lines = self._laid_out(self.drawing.entities)
-        if self._spoiled:
-            self.notes[f"{self._spoiled} entities that cannot be read are left out"] = None
+            lines = self._lines_of(self.drawing.entities)
+        if self._unreadable:
+            self.notes[f"{self._unreadable} unreadable entities are omitted"] = None
         return lines
 
-    def _laid_out(self, entities: list[Entity]) -> Polylines:
-        """The curves of these entities and of the blocks that they insert, as many as are shown."""
-        own, count, inserts = _Curves(), 0, dict[str, list[Placing]]()
+    def _lines_of(self, entities: list[Entity]) -> Polylines:
+        """Lines of entities and of the blocks that they insert, as far as the limit allows."""
+        curves, count, inserts = _Curves(), 0, dict[str, list[Placement]]()
         blocks: dict[str, Polylines] = {}
         for entity in entities:
             try:
@@ -95,72 +101,74 @@ class Layout:
                     if name not in blocks:
                         blocks[name] = self._block(name)
                     size = blocks[name].size
-                    placings = list(islice(_placings(entity), LINES // size + 1)) if size else []
-                    inserts.setdefault(name, []).extend(placings)
-                    added = size * len(placings)
+                    placements = list(islice(_placements(entity), LINES // size + 1)) if size else []
+                    inserts.setdefault(name, []).extend(placements)
+                    added = size * len(placements)
                 elif entity.kind in _CURVES and entity.layer.upper() not in self.drawing.hidden:
-                    added = own.add(_CURVES[entity.kind](entity), LINES)
+                    added = curves.add(_CURVES[entity.kind](entity), LINES)
                 else:
                     continue
-            except (ArithmeticError, NoDrawing, ValueError):  # a number that is none, or none that a curve has
-                self._spoiled += 1
+            except (ArithmeticError, NoDrawing, ValueError):  # an invalid number
+                self._unreadable += 1
                 continue
             self._work -= added
             count += added
             if self._work < 0 or count > LINES:
-                self._note_rest()
+                self._note_limit()
                 break
-        parts = [_repeated(blocks[name], self._base(name), placings) for name, placings in inserts.items() if placings]
-        return self._cut(_joined([own.joined(), *parts]))
+        parts = [
+            _repeated(blocks[name], self._base(name), placements) for name, placements in inserts.items() if placements
+        ]
+        return self._limited(_concatenated([curves.joined(), *parts]))
 
     def _block(self, name: str) -> Polylines:
-        if name in self._done:
-            return self._done[name]
+        if name in self._cache:
+            return self._cache[name]
         if name in self._open:
-            self.notes[f"block {name[:40]!r} inserts itself: it is left out there"] = None
+            self.notes[f"block {name[:40]!r} inserts itself: it is omitted there"] = None
         elif len(self._open) >= NESTING:
-            self.notes[f"blocks nested more than {NESTING} deep are left out"] = None
+            self.notes[f"blocks nested more than {NESTING} deep are omitted"] = None
         elif self._work < 0:
-            self._note_rest()
+            self._note_limit()
         elif len(self.drawing.blocks.get(name, ())) > 1:
             self._open.append(name)
-            lines = self._laid_out(self.drawing.blocks[name][1:])
+            lines = self._lines_of(self.drawing.blocks[name][1:])
             self._open.pop()
-            while self._done and sum(each.size for each in self._done.values()) > 4 * LINES:
-                del self._done[next(iter(self._done))]  # computed again where it is needed again
-            self._done[name] = lines
+            while self._cache and sum(lines.size for lines in self._cache.values()) > 4 * LINES:
+                del self._cache[next(iter(self._cache))]  # computed again on demand
+            self._cache[name] = lines
             return lines
-        return NOTHING
+        return EMPTY
 
     def _base(self, name: str) -> np.ndarray:
         try:
-            return np.array(_place(self.drawing.blocks[name][0], 10))
+            return np.array(_coordinates(self.drawing.blocks[name][0], 10))
         except NoDrawing:
             return np.zeros(3)
 
-    def _cut(self, lines: Polylines) -> Polylines:
+    def _limited(self, lines: Polylines) -> Polylines:
         if lines.size <= LINES:
             return lines
-        self._note_rest()
+        self._note_limit()
         ends = np.append(lines.starts[1:], len(lines.points))
-        kept = int(np.searchsorted(ends - np.arange(1, ends.size + 1), LINES, side="right"))
-        last = int(ends[kept - 1]) if kept else 0
-        return Polylines(lines.points[:last], lines.starts[:kept], lines.corners[: 2 * LINES], lines.centres[:LINES])
+        count = int(np.searchsorted(ends - np.arange(1, ends.size + 1), LINES, side="right"))
+        last = int(ends[count - 1]) if count else 0
+        return Polylines(lines.points[:last], lines.starts[:count], lines.corners[: 2 * LINES], lines.centres[:LINES])
 
-    def _note_rest(self) -> None:
-        self.notes[f"more than {LINES} lines: the rest is left out"] = None
+    def _note_limit(self) -> None:
+        self.notes[f"more than {LINES} lines: the rest is omitted"] = None
 
 
-def _placings(entity: Entity) -> Iterator[Placing]:
-    """Where an insert puts its block: once, or in rows and columns."""
-    if entity.kind == "DIMENSION":  # its block is drawn where it is
+def _placements(entity: Entity) -> Iterator[Placement]:
+    """Placements of the block of an insert: one, or rows and columns."""
+    if entity.kind == "DIMENSION":  # its block is in its final position
         yield (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
         return
     turn = math.radians(entity.number(50))
     c, s = math.cos(turn), math.sin(turn)
     u, v, w = (entity.number(code, 1.0) or 1.0 for code in (41, 42, 43))
-    matrix: Placing = (c * u, -s * v, 0.0, s * u, c * v, 0.0, 0.0, 0.0, w)
-    x, y, z = _place(entity, 10)
+    matrix: Placement = (c * u, -s * v, 0.0, s * u, c * v, 0.0, 0.0, 0.0, w)
+    x, y, z = _coordinates(entity, 10)
     axes = _axes(entity)
     if axes is not None:
         matrix = tuple((axes @ np.reshape(matrix, (3, 3))).ravel().tolist())
@@ -168,11 +176,11 @@ def _placings(entity: Entity) -> Iterator[Placing]:
     for i in range(max(1, int(rows))):
         for j in range(max(1, int(columns))):
             dx, dy = j * right, i * up
-            at: Point = (x + c * dx - s * dy, y + s * dx + c * dy, z)
-            yield matrix + (at if axes is None else tuple((axes @ at).tolist()))
+            position: Point = (x + c * dx - s * dy, y + s * dx + c * dy, z)
+            yield matrix + (position if axes is None else tuple((axes @ position).tolist()))
 
 
-def _joined(parts: list[Polylines]) -> Polylines:
+def _concatenated(parts: list[Polylines]) -> Polylines:
     firsts = np.cumsum([0, *(len(part.points) for part in parts[:-1])])
     return Polylines(
         np.concatenate([part.points for part in parts]),
@@ -182,13 +190,13 @@ def _joined(parts: list[Polylines]) -> Polylines:
     )
 
 
-def _repeated(block: Polylines, base: np.ndarray, placings: Sequence[Placing]) -> Polylines:
-    """A block, turned and scaled about its base (3,), at each of its placings."""
-    rows = np.array(placings)
-    matrices, places = rows[:, :9].reshape(-1, 3, 3), rows[:, 9:]
+def _repeated(block: Polylines, base: np.ndarray, placements: Sequence[Placement]) -> Polylines:
+    """A block, rotated and scaled about its base (3,), at each of its placements."""
+    rows = np.array(placements)
+    matrices, positions = rows[:, :9].reshape(-1, 3, 3), rows[:, 9:]
     points, corners, centres = (
-        (np.einsum("pij,nj->pni", matrices, each - base) + places[:, None]).reshape(-1, 3)
-        for each in (block.points, block.corners, block.centres)
+        (np.einsum("pij,nj->pni", matrices, z - base) + positions[:, None]).reshape(-1, 3)
+        for z in (block.points, block.corners, block.centres)
     )
     starts = (block.starts[None] + len(block.points) * np.arange(len(rows))[:, None]).ravel()
     return Polylines(points, starts, corners, centres)
@@ -198,21 +206,21 @@ def _repeated(block: Polylines, base: np.ndarray, placings: Sequence[Placing]) -
 
 Point = tuple[float, ...]
 Curve = tuple[Sequence[Point], Point | None]
-"""Points x, y, z along it, and its centre."""
+"""Points x, y, z along a curve, and its centre."""
 
 
 class _Curves:
-    """Curves one after the other: their points, the ends of those that are open, and their centres; of a point its place alone."""
+    """A list of curves: their points, the ends of the open ones, and their centres; a single point is a corner."""
 
     def __init__(self) -> None:
         self._points, self._starts = list[Point](), list[int]()
         self._corners, self._centres = list[Point](), list[Point]()
 
-    def add(self, curves: Iterable[Curve], most: int) -> int:
-        """Those of an entity, until they are more straight lines than that; how many they are."""
+    def add(self, curves: Iterable[Curve], limit: int) -> int:
+        """Add the curves of an entity up to a limit on its straight lines; returns their number."""
         count = 0
         for points, centre in curves:
-            if count > most:
+            if count > limit:
                 break
             first, last = points[0], points[-1]
             if len(points) == 1:
@@ -226,9 +234,9 @@ class _Curves:
         return count
 
     def joined(self) -> Polylines:
-        """All of them."""
+        """All curves as polylines."""
         points, corners, centres = (
-            np.array(each, dtype=float).reshape(-1, 3) for each in (self._points, self._corners, self._centres)
+            np.array(rows, dtype=float).reshape(-1, 3) for rows in (self._points, self._corners, self._centres)
         )
         return Polylines(points, np.array(self._starts, dtype=int), corners, centres)
 
@@ -238,7 +246,7 @@ def _tuples(points: np.ndarray) -> list[Point]:
 
 
 def _axes(entity: Entity) -> np.ndarray | None:
-    """Axes of the plane in which an entity is drawn, as columns (3, 3), by the arbitrary axis algorithm; None of the drawing's own."""
+    """Axes of an entity's plane as columns (3, 3), by the arbitrary axis algorithm; None for those of the drawing."""
     if entity.upwards == _UP:
         return None
     upwards = np.array(entity.upwards)
@@ -248,7 +256,7 @@ def _axes(entity: Entity) -> np.ndarray | None:
     return np.column_stack((x, np.cross(z, x), z))
 
 
-def _place(entity: Entity, code: int) -> Point:
+def _coordinates(entity: Entity, code: int) -> Point:
     return entity.number(code), entity.number(code + 10), entity.number(code + 20)
 
 
@@ -259,18 +267,18 @@ def _steps(begin: float, sweep: float) -> list[float]:
 
 
 def _in_space(axes: np.ndarray | None, points: Sequence[complex], height: float) -> list[Point]:
-    """Points of a plane with these axes, None those of the drawing, at a height above it."""
+    """Points of a plane with these axes (None: those of the drawing) at a height above it."""
     if axes is None:
         return [(z.real, z.imag, height) for z in points]
     return [tuple((axes @ (z.real, z.imag, height)).tolist()) for z in points]
 
 
 def _line(entity: Entity) -> Iterator[Curve]:
-    yield (_place(entity, 10), _place(entity, 11)), None
+    yield (_coordinates(entity, 10), _coordinates(entity, 11)), None
 
 
 def _point(entity: Entity) -> Iterator[Curve]:
-    yield (_place(entity, 10),), None
+    yield (_coordinates(entity, 10),), None
 
 
 def _arc(entity: Entity) -> Iterator[Curve]:
@@ -278,14 +286,14 @@ def _arc(entity: Entity) -> Iterator[Curve]:
     if entity.kind == "ARC":
         begin = math.radians(entity.number(50))
         sweep = math.radians((entity.number(51) - entity.number(50)) % 360.0) or sweep
-    x, y, height = _place(entity, 10)
+    x, y, height = _coordinates(entity, 10)
     ring = [complex(x, y) + cmath.rect(entity.number(40), angle) for angle in _steps(begin, sweep)]
     *points, centre = _in_space(_axes(entity), [*ring, complex(x, y)], height)
     yield points, centre
 
 
 def _ellipse(entity: Entity) -> Iterator[Curve]:
-    centre, major = np.array(_place(entity, 10)), np.array(_place(entity, 11))
+    centre, major = np.array(_coordinates(entity, 10)), np.array(_coordinates(entity, 11))
     upwards = np.array(entity.upwards)
     minor = entity.number(40, 1.0) * np.cross(upwards / np.linalg.norm(upwards), major)
     begin, end = entity.number(41), entity.number(42, 2.0 * math.pi)
@@ -309,11 +317,9 @@ def _polyline(entity: Entity) -> Iterator[Curve]:
     if flags & (16 | 64):  # a mesh
         return iter(())
     if flags & 8:
-        points = [_place(each, 10) for each in entity.parts]
+        points = [_coordinates(vertex, 10) for vertex in entity.parts]
         return ((pair, None) for pair in pairwise([*points, *(points[:1] if flags & 1 else [])]))
-    rows = [
-        [each.number(10), each.number(20), each.number(42)] for each in entity.parts if not int(each.number(70)) & 16
-    ]
+    rows = [[v.number(10), v.number(20), v.number(42)] for v in entity.parts if not int(v.number(70)) & 16]
     return _vertices(rows, entity, entity.number(30))
 
 
@@ -337,8 +343,13 @@ def _spline(entity: Entity) -> Iterator[Curve]:
     knots, degree = np.array(entity.numbers(40)), int(entity.number(71, 3.0))
     poles, through = (np.column_stack([entity.numbers(first + 10 * i) for i in range(3)]) for first in (10, 11))
     if len(poles) < 2 <= len(through):
-        at = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(through, axis=0), axis=1)))
-        curve, low, high, spans = make_interp_spline(at, through, min(3, len(through) - 1)), 0.0, at[-1], len(through)
+        parameter = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(through, axis=0), axis=1)))
+        curve, low, high, spans = (
+            make_interp_spline(parameter, through, min(3, len(through) - 1)),
+            0.0,
+            parameter[-1],
+            len(through),
+        )
     else:
         weights = np.array(entity.numbers(41) or [1.0] * len(poles))
         if degree not in _DEGREES or len(knots) != len(poles) + degree + 1 or len(weights) != len(poles):
@@ -357,15 +368,15 @@ _CURVES: Mapping[str, Callable[[Entity], Iterator[Curve]]] = MappingProxyType(
         "POLYLINE": _polyline, "SPLINE": _spline,
     }
 )  # fmt: skip
-"""One row for each entity that is drawn."""
+"""Readers of the entities."""
 
 
-# -- A picture or a drawing under the drawing of a linkage ------------------------------------------------------
+# -- underlay ---------------------------------------------------------------------------------------------------
 
 
-PICTURES = (".png", ".jpg", ".jpeg", ".svg")
+IMAGES = (".png", ".jpg", ".jpeg", ".svg")
 DXF = ".dxf"
-ENDINGS = (*PICTURES, DXF)
+ENDINGS = (*IMAGES, DXF)
 _UNITS_MM = {1: 25.4, 2: 304.8, 4: 1.0, 5: 10.0, 6: 1000.0}  # $INSUNITS -> mm
 _RANGES = {
     "x_mm": (-1e6, 1e6), "y_mm": (-1e6, 1e6), "scale_mm_per_unit": (1e-9, 1e6), "angle_deg": (-360.0, 360.0), "opacity": (0.0, 1.0),
@@ -374,8 +385,11 @@ _RANGES = {
 
 @frozen
 class Underlay:
-    """Where a picture lies: its origin (of a picture the lower left corner, of a DXF its own) in the plane of the linkage, how many mm a
-    unit of it is (of a picture a pixel), by how much it is turned, and how much of it is seen."""
+    """Position of an image or DXF drawing in the plane of the linkage.
+
+    x_mm, y_mm: its origin (the lower left corner of an image, the origin of a DXF); scale_mm_per_unit: length of its
+    unit (a pixel of an image); angle_deg: its rotation.
+    """
 
     file: Path
     x_mm: float = 0.0
@@ -389,58 +403,58 @@ class Underlay:
     def _unit(self) -> complex:
         return cmath.rect(self.scale_mm_per_unit, math.radians(self.angle_deg))
 
-    def placed(self, z: Any) -> Any:
-        """Points of the picture (n,) complex [its units] in the plane of the linkage [mm]."""
+    def to_plane(self, z: Any) -> Any:
+        """Points (n,) complex of the underlay [its units] in the plane of the linkage [mm]."""
         return complex(self.x_mm, self.y_mm) + self._unit * z
 
-    def local(self, at: complex) -> complex:
-        """A place of the plane [mm] in the picture [its units]."""
-        return (at - complex(self.x_mm, self.y_mm)) / self._unit
+    def to_local(self, point: complex) -> complex:
+        """Point of the plane [mm] in the underlay [its units]."""
+        return (point - complex(self.x_mm, self.y_mm)) / self._unit
 
-    def moved(self, by: complex) -> Underlay:
-        """Shifted [mm]."""
-        return replace(self, x_mm=self.x_mm + by.real, y_mm=self.y_mm + by.imag)
+    def shifted(self, shift: complex) -> Underlay:
+        """The underlay shifted [mm]."""
+        return replace(self, x_mm=self.x_mm + shift.real, y_mm=self.y_mm + shift.imag)
 
-    def scaled(self, one: complex, other: complex, distance_mm: float) -> Underlay:
-        """So large that two places of it [mm] are so far apart; the first stays. Raises DrawingError."""
-        if one == other or not distance_mm > 0.0:
+    def scaled(self, first: complex, second: complex, distance_mm: float) -> Underlay:
+        """The underlay scaled about a first point [mm] to a distance from a second point. Raises DrawingError."""
+        if first == second or not distance_mm > 0.0:
             raise DrawingError(
-                f"distance {distance_mm:g} mm of two places of the underlay; allowed: above 0, of two places"
+                f"distance {distance_mm:g} mm between two points of the underlay; allowed: above 0, between different points"
             )
-        factor = distance_mm / abs(other - one)
-        return replace(self._with_fixed(one, factor), scale_mm_per_unit=self.scale_mm_per_unit * factor)
+        factor = distance_mm / abs(second - first)
+        return replace(self._with_fixed(first, factor), scale_mm_per_unit=self.scale_mm_per_unit * factor)
 
-    def turned(self, one: complex, other: complex, angle_deg: float) -> Underlay:
-        """So that the line from one place of it [mm] to another stands at an angle; the first stays."""
-        by = angle_deg - math.degrees(cmath.phase(other - one))
-        turned = math.remainder(self.angle_deg + by, 360.0)
-        return replace(self._with_fixed(one, cmath.rect(1.0, math.radians(by))), angle_deg=turned)
+    def rotated(self, first: complex, second: complex, angle_deg: float) -> Underlay:
+        """The underlay rotated about a first point [mm] so that the line to a second point has an angle."""
+        rotation = angle_deg - math.degrees(cmath.phase(second - first))
+        angle = math.remainder(self.angle_deg + rotation, 360.0)
+        return replace(self._with_fixed(first, cmath.rect(1.0, math.radians(rotation))), angle_deg=angle)
 
-    def _with_fixed(self, at: complex, factor: complex) -> Underlay:
-        origin = at + (complex(self.x_mm, self.y_mm) - at) * factor
+    def _with_fixed(self, point: complex, factor: complex) -> Underlay:
+        origin = point + (complex(self.x_mm, self.y_mm) - point) * factor
         return replace(self, x_mm=origin.real, y_mm=origin.imag)
 
 
-# -- beside the design ------------------------------------------------------------------------------------
+# -- file next to the design ------------------------------------------------------------------------------
 
 
 def sidecar(design: Path) -> Path:
-    """The file that keeps the underlay of a design's file."""
+    """File that stores the underlay of a design's file."""
     return design.with_suffix(".underlay.toml")
 
 
 def read_underlay(design: Path) -> Underlay | None:
-    """The underlay of a design's file; None where it has none. Raises FileError."""
+    """The underlay of a design's file; None without one. Raises FileError."""
     path = sidecar(design)
     if not path.is_file():
         return None
     try:
         table = parsed(read_text(path), str(path))
     except DesignError as error:
-        raise FileError(f"{error}; mend it, or delete it") from None
+        raise FileError(f"{error}; correct it, or delete it") from None
     file, locked = table.pop("file", None), table.pop("locked", False)
     if not isinstance(file, str) or not file:
-        raise FileError(f"{path}: file: the name of a picture is wanted: {' | '.join(ENDINGS)}")
+        raise FileError(f"{path}: file: enter the name of an image or drawing: {' | '.join(ENDINGS)}")
     if not isinstance(locked, bool):
         raise FileError(f"{path}: locked: {locked!r}; allowed: true | false")
     for name, value in table.items():
@@ -452,9 +466,11 @@ def read_underlay(design: Path) -> Underlay | None:
     return Underlay(path.parent / file, **{name: float(value) for name, value in table.items()}, locked=locked)
 
 
-def keep_underlay(design: Path, underlay: Underlay | None) -> None:
-    """Write it beside the design's file; None takes it away. Raises FileError, also where a file in that place is no underlay, or
-    is to be taken away and was not written here."""
+def save_underlay(design: Path, underlay: Underlay | None) -> None:
+    """Write the underlay next to the design's file; None removes it.
+
+    Raises FileError, also where the present file is no underlay, or is to be removed and was edited by hand.
+    """
     path = sidecar(design)
     before = read_underlay(design)
     if underlay is not None:
@@ -475,13 +491,20 @@ def _text(folder: Path, underlay: Underlay) -> str:
     return "\n".join([*rows, f"locked = {str(underlay.locked).lower()}"]) + "\n"
 
 
-# -- a DXF ------------------------------------------------------------------------------------------------
+# -- DXF --------------------------------------------------------------------------------------------------
 
 
 @frozen(eq=False)
 class DxfLines:
-    """The lines of a DXF [its units], each through points (n,) complex; its corners and centres (k,) complex; the mm of a unit, 1 where its
-    header states none; and what is left out of it, a line each."""
+    """Lines of a DXF.
+
+    Attributes
+    ----------
+    lines : tuple of ndarray (n,) complex [drawing units]
+    corners, centres : ndarray (k,) complex [drawing units]
+    unit_mm : length of a unit [mm], 1 where the header states none
+    notes : omitted parts, a line each
+    """
 
     lines: tuple[np.ndarray, ...]
     corners: np.ndarray
@@ -491,7 +514,10 @@ class DxfLines:
 
 
 def read_lines(path: Path) -> DxfLines:
-    """The lines of the model space of a DXF, blocks included, without layers that are off or frozen. Raises FileError, DrawingError."""
+    """Lines of the model space of a DXF with its blocks, without layers that are off or frozen.
+
+    Raises FileError, DrawingError.
+    """
     data = read_bytes(path)
     try:
         drawing = read_drawing(text_of(data))
@@ -500,19 +526,28 @@ def read_lines(path: Path) -> DxfLines:
             f"{path.name}: not a DXF drawing in text form ({' '.join(str(error).split())[:120]})"
         ) from None
     layout = Layout(drawing)
-    drawn = layout.model()
-    lines = np.split(_flat(drawn.points), drawn.starts[1:]) if drawn.starts.size else []
-    corners, centres = (np.unique(_flat(each)) for each in (drawn.corners, drawn.centres))
+    polylines = layout.model()
+    lines = np.split(_flat(polylines.points), polylines.starts[1:]) if polylines.starts.size else []
+    corners, centres = (np.unique(_flat(points)) for points in (polylines.corners, polylines.centres))
     return DxfLines(tuple(lines), corners, centres, _UNITS_MM.get(drawing.unit, 1.0), tuple(layout.notes))
 
 
 def _flat(points: np.ndarray) -> np.ndarray:
-    """Points (n, 3) in the plane, complex; rounded by less than anybody draws, so that ends that meet are one corner."""
+    """Points (n, 3) in the plane, complex; rounded below a drawing's precision, so that common ends are one corner."""
     known = points[np.isfinite(points).all(axis=1)] if len(points) else points
     return np.round(known[:, 0], 9) + 1j * np.round(known[:, 1], 9) + 0.0
 
 
 def snap_points(underlay: Underlay) -> tuple[np.ndarray, np.ndarray]:
-    """The corners (n,) and the centres (k,) of a DXF as it lies under the linkage, complex [mm]. Raises FileError, DrawingError."""
-    drawn = read_lines(underlay.file)
-    return underlay.placed(drawn.corners), underlay.placed(drawn.centres)
+    """Corners and centres of a DXF in the plane of the linkage. Raises FileError, DrawingError.
+
+    Parameters
+    ----------
+    underlay : Underlay
+
+    Returns
+    -------
+    corners, centres : ndarray (n,) complex [mm], ndarray (k,) complex [mm]
+    """
+    lines = read_lines(underlay.file)
+    return underlay.to_plane(lines.corners), underlay.to_plane(lines.centres)

@@ -1,4 +1,4 @@
-"""Inputs: what the user typed, its units, ranges and rules. The face of the room: what is imported here is what it offers."""
+"""Design inputs with their units, ranges and rules; this module lists the public names of the package."""
 
 # ruff: noqa: F401
 

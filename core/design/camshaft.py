@@ -1,7 +1,7 @@
-"""Several drives on one shaft: each alone, as it stands there, and edits of their list.
+"""Several drives on one shaft: a single drive as a design, edits of the list of drives, and sequence conditions.
 
-``only`` takes a drive off its shaft and ``with_only`` puts it back; what serves a design of one drive, an edit or a study, thereby
-serves each of several.
+``only`` returns one drive as a design and ``with_only`` puts it back, so that edits and studies of one drive apply to each of
+several.
 """
 
 from __future__ import annotations
@@ -22,96 +22,106 @@ from core.frozen import frozen
 
 
 BALANCER = "balancer"
-"""What the balance cam is called where a drive is named."""
+"""Name of the balance cam among the names of drives."""
 
 RESERVED = ("motor", BALANCER)
-"""Slugs that no drive may have: columns of the shaft's table have them."""
+"""Slugs that no drive may have, since columns of the shaft's table have them."""
 
-_OTHER = {"ccw": "cw", "cw": "ccw"}
-_OWN = ("name", "phase_deg", "mirrored", "carries")  # of a drive's place on its shaft
+_OPPOSITE = {"ccw": "cw", "cw": "ccw"}
+_ON_SHAFT = ("name", "phase_deg", "mirrored", "carries")  # fields of a drive that a single drive does not have
 
 
 def slug(name: str) -> str:
-    """A drive's name as columns and folders have it: in lower case, what is no letter and no digit as _; of no device of Windows."""
+    """Name of a drive in columns and folders: lower case, with _ for other characters than letters and digits."""
     return no_device("".join(c if c.isalnum() else "_" for c in unicodedata.normalize("NFC", name).lower()))
 
 
 def drive_names(design: Design) -> tuple[str, ...]:
-    """The drives by name; the design's own name where it is of one drive alone."""
+    """Names of the drives; the name of the design where it has one drive."""
     return tuple(design.name if drive.name is None else drive.name for drive in design.drives)
 
 
 def slugs(design: Design) -> tuple[str, ...]:
-    """Those of the drives, in their order."""
+    """Slugs of the drives, in their order."""
     return tuple(map(slug, drive_names(design)))
 
 
 def drive_at(path: str) -> tuple[int, str] | None:
-    """Number of the drive that a path of the file leads into, and the path in it alone: ``drives[1].cam.bore_mm`` gives
-    (1, ``cam.bore_mm``). None for what belongs to the shaft, and for a drive's name, phase and side."""
+    """Number of the drive in a path of the file, and the rest of the path: ``drives[1].cam.bore_mm`` gives (1, ``cam.bore_mm``).
+
+    None for paths of the shaft, and for name, phase, mirroring and direction of a drive.
+    """
     name, number, inside = row_at(path, "drives")
-    return (number, inside) if name and inside and inside not in _OWN else None
+    return (number, inside) if name and inside and inside not in _ON_SHAFT else None
 
 
 def path_of(index: int, path: str) -> str:
-    """The path in the whole file of one that leads into a drive alone."""
+    """Path in a file with several drives, from the path in a single drive."""
     return f"drives[{index}].{path}"
 
 
 def drive_in(design: Design, path: str) -> tuple[int, str] | None:
-    """As ``drive_at``, of a path in the file of a design: of one that lists no drives (0, path)."""
+    """Number of the drive and path in it, as ``drive_at``; (0, path) in a design without a list of drives."""
     return drive_at(path) if design.listed else (0, path)
 
 
 def path_in(design: Design, index: int, path: str) -> str:
-    """The inverse: the path in the file of a design of one that leads into a drive alone."""
+    """Path in the file of a design, from the path in a single drive; the inverse of ``drive_in``."""
     return path_of(index, path) if design.listed else path
 
 
 def numbered(design: Design, name: str) -> int:
-    """The number of the drive of this name, or slug. Raises DesignError."""
+    """Number of the drive with a name or slug.
+
+    Raises
+    ------
+    DesignError
+        Where no drive has the name.
+    """
     for names in (drive_names(design), slugs(design)):
         if name in names:
             return names.index(name)
     raise DesignError([Fault("drives", name, "no drive of that name", " | ".join(drive_names(design)))])
 
 
-# -- one of several -----------------------------------------------------------------------------------------
+# -- a single drive of several ------------------------------------------------------------------------------
 
 
 def only(design: Design, index: int) -> Design:
-    """The design of one drive alone, by its own cam angle, as it stands on its shaft: at its speed, a mirrored one turning the
-    other way. Without flywheel, motor and flexible shaft, which belong to all drives together. It has the drive's name.
+    """Design of a single drive, with its cam angle, its name and the speed of the shaft; a mirrored drive turns in the opposite sense.
 
-    A design that is of one drive alone is that drive's.
+    Flywheel, motor and flexible shaft, which belong to all drives, are left out. A design without a list of drives is
+    returned as it is.
     """
     if not design.listed:
         return design
     drive = design.drives[index]
-    of_it = (path for path in design.assumed if path.startswith(path_of(index, "")))
-    marks = [own[1] for path in of_it if (own := drive_at(path)) is not None]
+    paths = (path for path in design.assumed if path.startswith(path_of(index, "")))
+    marks = [found[1] for path in paths if (found := drive_at(path)) is not None]
     marks += [path for path in design.assumed if path in ("shaft.rotation", "shaft.speed_rpm")]
-    alone = replace(drive, name=None, phase_deg=0.0, mirrored=False, carries=())
-    return Design(drive.name or "", _shaft_of(design, drive), (alone,), tuple(marks))
+    single = replace(drive, name=None, phase_deg=0.0, mirrored=False, carries=())
+    return Design(drive.name or "", _shaft_of(design, drive), (single,), tuple(marks))
 
 
 def in_machine(design: Design, single: Design) -> Design:
-    """The design of one drive under a name that serves outside, where the machine's other drives are not beside it."""
+    """Design of a single drive with the name of the machine in its name."""
     return replace(single, name=f"{design.name}, drive {single.name}") if design.listed else single
 
 
 def _shaft_of(design: Design, drive: Drive) -> Shaft | None:
-    """Speed and sense of the shaft as the drive sees them."""
+    """Shaft with its speed and sense of rotation as seen by the drive."""
     shaft = design.shaft
     if shaft is None:
         return None
-    rotation = _OTHER.get(shaft.rotation, shaft.rotation) if drive.mirrored else shaft.rotation
+    rotation = _OPPOSITE.get(shaft.rotation, shaft.rotation) if drive.mirrored else shaft.rotation
     return Shaft(rotation, shaft.speed_rpm)
 
 
 def with_only(design: Design, index: int, single: Design) -> Design:
-    """The inverse of ``only``: the design with one drive as ``single`` has it, its name and what is assumed of it included.
-    Where ``single`` turns at another speed, or the other way, so does the shaft, and with it all that it drives."""
+    """Design with one drive replaced by that of ``single``, with its name and assumed paths; the inverse of ``only``.
+
+    Where ``single`` has another speed or sense of rotation, the shaft and all its drives get them.
+    """
     if not design.listed:
         return single
     old, before = design.drives[index], only(design, index)
@@ -124,19 +134,19 @@ def with_only(design: Design, index: int, single: Design) -> Design:
         changed = turning_together(replace(changed, shaft=shaft))
     if single.assumed == before.assumed and single.name == before.name:
         return changed
-    marks = [path for path in design.assumed if (own := drive_at(path)) is None or own[0] != index]
+    marks = [path for path in design.assumed if (found := drive_at(path)) is None or found[0] != index]
     new = [path_of(index, path) for path in single.assumed if not path.startswith("shaft.")]
     at = next((i for i, path in enumerate(design.assumed) if path not in marks), len(marks))
     return _renamed(replace(changed, assumed=(*marks[:at], *new, *marks[at:])), before.name, single.name)
 
 
 def with_drives(design: Design, drives: Sequence[Drive]) -> Design:
-    """The design with these drives."""
+    """Design with other drives."""
     return replace(design, drives=tuple(drives))
 
 
 def turning_together(design: Design) -> Design:
-    """The design whose linkages' drivers turn as its shaft does."""
+    """Design in which the drivers of linkages turn at the speed of the shaft."""
     if design.shaft is None:
         return design
     drives = []
@@ -149,25 +159,29 @@ def turning_together(design: Design) -> Design:
     return with_drives(design, drives)
 
 
-# -- edits of the list --------------------------------------------------------------------------------------
+# -- edits of the list of drives ----------------------------------------------------------------------------
 
 
 def as_list(design: Design, name: str = "") -> Design:
-    """A design of one drive as one whose drives are listed; the drive is called as given, else as the design. Raises DesignError for a
-    linkage without a shaft: give it one first (``edits.with_shaft``)."""
+    """Design of one drive with its drive in a list, named as given, else as the design.
+
+    Raises
+    ------
+    DesignError
+        For a linkage without a shaft; ``edits.with_shaft`` adds one.
+    """
     if design.listed:
         return design
     if design.shaft is None:
         raise DesignError(
-            [Fault("shaft", "(nothing)", "a drive of several needs the shaft that turns them", "a table [shaft]")]
+            [Fault("shaft", "(nothing)", "several drives need a shaft that turns them", "a table [shaft]")]
         )
     marks = tuple(path if path.startswith("shaft.") else path_of(0, path) for path in design.assumed)
     return replace(design, drives=(replace(design.drive, name=name or design.name),), assumed=marks)
 
 
 def add_drive(design: Design, single: Design, name: str = "") -> Design:
-    """One drive more, behind the others: that of a design of one, which turns as this shaft does. A name that is taken gets a
-    number."""
+    """Design with the drive of another design added at the end, at the speed of this shaft; a used name gets a number."""
     design = as_list(design)
     index = len(design.drives)
     drive = replace(single.drive, name=free_name(design, name or single.name), phase_deg=0.0, mirrored=False)
@@ -178,14 +192,14 @@ def add_drive(design: Design, single: Design, name: str = "") -> Design:
 
 
 def copy_drive(design: Design, index: int) -> Design:
-    """One drive more, the same as one there, right behind it."""
+    """Design with a copy of one drive, right after it."""
     drive = replace(design.drives[index], name=free_name(design, design.drives[index].name or ""))
-    made = _reordered(design, [*range(index + 1), index, *range(index + 1, len(design.drives))])
-    return with_drives(made, (*made.drives[: index + 1], drive, *made.drives[index + 2 :]))
+    longer = _reordered(design, [*range(index + 1), index, *range(index + 1, len(design.drives))])
+    return with_drives(longer, (*longer.drives[: index + 1], drive, *longer.drives[index + 2 :]))
 
 
 def remove_drive(design: Design, index: int) -> Design:
-    """One drive less, with the timing that names it; the only one stays."""
+    """Design without one drive and the sequence conditions that name it; the only drive stays."""
     if len(design.drives) == 1:
         return design
     name = design.drives[index].name or ""
@@ -197,14 +211,14 @@ def remove_drive(design: Design, index: int) -> Design:
 
 
 def move_drive(design: Design, index: int, to: int) -> Design:
-    """One drive at another place of the list."""
+    """Design with one drive moved to another position in the list."""
     order = [i for i in range(len(design.drives)) if i != index]
     order.insert(to, index)
     return _reordered(design, order)
 
 
 def rename_drive(design: Design, index: int, name: str) -> Design:
-    """One drive called otherwise, in the timing too. It may have faults then: ask ``faults``."""
+    """Design with one drive renamed, in the sequence conditions too; the name may be faulty, see ``faults``."""
     old = design.drives[index].name or ""
     drives = list(design.drives)
     drives[index] = replace(drives[index], name=name)
@@ -212,39 +226,39 @@ def rename_drive(design: Design, index: int, name: str) -> Design:
 
 
 def with_phase(design: Design, index: int, phase_deg: float) -> Design:
-    """One drive turned against the others."""
+    """Design with another phase of one drive."""
     drives = list(design.drives)
     drives[index] = replace(drives[index], phase_deg=phase_deg)
     return with_drives(design, drives)
 
 
 def with_timing(design: Design, index: int, row: TimingRow) -> Design:
-    """One row of the timing in place of the one there; behind the last it is one more."""
+    """Design with one sequence condition replaced, or added after the last."""
     rows = list(design.timing)
     rows[index : index + 1] = [row]
     return replace(design, timing=tuple(rows))
 
 
 def reorder_timing(design: Design, order: Sequence[int]) -> Design:
-    """The rows of the timing of these numbers, in this order: one less, moved, or twice; marks of what is assumed go with them."""
+    """Design with the sequence conditions of these numbers, in this order, and their assumed paths."""
     marks = followed(design.assumed, "timing", order)
     return _in_file_order(replace(design, timing=tuple(design.timing[i] for i in order), assumed=marks))
 
 
 def free_name(design: Design, name: str) -> str:
-    """The name, with a number behind it where a drive has one of the same slug."""
-    taken = {*slugs(design), *RESERVED}
+    """The name, with a number appended where its slug is used."""
+    used = {*slugs(design), *RESERVED}
     names = (name, *(f"{name} {number}" for number in range(2, len(design.drives) + 4)))
-    return next(each for each in names if slug(each) not in taken)
+    return next(candidate for candidate in names if slug(candidate) not in used)
 
 
 def drive_of(event: str) -> str:
-    """The drive's name in ``NAME.rise.1.start``."""
+    """Name of the drive in an event, ``NAME.rise.1.start``."""
     return event.rsplit(".", 3)[0]
 
 
 def _renamed(design: Design, old: str, name: str) -> Design:
-    """What the timing says of the drive of one name said of another."""
+    """Design with a drive renamed in the sequence conditions."""
     if old == name or not design.timing:
         return design
 
@@ -256,27 +270,27 @@ def _renamed(design: Design, old: str, name: str) -> Design:
 
 
 def _reordered(design: Design, order: Sequence[int]) -> Design:
-    """The drives of these numbers; what is assumed of each goes with it."""
+    """Design with the drives of these numbers, in this order, and their assumed paths."""
     marks = followed(design.assumed, "drives", order)
     return _in_file_order(with_drives(replace(design, assumed=marks), [design.drives[i] for i in order]))
 
 
 def _in_file_order(design: Design) -> Design:
-    place = {path: i for i, path in enumerate(all_paths(design))}
-    return replace(design, assumed=tuple(sorted(design.assumed, key=lambda path: place.get(path, len(place)))))
+    order = {path: i for i, path in enumerate(all_paths(design))}
+    return replace(design, assumed=tuple(sorted(design.assumed, key=lambda path: order.get(path, len(order)))))
 
 
-# -- what must come after what on a shaft of several drives -----------------------------------------------------
+# -- sequence conditions ----------------------------------------------------------------------------------------
 
 
 ENDS = ("start", "end")
-ROUNDING = 1e-9  # [deg] by which a distance that is kept may miss
+ROUNDING = 1e-9  # [deg] permitted violation of a sequence condition
 
 
 @frozen
 class Stroke:
-    """A rise or a return of a motion: its name ``rise.1``, the segments it takes, its own cam angles [deg], the end past 360
-    where it goes on over the start of the turn."""
+    """A rise or a return of a motion: its name ``rise.1``, its segments, and its cam angles [deg], the end above 360 where it
+    continues past the start of the turn."""
 
     name: str
     segments: tuple[int, ...]
@@ -285,45 +299,51 @@ class Stroke:
 
 
 def strokes(motion: Motion) -> tuple[Stroke, ...]:
-    """Rises and returns in the order of the turn."""
+    """Rises and returns of a motion, in the order of the turn."""
     count = len(motion.segments)
-    sense = [_sense(segment) for segment in motion.segments]
+    directions = [_direction(segment) for segment in motion.segments]
     begins = [fsum(s.span_deg for s in motion.segments[:i]) for i in range(count)]
-    found: list[Stroke] = []
+    result: list[Stroke] = []
     numbers = {"rise": 0, "return": 0}
     for i in range(count):
-        if not sense[i] or (sense[i - 1] == sense[i] and count > 1 and len(set(sense)) > 1):
+        if not directions[i] or (directions[i - 1] == directions[i] and count > 1 and len(set(directions)) > 1):
             continue
-        if len(set(sense)) == 1 and i:  # one way all around
+        if len(set(directions)) == 1 and i:  # one stroke over the full turn
             break
         run = [i]
-        while len(run) < count and sense[(run[-1] + 1) % count] == sense[i]:
+        while len(run) < count and directions[(run[-1] + 1) % count] == directions[i]:
             run.append((run[-1] + 1) % count)
-        word = "rise" if sense[i] > 0 else "return"
+        word = "rise" if directions[i] > 0 else "return"
         numbers[word] += 1
         span = fsum(motion.segments[k].span_deg for k in run)
-        found.append(Stroke(f"{word}.{numbers[word]}", tuple(run), begins[i], begins[i] + span))
-    return tuple(found)
+        result.append(Stroke(f"{word}.{numbers[word]}", tuple(run), begins[i], begins[i] + span))
+    return tuple(result)
 
 
-def _sense(segment: Segment) -> int:
+def _direction(segment: Segment) -> int:
     return (segment.rise > 0.0) - (segment.rise < 0.0)
 
 
 def events(design: Design) -> Mapping[str, float]:
-    """Event -> machine angle [deg], 0 ... 360, of all drives that follow a motion: ``feed.return.1.end``."""
-    found: dict[str, float] = {}
+    """Event ``feed.return.1.end`` -> machine angle 0 ... 360 [deg], of all drives with a motion."""
+    angles: dict[str, float] = {}
     for name, drive in zip(drive_names(design), design.drives, strict=True):
-        for each in strokes(drive.motion) if drive.motion is not None else ():
-            for end, angle in zip(ENDS, (each.start, each.end), strict=True):
-                found[f"{name}.{each.name}.{end}"] = (angle + drive.phase_deg) % 360.0
-    return found
+        for stroke in strokes(drive.motion) if drive.motion is not None else ():
+            for end, angle in zip(ENDS, (stroke.start, stroke.end), strict=True):
+                angles[f"{name}.{stroke.name}.{end}"] = (angle + drive.phase_deg) % 360.0
+    return angles
 
 
 @frozen
 class TimingDistance:
-    """How a timing is kept: machine angles of both events, how far the second comes after the first, and how much further than
-    it must [deg]; negative where it is broken."""
+    """Distances of a sequence condition [deg].
+
+    Attributes
+    ----------
+    first_deg, second_deg : machine angles of both events [deg]
+    after_deg : distance from the first to the second [deg]
+    spare_deg : distance beyond the required one [deg], negative where the condition is violated
+    """
 
     first_deg: float
     second_deg: float
@@ -332,23 +352,29 @@ class TimingDistance:
 
     @property
     def kept(self) -> bool:
-        """Whether the second event comes late enough, but for rounding."""
+        """Whether the condition is satisfied, within rounding."""
         return self.spare_deg >= -ROUNDING
 
 
 def distances(design: Design) -> tuple[TimingDistance, ...]:
-    """Of each row of ``design.timing``. Raises KeyError for an event that there is not."""
+    """Distances of every sequence condition.
+
+    Raises
+    ------
+    KeyError
+        For an unknown event.
+    """
     at = events(design)
-    made = []
+    result = []
     for row in design.timing:
         first, second = at[named_event(design, row.first)], at[named_event(design, row.second)]
         spare = (second - first - row.least_deg + 180.0) % 360.0 - 180.0
-        made.append(TimingDistance(first, second, spare + row.least_deg, spare))
-    return tuple(made)
+        result.append(TimingDistance(first, second, spare + row.least_deg, spare))
+    return tuple(result)
 
 
 def named_event(design: Design, event: str) -> str:
-    """An event by its drive's name, where it is written by its slug."""
+    """The event with the name of its drive in place of its slug."""
     name, names = drive_of(event), drive_names(design)
     if name in names:
         return event
@@ -357,12 +383,11 @@ def named_event(design: Design, event: str) -> str:
 
 
 def contradiction(design: Design) -> tuple[int, ...]:
-    """Rows of ``design.timing`` that no phases keep together in the order in which their events come now, as they follow each other
-    in a ring; () where none do. With one drive turned past another they may be kept, half a turn apart.
+    """Sequence conditions that no phases satisfy together in the present order of their events, as a cycle; () where there are none.
 
-    A row asks that phase(second) - phase(first) be at least what it lacks now. Around a ring these differences add up to 0, so
-    that rows which ask for more than 0 contradict each other (a ring of positive sum, by Bellman and Ford). Where nothing is
-    broken nothing contradicts.
+    A condition requires that phase(second) - phase(first) is at least its present shortfall. Around a cycle these
+    differences add up to 0, so that conditions with a positive sum contradict each other (positive cycle, by Bellman and
+    Ford). With the events in another order they may be satisfiable.
     """
     rows = distances(design)
     names = list(drive_names(design))
@@ -374,26 +399,26 @@ def contradiction(design: Design) -> tuple[int, ...]:
         )
         for t, d in zip(design.timing, rows, strict=True)
     ]
-    reach, by = [0.0] * len(names), [-1] * len(names)
+    reach, arc_to = [0.0] * len(names), [-1] * len(names)
     last = -1
     for _ in range(len(names) + 1):
         last = -1
-        for i, (start, end, wanted) in enumerate(arcs):
-            if reach[start] + wanted > reach[end] + ROUNDING:
-                reach[end], by[end], last = reach[start] + wanted, i, end
+        for i, (start, end, shortfall) in enumerate(arcs):
+            if reach[start] + shortfall > reach[end] + ROUNDING:
+                reach[end], arc_to[end], last = reach[start] + shortfall, i, end
         if last < 0:
             return ()
-    for _ in names:  # back into the ring
-        last = arcs[by[last]][0]
-    ring: list[int] = []
+    for _ in names:  # back into the cycle
+        last = arcs[arc_to[last]][0]
+    cycle: list[int] = []
     at = last
-    while by[at] not in ring:
-        ring.append(by[at])
-        at = arcs[by[at]][0]
-    return tuple(reversed(ring))
+    while arc_to[at] not in cycle:
+        cycle.append(arc_to[at])
+        at = arcs[arc_to[at]][0]
+    return tuple(reversed(cycle))
 
 
-def excess(design: Design, ring: Sequence[int]) -> float:
-    """By how much the rows of a ring ask for more than there is [deg]."""
+def excess(design: Design, cycle: Sequence[int]) -> float:
+    """Angle that a cycle of contradicting conditions requires beyond a full turn [deg]."""
     rows = distances(design)
-    return fsum(-rows[i].spare_deg for i in ring)
+    return fsum(-rows[i].spare_deg for i in cycle)

@@ -1,4 +1,4 @@
-"""The whole design: a shaft, and the drives that it turns. A file holds one drive, or lists any number of them."""
+"""A design: a shaft and the drives that it turns. A file has one drive, or a list of drives."""
 
 from __future__ import annotations
 
@@ -33,41 +33,48 @@ from core.numerics.lazy import first_value
 D = TypeVar("D")
 BLANK = tuple(field.name for field in fields(CamDetails))
 SECTIONS = ("motion", "follower", "linkage", "cam", "shaft", "loads", "limits", "servo")
-"""The tables of a file in their order; no design has all of them. Behind them stand the motions of second drivers."""
+"""Tables of a file in their order; no design has all of them. The motions of second drivers follow them."""
 MOTIONS = "motions."
-"""Before the name of each."""
+"""Prefix of the name of a second driver's motion."""
 
 
-_APART = FileLayout(in_file=False)  # a table of its own
-_TABLES: Mapping[type, str] = MappingProxyType({Linkage: "linkage", Output: ""})  # any other is a follower's
+_SEPARATE = FileLayout(in_file=False)  # in a separate table
+_TABLES: Mapping[type, str] = MappingProxyType({Linkage: "linkage", Output: ""})  # all others are followers
 
 
 @frozen
 class Drive:
-    """What one motion moves: a follower or a linkage, the cam under it, the loads on it, and the user's own limits.
+    """A motion with its mechanism, cam, loads and limits.
 
-    ``motion`` is None where a crank turns at constant speed, ``cam`` where no cam makes the motion, ``servo`` where no motor of its own
-    does. On a shaft of several a
-    drive has a name (None where the design is of this drive alone), and stands turned back by its phase: its own angle is the
-    machine angle less ``phase_deg``. A mirrored one is designed as seen from the other end, where the shaft turns the other way.
-    ``carries`` is the direction in space along which it moves a part that several drives carry together; empty where it does not.
+    Attributes
+    ----------
+    motion : None where a crank turns at constant speed
+    mechanism : a follower, a linkage, or the output of a motion without a mechanism
+    cam : None where no cam makes the motion
+    loads, limits : loads, and limits of the user
+    name : on a shaft of several drives; None where the design has one drive
+    phase_deg : cam angle = machine angle - phase [deg]
+    mirrored : whether it is designed as seen from the other end of the shaft, which then turns in the opposite sense
+    carries : direction in space of its motion, where several drives carry one part; else empty
+    servo : motor of the drive; None where it has none
     """
 
-    motion: Motion | None = placed(_APART)
-    mechanism: Follower | Linkage | Output = placed(_APART)
-    cam: Any = placed(_APART)  # Cam | LinkageCam | None, as the mechanism takes it
-    loads: Any = placed(_APART)  # Loads | LinkageLoads | OutputLoads
-    limits: Limits = placed(_APART, NO_LIMITS)
+    motion: Motion | None = placed(_SEPARATE)
+    mechanism: Follower | Linkage | Output = placed(_SEPARATE)
+    cam: Any = placed(_SEPARATE)  # Cam | LinkageCam | None, by the mechanism
+    loads: Any = placed(_SEPARATE)  # Loads | LinkageLoads | OutputLoads
+    limits: Limits = placed(_SEPARATE, NO_LIMITS)
     name: str | None = placed(FileLayout(missing="any text with a letter or a digit"), None)
-    phase_deg: float = number("Phase", -3600.0, 3600.0, default=0.0, step=1.0, help="own angle = machine angle - phase")
-    mirrored: bool = flag("Mirrored", help="designed as seen from the other end, where the shaft turns the other way")
+    phase_deg: float = number("Phase", -3600.0, 3600.0, default=0.0, step=1.0, help="cam angle = machine angle - phase")
+    mirrored: bool = flag(
+        "Mirrored", help="designed as seen from the other end, where the shaft turns in the opposite sense"
+    )
     carries: tuple[float, ...] = placed(FileLayout(each=float), ())
-    servo: Servo | None = placed(_APART, None)
+    servo: Servo | None = placed(_SEPARATE, None)
 
     @property
     def carried_per_motion(self) -> float | None:
-        """How far what the drive carries goes for one metre of its motion, or for one radian, at the end of its arm [m]; None where
-        nothing says it."""
+        """Displacement of the carried part per unit of the motion [m/m or m/rad], at the end of an arm; None where it is unknown."""
         if self.motion is None:
             return None
         arm = getattr(self.mechanism, "arm_mm", None)
@@ -75,17 +82,17 @@ class Drive:
 
     @property
     def table(self) -> str:
-        """The table of the file that holds the mechanism; empty where the motion is alone."""
+        """Name of the mechanism's table in the file; empty for a motion without a mechanism."""
         return _TABLES.get(type(self.mechanism), "follower")
 
     @property
     def is_alone(self) -> bool:
-        """Whether the motion moves an output, and no mechanism."""
+        """Whether the motion moves an output without a mechanism."""
         return not self.table
 
     @property
     def tables(self) -> Mapping[str, Any]:
-        """The tables of its file that it has, in their order; limits only where there is a cam, and then always."""
+        """Name -> table of its file, in their order; limits always and only together with a cam."""
         parts = {
             "motion": self.motion,
             self.table: self.mechanism,
@@ -95,89 +102,89 @@ class Drive:
             "servo": self.servo,
         }
         tables = {name: parts[name] for name in SECTIONS if parts.get(name) is not None}
-        return tables | {f"{MOTIONS}{each.name}": each.motion for each in self.motions}
+        return tables | {f"{MOTIONS}{row.name}": row.motion for row in self.motions}
 
     @property
     def motions(self) -> tuple[NamedMotion, ...]:
-        """Of second drivers."""
+        """Motions of second drivers."""
         return self.mechanism.motions if isinstance(self.mechanism, Linkage) else ()
 
     @property
     def sections(self) -> tuple[str, ...]:
-        """The tables that it may have, in their order."""
-        others = {"shaft", "follower", "linkage", *(("cam", "limits") if self.is_alone else ())} - {self.table}
-        return (*(name for name in SECTIONS if name not in others), *(f"{MOTIONS}{m.name}" for m in self.motions))
+        """Names of the tables that it may have, in their order."""
+        excluded = {"shaft", "follower", "linkage", *(("cam", "limits") if self.is_alone else ())} - {self.table}
+        return (*(name for name in SECTIONS if name not in excluded), *(f"{MOTIONS}{m.name}" for m in self.motions))
 
     @property
     def linkage(self) -> Linkage:
-        """The mechanism, where it is a linkage."""
-        assert isinstance(self.mechanism, Linkage), "a follower is no linkage"
+        """The mechanism of a drive with a linkage."""
+        assert isinstance(self.mechanism, Linkage), "the mechanism is a follower"
         return self.mechanism
 
     @property
     def follower(self) -> Follower:
-        """The mechanism, where it is a follower."""
-        assert not isinstance(self.mechanism, Linkage | Output), "no follower"
+        """The mechanism of a drive with a follower."""
+        assert not isinstance(self.mechanism, Linkage | Output), "the mechanism is a linkage or an output"
         return self.mechanism
 
     @property
     def posed(self) -> Follower | Linkage | Output:
-        """The mechanism, its driver, where it is a linkage that is drawn, at a place that is stated: where a motion begins."""
+        """The mechanism; in a drawn linkage the driver has a stated position, by default that of cam angle 0."""
         drawn = self.mechanism.drawn if isinstance(self.mechanism, Linkage) else None
         if drawn is None or self.motion is None or drawn.driver_deg is not None or drawn.driver_mm is not None:
             return self.mechanism
-        at: dict[str, Any] = {"driver_deg" if driver_turns(self.linkage) else "driver_mm": self.motion.start}
-        return replace(self.linkage, drawn=replace(drawn, **at))
+        position: dict[str, Any] = {"driver_deg" if driver_turns(self.linkage) else "driver_mm": self.motion.start}
+        return replace(self.linkage, drawn=replace(drawn, **position))
 
     @property
     def is_linkage(self) -> bool:
-        """Whether its links are laid out one by one, rather than built by a follower."""
+        """Whether the mechanism is a linkage, with its links listed one by one."""
         return isinstance(self.mechanism, Linkage)
 
     @property
     def by_crank(self) -> bool:
-        """Whether a crank turns at constant speed, and no motion moves the mechanism."""
+        """Whether a crank at constant speed moves the mechanism, not a motion."""
         return self.is_linkage and self.linkage.driver.kind == CRANK
 
     @property
     def loads_shaft(self) -> bool:
-        """Whether cam or crank make the shaft carry it; a motion that no cam makes is driven by something else."""
+        """Whether its torque acts on the shaft, by a cam or a crank."""
         return self.cam is not None or self.by_crank
 
     @property
     def kind(self) -> str:
-        """Slug of the mechanism's kind: a follower's, ``linkage``, or ``motion`` where that is alone."""
+        """Slug of the mechanism's kind: a follower's, ``linkage``, or ``motion`` without a mechanism."""
         return kind_of(self.follower) if self.table == "follower" else self.table or MOTION
 
     @property
     def label(self) -> str:
-        """Its kind in words."""
+        """Kind of the mechanism, in words."""
         if self.is_linkage:
             return f"Linkage of {len(self.links)} links"
         return "Motion" if self.is_alone else FOLLOWER_KINDS[self.kind].label
 
     @property
     def signed_rpm(self) -> float:
-        """The speed of its driver where no shaft says it, negative clockwise."""
+        """Speed of the driver of a design without a shaft [rpm], negative clockwise."""
         return self.linkage.driver.speed_rpm if self.is_linkage else MOTION_SPEED
 
     @property
     def loaded(self) -> bool:
-        """Whether there is anything that asks for a force: links always, an output where it has a mass, or a servo moves it."""
+        """Whether there are forces to compute: always with links, for an output where it has loads or a servo."""
         if not isinstance(self.loads, OutputLoads):
             return True
         return self.servo is not None or self.loads != type(self.loads)()
 
     @property
     def face(self) -> Face:
-        """What touches the cam, with its size, of a drive that has a cam."""
+        """The follower's face on the cam, with its size, of a drive with a cam."""
         assert self.cam is not None, "a drive without a cam"
         face: Face = self.cam.face if self.is_linkage else face_of(self.follower, self.cam)
         return face
 
     @cached_property
     def bare_cam(self) -> Any:
-        """The cam without what its profile does not depend on."""
+        """The cam without the fields that do not affect its profile."""
         if self.cam is None:
             return None
         bare, second = replace(self.cam, **dict.fromkeys(BLANK)), getattr(self.cam.form, "second", None)
@@ -187,22 +194,22 @@ class Drive:
 
     @property
     def face_path(self) -> str:
-        """Where the file has the word for it."""
+        """Path of the face's word in the file."""
         return "cam.face" if self.is_linkage else "follower.face"
 
     @property
     def links(self) -> tuple[Link, ...]:
-        """The links that are listed one by one; none of a follower, which builds its own from its lengths."""
+        """Links of a linkage; empty for a follower."""
         return self.linkage.links if self.is_linkage else ()
 
     @property
     def angle_name(self) -> str:
-        """What the angle of a turn is called in tables and texts: ``cam angle``, or ``driver angle`` of a linkage."""
+        """Name of the angle in tables and texts: ``cam angle``, or ``driver angle`` for a linkage."""
         return "driver angle" if self.is_linkage else "cam angle"
 
     @property
     def motion_unit(self) -> str:
-        """mm or deg: what the motion counts in."""
+        """Unit of the motion, mm or deg."""
         if self.motion is not None:
             return self.motion.unit
         return "deg" if self.is_linkage else FOLLOWER_KINDS[self.kind].motion_unit
@@ -210,21 +217,32 @@ class Drive:
 
 @frozen
 class TimingRow:
-    """One event at least so much after another: ``first`` and ``second`` are a drive's name and rise or return with its number,
-    and start or end: ``feed.return.1.end``."""
+    """Sequence condition: the event ``second`` comes at least ``least_deg`` after ``first``.
+
+    An event is a drive's name, a rise or return with its number, and start or end: ``feed.return.1.end``.
+    """
 
     first: str = placed(FileLayout(missing="NAME.rise.1.start, or return, or end"))
     second: str = placed(FileLayout(missing="NAME.rise.1.start, or return, or end"))
     least_deg: float = number(
-        "Least distance", -360.0, 360.0, default=0.0, step=1.0, help="second comes at least that much after first"
+        "Least distance", -360.0, 360.0, default=0.0, step=1.0, help="second comes at least this much after first"
     )
 
 
 @frozen
 class Design:
-    """A shaft with its drives. ``shaft`` is None where a linkage's own driver says how fast it turns; ``assumed`` lists the
-    field paths whose values are guesses; ``timing`` what must come after what; ``balancer`` the balance cam, where there is one;
-    ``tolerances`` and ``waviness`` how far it may be off as made."""
+    """A shaft with its drives.
+
+    Attributes
+    ----------
+    name : of the design
+    shaft : None where the driver of a linkage states the speed
+    drives : one, or several with names
+    assumed : paths of fields with assumed values
+    timing : sequence conditions
+    balancer : the balance cam, None where there is none
+    tolerances, waviness : permitted deviations of the built machine
+    """
 
     name: str
     shaft: Shaft | None
@@ -237,38 +255,40 @@ class Design:
 
     @property
     def listed(self) -> bool:
-        """Whether its file lists its drives, each by its name."""
+        """Whether its file has a list of named drives."""
         return any(drive.name is not None for drive in self.drives)
 
     @property
     def drive(self) -> Drive:
-        """The drive, of a design that has one."""
+        """The drive of a design with one drive."""
         (drive,) = self.drives
         return drive
 
     @property
     def camshaft(self) -> Shaft:
-        """The shaft, of a design that has one."""
+        """The shaft of a design with a shaft."""
         assert self.shaft is not None, "a linkage without [shaft]"
         return self.shaft
 
     @property
     def tables(self) -> Mapping[str, Any]:
-        """The tables of its file that it has, in their order; of a list of drives ``shaft``, then ``drives[0]`` with its name and
-        phase, ``drives[0].motion`` and so on, ``timing[0]``."""
+        """Name -> table of its file, in their order.
+
+        With a list of drives: ``shaft``, ``drives[0]`` with its name and phase, ``drives[0].motion`` …, ``timing[0]`` ….
+        """
         shaft = {} if self.shaft is None else {"shaft": self.shaft}
         if self.listed:
             parts: dict[str, Any] = shaft
             for i, drive in enumerate(self.drives):
                 parts |= {f"drives[{i}]": drive, **{f"drives[{i}].{name}": part for name, part in drive.tables.items()}}
-            parts |= {f"timing[{i}]": each for i, each in enumerate(self.timing)}
+            parts |= {f"timing[{i}]": row for i, row in enumerate(self.timing)}
             return parts if self.balancer is None else {**parts, "balancer": self.balancer}
         parts = {**self.drive.tables, **shaft}
         return {name: parts[name] for name in (*SECTIONS, *parts) if name in parts}
 
     @property
     def sections(self) -> tuple[str, ...]:
-        """The tables that its file may have, in their order."""
+        """Names of the tables that its file may have, in their order."""
         if self.listed:
             return tuple(dict.fromkeys(("shaft", *self.tables, "balancer")))
         named = self.drive.sections
@@ -276,34 +296,34 @@ class Design:
 
     @property
     def speed_rpm(self) -> float:
-        """How fast the shaft or the driver turns, either way round."""
+        """Speed of the shaft or the driver [rpm], positive."""
         return abs(self.drive.signed_rpm if self.shaft is None else self.shaft.speed_rpm)
 
     @property
     def sense(self) -> float:
-        """d of the papers: +1 where cam or crank turns counter-clockwise, -1 clockwise."""
+        """Sense of rotation d of cam or crank: +1 counter-clockwise, -1 clockwise."""
         if self.shaft is not None:
             return self.shaft.sense
         return 1.0 if first_value(self.drive.signed_rpm) > 0.0 else -1.0
 
     @property
     def by_crank(self) -> bool:
-        """Whether a crank turns at constant speed, and no motion moves the mechanism, of a design that lists no drives."""
+        """Whether the only drive is moved by a crank at constant speed."""
         return not self.listed and self.drive.by_crank
 
     @property
     def angle_name(self) -> str:
-        """What the angles of its findings are called."""
+        """Name of the angle in its findings."""
         return "cam angle" if self.listed else self.drive.angle_name
 
     @property
     def stages(self) -> tuple[str, ...]:
-        """Those of ``STAGES`` that it has, in the order in which they need each other."""
-        return tuple(name for name, has in _STAGES.items() if has(self))
+        """Stages that the design has, each after the stages on which it depends."""
+        return tuple(name for name, has_stage in _STAGES.items() if has_stage(self))
 
 
-def _any_drive(has: Callable[[Drive], bool]) -> Callable[[Design], bool]:
-    return lambda design: any(map(has, design.drives))
+def _any_drive(has_stage: Callable[[Drive], bool]) -> Callable[[Design], bool]:
+    return lambda design: any(map(has_stage, design.drives))
 
 
 _STAGES: Mapping[str, Callable[[Design], bool]] = MappingProxyType(
@@ -317,42 +337,42 @@ _STAGES: Mapping[str, Callable[[Design], bool]] = MappingProxyType(
 )
 """Stage -> whether a design has it."""
 STAGES = tuple(_STAGES)
-"""All stages that a study may have, in the order in which they need each other."""
+"""All stages of a study, each after the stages on which it depends."""
 
 
 def with_drive(design: Design, *, assumed: tuple[str, ...] | None = None, **parts: Any) -> Design:
-    """The design with parts of its drive replaced, and what is assumed."""
+    """Design with parts of its drive replaced, and its assumed paths where given."""
     marks = design.assumed if assumed is None else assumed
     return replace(design, drives=(replace(design.drive, **parts),), assumed=marks)
 
 
 def with_table(design: Design, name: str, part: Any) -> Design:
-    """The design with one table of its file replaced, or taken away where the part is None."""
+    """Design with one table of its file replaced, or removed where the part is None."""
     if name in ("shaft", "balancer"):
         return replace(design, **{name: part})
     return replace(design, drives=(with_drive_table(design.drive, name, part),))
 
 
 def with_servo(design: Design) -> Design:
-    """The design with a servo motor to begin with, all of it assumed; a slide moves 10 mm a turn of it. There must be a motion."""
+    """Design with a default servo motor, marked as assumed; a slide travels 10 mm per turn. The drive must have a motion."""
     motion = design.drive.motion
-    assert motion is not None, "nothing moves"
+    assert motion is not None, "the drive has no motion"
     travel = 10.0 if motion.unit == "mm" else None
     paths = ("servo.gear_ratio", *(("servo.travel_mm_per_turn",) if travel else ()))
     return with_drive(design, servo=Servo(kind=ROTARY, travel_mm_per_turn=travel), assumed=(*design.assumed, *paths))
 
 
 def without_servo(design: Design) -> Design:
-    """The design without it, and nothing assumed of it."""
+    """Design without a servo motor, and without its assumed paths."""
     return with_drive(design, servo=None, assumed=tuple(p for p in design.assumed if not p.startswith("servo.")))
 
 
 def with_drive_table(drive: Drive, name: str, part: Any) -> Drive:
-    """The drive with one of its tables replaced, or taken away where the part is None."""
+    """Drive with one of its tables replaced, or removed where the part is None."""
     if name == "limits" and part is None:
         part = NO_LIMITS
     if name.startswith(MOTIONS):
-        rest = [each for each in drive.motions if f"{MOTIONS}{each.name}" != name]
+        rest = [row for row in drive.motions if f"{MOTIONS}{row.name}" != name]
         added = [] if part is None else [NamedMotion(name.removeprefix(MOTIONS), part)]
         return replace(drive, mechanism=replace(drive.linkage, motions=(*rest, *added)))
     parts: dict[str, Any] = {"mechanism" if name == drive.table else name: part}
@@ -360,8 +380,14 @@ def with_drive_table(drive: Drive, name: str, part: Any) -> Drive:
 
 
 def require_linkage(design: Design) -> Design:
-    """The design, where it is a linkage. Raises DesignError."""
+    """Return the design where its mechanism is a linkage.
+
+    Raises
+    ------
+    DesignError
+        For any other mechanism.
+    """
     if design.drive.is_linkage:
         return design
     table = design.drive.table or "motion"
-    raise DesignError([Fault(table, f"[{table}]", "this kind of design does not take it", "a design with [linkage]")])
+    raise DesignError([Fault(table, f"[{table}]", "this kind of design cannot have it", "a design with [linkage]")])

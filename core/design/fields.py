@@ -1,5 +1,7 @@
-"""What is known of the fields of a design's parts: label, range and help of every number a user can type, and where a part
-stands in the file. Forms, validation, paths and files walk over these fields; nothing about a part is written twice."""
+"""Metadata of the fields of a design: label, range and help of every number that can be typed, and its position in the file.
+
+Forms, validation, paths and files all read these fields, so that each part is described once.
+"""
 
 from __future__ import annotations
 
@@ -13,24 +15,25 @@ from typing import Any, cast
 from core.frozen import frozen
 from core.units import Unit, split_unit
 
-LARGEST = 1e15  # in the field's own unit: squares and products of such numbers still are numbers
+LARGEST = 1e15  # in the unit of the field: squares and products of such numbers are still finite
 LONGEST_MM = 1e9
 NOTHING = dataclasses.MISSING
-"""The default of a field that has none."""
+"""The default of a field without a default."""
 
 SELDOM, USUAL, MAIN = range(3)
-"""Weights of fields: what is folded away until it has another value than usual; what stands there in the order of the file; what
-comes first, and is never folded."""
+"""Weights of fields: folded until the value differs from the default; shown in the order of the file; shown first, never folded."""
 
 
 @frozen
 class Bounds:
-    """Of what a number is a limit.
+    """Quantities that a field limits.
 
-    quantities  rows of ``core.study.quantities``, none of which may pass it; those that a design has
-    remedy      what to do where one does: the whole check follows from this row. Empty: the limit has a check of its own
-    line        text of its line in plots of these quantities
-    most        an upper limit, of their size; else a lower one
+    Attributes
+    ----------
+    quantities : names in ``core.study.quantities``, of which a design may have some
+    remedy : text of the remedy in the finding; empty: the limit has a separate check
+    line : label of its line in plots of these quantities
+    most : whether it is an upper limit of their magnitude, else a lower limit
     """
 
     quantities: tuple[str, ...]
@@ -41,23 +44,27 @@ class Bounds:
 
 @frozen
 class Info:
-    """What is known of one field.
+    """Metadata of one field.
 
-    low, high  bounds of a number (``open_low``: low itself is excluded); no bound stated means ``LARGEST``
-    choices    bounds words
-    numbers    bounds a number without a fraction, where not all from low to high are allowed
-    step       a sensible step of a spin box, 0 = by magnitude
-    optional   may be None
-    whole      a number without a fraction
-    flag       true or false
-    of_motion  counts in the motion's unit, which its key in the file ends with: ``rise_mm``
-    pair       key of the file under which it stands with the other coordinate, as [x, y]
-    missing    what a file must say, where Python has a default; that as text
-    guessed    of a number of the machine with a default: assumed where nobody gives it
-    bounds     of a limit: what it is a limit of
-    weight     how often a designer needs it, ``SELDOM`` to ``MAIN``; order: among those of one weight, as in the file where both are
-               the same
-    usual      of what is needed seldom: the value that a machine has which does without
+    Attributes
+    ----------
+    label, help : texts of the form
+    low, high : range of a number, ``LARGEST`` where there is no limit
+    open_low : whether ``low`` itself is excluded
+    choices : the allowed words
+    numbers : the allowed whole numbers, where not all from low to high are allowed
+    step : step of a spin box, 0 = by magnitude
+    optional : whether it may be None
+    whole : whether it is a whole number
+    flag : whether it is true or false
+    of_motion : whether its unit is that of the motion, with which its key in the file ends: ``rise_mm``
+    pair : key of the file that holds it together with the second coordinate, as [x, y]
+    missing : text for the value that a file must give although Python has a default
+    guessed : whether a file without it has its default, marked as assumed
+    bounds : the quantities that it limits
+    weight : how often a designer needs it, ``SELDOM`` to ``MAIN``
+    order : among fields of equal weight; equal orders are as in the file
+    usual : value of a ``SELDOM`` field in a machine that does not need it
     """
 
     label: str
@@ -81,14 +88,14 @@ class Info:
     usual: Any = None
 
     def folds(self, value: Any) -> bool:
-        """Whether a form folds the field away while this stands there: nobody has needed it yet."""
+        """Whether a form folds the field while it has this value."""
         if self.weight == SELDOM and value == self.usual:
             return True
         return self.optional and value is None and self.weight < MAIN
 
     @property
     def in_sentence(self) -> str:
-        """The label as it stands inside a sentence."""
+        """The label inside a sentence, in lower case."""
         return self.label[:1].lower() + self.label[1:]
 
     def allowed(self, unit: Unit) -> str:
@@ -107,7 +114,7 @@ class Info:
         return f"{'above ' if self.open_low else ''}{self.low:g} ... {self.high:g}{symbol}"
 
     def admits(self, value: Any) -> bool:
-        """Whether a value is within the bounds or among the choices."""
+        """Whether a value is in the range or among the choices."""
         if value is None:
             return self.optional
         if self.choices or self.numbers:
@@ -121,7 +128,7 @@ class Info:
 
     @property
     def problem(self) -> str:
-        """What is wrong with a value that is not admitted."""
+        """Why a value is not allowed."""
         if self.numbers:
             return f"no {self.label.lower()}"
         return "unknown word" if self.choices else "outside its range"
@@ -144,7 +151,7 @@ def number(
     guessed: bool = False,
     bounds: Bounds | None = None,
 ) -> Any:
-    """A dataclass field for a number; its name ends with its unit."""
+    """Dataclass field for a number; its name ends with its unit."""
     info = Info(
         label,
         help,
@@ -171,77 +178,81 @@ def whole(
     numbers: tuple[int, ...] = (),
     pair: str = "",
 ) -> Any:
-    """A dataclass field for a number without a fraction."""
+    """Dataclass field for a whole number."""
     info = Info(label, help, low, high, step=1.0, whole=True, numbers=numbers, optional=default is None, pair=pair)
     return field(default=default, metadata={_KEY: info})
 
 
 def flag(label: str, *, default: bool = False, help: str = "") -> Any:
-    """A dataclass field that is true or false."""
+    """Dataclass field that is true or false."""
     return field(default=default, metadata={_KEY: Info(label, help, flag=True)})
 
 
 def length(label: str, *, help: str = "", default: Any = NOTHING) -> Any:
-    """A dataclass field for a length that must be positive."""
+    """Dataclass field for a positive length."""
     return number(label, 0.0, LONGEST_MM, open_low=True, help=help, default=default)
 
 
 def coordinate(label: str, *, help: str = "", default: Any = NOTHING, pair: str = "") -> Any:
-    """A dataclass field for a signed distance."""
+    """Dataclass field for a signed distance."""
     info = Info(label, help, -LONGEST_MM, LONGEST_MM, pair=pair, optional=default is None)
     return field(default=default, metadata={_KEY: info})
 
 
 def choice(label: str, choices: tuple[str, ...], *, default: Any = NOTHING, help: str = "", missing: str = "") -> Any:
-    """A dataclass field for one word of several; None where that is its default."""
+    """Dataclass field for one of several words; None is allowed where it is the default."""
     info = Info(label, help, choices=choices, optional=default is None, missing=missing)
     return field(default=default, metadata={_KEY: info})
 
 
-def _weighed(made: Any, **changes: Any) -> Any:
-    info = replace(made.metadata[_KEY], **changes)
-    return field(default=made.default, metadata={**made.metadata, _KEY: info})
+def _with_info(part: Any, **changes: Any) -> Any:
+    info = replace(part.metadata[_KEY], **changes)
+    return field(default=part.default, metadata={**part.metadata, _KEY: info})
 
 
-def leading(made: Any, order: int = 0) -> Any:
-    """A field that comes first in its form, the lower the order the sooner, and is never folded away."""
-    return _weighed(made, weight=MAIN, order=order)
+def leading(part: Any, order: int = 0) -> Any:
+    """Field at the top of its form, in ascending order, that is never folded."""
+    return _with_info(part, weight=MAIN, order=order)
 
 
-def seldom(made: Any) -> Any:
-    """A field that is folded away until it has another value than its default."""
-    return _weighed(made, weight=SELDOM, usual=made.default)
+def seldom(part: Any) -> Any:
+    """Field that is folded until its value differs from the default."""
+    return _with_info(part, weight=SELDOM, usual=part.default)
 
 
 def info_of(field: dataclasses.Field[Any]) -> Info | None:
-    """The metadata of a dataclass field, None where it holds no entry of its own (a part, a list)."""
+    """Metadata of a dataclass field; None for text, a part or a list."""
     return field.metadata.get(_KEY)
 
 
 def unit_of(field: dataclasses.Field[Any]) -> Unit:
-    """The unit that a field's name ends with."""
+    """Unit at the end of a field's name."""
     return split_unit(field.name)[1]
 
 
-# -- where a part stands in the file ----------------------------------------------------------------------
+# -- layout of the file -----------------------------------------------------------------------------------
 
 
 @frozen
 class FileLayout:
-    """How the file holds what is no entry of its own: text, a part, a list of parts.
+    """Layout in the file of text, a part, or a list of parts.
 
-    kind     class of the part, or of the rows of a list; None: text
-    choose   class of the part by the table of the whole, which holds the part's keys too; None where it has none of them
-    single   one part, no list of them
-    key      rows are named by this field of theirs, as ``points.A``, and are one value or pair each; else numbered
-    rows     of a list, each is a list of its numbers, in their order; those at its end that are not known are left out
-    spread   rows named by a key stand in the table of the whole, under all keys that are none of its other entries
-    whole    may be assumed as a whole
-    brief    the part's entries that are as they would be anyway are left out
-    word     key of the word in the same table that chooses the part; words: that word -> class; label, help, weight: of the choice
-    missing  what a file must say, as text
-    each     a list of plain numbers or words: of which class
-    in_file  False: it follows from something else
+    Attributes
+    ----------
+    kind : class of the part, or of the rows of a list; None: text
+    choose : class of the part from the table of its owner, which holds the part's keys too; None where it has none of them
+    single : whether it is one part, not a list
+    key : field that names the rows, as ``points.A``, which are one value or pair; empty: the rows are numbered
+    rows : whether each row is a list of its numbers, without unknown ones at its end
+    spread : whether named rows are in the table of their owner, under all keys that are not among its other entries
+    whole : whether it can be marked as assumed in one entry
+    brief : whether entries with their default are left out
+    word : key of the word in the same table that chooses the part
+    words : that word -> class
+    label, help, weight : of the choice
+    missing : text for what a file must give
+    each : class of the items of a list of numbers or words
+    in_file : whether the file contains it
     """
 
     kind: Any = None
@@ -272,8 +283,10 @@ def chosen_by_word(
     help: str = "",
     weight: int = USUAL,
 ) -> FileLayout:
-    """A part whose class is chosen by a word of the same table, which stands there before its own keys; ``otherwise``: the
-    word where the table has none. Each class says its word in an attribute of that name."""
+    """Layout of a part whose class depends on a word in the same table, before the keys of the part.
+
+    ``otherwise`` is the word where the table has none. Each class has its word in an attribute named ``word``.
+    """
 
     def choose(table: Mapping[str, Any]) -> Any:
         value = table.get(word, otherwise)
@@ -288,25 +301,27 @@ _PLACING = "kindyna-placing"
 
 
 def placed(placing: FileLayout, default: Any = NOTHING) -> Any:
-    """A dataclass field for text, a part or a list of parts."""
+    """Dataclass field for text, a part or a list of parts."""
     return field(default=default, metadata={_PLACING: placing})
 
 
-def brief(made: Any) -> Any:
-    """A field that the file leaves out where it has its default."""
-    return field(default=made.default, metadata={**made.metadata, _PLACING: FileLayout(brief=True)})
+def brief(part: Any) -> Any:
+    """Field that the file leaves out where it has its default."""
+    return field(default=part.default, metadata={**part.metadata, _PLACING: FileLayout(brief=True)})
 
 
 @frozen
 class FileEntry:
     """One entry of a part's table in the file.
 
-    key      as the file spells it
-    names    the fields that hold it: two of a pair; none of a word that the class of a part stands for: a law, a face
-    infos    of these fields; none of text, parts and lists
-    placing, default   of the field, of a pair's first
-    within   field of the part whose own fields these are, where its keys stand in the table of the whole
-    brief    left out of the file where it is as it would be anyway
+    Attributes
+    ----------
+    key : as in the file
+    names : its fields: two for a pair; none for a word that is the class of a part, as a law or a face
+    infos : metadata of these fields; none for text, parts and lists
+    placing, default : of the field, for a pair of the first
+    within : field of the part to which the entry belongs, where the part's keys are in the table of its owner
+    brief : whether the file leaves it out where it has its default
     """
 
     key: str
@@ -319,12 +334,12 @@ class FileEntry:
 
     @property
     def info(self) -> Info | None:
-        """Of its field, of a pair's first; None of text, parts and lists."""
+        """Metadata of its field, for a pair of the first; None for text, parts and lists."""
         return self.infos[0] if self.infos else None
 
     @property
     def missing(self) -> str | None:
-        """What the file must say, as text; None where it need not."""
+        """Text for what the file must give; None where the entry is optional."""
         stated = self.info.missing if self.info else self.placing.missing
         return stated or (self.allowed if self.default is NOTHING and self.names else None)
 
@@ -335,78 +350,74 @@ class FileEntry:
 
 
 LAW = "law"
-"""Key of a segment's curve, which tells what other keys it has; the first of its table."""
+"""Key of a segment's law, which determines its further keys; the first of its table."""
 
 
 @lru_cache(maxsize=256)
 def _fields_in_order(kind: Any) -> tuple[dataclasses.Field[Any], ...]:
-    """The fields of a class as they follow each other in the file: as the class says, else its own before those that it
-    shares."""
-    own = {each.name: each for each in dataclasses.fields(kind)}
+    """Fields of a class in the order of the file: its ``FILE_ORDER``, else its new fields before those of its bases."""
+    by_name = {part.name: part for part in dataclasses.fields(kind)}
     order = getattr(
-        kind, "FILE_ORDER", [name for each in kind.__mro__ for name in getattr(each, "__annotations__", ())]
+        kind, "FILE_ORDER", [name for base in kind.__mro__ for name in getattr(base, "__annotations__", ())]
     )
-    return tuple(own[name] for name in dict.fromkeys(order) if name in own)
+    return tuple(by_name[name] for name in dict.fromkeys(order) if name in by_name)
 
 
 @lru_cache(maxsize=512)
 def slots(kind: Any, unit: str = "", inside: tuple[tuple[str, Any], ...] = ()) -> tuple[FileEntry, ...]:
-    """The entries of a class's table in the file, for a motion in ``unit``; inside: field -> class of the parts whose keys
-    stand in this table."""
-    found: list[FileEntry] = [] if LAW not in vars(kind) else [FileEntry(LAW, (), (), FileLayout(), NOTHING)]
-    for each in _fields_in_order(kind):
-        info, placing = info_of(each), each.metadata.get(_PLACING, FileLayout())
+    """Entries of a class's table in the file, for a motion in ``unit``; ``inside`` lists fields with the classes of the parts
+    whose keys are in this table."""
+    entries: list[FileEntry] = [] if LAW not in vars(kind) else [FileEntry(LAW, (), (), FileLayout(), NOTHING)]
+    for part in _fields_in_order(kind):
+        info, placing = info_of(part), part.metadata.get(_PLACING, FileLayout())
         if placing.choose is not None:
             if placing.word:
                 choices = Info(placing.label, placing.help, choices=tuple(placing.words), weight=placing.weight)
-                here = FileLayout(word=placing.word, words=placing.words)
+                layout = FileLayout(word=placing.word, words=placing.words)
                 default = getattr(placing.kind, placing.word)
-                found.append(
-                    FileEntry(placing.word, (), (choices,), here, default, within=each.name, brief=placing.brief)
+                entries.append(
+                    FileEntry(placing.word, (), (choices,), layout, default, within=part.name, brief=placing.brief)
                 )
-            own = (slot for name, part in inside if name == each.name for slot in slots(part))
-            found += [replace(slot, within=each.name, brief=placing.brief) for slot in own]
-        elif info is not None and info.pair and (first := next((s for s in found if s.key == info.pair), None)):
-            both = replace(first, names=(*first.names, each.name), infos=(*first.infos, info))
-            found[found.index(first)] = both
+            inner = (slot for name, class_ in inside if name == part.name for slot in slots(class_))
+            entries += [replace(slot, within=part.name, brief=placing.brief) for slot in inner]
+        elif info is not None and info.pair and (first := next((s for s in entries if s.key == info.pair), None)):
+            pair = replace(first, names=(*first.names, part.name), infos=(*first.infos, info))
+            entries[entries.index(first)] = pair
         elif placing.in_file:
-            name = each.name.removesuffix("_")  # a word of Python's, as from, is a key without its mark
+            name = part.name.removesuffix("_")  # the field from_ has the key from
             key = name if info is None else info.pair or (f"{name}_{unit}" if info.of_motion and unit else name)
-            found.append(
-                FileEntry(
-                    key, (each.name,), () if info is None else (info,), placing, each.default, brief=placing.brief
-                )
-            )
-    return tuple(found)
+            infos = () if info is None else (info,)
+            entries.append(FileEntry(key, (part.name,), infos, placing, part.default, brief=placing.brief))
+    return tuple(entries)
 
 
 @lru_cache(maxsize=256)
-def _choosing(kind: Any) -> tuple[tuple[str, FileLayout], ...]:
-    """The fields of a class whose parts' keys stand in its table."""
-    placings = ((each.name, each.metadata.get(_PLACING, FileLayout())) for each in dataclasses.fields(kind))
+def _inline_parts(kind: Any) -> tuple[tuple[str, FileLayout], ...]:
+    """Fields of a class whose parts have their keys in its table."""
+    placings = ((part.name, part.metadata.get(_PLACING, FileLayout())) for part in dataclasses.fields(kind))
     return tuple((name, placing) for name, placing in placings if placing.choose is not None)
 
 
 def words_of(kind: Any, key: str) -> Mapping[str, Any]:
-    """Word -> class of the parts that a class may have by the word that stands under this key."""
+    """Word -> class of a part, for the words that are allowed under a key."""
     return next(slot.placing.words for slot in slots(kind) if slot.key == key)
 
 
 def inside_of(part: Any) -> tuple[tuple[str, Any], ...]:
-    """Field -> class of the parts of a part whose keys stand in its own table."""
-    parts = ((name, getattr(part, name)) for name, _ in _choosing(cast(Hashable, type(part))))
+    """Field -> class of those parts of a part that have their keys in its table."""
+    parts = ((name, getattr(part, name)) for name, _ in _inline_parts(cast(Hashable, type(part))))
     return tuple((name, type(inner)) for name, inner in parts if inner is not None)
 
 
 def inside_of_table(kind: Any, table: Mapping[str, Any], *, possible: bool = False) -> tuple[tuple[str, Any], ...]:
-    """The same by the table of a file; possible: also of parts that it does not have, but could have."""
+    """Field -> class of the parts with keys in a table of a file; with ``possible`` also of parts that the table could have."""
     chosen = (
         (name, (placing.choose and placing.choose(table)) or (possible and placing.kind))
-        for name, placing in _choosing(kind)
+        for name, placing in _inline_parts(kind)
     )
     return tuple((name, part) for name, part in chosen if part)
 
 
 def slots_of(part: Any, unit: str = "") -> tuple[FileEntry, ...]:
-    """The entries of a part's table in the file, those of parts in it that stand in the same table included."""
+    """Entries of a part's table in the file, with those of its parts in the same table."""
     return slots(cast(Hashable, type(part)), unit, inside_of(part))

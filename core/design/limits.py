@@ -1,6 +1,8 @@
-"""The user's own limits of a drive, one row each: a field that says of which quantities it is a limit. Finding, margin, line in plots
-and report, and what Find may hold follow; usual values and figures of other sorts stand in ``core.study.limits``. And how far the
-numbers of a machine may be off as made: tolerances, and the waviness of the profile."""
+"""Limits that the user sets on a drive, tolerances, and the waviness of the profile.
+
+Each limit is a field with the quantities that it limits; finding, margin, plot line, report and Find follow from it. Typical
+values and limits of other kinds are in ``core.study.limits``.
+"""
 
 from __future__ import annotations
 
@@ -10,27 +12,26 @@ from core.design.fields import LONGEST_MM, Bounds, FileLayout, choice, leading, 
 from core.frozen import frozen
 
 
-def _angle(label: str, stretch: str) -> Any:
-    made = number(
+def _angle(label: str, section: str) -> Any:
+    field = number(
         label,
         0.0,
         90.0,
         open_low=True,
         default=None,
         step=1.0,
-        help=f"greatest {stretch}; empty = the usual one",
+        help=f"greatest {section}; empty = the typical limit",
         bounds=Bounds(("pressure_angle",), line=f"limit of the {label.rpartition(' ')[2]} {{}}"),
     )
-    return leading(made)
+    return leading(field)
 
 
-# Which quantities a limit holds for is in its ``Bounds``, by their names in ``core.study.quantities``. With a ``remedy`` there the whole
-# check follows; without, the limit has a check of its own (``core.study.cam_checks``, ``contact_stress``), and a new row would be silent.
-# A lower limit says ``most=False``.
+# ``Bounds`` lists the quantities of a limit, by their names in ``core.study.quantities``. With a ``remedy`` the check follows from the
+# row; without, the limit needs a separate check, as in ``core.study.cam_checks``. A lower limit has ``most=False``.
 
 
-def _least(label: str, help: str, usual: str = "none") -> Any:
-    return leading(number(label, 0.0, LONGEST_MM, open_low=True, default=None, help=f"{help}; empty = {usual}"))
+def _least(label: str, help: str, default: str = "none") -> Any:
+    return leading(number(label, 0.0, LONGEST_MM, open_low=True, default=None, help=f"{help}; empty = {default}"))
 
 
 def _most(label: str, help: str, bounds: Bounds) -> Any:
@@ -39,14 +40,14 @@ def _most(label: str, help: str, bounds: Bounds) -> Any:
 
 @frozen(kw_only=True)
 class Limits:
-    """What the user does not want to exceed, as far as stated; radii are those of the profile."""
+    """Limits that the user sets; the radii are those of the profile."""
 
     pressure_angle_rise_deg: float | None = _angle("Pressure angle, rise", "while the motion rises")
     pressure_angle_return_deg: float | None = _angle("Pressure angle, return", "while it returns")
     convex_radius_mm: float | None = _least(
         "Convex radius",
         "least radius of curvature where the profile bulges",
-        "half the roller's radius, 3 mm under what slides",
+        "half the roller's radius, 3 mm under a sliding face",
     )
     concave_radius_mm: float | None = _least("Concave radius", "least radius of curvature where the profile is hollow")
     polar_radius_mm: float | None = _least(
@@ -72,19 +73,25 @@ class Limits:
 NO_LIMITS = Limits()
 
 
-# -- as made -------------------------------------------------------------------------------------------------
+# -- tolerances -----------------------------------------------------------------------------------------------
 
 NORMAL, UNIFORM, WORST = "normal", "uniform", "worst"
 SIGMAS = 3.0
-"""Of a normal distribution, half the width of the tolerance where its file does not state sigma."""
+"""Half the width of the tolerance in standard deviations, for a normal distribution without a stated sigma."""
 
 
 @frozen
 class Tolerance:
-    """A number of the machine lies between its own less ``minus`` and that plus ``plus``, in the unit of its field.
+    """Tolerance of a number of the machine, from nominal - minus to nominal + plus, in the unit of its field.
 
-    distribution  normal about the middle, half the width being three sigma where ``sigma`` is not stated; uniform; worst: at either end
-    cost          of halving the tolerance, in any currency; None: the same for all
+    Attributes
+    ----------
+    field : path of the number
+    plus, minus : upper and lower deviation
+    distribution : normal about the middle, with half the width equal to three sigma where ``sigma`` is not given; uniform;
+        worst: at either end
+    sigma : standard deviation of the normal distribution
+    cost : of halving the tolerance, in any currency; None: the same for all
     """
 
     field: str = placed(FileLayout(missing="the path of a number, as cam.base_radius_mm"))
@@ -98,12 +105,12 @@ class Tolerance:
 
     @property
     def down(self) -> float:
-        """How far the number may lie below its own."""
+        """Lower deviation."""
         return self.plus if self.minus is None else self.minus
 
     @property
     def middle(self) -> float:
-        """Of the tolerance, from the number itself."""
+        """Middle of the tolerance, from the nominal value."""
         return 0.5 * (self.plus - self.down)
 
     @property
@@ -113,14 +120,14 @@ class Tolerance:
 
     @property
     def deviation(self) -> float:
-        """Standard deviation of its distribution."""
+        """Standard deviation of the distribution."""
         by_word = {NORMAL: self.half / SIGMAS, UNIFORM: self.half / 3.0**0.5, WORST: self.half}
         return self.sigma if self.sigma is not None and self.distribution == NORMAL else by_word[self.distribution]
 
 
 @frozen
 class Waviness:
-    """Waves of the profile along its normal, a whole number of lobes around the cam, of any phase: how high each, and how many lobes."""
+    """Waves of the profile along its normal, of any phase: their amplitude, and the numbers of lobes around the cam."""
 
     amplitude_mm: float = number("Amplitude", 0.0, 1e3)
     lobes_from: int = whole("Lobes from", 1, 10_000, pair="lobes")

@@ -209,7 +209,7 @@ def momentum_residual(kinematics: Kinematics, shape: CamShape | None, forces: Fo
     for name, pair in kinematics.pairs.items():
         if FRAME in (pair.on, pair.body):
             sign = 1.0 if pair.on == FRAME else -1.0
-            at = kinematics.bodies[pair.body if pair.on == FRAME else pair.on].place(pair.point)
+            at = kinematics.bodies[pair.body if pair.on == FRAME else pair.on].position(pair.point)
             couple = sign * forces.couples.get(name, np.zeros(1))
             outer.append(Load("", at, sign * forces.pairs.get(name, np.zeros(1, dtype=complex)), couple))
             if name == kinematics.driver_name:

@@ -282,7 +282,7 @@ class Mass(Element):
     def loads(self, kinematics: Kinematics, rate: Rate) -> Iterator[Load]:
         """Force m(g - a) at the centre of mass and couple -I α̈."""
         pose, part = kinematics.bodies[self.body], self.inertia
-        z, a = pose.carried(part.centre), pose.turn
+        z, a = pose.fixed_point(part.centre), pose.turn
         zero = not rate.speed and not rate.acceleration
         force = (
             spread(np.atleast_1d(part.mass * self.gravity), kinematics.theta.shape[-1])
@@ -299,7 +299,7 @@ class Mass(Element):
         -------
         ndarray (2, n) [N m]
         """
-        z = kinematics.bodies[self.body].carried(self.inertia.centre)
+        z = kinematics.bodies[self.body].fixed_point(self.inertia.centre)
         weight = -self.inertia.mass * np.conjugate(self.gravity)
         return np.array(np.broadcast_arrays(*((weight * z[order]).real for order in (1, 2))))
 
@@ -318,7 +318,7 @@ class Mass(Element):
         ndarray (orders, n) [kg m²]
         """
         pose, part = kinematics.bodies[self.body], self.inertia
-        z, a = pose.carried(part.centre), pose.turn
+        z, a = pose.fixed_point(part.centre), pose.turn
         m, i = part.mass, part.about_centre
         rows = [m * dot(z[1], z[1]) + i * a[1] * a[1]]
         if orders > 1:
@@ -345,7 +345,7 @@ def output_load(kinematics: Kinematics, size: np.ndarray) -> Load:
     Load
     """
     pair = kinematics.driver_pair
-    at = kinematics.bodies[kinematics.output].place(pair.point)
+    at = kinematics.bodies[kinematics.output].position(pair.point)
     if pair.kind == REVOLUTE:
         return Load(kinematics.output, at, np.zeros(1, dtype=complex), size)
     return Load(kinematics.output, at, size * pair.axis)
@@ -445,7 +445,7 @@ class PointForce(Element):
 
     def loads(self, kinematics: Kinematics, rate: Rate) -> Iterator[Load]:
         """The force at the point, and the torque."""
-        at = kinematics.bodies[self.body].place(self.point)
+        at = kinematics.bodies[self.body].position(self.point)
         yield Load(self.body, at, np.atleast_1d(self.force), self.torque)
 
     def potential(self, kinematics: Kinematics) -> np.ndarray:
@@ -456,7 +456,7 @@ class PointForce(Element):
         ndarray (2, n) [N m]
         """
         pose = kinematics.bodies[self.body]
-        z = pose.carried(pose.points[self.point])
+        z = pose.fixed_point(pose.points[self.point])
         rows = [-_work_rate(z, pose.turn, self.force, self.torque, order) for order in (1, 2)]
         return np.array(np.broadcast_arrays(*rows))
 
@@ -492,7 +492,7 @@ class ScheduledForce(Element):
         if self.point is None:
             yield output_load(kinematics, self.sign * self.size * factor)
         else:
-            at = kinematics.bodies[self.point.body].carried(self.point.at)[0]
+            at = kinematics.bodies[self.point.body].fixed_point(self.point.at)[0]
             yield Load(self.point.body, at, self.force * factor, self.torque * factor)
 
     def potential(self, kinematics: Kinematics) -> np.ndarray:
@@ -507,7 +507,7 @@ class ScheduledForce(Element):
             first, second = (self.size * kinematics.motion.displacement[order] for order in (1, 2))
         else:
             pose = kinematics.bodies[self.point.body]
-            z = pose.carried(self.point.at)
+            z = pose.fixed_point(self.point.at)
             first, second = (_work_rate(z, pose.turn, self.force, self.torque, order) for order in (1, 2))
         return np.array([-factor * first, -slope * first - factor * second])
 
@@ -600,7 +600,7 @@ class Spring(SpringDamper):
         return spread(first[order], n), spread(second[order], n)
 
     def _points(self, kinematics: Kinematics) -> tuple[Derivatives, Derivatives]:
-        first, second = (body_pose(kinematics, p.body).carried(p.at) for p in (self.first, self.second))
+        first, second = (body_pose(kinematics, p.body).fixed_point(p.at) for p in (self.first, self.second))
         return first, second
 
     def elongation_rate(self, kinematics: Kinematics) -> np.ndarray:

@@ -126,7 +126,7 @@ class _FlightFriction:
         self._number = np.repeat(np.arange(len(frictions)), counts)
         slips = [1.0 if f.pair == kinematics.driver_name else kinematics.slip(f.pair) for f in frictions]
         table = [part for rows in parts for part in rows]
-        table += [unit.driver * ones for unit in units] + [kinematics.sense * slip * ones for slip in slips]
+        table += [unit.driver * ones for unit in units] + [kinematics.driver_sign * slip * ones for slip in slips]
         self._coefficients = np.array([f.coefficient * f.radius for f in frictions])[self._number]
         self._shape, self._rows = (len(parts), self._number.size), _chebyshev_fit(np.array(table), x)
 
@@ -462,7 +462,7 @@ def with_impacts(
         free = FreeFollower(
             mechanism, loading, y.min() - margin, y.max() + margin, FADE * omega * float(np.abs(slope).max()) or 1.0
         )
-        crossing = _Crossing(_Flanks(at, program, mechanism.sense), free, play, omega)
+        crossing = _Crossing(_Flanks(at, program, mechanism.driver_sign), free, play, omega)
         return tuple(replace(change, impact=crossing.impact(change.theta, change.to)) for change in changes)
     except NoSolution:  # the flight leaves the range of the mechanism, or friction jams
         return tuple(changes)

@@ -335,7 +335,7 @@ def _contact_direction(flank: Flank, rotation_sign: float, friction: float) -> n
 def unit_friction(kinematics: Kinematics, friction: Friction) -> list[Load]:
     """One newton of friction (one newton metre in a pin) on ``body`` against positive slip, the opposite on ``on``."""
     pair = kinematics.pairs[friction.pair]
-    at = kinematics.bodies[pair.body].place(pair.point)
+    at = kinematics.bodies[pair.body].position(pair.point)
     force = np.zeros(1, dtype=complex) if pair.kind == REVOLUTE else -kinematics.line(pair)
     couple = -1.0 if pair.kind == REVOLUTE else 0.0
     return [Load(pair.body, at, force, couple), Load(pair.on, at, -force, -couple)]
@@ -343,7 +343,7 @@ def unit_friction(kinematics: Kinematics, friction: Friction) -> list[Load]:
 
 def _slip_sign(kinematics: Kinematics, name: str) -> np.ndarray:
     """Sign of a pair's slip (n,): -1, 0, 1, from the motion's segment, so that it is exact near a dwell."""
-    forward = kinematics.sense * kinematics.motion.velocity_sign
+    forward = kinematics.driver_sign * kinematics.motion.velocity_sign
     return forward if name == kinematics.driver_name else np.asarray(forward * np.sign(kinematics.slip(name)))
 
 
@@ -368,7 +368,7 @@ def _with_friction(
         contact, driver = contact + size * unit_cases[name].contact, driver + size * unit_cases[name].driver
 
     def friction_work() -> dict[str, np.ndarray]:
-        speed = kinematics.sense * kinematics.motion.displacement[1]
+        speed = kinematics.driver_sign * kinematics.motion.displacement[1]
         slips = {name: 1.0 if name == kinematics.driver_name else kinematics.slip(name) for name in signed}
         return {name: size * slips[name] * speed for name, size in signed.items()}
 
@@ -505,7 +505,7 @@ def _follower_torque(kinematics: Kinematics, contacts: tuple[Contact, ...]) -> n
     if pair.kind != REVOLUTE:
         rows = [-contact.force * dot(contact.direction, kinematics.line(pair)) for contact in contacts]
     else:
-        pivot = kinematics.bodies[pair.body].place(pair.point)
+        pivot = kinematics.bodies[pair.body].position(pair.point)
         rows = [-contact.force * cross(contact.at - pivot, contact.direction) for contact in contacts]
     return np.asarray(sum(rows[1:], rows[0]))
 
@@ -524,7 +524,7 @@ def undetermined_pairs(kinematics: Kinematics) -> frozenset[str]:
     is smallest (it is larger at a dead centre). The columns of A are the two components of each pair, the driver, and
     each second driver.
     """
-    if not any(dyad.redundant for dyad in kinematics.dyads):
+    if not any(dyad.is_redundant for dyad in kinematics.dyads):
         return frozenset()
     matrices = _balance(kinematics)
     _, s, vh = np.linalg.svd(matrices[np.isfinite(matrices).all(axis=(1, 2))])
@@ -542,7 +542,7 @@ def _balance(kinematics: Kinematics) -> np.ndarray:
     bodies = [name for name in kinematics.bodies if name != FRAME]
     inputs = [dyad for dyad in kinematics.dyads if dyad.on]
     matrix = np.zeros((n, 3 * len(bodies), 2 * len(kinematics.pairs) + 1 + len(inputs)))
-    points = {name: kinematics.bodies[pair.body].place(pair.point) for name, pair in kinematics.pairs.items()}
+    points = {name: kinematics.bodies[pair.body].position(pair.point) for name, pair in kinematics.pairs.items()}
     size = max((float(np.abs(at - next(iter(points.values()))).max()) for at in points.values()), default=1.0) or 1.0
 
     def fill(column: int, name: str, force: np.ndarray, couple: float) -> None:

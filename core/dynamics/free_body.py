@@ -120,7 +120,7 @@ def _reactions(kinematics: Kinematics, shape: CamShape | None, forces: Forces) -
     n = kinematics.theta.size
     zero_force, zero = np.zeros(n, dtype=complex), np.zeros(n)
     for name, pair in kinematics.pairs.items():
-        at = spread(kinematics.bodies[pair.body if pair.body in kinematics.bodies else pair.on].place(pair.point), n)
+        at = spread(kinematics.bodies[pair.body if pair.body in kinematics.bodies else pair.on].position(pair.point), n)
         force, couple = forces.pairs[name], forces.couples.get(name, zero)
         parts = [(REACTION, force, couple)]
         if pair.kind != REVOLUTE and name in forces.friction_power_by_pair:

@@ -175,7 +175,7 @@ def loading_of(mechanism: Any, loads: Any, built: Mechanism | None = None) -> Lo
 def attachment_point(at: Attachment, built: Mechanism) -> BodyPoint:
     """Point in the frame of a body that an attachment names; the origin of a link alone. Raises KeyError."""
     if at.point is not None:
-        return BodyPoint(*built.place_of(at.link, at.point))
+        return BodyPoint(*built.body_point(at.link, at.point))
     s = si(at)
     return BodyPoint(built.bodies.get(at.link, FRAME), vector(s.x or 0.0, s.y or 0.0))
 
@@ -239,10 +239,10 @@ def _process(loads: ForceElements, built: Mechanism, follower: Loading) -> Itera
         table = bool(row.points)
         if row.link is None:
             size = 1.0 if table else row.force_n + row.torque_nm
-            yield ScheduledForce(schedule, size, built.sense, name=name, field=field)
+            yield ScheduledForce(schedule, size, built.driver_sign, name=name, field=field)
             continue
         body, origin = built.bodies[row.link], 0j
-        point = BodyPoint(body, origin) if row.point is None else BodyPoint(*built.place_of(row.link, row.point))
+        point = BodyPoint(body, origin) if row.point is None else BodyPoint(*built.body_point(row.link, row.point))
         is_force = row.direction_deg is not None
         force = (1.0 if table else row.force_n) * heading(s.direction) if is_force else 0j
         torque = 1.0 if table and not is_force else row.torque_nm

@@ -55,7 +55,7 @@ def input_loads(kinematics: Kinematics, dyad: Dyad, effort: np.ndarray) -> Itera
         (kinematics.output, body, kinematics.driver_name, -dyad.ratio),
     ):
         pair = kinematics.pairs[joint]
-        at = kinematics.bodies[pair.body if pair.body in kinematics.bodies else pair.on].place(pair.point)
+        at = kinematics.bodies[pair.body if pair.body in kinematics.bodies else pair.on].position(pair.point)
         if pair.kind == REVOLUTE:
             yield partner, Load(on, at, np.zeros(1, dtype=complex), share * effort)
         else:
@@ -88,7 +88,7 @@ class Walk:
             if any(body in self._loads for body in dyad.bodies):
                 STATICS[dyad.kind](self, dyad)
         self.effort = self._driver()
-        if applied and any(dyad.redundant for dyad in kinematics.dyads):  # its reactions are not unique
+        if applied and any(dyad.is_redundant for dyad in kinematics.dyads):  # its reactions are not unique
             self.effort = _by_virtual_power(kinematics, applied)
             for dyad in (dyad for dyad in kinematics.dyads if dyad.by_motion):
                 body, on = (kinematics.by_driver[name].turn[1] for name in (dyad.bodies[0], dyad.on))
@@ -182,7 +182,7 @@ class Walk:
         pair = self.kinematics.pairs[name]
         point: np.ndarray | None = self.points.get(pair.point)
         if point is None:
-            point = self.points[pair.point] = self.kinematics.bodies[pair.body].place(pair.point)
+            point = self.points[pair.point] = self.kinematics.bodies[pair.body].position(pair.point)
         return point
 
     def along(self, name: str) -> np.ndarray:

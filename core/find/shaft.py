@@ -37,14 +37,14 @@ from core.shaft import (
     AIMS,
     LoadCurve,
     Spacing,
+    aim_along,
     balance_drives,
     best_phases,
-    even,
+    fluctuation_with,
     inertia_by_energy,
     inertia_for,
+    is_even,
     motor_inertia,
-    reached_along,
-    reached_with,
     with_balancer,
 )
 from core.shaft.flywheel import ROUNDING, energy_range
@@ -319,7 +319,7 @@ def _flywheel(design: Design, request: ShaftRequest) -> Solution:
     load, of_motor = _load(design), motor_inertia(shaft)
 
     def fluctuation(inertia: float) -> float:
-        return reached_with(load, shaft, inertia + of_motor)
+        return fluctuation_with(load, shaft, inertia + of_motor)
 
     needed = _least_inertia(load, shaft, limit)
     inertia = min(max(needed, request.low(FLYWHEEL, 0.0)), request.high(FLYWHEEL))
@@ -393,7 +393,7 @@ def _phases(design: Design, request: ShaftRequest) -> Solution:
                 spare = math.radians((side * (present - bound) + 180.0) % 360.0 - 180.0)
                 spacings.append(Spacing(0, i, spare) if side > 0.0 else Spacing(i, 0, spare))
     loads = [study.drive_load(name) for name in study.loading_drives]
-    shifts = best_phases(loads, spacings, request.aim).turned
+    shifts = best_phases(loads, spacings, request.aim).rotations
     checked = FindingsCheck(replace(design, balancer=None))
 
     def shifted(shifts: np.ndarray) -> tuple[Design, dict[str, float]]:
@@ -412,7 +412,7 @@ def _phases(design: Design, request: ShaftRequest) -> Solution:
     changed, answer = shifted(shifts)
     changed = replace(changed, balancer=design.balancer)
     steps = np.arange(CURVE) * (2.0 * math.pi / (CURVE - 1))
-    line = reached_along(loads, shifts, 1, steps, request.aim)
+    line = aim_along(loads, shifts, 1, steps, request.aim)
     first = design.drives[numbers[1]].phase_deg + np.rad2deg(shifts[1] + steps)
     curve = sorted(zip(np.mod(first, 360.0).tolist(), line.tolist(), strict=True))
     reached, before = _phase_readings(changed), _phase_readings(design)
@@ -529,7 +529,7 @@ def _balancer(design: Design, request: ShaftRequest) -> Solution:
     if least > most:
         raise KindynaError(f"limit {PRELOAD}_max = {most:g}: is below the force {least:g} N that the spring must keep")
     trials = _BalanceCams(design, balanced, {CONVEX: None, **request.limits}, force, request.low(RISE, 0.0))
-    if even(trials.load):
+    if is_even(trials.load):
         raise KindynaError(
             "find balancer: the torque is constant, so that there is nothing to balance; leave the balance cam out"
         )

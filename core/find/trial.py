@@ -212,15 +212,15 @@ def sample_designs(
     ------
     SampledDesign
     """
-    from core.study.batch import together
+    from core.study.batch import is_batchable
     from core.study.quantity_requests import QuantityRequest
-    from core.study.stages_of_many import POINTS, Together
+    from core.study.stages_of_many import MAX_POSITIONS, DesignBlock
 
     read = [name for key in keys if key in USER_BOUNDS for name in bounded_quantities(design, key)]
-    if not rows.size or not all(together(design, paths, QuantityRequest("", name, "max", 1.0)) for name in read):
+    if not rows.size or not all(is_batchable(design, paths, QuantityRequest("", name, "max", 1.0)) for name in read):
         return
     stage = "dynamics" if any(LIMITS[key].needs_forces for key in keys) else "cam"
-    size = max(1, POINTS // piecewise_angles(Study(design).uncut).theta.size)
+    size = max(1, MAX_POSITIONS // piecewise_angles(Study(design).uncut).theta.size)
     for first in range(0, rows.shape[1], size):
         checkpoint()
         with_motion, fixed = design, {}
@@ -230,7 +230,7 @@ def sample_designs(
             else:
                 fixed[path] = row
         motion = None if with_motion is design else with_motion.drive.motion
-        batch = Together(design, fixed, motion, rows[0, first : first + size].size)
+        batch = DesignBlock(design, fixed, motion, rows[0, first : first + size].size)
         angles = piecewise_angles(batch.program)
         try:
             linkage, curves = batch.read(
@@ -239,8 +239,8 @@ def sample_designs(
         except NoSolution:  # of any design
             continue
         peaks = curve_peaks(curves, batch.count, angles)
-        failed = batch.lost_at(stage)
-        for k in np.flatnonzero(~batch.apart).tolist():
+        failed = batch.failed_at(stage)
+        for k in np.flatnonzero(~batch.separate).tolist():
             yield SampledDesign(first + k, None if failed[k] else peaks[k], linkage)
 
 

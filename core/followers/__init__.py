@@ -1,5 +1,4 @@
-"""Cam followers, and what a motion alone moves: each builds a linkage, in a frame of its own, and says what its parts
-are called."""
+"""Mechanisms of cam followers, and of the output of a motion without a cam, each with its frame and the names of its parts."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -17,19 +16,18 @@ from core.mechanism.mechanism import Mechanism, ReferencePoint, mechanism_of
 
 
 def _reach(part: Follower, cam: Any) -> tuple[Follower, float]:
-    """Base radius + radius of the face: the distance of the reference from the cam centre on the base circle [m]."""
+    """The follower, and its distance `reach_of` [m] from the cam centre."""
     return part, reach_of(part, cam)
 
 
 def _at_unit_speed(part: Linkage, cam: Any) -> tuple[Linkage, ReferencePoint | None]:
-    """The linkage at a speed of 1, on which no place depends; the roller's centre, which is where it is whatever its
-    radius."""
-    slow = replace(part, driver=replace(part.driver, speed_rpm=1.0))
-    return slow, None if cam is None else ReferencePoint(cam.link, cam.point)
+    """The linkage at a speed of 1, since no position depends on the speed, and the roller's centre."""
+    unit_speed = replace(part, driver=replace(part.driver, speed_rpm=1.0))
+    return unit_speed, None if cam is None else ReferencePoint(cam.link, cam.point)
 
 
 class Builder(NamedTuple):
-    """needs: what of mechanism and cam the build depends on; build: makes the mechanism of that."""
+    """Builder of a mechanism: `needs` reduces part and cam to the arguments of `build`."""
 
     needs: Callable[[Any, Any], tuple[Any, Any]]
     build: Callable[[Any, Any], Mechanism]
@@ -48,8 +46,13 @@ BUILDERS: Mapping[type, Builder] = MappingProxyType(
 
 
 def built(part: Follower | Linkage | Output, cam: Any) -> Mechanism:
-    """The mechanism of a drive; the same one as long as nothing changes that it depends on. Raises NoAssembly where a
-    follower does not come to its base position."""
+    """Mechanism of a drive; equal arguments return the same object.
+
+    Raises
+    ------
+    NoAssembly
+        A follower does not reach its base position.
+    """
     return _built(*BUILDERS[type(part)].needs(part, cam))
 
 

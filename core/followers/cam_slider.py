@@ -1,4 +1,7 @@
-"""The cam-driven slider: roller arm and slider arm on one pivot, rod, slider on a guide (Shin1995 §2)."""
+"""The cam-driven slider: roller arm and slider arm on one pivot, rod, slider on a guide.
+
+Source: Shin 1995 §2.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,7 @@ from core.design import FRAME_LINK, CamSlider, Design, Driver, Link, Linkage, Li
 from core.errors import NoAssembly, angle_ranges
 from core.followers.dimensions import angle_at_pivot, rounded, second_on_arm
 from core.frozen import frozen
-from core.mechanism.mechanism import Mechanism, ReferencePoint, Solved
+from core.mechanism.mechanism import LinkageSolution, Mechanism, ReferencePoint
 from core.motion import MotionState
 from core.numerics.derivatives import heading, vector
 
@@ -20,13 +23,22 @@ from core.numerics.derivatives import heading, vector
 
 
 ARM, ROD, SLIDER = 2, 3, 4
-EPS_LENGTH = 1e-12  # of a length: beyond reach by less is in line
+EPS_LENGTH = 1e-12  # of a length: links that miss each other by less are in line
 
 
 @frozen
 class Layout:
-    """One of Shin1995 Fig. 1 (a)-(h): cam left of the pivot, roller above the line to the pivot, slider right of
-    the arm's tip."""
+    """A layout of Shin 1995, Fig. 1 (a)-(h).
+
+    Attributes
+    ----------
+    cam_left : bool
+        The cam is left of the pivot.
+    roller_above : bool
+        The roller is above the line from cam to pivot.
+    slider_right : bool
+        The slider is right of the arm's tip.
+    """
 
     cam_left: bool
     roller_above: bool
@@ -41,8 +53,17 @@ LAYOUT_TABLE = {
 
 @frozen
 class BasePosition:
-    """Roller on the base circle, y = 0 [m, rad]: slider L0, arm φ0, roller arm α0 (global), rod β0; and the sign σ
-    of the triangle arm-rod, kept over the whole cycle."""
+    """Base position, with the roller on the base circle and y = 0.
+
+    Attributes
+    ----------
+    slider : float
+        Slider position L0 [m].
+    phi, alpha, beta : float
+        Angles [rad] of the slider arm φ0, of the roller arm α0 in the global frame, and of the rod β0.
+    sigma : float
+        Sign σ of the triangle of arm and rod, constant over the cycle.
+    """
 
     slider: float
     phi: float
@@ -52,11 +73,29 @@ class BasePosition:
 
 
 def base_position(follower: CamSlider, reach: float) -> BasePosition:
-    """Shin1995 eqs. (1)-(7), for all eight layouts.
+    """Base position of a cam slider, for all eight layouts.
 
-    reach: distance cam centre to roller centre on the base circle, Br + Rr [m]. β0 by atan2 instead of (7), whose
-    tangent substitution divides by zero at β = 180 deg; (5) with the guide angle: φ0 = α0 - γ - δ.
-    Raises NoAssembly where the roller does not reach the base circle or the rod not the guide.
+    The rod angle β0 follows by atan2 instead of (7), whose tangent substitution divides by zero at β = 180°. Eq. (5) is used with
+    the guide angle, φ0 = α0 - γ - δ.
+
+    Parameters
+    ----------
+    follower : CamSlider
+    reach : float
+        Distance Br + Rr [m] from cam centre to roller centre on the base circle.
+
+    Returns
+    -------
+    BasePosition
+
+    Raises
+    ------
+    NoAssembly
+        The roller does not reach the base circle, the rod does not reach the guide, or rod and arm are in line.
+
+    References
+    ----------
+    Shin 1995, eqs. (1)-(7).
     """
     g, layout = si(follower), LAYOUT_TABLE[follower.layout]
     theta_b = angle_at_pivot(
@@ -66,9 +105,9 @@ def base_position(follower: CamSlider, reach: float) -> BasePosition:
     alpha = theta_z - theta_b if layout.cam_left == layout.roller_above else theta_z + theta_b
     phi = alpha - g.fixed_angle - g.guide_angle
     rise = g.guide_height - g.slider_arm * np.sin(phi)
-    inside = (g.rod - rise) * (g.rod + rise)
+    run_squared = (g.rod - rise) * (g.rod + rise)
     NoAssembly.raise_where(
-        inside < 0.0,
+        run_squared < 0.0,
         lambda: NoAssembly(
             f"the rod does not reach the guide in the base position: {follower.rod_mm:.9g} mm long, the arm's pin is "
             f"{abs(rise) * 1e3:.9g} mm from the guide",
@@ -76,13 +115,13 @@ def base_position(follower: CamSlider, reach: float) -> BasePosition:
             f"make it longer than {rounded(abs(rise) * 1e3, math.ceil)} mm, or change guide_height_mm or fixed_angle_deg",
         ),
     )
-    run = np.copysign(np.sqrt(inside), 1.0 if layout.slider_right else -1.0)
+    run = np.copysign(np.sqrt(run_squared), 1.0 if layout.slider_right else -1.0)
     slider = g.slider_arm * np.cos(phi) + run
     side = slider * np.sin(phi) - g.guide_height * np.cos(phi)
     NoAssembly.raise_where(
         side == 0.0,
         lambda: NoAssembly(
-            "rod and slider arm lie in line in the base position (dead centre)",
+            "rod and slider arm are in line in the base position (dead centre)",
             "follower.rod_mm",
             "change a length or the fixed angle",
         ),
@@ -91,11 +130,29 @@ def base_position(follower: CamSlider, reach: float) -> BasePosition:
 
 
 def cam_slider(follower: CamSlider, reach: float) -> Mechanism:
-    """In the guide's frame, origin at the pivot: the slider leads at L = L0 + y on the line y = H; arm and rod follow as a
-    dyad of three pins, whose triangle needs no tangent substitution: Shin1995 (8), (9), (10) for the positions, (11), (12) for
-    the velocities, (13), (14) for the accelerations.
+    """Mechanism of a cam slider: the slider is the driver at L = L0 + y on the line y = H, arm and rod are a dyad RRR.
 
-    reach [m] is Br + Rr. Raises NoAssembly where the roller does not reach the base circle or the rod not the guide.
+    The mechanism's frame has its origin at the pivot and its x axis along the guide. The closed form of the dyad replaces the
+    tangent substitution of the source.
+
+    Parameters
+    ----------
+    follower : CamSlider
+    reach : float
+        Distance Br + Rr [m] from cam centre to roller centre on the base circle.
+
+    Returns
+    -------
+    Mechanism
+
+    Raises
+    ------
+    NoAssembly
+        As of `base_position`.
+
+    References
+    ----------
+    Shin 1995, eqs. (8)-(10) for positions, (11), (12) for velocities, (13), (14) for accelerations.
     """
     g, base = si(follower), base_position(follower, reach)
     roller = follower.roller_arm_mm * heading(g.fixed_angle)
@@ -120,12 +177,12 @@ def cam_slider(follower: CamSlider, reach: float) -> Mechanism:
     )
     guide = str(SLIDER)
 
-    def across(solved: Solved) -> dict[str, np.ndarray]:
+    def across(solution: LinkageSolution) -> dict[str, np.ndarray]:
         """|cos β|: a rod across the guide cannot move the slider."""
-        return {"rod-across-guide": np.abs(solved.poses[ROD].unit.real)}
+        return {"rod-across-guide": np.abs(solution.poses[ROD].unit.real)}
 
-    def refuse(motion: MotionState, solved: Solved, lost: np.ndarray) -> NoAssembly:
-        return _refusal(follower, base.slider, motion, lost)
+    def refuse(motion: MotionState, solution: LinkageSolution, failed: np.ndarray) -> NoAssembly:
+        return _assembly_error(follower, base.slider, motion, failed)
 
     return Mechanism(
         linkage,
@@ -135,7 +192,7 @@ def cam_slider(follower: CamSlider, reach: float) -> Mechanism:
         g.guide_angle,
         base.slider,
         pairs={guide: "guide"},
-        by={"arm_pin": ROD, "slider_pin": ROD},
+        force_links={"arm_pin": ROD, "slider_pin": ROD},
         points={guide: "slider_pin"},
         coordinates={"slider_position": guide, "phi": ARM, "beta": ROD},
         angles={ARM: base.phi, ROD: base.beta},
@@ -151,14 +208,14 @@ def cam_slider(follower: CamSlider, reach: float) -> Mechanism:
     )
 
 
-def _refusal(follower: CamSlider, start: float, motion: MotionState, lost: np.ndarray) -> NoAssembly:
-    """Why arm and rod do not reach the slider, or lie in line, at the angles that are lost (n,)."""
-    g, where = si(follower), angle_ranges(motion.theta, lost)
-    r = np.hypot(start + motion.displacement[0][lost], g.guide_height) * 1e3
+def _assembly_error(follower: CamSlider, start: float, motion: MotionState, failed: np.ndarray) -> NoAssembly:
+    """Error where arm and rod do not reach the slider, or are in line, at the failed angles (n,)."""
+    g, where = si(follower), angle_ranges(motion.theta, failed)
+    r = np.hypot(start + motion.displacement[0][failed], g.guide_height) * 1e3
     low, high = abs(g.slider_arm - g.rod) * 1e3, (g.slider_arm + g.rod) * 1e3
     if not ((r > high * (1.0 + EPS_LENGTH)) | (r < low * (1.0 - EPS_LENGTH))).any():
         return NoAssembly(
-            "rod and slider arm lie in line (dead centre): the slider cannot drive the arm",
+            "rod and slider arm are in line (dead centre): the slider cannot drive the arm",
             "follower.rod_mm",
             "change the lengths or the stroke",
             where,
@@ -172,7 +229,7 @@ def _refusal(follower: CamSlider, start: float, motion: MotionState, lost: np.nd
     )
 
 
-# -- A cam slider in each of Shin1995's eight layouts, with the lengths that go along ---------------------------
+# -- change of layout -------------------------------------------------------------------------------------------
 
 
 LAYOUT_LENGTHS: Mapping[str, tuple[float, float]] = MappingProxyType(
@@ -181,28 +238,27 @@ LAYOUT_LENGTHS: Mapping[str, tuple[float, float]] = MappingProxyType(
         "e": (1.0, 110.0), "f": (1.0, 130.0), "g": (-1.0, 60.0), "h": (-1.0, 60.0),
     }
 )  # fmt: skip
-"""Layout -> side of the pivot on which the guide lies, and fixed angle [deg], with which the lift's other lengths make a sound
-mechanism."""
+"""Layout -> side of the pivot on which the guide is, and fixed angle [deg], which fit the other lengths of the example lift."""
 
 LAYOUT, HEIGHT, ANGLE = "follower.layout", "follower.guide_height_mm", "follower.fixed_angle_deg"
 FORCE = "loads.external_force_n"
-"""Of the cylinder on the slider, along the guide."""
+"""Path of the force of the cylinder on the slider, along the guide."""
 
 
 def in_layout(design: Design, letter: str) -> Design:
-    """A cam slider in another layout, its guide on the side of the pivot, at its own distance, where the arm can reach it.
+    """The design with its cam slider in another layout, with the guide on that side of the pivot which the arm can reach.
 
-    A roller below the line from cam to pivot is pressed on by turning the arm the other way: the cylinder, which pulls the slider in the
-    layouts with the roller above, pushes it in those.
+    The cylinder pulls the slider in the layouts with the roller above the line from cam to pivot, and pushes it in the others, so
+    that the roller is pressed on the cam.
     """
     side, angle = LAYOUT_LENGTHS[letter]
-    turned = LAYOUT_TABLE[letter].roller_above != LAYOUT_TABLE[str(get(design, LAYOUT))].roller_above
+    changes_side = LAYOUT_TABLE[letter].roller_above != LAYOUT_TABLE[str(get(design, LAYOUT))].roller_above
     height, force = float(get(design, HEIGHT)), float(get(design, FORCE))
     for path, value in (
         (LAYOUT, letter),
         (HEIGHT, math.copysign(height, side)),
         (ANGLE, angle),
-        (FORCE, 0.0 - force if turned else force),
+        (FORCE, 0.0 - force if changes_side else force),
     ):
         design = edited(design, path, value)
     return design

@@ -1,6 +1,6 @@
-"""Which lengths and angles a drawing of a drive can show, and between which places: the typed dimensions of followers and cams.
+"""Dimensions of followers and cams for drawings, and lengths of a follower in its base position.
 
-Each stands in the frame of a body, or in the global frame, where it never moves: places [m] there.
+A dimension is given by points [m] in the frame of a body, or in the global frame where it does not move.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from core.mechanism.dyads import opposite_angle
 from core.mechanism.kinematics import FRAME, Kinematics
 from core.numerics.derivatives import heading
 
-# -- which lengths and angles a drawing of a drive can show, and between which places ---------------------------
+# -- dimensions of a drawing ------------------------------------------------------------------------------------
 
 
 LENGTH, RADIUS, ANGLE = "length", "radius", "angle"
@@ -43,44 +43,55 @@ LENGTH, RADIUS, ANGLE = "length", "radius", "angle"
 
 @frozen
 class Dimension:
-    """One dimension: kind, symbol, value [mm, deg], and the body in whose frame its places [m] stand.
+    """A dimension of a drawing.
 
-    places   of a length: its two ends; of a radius: centre and a place on the circle; of an angle: its vertex and a place on
-             each leg, counter-clockwise from the first where the value is positive
-    along    of a length: unit vector of the direction it is measured in; 0: from end to end
+    Attributes
+    ----------
+    kind : str
+        LENGTH, RADIUS or ANGLE.
+    symbol : str
+    value : float
+        In mm or deg.
+    body : str
+        Body in whose frame the points are given.
+    points : tuple of complex
+        In m. Two ends of a length; centre and a point of the circle of a radius; vertex and a point on each leg of an angle,
+        counter-clockwise from the first where the value is positive.
+    along : complex
+        Unit vector in which a length is measured; 0 from end to end.
     """
 
     kind: str
     symbol: str
     value: float
     body: str
-    places: tuple[complex, ...]
+    points: tuple[complex, ...]
     along: complex = 0j
 
 
 def dimensions_of(design: Design, kinematics: Kinematics) -> list[Dimension]:
-    """The dimensions of a drive that stands on the positions of the kinematics."""
+    """Dimensions of the mechanism and the cam of a drive in the position of the kinematics."""
     drive = design.drive
-    return [*OF_MECHANISM[type(drive.mechanism)](design, kinematics), *_of_cam(design, kinematics)]
+    return [*MECHANISM_DIMENSIONS[type(drive.mechanism)](design, kinematics), *_cam_dimensions(design, kinematics)]
 
 
 TYPED, MEASURED = 9, 5
-"""Digits of a length that was typed, without the last bits that its places keep; of one that is measured between places."""
+"""Significant digits of a typed length, without rounding errors, and of one measured between points."""
 
 
 def _length(
-    symbol: str, body: str, one: complex, other: complex, along: complex = 0j, digits: int = TYPED
+    symbol: str, body: str, start: complex, end: complex, along: complex = 0j, digits: int = TYPED
 ) -> Iterator[Dimension]:
-    """None where its ends coincide."""
-    size = abs(other - one) if along == 0 else abs(((other - one) * along.conjugate()).real)
-    if size > 1e-9 * max(abs(one), abs(other)):
-        yield Dimension(LENGTH, symbol, float(f"{size * 1e3:.{digits}g}"), body, (one, other), along)
+    """A length, unless its ends coincide."""
+    size = abs(end - start) if along == 0 else abs(((end - start) * along.conjugate()).real)
+    if size > 1e-9 * max(abs(start), abs(end)):
+        yield Dimension(LENGTH, symbol, float(f"{size * 1e3:.{digits}g}"), body, (start, end), along)
 
 
-def _coordinates(place: complex) -> Iterator[Dimension]:
-    """x and y of a place from the cam centre."""
-    yield from _length("x ", FRAME, 0j, place, 1.0 + 0j)
-    yield from _length("y ", FRAME, 0j, place, 1j)
+def _coordinates(point: complex) -> Iterator[Dimension]:
+    """Coordinates x and y of a point from the cam centre."""
+    yield from _length("x ", FRAME, 0j, point, 1.0 + 0j)
+    yield from _length("y ", FRAME, 0j, point, 1j)
 
 
 def _points(kinematics: Kinematics, body: str) -> Mapping[str, complex]:
@@ -89,9 +100,9 @@ def _points(kinematics: Kinematics, body: str) -> Mapping[str, complex]:
 
 def _second_arm(follower: Any, points: Mapping[str, complex]) -> Iterator[Dimension]:
     if follower.second is not None:
-        places = (points["pivot"], points["roller"], points["second_roller"])
-        yield from _length("Zl₂ ", "arm", places[0], places[2])
-        yield Dimension(ANGLE, "", follower.second.angle_deg, "arm", places)
+        corners = (points["pivot"], points["roller"], points["second_roller"])
+        yield from _length("Zl₂ ", "arm", corners[0], corners[2])
+        yield Dimension(ANGLE, "", follower.second.angle_deg, "arm", corners)
 
 
 def _cam_slider(design: Design, kinematics: Kinematics) -> Iterator[Dimension]:
@@ -110,9 +121,9 @@ def _cam_slider(design: Design, kinematics: Kinematics) -> Iterator[Dimension]:
 
 def _translating(design: Design, kinematics: Kinematics) -> Iterator[Dimension]:
     follower: Any = design.drive.mechanism
-    g, place = si(follower), kinematics.follower.origin[0]
+    g, origin = si(follower), kinematics.follower.origin[0]
     along = cmath.rect(1.0, g.direction)
-    lowest = min((complex(z) for z in place), key=lambda z: (z * along.conjugate()).real)
+    lowest = min((complex(z) for z in origin), key=lambda z: (z * along.conjugate()).real)
     yield from _length("e ", FRAME, 0j, 1j * along * g.offset, 1j * along)
     tilt = getattr(follower.face, "face_tilt_deg", 0.0)
     if tilt:
@@ -138,15 +149,15 @@ def _oscillating_flat(design: Design, kinematics: Kinematics) -> Iterator[Dimens
 
 
 def _linkage(design: Design, kinematics: Kinematics) -> Iterator[Dimension]:
-    """Of every link that moves, from its first point to each of the others."""
+    """Distances of every moving link from its first point to each of the others."""
     for name, pose in kinematics.bodies.items():
         points = list(pose.points.values())
         if name not in (FRAME, kinematics.follower_body):
-            for other in points[1:]:
-                yield from _length("", name, points[0], other, digits=MEASURED)
+            for point in points[1:]:
+                yield from _length("", name, points[0], point, digits=MEASURED)
 
 
-OF_MECHANISM: Mapping[type, Callable[[Design, Kinematics], Iterator[Dimension]]] = MappingProxyType(
+MECHANISM_DIMENSIONS: Mapping[type, Callable[[Design, Kinematics], Iterator[Dimension]]] = MappingProxyType(
     {
         CamSlider: _cam_slider,
         Translating: _translating,
@@ -155,42 +166,44 @@ OF_MECHANISM: Mapping[type, Callable[[Design, Kinematics], Iterator[Dimension]]]
         Linkage: _linkage,
     }
 )
-"""Mechanism -> its dimensions."""
+"""Class of the mechanism -> function for its dimensions."""
 
 
-def _of_cam(design: Design, kinematics: Kinematics) -> Iterator[Dimension]:
+def _cam_dimensions(design: Design, kinematics: Kinematics) -> Iterator[Dimension]:
     """Base circle, face, and the second roller of a conjugate pair."""
     drive = design.drive
     if drive.cam is None:
         return
     base = getattr(drive.cam, "base_radius_mm", 0.0)
     if base:
-        yield Dimension(RADIUS, "Br ", base, FRAME, (0j, cmath.rect(1e-3 * base, BASE_AT)))
+        yield Dimension(RADIUS, "Br ", base, FRAME, (0j, cmath.rect(1e-3 * base, BASE_DIRECTION)))
     radius = drive.face.radius_mm
     if radius:
-        yield Dimension(RADIUS, "Rr ", radius, kinematics.follower_body, (0j, cmath.rect(1e-3 * radius, FACE_AT)))
+        yield Dimension(
+            RADIUS, "Rr ", radius, kinematics.follower_body, (0j, cmath.rect(1e-3 * radius, FACE_DIRECTION))
+        )
     second = getattr(drive.cam.form, "second", None)
     if second is not None and "second_roller" in kinematics.bodies[kinematics.carrier].points:
         centre = kinematics.bodies[kinematics.carrier].points["second_roller"]
-        places = (centre, centre + cmath.rect(1e-3 * second.roller_radius_mm, FACE_AT))
-        yield Dimension(RADIUS, "Rr₂ ", second.roller_radius_mm, kinematics.carrier, places)
+        ends = (centre, centre + cmath.rect(1e-3 * second.roller_radius_mm, FACE_DIRECTION))
+        yield Dimension(RADIUS, "Rr₂ ", second.roller_radius_mm, kinematics.carrier, ends)
 
 
-BASE_AT, FACE_AT = -2.2, 0.7  # directions of the arrows to the circles [rad]
+BASE_DIRECTION, FACE_DIRECTION = -2.2, 0.7  # [rad] of the arrows to the circles
 
 
-# -- whether a follower's lengths meet in the base position -----------------------------------------------------
+# -- lengths of a follower in the base position -----------------------------------------------------------------
 
 
 FACE = "face"
-"""The middle of a face that has no round, as a place to be drawn elsewhere; no body has such a point."""
+"""Name of the middle of a straight face, which can be dragged; no body has such a point."""
 
 SECOND = "second_roller"
-"""Name of the point of a follower at which the second roller of a conjugate pair stands."""
+"""Name of the follower's point at the centre of the second roller of a conjugate pair."""
 
 
 def second_on_arm(second: SecondArm | None, first: float = 0.0) -> tuple[LinkPoint, ...]:
-    """The second roller's centre in the frame of the arm; first: angle of the first roller's arm there [rad]."""
+    """Centre of the second roller in the frame of the arm, where the first roller's arm has the angle `first` [rad]."""
     if second is None:
         return ()
     at = second.arm_mm * heading(first + si(second).angle)
@@ -198,16 +211,16 @@ def second_on_arm(second: SecondArm | None, first: float = 0.0) -> tuple[LinkPoi
 
 
 def rounded(length: float, direction: Callable[[float], int], digits: int = 6) -> str:
-    """A length to so many digits, by ``ceil`` or ``floor``: what a reader then types in must not be refused again."""
+    """Text of a length with some significant digits, rounded by `ceil` or `floor` so that the printed limit is allowed."""
     if length <= 0.0:
         return "0"
-    places = math.floor(math.log10(length)) - digits + 1
-    return f"{direction(length / 10.0**places) * 10.0**places:.12g}"
+    exponent = math.floor(math.log10(length)) - digits + 1
+    return f"{direction(length / 10.0**exponent) * 10.0**exponent:.12g}"
 
 
-def _triangle_range(one: float, other: float) -> str:
-    """The range of the third side of a triangle of two sides [m], in mm."""
-    return f"{rounded(abs(one - other) * 1e3, math.ceil)} ... {rounded((one + other) * 1e3, math.floor)}"
+def _triangle_range(first: float, second: float) -> str:
+    """Range in mm of the third side of a triangle with two given sides [m]."""
+    return f"{rounded(abs(first - second) * 1e3, math.ceil)} ... {rounded((first + second) * 1e3, math.floor)}"
 
 
 def reach_of(follower: Follower, cam: Cam) -> float:
@@ -216,9 +229,25 @@ def reach_of(follower: Follower, cam: Cam) -> float:
 
 
 def angle_at_pivot(arm: float, pivot: float, reach: float, face: RoundFace | Rolling, name: str, field: str) -> float:
-    """The angle [rad] at the pivot of the triangle arm, pivot's distance from the cam centre, reach (Br + Rr) [m].
+    """Angle [rad] at the pivot of the triangle with the sides arm, pivot and reach.
 
-    face: at the arm's end; name, field: of the arm, as in messages. Raises NoAssembly where the three make no triangle.
+    Parameters
+    ----------
+    arm, pivot, reach : float
+        Length of the arm, distance of the pivot from the cam centre, and Br + Rr [m].
+    face : RoundFace or Rolling
+        Face at the arm's end.
+    name, field : str
+        Name and path of the arm, for messages.
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    NoAssembly
+        The three lengths make no triangle.
     """
     angle = opposite_angle(arm, pivot, reach)
     NoAssembly.raise_where(

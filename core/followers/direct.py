@@ -1,4 +1,4 @@
-"""The arm on a fixed pivot: with a round at its end on the cam, or with a flat face."""
+"""Followers without a linkage: an oscillating arm with a round or flat face, a translating follower, and the output of a motion."""
 
 from __future__ import annotations
 
@@ -34,39 +34,68 @@ from core.mechanism.mechanism import Mechanism, ReferencePoint
 from core.motion import TURN, MotionState
 from core.numerics.derivatives import vector
 
-# -- the arm on a fixed pivot -----------------------------------------------------------------------------------
+# -- arm on a fixed pivot ---------------------------------------------------------------------------------------
 
 
 ARM = 2
 
 
 def oscillating(follower: Oscillating, reach: float) -> Mechanism:
-    """Roller centre R = P + Zl e^{iα}, α = θz ± (θb + y): θz the direction from the pivot P to the cam centre, θb the angle
-    of the triangle Zl, |P|, reach at the pivot, + where the roller lies left of that direction. Motion > 0 turns the arm
-    away from the cam centre.
+    """Mechanism of an oscillating arm with a round face, R = P + Zl e^{iα}, α = θz ± (θb + y).
 
-    In a frame at the pivot whose x axis points at the cam centre. reach [m]: Br + Rr. Raises NoAssembly where the roller
-    does not reach the base circle.
+    R is the centre of the face, θz the direction from the pivot P to the cam centre, and θb the angle at the pivot of the triangle
+    Zl, |P|, reach. The sign is + where R is left of that direction; a positive motion turns the arm away from the cam centre. The
+    mechanism's frame is at the pivot, with its x axis towards the cam centre.
+
+    Parameters
+    ----------
+    follower : Oscillating
+    reach : float
+        Distance Br + Rr [m] from cam centre to R on the base circle.
+
+    Returns
+    -------
+    Mechanism
+
+    Raises
+    ------
+    NoAssembly
+        The face does not reach the base circle.
 
     References
     ----------
-    Shin1995 §3.
+    Shin 1995 §3.
     """
-    g, sense = si(follower), SIDES[follower.side]
+    g, sign = si(follower), SIDES[follower.side]
     theta_b = angle_at_pivot(g.arm, np.hypot(g.pivot_x, g.pivot_y), reach, follower.face, "arm", "follower.arm_mm")
     theta_z = np.arctan2(-g.pivot_y, -g.pivot_x)
-    places = LinkPoint("roller", follower.arm_mm, 0.0), *second_on_arm(follower.second)
-    return _arm(vector(g.pivot_x, g.pivot_y), theta_z, sense * theta_b, sense, "alpha", *places)
+    points = LinkPoint("roller", follower.arm_mm, 0.0), *second_on_arm(follower.second)
+    return _arm(vector(g.pivot_x, g.pivot_y), theta_z, sign * theta_b, sign, "alpha", *points)
 
 
 def oscillating_flat(follower: OscillatingFlat, reach: float) -> Mechanism:
-    """The face's line (x - P)·m = f, m = e^{i(μ0 ± y)}, μ0 = arg P ∓ acos((Br - f)/|P|): upper signs where the contact lies left
-    of the ray from the pivot P to the cam centre. Motion > 0 turns the face away from the cam centre.
+    """Mechanism of an oscillating flat face, (x - P)·m = f, m = e^{i(μ0 ± y)}, μ0 = arg P ∓ acos((Br - f)/|P|).
 
-    The arm's frame stands at the pivot, its x axis along m; the reference point is the foot of the pivot on the face. reach
-    [m]: Br. Raises NoAssembly where no turn of the face brings it onto the base circle.
+    Upper signs apply where the contact is left of the ray from the pivot P to the cam centre; a positive motion turns the face
+    away from the cam centre. The arm's frame is at the pivot with its x axis along m; the reference point is the perpendicular
+    projection of the pivot on the face.
+
+    Parameters
+    ----------
+    follower : OscillatingFlat
+    reach : float
+        Base radius Br [m].
+
+    Returns
+    -------
+    Mechanism
+
+    Raises
+    ------
+    NoAssembly
+        The face cannot touch the base circle.
     """
-    g, sense, f = si(follower), SIDES[follower.side], si(follower.face).face_offset
+    g, sign, f = si(follower), SIDES[follower.side], si(follower.face).face_offset
     pivot = np.hypot(g.pivot_x, g.pivot_y)
     NoAssembly.raise_where(
         ~(abs(reach - f) < pivot),
@@ -79,24 +108,20 @@ def oscillating_flat(follower: OscillatingFlat, reach: float) -> Mechanism:
         ),
     )
     theta_z = np.arctan2(-g.pivot_y, -g.pivot_x)
-    start = sense * (np.pi - np.arccos((reach - f) / pivot))
-    return _arm(
-        vector(g.pivot_x, g.pivot_y),
-        theta_z,
-        start,
-        sense,
-        "mu",
-        LinkPoint("roller", follower.face.face_offset_mm, 0.0),
-    )
+    start = sign * (np.pi - np.arccos((reach - f) / pivot))
+    point = LinkPoint("roller", follower.face.face_offset_mm, 0.0)
+    return _arm(vector(g.pivot_x, g.pivot_y), theta_z, start, sign, "mu", point)
 
 
-def _arm(pivot: complex, theta_z: float, start: float, sense: float, base: str, *places: LinkPoint) -> Mechanism:
-    """One link on a pivot [m] of the frame, which the motion turns from ``start`` [rad] against the direction to the cam centre. Its
-    angle in the base position is counted from -π to π, as a torsion spring's free angle is."""
+def _arm(pivot: complex, theta_z: float, start: float, sign: float, base: str, *points: LinkPoint) -> Mechanism:
+    """One link on a pivot [m], which the motion turns from `start` [rad] relative to the direction to the cam centre.
+
+    Its angle in the base position is within -π ... π, as the free angle of a torsion spring.
+    """
     first = theta_z + start
     first = first - TURN * np.rint(first / TURN)
     linkage = Linkage(
-        (Link(FRAME_LINK, (LinkPoint("pivot", 0.0, 0.0),)), Link(ARM, (LinkPoint("pivot", 0.0, 0.0), *places))),
+        (Link(FRAME_LINK, (LinkPoint("pivot", 0.0, 0.0),)), Link(ARM, (LinkPoint("pivot", 0.0, 0.0), *points))),
         (),
         Driver(ARM, "motion"),
     )
@@ -107,21 +132,21 @@ def _arm(pivot: complex, theta_z: float, start: float, sense: float, base: str, 
         pivot,
         first - start,
         start,
-        sense,
+        sign,
         base={base: (first, "deg")},
     )
 
 
-# -- what a motion alone moves ----------------------------------------------------------------------------------
+# -- output of a motion without a cam ---------------------------------------------------------------------------
 
 
 OUTPUT = 2
 POINTER_MM = 50.0
-"""From the pivot to the point by which its turn is seen."""
+"""Distance from the pivot to the point that shows the rotation in a drawing."""
 
 
 def output(part: Output, _: Any) -> Mechanism:
-    """x = y, the motion in mm; or the angle of the link's x axis is y, in deg."""
+    """Mechanism of a motion alone: a link that slides by y in x direction, or turns by the angle y."""
     pivot = () if part.unit == "mm" else (LinkPoint("pivot", 0.0, 0.0),)
     sliders = (Slider(link=OUTPUT, on=FRAME_LINK),) if part.unit == "mm" else ()
     pointer = tuple(LinkPoint("pointer", POINTER_MM, 0.0) for _ in pivot)
@@ -130,22 +155,32 @@ def output(part: Output, _: Any) -> Mechanism:
     return Mechanism(linkage, {OUTPUT: "output"}, pairs={str(OUTPUT): "guide"})
 
 
-# -- the follower that slides on a straight guide ---------------------------------------------------------------
+# -- translating follower ---------------------------------------------------------------------------------------
 
 
 FOLLOWER = 2
 
 
 def translating(follower: Translating, reach: float) -> Mechanism:
-    """Reference point R = e(S + iε), S = S0 + s: e the direction, ε the offset to its left; S0 where the face stands on the
-    base circle.
+    """Mechanism of a translating follower, R = e(S + iε), S = S0 + y.
 
-    In the frame of e, origin at the cam centre. reach [m]: Br + Rr, Br of a flat face. Raises NoAssembly where the offset is
-    beyond the base circle.
+    R is the reference point, e the direction of the guide, ε the offset to its left, and S0 the position on the base circle. The
+    mechanism's frame has its origin at the cam centre and its x axis along e.
 
-    References
+    Parameters
     ----------
-    Geometry of the guide.
+    follower : Translating
+    reach : float
+        Distance Br + Rr [m]; Br of a flat face.
+
+    Returns
+    -------
+    Mechanism
+
+    Raises
+    ------
+    NoAssembly
+        The offset exceeds the reach.
     """
     g, guide = si(follower), str(FOLLOWER)
     base = STARTS[type(follower.face)](follower, reach)
@@ -170,28 +205,28 @@ def translating(follower: Translating, reach: float) -> Mechanism:
 
 
 def _second(follower: Translating) -> tuple[LinkPoint, ...]:
-    """The second roller of a conjugate pair, behind the first."""
+    """Centre of the second roller of a conjugate pair, behind the first."""
     return () if follower.second is None else (LinkPoint(SECOND, -follower.second.distance_mm, 0.0),)
 
 
 def _round_start(follower: Translating, reach: float) -> float:
     """S0 = √(reach² - ε²)."""
     offset = si(follower).offset
-    inside = (reach - offset) * (reach + offset)
+    square = (reach - offset) * (reach + offset)
     face: Any = follower.face
     NoAssembly.raise_where(
-        inside <= 0.0,
+        square <= 0.0,
         lambda: NoAssembly(
             f"the {face.noun} cannot reach the base circle: offset {follower.offset_mm:.9g} mm",
             "follower.offset_mm",
             f"must stay within +-{reach * 1e3:.9g} mm, {face.reach}",
         ),
     )
-    return np.sqrt(inside)
+    return np.sqrt(square)
 
 
 def _flat_start(follower: Translating, reach: float) -> float:
-    """S0 = (Br - ε sin η)/cos η: the face, tilted by η, is a tangent of the base circle; the line at the offset meets it."""
+    """S0 = (Br - ε sin η)/cos η, where the guide's line meets the face, which is tilted by η and touches the base circle."""
     tilt = si(follower.face).face_tilt
     return (reach - si(follower).offset * np.sin(tilt)) / np.cos(tilt)
 
@@ -202,14 +237,14 @@ STARTS: Mapping[type, Callable[[Translating, float], float]] = MappingProxyType(
 
 
 def _require_radius(noun: str, base: float, motion: MotionState) -> None:
-    """Raises NoCam where the round's centre crosses the cam centre."""
-    place = base + motion.displacement[0]
+    """Raise NoCam where the centre of a round face passes the cam centre."""
+    position = base + motion.displacement[0]
     NoCam.raise_where(
-        place <= 0.0,
+        position <= 0.0,
         lambda: NoCam(
             f"the {noun} centre passes the cam centre: no cam radius is left",
             "cam.base_radius_mm",
-            f"make it larger by more than {-np.min(place) * 1e3:.9g} mm, or lower the motion",
-            angle_ranges(motion.theta, place <= 0.0),
+            f"make it larger by more than {-np.min(position) * 1e3:.9g} mm, or lower the motion",
+            angle_ranges(motion.theta, position <= 0.0),
         ),
     )

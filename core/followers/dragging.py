@@ -1,8 +1,6 @@
-"""Dimensions from places: a joint that can be drawn elsewhere is put where it is wanted at one cam angle, the typed values
-follow.
+"""Dimensions from dragged joints: a joint is moved to a new position at one cam angle, and the typed values follow.
 
-What the motion says stays true: the cam angle, and how far the follower has gone there. So the base position is found
-backwards, from the place at this angle less the motion.
+Cam angle and motion do not change. So the base position follows from the new position less the motion at this angle.
 """
 
 from __future__ import annotations
@@ -42,13 +40,22 @@ from core.mechanism.mechanism import ROLLER
 from core.units import split_unit, unit_kind
 
 Changes = Mapping[str, Any]
-"""Path -> value as in the file."""
+"""Value as in the file, by path."""
 
 
 @frozen
 class Drag:
-    """One joint: its name for the reader, the path of the value that is edited by it above all, and what follows from a place
-    ``to`` [m] in the position that ``kinematics`` shows (n = 1)."""
+    """A joint that can be dragged.
+
+    Attributes
+    ----------
+    label : str
+        Name for the user.
+    field : str
+        Path of the value that mainly changes.
+    changes : callable
+        Changed values from design, kinematics (n = 1) and new position [m].
+    """
 
     label: str
     field: str
@@ -56,34 +63,36 @@ class Drag:
 
 
 def _pivot(design: Design, kinematics: Kinematics, to: complex) -> Changes:
-    """It moves alone; all lengths stay."""
+    """Position of the pivot; all lengths stay."""
     return {"follower.pivot_x_mm": to.real * 1e3, "follower.pivot_y_mm": to.imag * 1e3}
 
 
 def _arm_pin(design: Design, kinematics: Kinematics, to: complex) -> Changes:
-    """Slider arm, rod and fixed angle: pivot and slider stay where they are, the roller on the base circle."""
+    """Slider arm, rod and fixed angle; pivot and slider do not move, and the roller stays on the base circle."""
     pivot, slider = _at(kinematics, "pivot"), _at(kinematics, "slider_pin")
     return {
         "follower.slider_arm_mm": abs(to - pivot) * 1e3,
         "follower.rod_mm": abs(slider - to) * 1e3,
-        **_turned_arm(design, kinematics, pivot, to, slider),
+        **_fixed_angle(design, kinematics, pivot, to, slider),
     }
 
 
 def _slider_pin(design: Design, kinematics: Kinematics, to: complex) -> Changes:
-    """Rod, guide height and fixed angle: pivot and arm pin stay where they are, the roller on the base circle."""
+    """Rod, guide height and fixed angle; pivot and arm pin do not move, and the roller stays on the base circle."""
     pivot, pin = _at(kinematics, "pivot"), _at(kinematics, "arm_pin")
     along = cmath.exp(1j * si(design.drive.mechanism).guide_angle)
     return {
         "follower.rod_mm": abs(to - pin) * 1e3,
         "follower.guide_height_mm": ((to - pivot) / along).imag * 1e3,
-        **_turned_arm(design, kinematics, pivot, pin, to),
+        **_fixed_angle(design, kinematics, pivot, pin, to),
     }
 
 
-def _turned_arm(design: Design, kinematics: Kinematics, pivot: complex, pin: complex, slider: complex) -> Changes:
-    """Fixed angle and layout with which the pins of arm and rod stand at these places: γ = α0 - φ0 - δ, Shin1995 (5), with
-    φ0 of the triangle whose slider is back at the base position. Raises NoAssembly where there is none."""
+def _fixed_angle(design: Design, kinematics: Kinematics, pivot: complex, pin: complex, slider: complex) -> Changes:
+    """Fixed angle and layout for given pins of arm and rod: γ = α0 - φ0 - δ (Shin 1995, eq. (5)), φ0 at the base position.
+
+    Raises NoAssembly where arm and rod do not meet there.
+    """
     follower = design.drive.mechanism
     assert isinstance(follower, CamSlider)
     g, base = si(follower), base_position(follower, _reach(design))
@@ -95,10 +104,10 @@ def _turned_arm(design: Design, kinematics: Kinematics, pivot: complex, pin: com
     k = area4_of(r, l1, l2)
     if not k > 0.0:
         raise NoAssembly(
-            f"slider arm {l1 * 1e3:.9g} mm and rod {l2 * 1e3:.9g} mm do not meet in the base position, where slider and "
-            f"pivot are {r * 1e3:.9g} mm apart",
+            f"slider arm {l1 * 1e3:.9g} mm and rod {l2 * 1e3:.9g} mm do not meet in the base position, where the slider is "
+            f"{r * 1e3:.9g} mm from the pivot",
             "follower.rod_mm",
-            "put the joint elsewhere",
+            "choose another position of the joint",
         )
     phi = cmath.phase(start) + sigma * math.atan2(k, r * r + (l1 - l2) * (l1 + l2))
     layout = _layout(follower, slider_right=start.real > l1 * math.cos(phi))
@@ -109,7 +118,7 @@ def _turned_arm(design: Design, kinematics: Kinematics, pivot: complex, pin: com
 
 
 def _roller(design: Design, kinematics: Kinematics, to: complex) -> Changes:
-    """Roller arm, fixed angle and base radius: arm, rod and slider stay where they are."""
+    """Roller arm, fixed angle and base radius; arm, rod and slider do not move."""
     follower = design.drive.mechanism
     assert isinstance(follower, CamSlider)
     g, base = si(follower), base_position(follower, _reach(design))
@@ -117,7 +126,7 @@ def _roller(design: Design, kinematics: Kinematics, to: complex) -> Changes:
     arm = _at(kinematics, "arm_pin") - pivot
     fixed = g.fixed_angle + cmath.phase((to - pivot) / (arm * cmath.exp(1j * g.fixed_angle)))
     first = abs(to - pivot) * cmath.exp(1j * (base.phi + fixed + g.guide_angle))
-    left = (first / -pivot).imag < 0.0  # of the ray to the cam: the roller arm turned clockwise from it
+    left = (first / -pivot).imag < 0.0  # the roller arm is clockwise from the ray to the cam
     return {
         "follower.roller_arm_mm": abs(to - pivot) * 1e3,
         "follower.fixed_angle_deg": _near(fixed, g.fixed_angle),
@@ -127,40 +136,40 @@ def _roller(design: Design, kinematics: Kinematics, to: complex) -> Changes:
 
 
 def _on_guide(design: Design, kinematics: Kinematics, to: complex) -> Changes:
-    """Offset and base radius: the roller has gone as far as the motion says."""
+    """Offset and base radius of a translating follower, at the same motion."""
     g = si(design.drive.mechanism)
-    place = to * cmath.exp(-1j * g.direction)
-    back = place.real - float(kinematics.motion.displacement[0][0])
-    if back <= 0.0:
+    local = to * cmath.exp(-1j * g.direction)
+    start = local.real - float(kinematics.motion.displacement[0][0])
+    if start <= 0.0:
         raise NoAssembly(
-            f"in the base position the {design.drive.face.noun} would stand {-back * 1e3:.9g} mm behind the cam centre",
+            f"in the base position the {design.drive.face.noun} would be {-start * 1e3:.9g} mm behind the cam centre",
             "cam.base_radius_mm",
-            "put it farther out",
+            "move it farther out",
         )
     return {
-        "follower.offset_mm": place.imag * 1e3,
-        "cam.base_radius_mm": REACHES[type(design.drive.follower.face)](design, complex(back, place.imag)) * 1e3
+        "follower.offset_mm": local.imag * 1e3,
+        "cam.base_radius_mm": REACHES[type(design.drive.follower.face)](design, complex(start, local.imag)) * 1e3
         - design.drive.face.radius_mm,
     }
 
 
-def _of_face(design: Design, place: complex) -> float:
-    """Distance of a tilted face from the cam centre where the line at the offset meets it at a place [m], in the guide's frame."""
-    return (place * cmath.exp(-1j * si(design.drive.follower.face).face_tilt)).real
+def _face_distance(design: Design, reference: complex) -> float:
+    """Distance [m] of a tilted face from the cam centre, from its reference point [m] in the guide's frame."""
+    return (reference * cmath.exp(-1j * si(design.drive.follower.face).face_tilt)).real
 
 
 REACHES: Mapping[type, Callable[[Design, complex], float]] = MappingProxyType(
-    {**dict.fromkeys((Rolling, Knife, Shoe), lambda design, place: abs(place)), TiltedFlat: _of_face}
+    {**dict.fromkeys((Rolling, Knife, Shoe), lambda design, reference: abs(reference)), TiltedFlat: _face_distance}
 )
-"""Face -> its reach on the base circle [m] by where its reference stands there, in the guide's frame."""
+"""Class of the face -> its reach on the base circle [m], from its reference point there in the guide's frame."""
 
 
 def _on_arm(design: Design, kinematics: Kinematics, to: complex) -> Changes:
-    """Arm, side and base radius: the pivot stays, the arm has turned as far as the motion says."""
+    """Arm, side and base radius of an oscillating follower; pivot and motion do not change."""
     follower = design.drive.mechanism
     assert isinstance(follower, Oscillating)
-    pivot, turned = _at(kinematics, "pivot"), SIDES[follower.side] * float(kinematics.motion.displacement[0][0])
-    first = (to - pivot) * cmath.exp(-1j * turned)  # in the base position
+    pivot, rotation = _at(kinematics, "pivot"), SIDES[follower.side] * float(kinematics.motion.displacement[0][0])
+    first = (to - pivot) * cmath.exp(-1j * rotation)  # in the base position
     side = "left" if (first / -pivot).imag > 0.0 else "right"
     return {
         "follower.arm_mm": abs(to - pivot) * 1e3,
@@ -170,7 +179,7 @@ def _on_arm(design: Design, kinematics: Kinematics, to: complex) -> Changes:
 
 
 def _second_arm(design: Design, kinematics: Kinematics, to: complex) -> Changes:
-    """The second roller's arm and its angle from the first: nothing else moves."""
+    """Arm of the second roller and its angle from the first."""
     follower: Any = design.drive.mechanism
     pivot = _at(kinematics, "pivot")
     between = cmath.phase((to - pivot) / (complex(kinematics.follower.origin[0][0]) - pivot))
@@ -181,18 +190,18 @@ def _second_arm(design: Design, kinematics: Kinematics, to: complex) -> Changes:
 
 
 def _behind(design: Design, kinematics: Kinematics, to: complex) -> Changes:
-    """How far the second roller stands behind the first, along the guide."""
+    """Distance of the second roller behind the first, along the guide."""
     along = cmath.rect(1.0, si(design.drive.mechanism).direction)
     distance = ((complex(kinematics.follower.origin[0][0]) - to) * along.conjugate()).real
     if distance <= 0.0:
         raise NoAssembly(
-            "the second roller would stand before the first", "follower.second.distance_mm", "put it behind"
+            "the second roller would be in front of the first", "follower.second.distance_mm", "move it behind"
         )
     return {"follower.second.distance_mm": distance * 1e3}
 
 
 def _face(design: Design, kinematics: Kinematics, to: complex) -> Changes:
-    """Face offset and base radius: the face goes through the place, and keeps its direction."""
+    """Face offset and base radius of a flat face through the new position, in the same direction."""
     follower = design.drive.mechanism
     assert isinstance(follower, OscillatingFlat)
     normal = complex(kinematics.follower.unit[0])
@@ -205,10 +214,6 @@ def _face(design: Design, kinematics: Kinematics, to: complex) -> Changes:
 
 def _point(name: str) -> Callable[[Design, Kinematics, complex], Changes]:
     return lambda design, kinematics, to: point_changes(design, kinematics, name, to)
-
-
-def _of_linkage(design: Design) -> Mapping[str, Drag]:
-    return {name: Drag(f"joint {name}", path, _point(name)) for name, path in movable_points(design).items()}
 
 
 DRAGS: Mapping[type, Mapping[str, Drag]] = MappingProxyType(
@@ -235,17 +240,16 @@ DRAGS: Mapping[type, Mapping[str, Drag]] = MappingProxyType(
         },
     }
 )
-"""Kind of follower -> the joints that can be drawn elsewhere, by the names of their points."""
+"""Class of the follower -> joints that can be dragged, by the names of their points."""
 
 
 def joints_of(design: Design) -> Mapping[str, Drag]:
-    """What of a design can be drawn elsewhere: joints by the names of their points, free ends of springs and centres of mass by
-    their paths."""
+    """All that can be dragged: joints by the names of their points, free ends of springs and centres of mass by their paths."""
     return {**_joints(design), **_free_ends(design), **_centres(design)}
 
 
 def _centres(design: Design) -> Mapping[str, Drag]:
-    """The centres of mass of links."""
+    """Centres of mass of links."""
     rows = enumerate(getattr(design.drive.loads, "masses", ()))
     return {
         f"loads.masses[{i}]": Drag(
@@ -258,7 +262,7 @@ def _centres(design: Design) -> Mapping[str, Drag]:
 
 
 def _free_ends(design: Design) -> Mapping[str, Drag]:
-    """The ends of springs that no point names: at a place of a link, of the frame in the global frame."""
+    """Ends of springs that are given by coordinates, not by a point."""
     ends: dict[str, Drag] = {}
     for i, spring in enumerate(getattr(design.drive.loads, "springs", ())):
         for key, end, label in (("from", spring.from_, "first"), ("to", spring.to, "second")):
@@ -269,7 +273,7 @@ def _free_ends(design: Design) -> Mapping[str, Drag]:
 
 
 def _on_link(path: str, link: int) -> Callable[[Design, Kinematics, complex], Changes]:
-    """A place in the frame of a link, of the frame in the global one."""
+    """Coordinates in the frame of a link, or in the global frame for the frame link."""
 
     def changes(design: Design, kinematics: Kinematics, to: complex) -> Changes:
         drive = design.drive
@@ -283,28 +287,36 @@ def _on_link(path: str, link: int) -> Callable[[Design, Kinematics, complex], Ch
 def _joints(design: Design) -> Mapping[str, Drag]:
     drags = DRAGS.get(type(design.drive.mechanism))
     if not drags:
-        return _of_linkage(design)
-    noun, paired = design.drive.face.noun, getattr(design.drive.mechanism, "second", None) is not None
-    drags = {name: drag for name, drag in drags.items() if paired or name != SECOND}
+        return {name: Drag(f"joint {name}", path, _point(name)) for name, path in movable_points(design).items()}
+    noun, has_second = design.drive.face.noun, getattr(design.drive.mechanism, "second", None) is not None
+    drags = {name: drag for name, drag in drags.items() if has_second or name != SECOND}
     return {name: replace(drag, label=noun) if drag.label == ROLLER else drag for name, drag in drags.items()}
 
 
 RIMS: Mapping[str, str] = MappingProxyType(
     {"cam.base_radius_mm": "base circle", "cam.roller_radius_mm": "roller", "follower.shoe_radius_mm": "shoe"}
 )
-"""Radius that is drawn as a circle -> what it is of."""
+"""Label of a circle in the drawing, by the path of its radius."""
 
 
 def rims_of(design: Design) -> Mapping[str, str]:
-    """The circles of a design whose radius can be drawn larger and smaller, by the paths of their fields."""
+    """Labels of the circles whose radius can be dragged, by the paths of their fields."""
     typed = {row.path for name in ("cam", "follower") if name in design.tables for row in entries(design, name)}
     return {path: label for path, label in RIMS.items() if path in typed}
 
 
 def move_joint(design: Design, kinematics: Kinematics, name: str, to: complex, decimals: int = 6) -> Design:
-    """The design with a joint at ``to`` [m] in the position that ``kinematics`` shows (n = 1). Lengths are rounded to so many
-    decimals [mm], angles to two more [deg]. It may have faults. Raises KeyError for a joint there is none of, NoAssembly where
-    nothing fits."""
+    """The design with a joint moved to `to` [m] in the position (n = 1) of the kinematics; it may have faults.
+
+    Lengths [mm] are rounded to `decimals`, angles [deg] to two more.
+
+    Raises
+    ------
+    KeyError
+        There is no such joint.
+    NoAssembly
+        No dimensions allow this position.
+    """
     for path, value in joints_of(design)[name].changes(design, kinematics, to).items():
         if isinstance(value, tuple):
             value = tuple(round(number, decimals) + 0.0 for number in value)
@@ -315,9 +327,9 @@ def move_joint(design: Design, kinematics: Kinematics, name: str, to: complex, d
 
 
 def _at(kinematics: Kinematics, point: str) -> complex:
-    """Where a point stands [m]."""
+    """Position of a point [m]."""
     body = next(body for body in kinematics.bodies.values() if point in body.points)
-    return complex(body.place(point)[0])
+    return complex(body.position(point)[0])
 
 
 def _reach(design: Design) -> float:
@@ -325,12 +337,11 @@ def _reach(design: Design) -> float:
 
 
 def _near(angle: float, old: float) -> float:
-    """The angle [rad] without the whole turns that take it away from the old one, in degrees."""
+    """The angle [rad] in degrees, with the whole turns that bring it nearest to the old one."""
     return math.degrees(angle - 2.0 * pi * round((angle - old) / (2.0 * pi)))
 
 
 def _layout(follower: CamSlider, **changed: bool) -> str:
-    """The letter of the follower's layout with one of its sides changed."""
-    row = LAYOUT_TABLE[follower.layout]
-    wanted = replace(row, **changed)
-    return next(letter for letter, each in LAYOUT_TABLE.items() if each == wanted)
+    """Letter of the follower's layout with one of its sides changed."""
+    layout = replace(LAYOUT_TABLE[follower.layout], **changed)
+    return next(letter for letter, row in LAYOUT_TABLE.items() if row == layout)

@@ -1,9 +1,8 @@
-"""Where a follower stands while its face touches a given line or arc of a cam that turns under it: closed forms, one row for
-each follower. The driver's position is that of the mechanism in its own frame, in mm or radians.
+"""Position of a follower whose face touches a given line or arc of the turning cam, in closed form for every follower.
 
-A round's centre R keeps to the curve beside the cam, given at one of its points P by the normal N away from the cam and the
-curvature κ: F(R) = κ|R - P|²/2 + N·(R - P) = 0, a line where κ = 0, with the gradient N + κ(R - P), which is the normal at R.
-Of the two R the one is taken at which a growing motion leaves the cam.
+The driver's position is in the mechanism's frame, in mm or rad. The centre R of a round face is on the offset curve of the cam,
+given at one of its points P by the normal N away from the cam and the curvature κ: F(R) = κ|R - P|²/2 + N·(R - P) = 0, a line
+where κ = 0. Its gradient N + κ(R - P) is the normal at R. The solution is the one of two at which a growing motion leaves the cam.
 """
 
 from __future__ import annotations
@@ -21,34 +20,45 @@ from core.numerics.derivatives import Taylor, dot, heading, select
 
 
 class Touching(NamedTuple):
-    """How a follower with a round, or with a flat face, follows the cam; lengths in mm, complex in the frame that it is named.
+    """Functions of the contact between a follower and its cam; points are complex [mm].
 
-    angle      a round: points (n,) of its centre's path in the cam's frame -> angle (n,) [rad] by which the cam is turned, counter-
-               clockwise, when it stands there; a flat face: points (n,) of the cam and unit normals (n,) there; NaN: never
-    position   a round: P, N, κ in the global frame -> the driver's position; a flat face: centre, radius of an arc
-    place      a round: its centre (n,) in the global frame -> the driver's position (n,); a flat face: unit normal and point
-    leaving    a round: its centre (n,) -> the direction in which it goes while the motion grows outwards
-    outward    sign of the driver's velocity while the face leaves the cam
-    lever_mm   of a driver that turns: how far the face goes for one radian; 1 where it slides
-    turns      the driver turns, so that whole turns do not count
+    Attributes
+    ----------
+    angle : callable
+        Angle (n,) [rad] by which the cam is turned counter-clockwise when the follower is there; NaN where it never is. Arguments
+        for a round face: points (n,) of its centre's path in the cam's frame; for a flat face: points of the cam and unit normals.
+    position : callable
+        Driver position (n,) [mm or rad]. Arguments for a round face: P, N, κ in the global frame; for a flat face: centre and
+        radius of an arc.
+    driver : callable
+        Driver position (n,) [mm or rad]. Argument for a round face: its centre (n,) in the global frame; for a flat face: unit
+        normal and a point.
+    leaving : callable
+        Direction (n,) in which the centre (n,) of a round face moves while the motion grows outwards.
+    outward : float
+        Sign of the driver's velocity while the face leaves the cam.
+    lever_mm : float
+        Displacement of the face per radian of a rotating driver; 1 for a sliding one.
+    rotates : bool
+        The driver rotates, so that its position is defined up to whole turns.
     """
 
     angle: Callable[..., np.ndarray]
     position: Callable[..., Taylor]
-    place: Callable[..., np.ndarray]
+    driver: Callable[..., np.ndarray]
     leaving: Callable[[np.ndarray], np.ndarray]
     outward: float = 1.0
     lever_mm: float = 1.0
-    turns: bool = False
+    rotates: bool = False
 
 
 def touching(follower: Any) -> Touching:
-    """The row of a follower."""
+    """Contact functions of a follower."""
     row: Touching = (FLAT if follower.face.straight else ROUND)[type(follower)](follower)
     return row
 
 
-# -- on a straight guide ----------------------------------------------------------------------------------
+# -- translating followers --------------------------------------------------------------------------------------
 
 
 def _sliding(follower: Translating) -> Touching:
@@ -60,7 +70,7 @@ def _sliding(follower: Translating) -> Touching:
 
     def position(p: Taylor, n: Taylor, curvature: float) -> Taylor:
         along, across = p * e.conjugate(), n * e.conjugate()
-        # with t from the foot of P on the line: κt²/2 + bt + c = 0
+        # with t from the projection of P on the line: κt²/2 + bt + c = 0
         distance = -along.imag + offset
         b = across.real
         c = distance * distance * (0.5 * curvature) + across.imag * distance
@@ -77,16 +87,16 @@ def _sliding(follower: Translating) -> Touching:
 
 
 def _root(b: Taylor, c: Taylor, root: Taylor, curvature: float) -> Taylor:
-    """t of κt²/2 + bt + c = 0 with κt + b = root > 0, written so that nothing cancels."""
+    """Root t of κt²/2 + bt + c = 0 with κt + b = root > 0, without cancellation."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        usual = (c * -2.0) / (b + root)
+        stable = (c * -2.0) / (b + root)
         if curvature == 0.0:
-            return usual
-        return select(b.c[0].real >= 0.0, usual, (root - b) * (1.0 / curvature))
+            return stable
+        return select(b.c[0].real >= 0.0, stable, (root - b) * (1.0 / curvature))
 
 
 def _flat_sliding(follower: Translating) -> Touching:
-    """S = (H - ε sin η)/cos η, H the support of the cam along the face's normal."""
+    """S = (H - ε sin η)/cos η with the support function H of the cam along the face's normal."""
     face: Any = follower.face
     tilt = math.radians(face.face_tilt_deg)
     m = heading(math.radians(follower.direction_deg + face.face_tilt_deg))
@@ -102,74 +112,74 @@ def _flat_sliding(follower: Translating) -> Touching:
     )
 
 
-# -- on an arm --------------------------------------------------------------------------------------------
+# -- oscillating followers --------------------------------------------------------------------------------------
 
 
 class _Arm(NamedTuple):
-    """arm and pivot [mm]; sense: +1 where the round lies left of the ray from the pivot to the cam centre."""
+    """Arm length and pivot [mm]; side: +1 where the round face is left of the ray from the pivot to the cam centre, else -1."""
 
     arm: float
     pivot: complex
-    sense: float
+    side: float
 
     @property
     def to_centre(self) -> float:
         return math.atan2(-self.pivot.imag, -self.pivot.real)
 
     def angle(self, p: np.ndarray) -> np.ndarray:
-        r, far = np.abs(p), abs(self.pivot)
-        cosine = (r * r + (far - self.arm) * (far + self.arm)) / (2.0 * r * far)
+        r, distance = np.abs(p), abs(self.pivot)
+        cosine = (r * r + (distance - self.arm) * (distance + self.arm)) / (2.0 * r * distance)
         with np.errstate(invalid="ignore"):
             return np.asarray(
-                math.atan2(self.pivot.imag, self.pivot.real) - self.sense * np.arccos(cosine) - np.angle(p)
+                math.atan2(self.pivot.imag, self.pivot.real) - self.side * np.arccos(cosine) - np.angle(p)
             )
 
     def position(self, p: Taylor, n: Taylor, curvature: float) -> Taylor:
-        """α - θz: with G = N - κD, D = P - pivot, F = 0 is arm G·e^{iα} = N·D - κ(D² + arm²)/2."""
+        """Angle α - θz: with G = N - κD, D = P - pivot, F = 0 is arm G·e^{iα} = N·D - κ(D² + arm²)/2."""
         d = p - self.pivot
         g = n - d * curvature
         square = (d * d.conj()).real
         length = (g * g.conj()).real.sqrt()
         cosine = ((n * d.conj()).real - (square + self.arm**2) * (0.5 * curvature)) / (length * self.arm)
-        return (g * np.exp(-1j * self.to_centre)).argument() - cosine.arccos() * self.sense
+        return (g * np.exp(-1j * self.to_centre)).argument() - cosine.arccos() * self.side
 
-    def place(self, r: np.ndarray) -> np.ndarray:
+    def driver(self, r: np.ndarray) -> np.ndarray:
         return np.asarray(np.angle((r - self.pivot) * np.exp(-1j * self.to_centre)))
 
     def leaving(self, r: np.ndarray) -> np.ndarray:
-        return np.asarray(1j * self.sense * (r - self.pivot) / np.abs(r - self.pivot))
+        return np.asarray(1j * self.side * (r - self.pivot) / np.abs(r - self.pivot))
 
 
 def _swinging(follower: Oscillating) -> Touching:
-    sense = 1.0 if follower.side == "left" else -1.0
-    arm = _Arm(follower.arm_mm, complex(follower.pivot_x_mm, follower.pivot_y_mm), sense)
-    return Touching(arm.angle, arm.position, arm.place, arm.leaving, sense, arm.arm, turns=True)
+    side = 1.0 if follower.side == "left" else -1.0
+    arm = _Arm(follower.arm_mm, complex(follower.pivot_x_mm, follower.pivot_y_mm), side)
+    return Touching(arm.angle, arm.position, arm.driver, arm.leaving, side, arm.arm, rotates=True)
 
 
 def _slider(follower: CamSlider) -> Touching:
     """L = L1 cos φ + √(L2² - (H - L1 sin φ)²), φ = α - γ - δ, the root with the sign of the layout."""
     layout = LAYOUT_TABLE[follower.layout]
-    sense = -1.0 if layout.cam_left == layout.roller_above else 1.0
-    arm = _Arm(follower.roller_arm_mm, complex(follower.pivot_x_mm, follower.pivot_y_mm), sense)
-    turned = np.exp(1j * (arm.to_centre - math.radians(follower.fixed_angle_deg + follower.guide_angle_deg)))
+    roller_side = -1.0 if layout.cam_left == layout.roller_above else 1.0
+    arm = _Arm(follower.roller_arm_mm, complex(follower.pivot_x_mm, follower.pivot_y_mm), roller_side)
+    to_arm = np.exp(1j * (arm.to_centre - math.radians(follower.fixed_angle_deg + follower.guide_angle_deg)))
     side = 1.0 if layout.slider_right else -1.0
 
     def slider(alpha: Taylor) -> Taylor:
         u = alpha.c
-        turn = np.exp(1j * u[0]) * turned
+        turn = np.exp(1j * u[0]) * to_arm
         pin = Taylor(np.array([turn, 1j * turn * u[1], 1j * turn * (u[2] + 0.5j * u[1] ** 2)])) * follower.slider_arm_mm
         height = -pin.imag + follower.guide_height_mm
         with np.errstate(invalid="ignore"):
             return pin.real + (height * height * -1.0 + follower.rod_mm**2).sqrt() * side
 
-    def place(r: np.ndarray) -> np.ndarray:
-        alpha = arm.place(r)
+    def driver(r: np.ndarray) -> np.ndarray:
+        alpha = arm.driver(r)
         return slider(Taylor(np.array([alpha, np.zeros_like(alpha), np.zeros_like(alpha)]))).c[0]
 
     return Touching(
         arm.angle,
         lambda p, n, curvature: slider(arm.position(p, n, curvature)),
-        place,
+        driver,
         arm.leaving,
         lever_mm=min(1.0, follower.roller_arm_mm / follower.slider_arm_mm),
     )
@@ -177,14 +187,14 @@ def _slider(follower: CamSlider) -> Touching:
 
 def _flat_swinging(follower: OscillatingFlat) -> Touching:
     """Face (x - pivot)·m = f on an arc of centre C, radius ρ: D·m = f - ρ, D = C - pivot."""
-    sense = 1.0 if follower.side == "left" else -1.0
+    side = 1.0 if follower.side == "left" else -1.0
     face: Any = follower.face
     pivot, offset = complex(follower.pivot_x_mm, follower.pivot_y_mm), face.face_offset_mm
-    to_centre, far = math.atan2(-pivot.imag, -pivot.real), abs(pivot)
+    to_centre, distance = math.atan2(-pivot.imag, -pivot.real), abs(pivot)
 
     def angle(p: np.ndarray, n: np.ndarray) -> np.ndarray:
         with np.errstate(invalid="ignore"):
-            return np.asarray(to_centre + sense * np.arccos((offset - dot(n, p)) / far) - np.angle(n))
+            return np.asarray(to_centre + side * np.arccos((offset - dot(n, p)) / distance) - np.angle(n))
 
     def position(centre: Taylor, radius: float) -> Taylor:
         d = centre - pivot
@@ -192,19 +202,19 @@ def _flat_swinging(follower: OscillatingFlat) -> Touching:
             Taylor(np.array([np.full(d.c.shape[1], offset - radius), *np.zeros((2, d.c.shape[1]))]))
             / (d * d.conj()).real.sqrt()
         )
-        return (d * np.exp(-1j * to_centre)).argument() + cosine.arccos() * sense
+        return (d * np.exp(-1j * to_centre)).argument() + cosine.arccos() * side
 
-    def place(n: np.ndarray, p: np.ndarray) -> np.ndarray:
+    def driver(n: np.ndarray, p: np.ndarray) -> np.ndarray:
         return np.asarray(np.angle(n * np.exp(-1j * to_centre)))
 
     return Touching(
         angle,
         position,
-        place,
-        lambda r: 1j * sense * (r - pivot) / np.abs(r - pivot),
-        sense,
-        far,
-        turns=True,
+        driver,
+        lambda r: 1j * side * (r - pivot) / np.abs(r - pivot),
+        side,
+        distance,
+        rotates=True,
     )
 
 

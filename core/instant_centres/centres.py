@@ -127,7 +127,7 @@ def primary_pairs(kinematics: Kinematics, order: Mapping[str, int]) -> dict[Key,
     for name, links in pins.items():
         for a, b in combinations([n for n in links if n in order], 2):
             key = key_of(a, b, order)
-            at = kinematics.bodies[key[0] if key[0] != FRAME else key[1]].place(name)
+            at = kinematics.bodies[key[0] if key[0] != FRAME else key[1]].position(name)
             found[key] = Centres(at, np.ones(at.size))
     return dict(sorted(found.items(), key=lambda item: (order[item[0][0]], order[item[0][1]])))
 

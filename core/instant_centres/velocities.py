@@ -74,7 +74,7 @@ def _outwards(kinematics: Kinematics, name: str) -> list[str]:
 def _turning(name: str, body: Pose, a: str, p: str) -> PolygonTriangle:
     turned = 1j * body.turn[1] * (body.points[p] - body.points[a]) * body.unit
     return PolygonTriangle(
-        TURNING, name, name, a, p, body.place(a), body.place(p), body.place(a, 1), turned, body.place(p, 1)
+        TURNING, name, name, a, p, body.position(a), body.position(p), body.position(a, 1), turned, body.position(p, 1)
     )
 
 
@@ -85,7 +85,7 @@ def _sliding(kinematics: Kinematics, pair: Pair) -> PolygonTriangle:
     name, on = (pair.on, pair.body) if swapped else (pair.body, pair.on)
     body, line = kinematics.bodies[name], kinematics.bodies.get(on, FRAME_POSE)
     p = next(iter(_outwards(kinematics, name)), pair.point)
-    place, speed = body.place(p), body.place(p, 1)
+    place, speed = body.position(p), body.position(p, 1)
     under = line.origin[1] + 1j * line.turn[1] * (place - line.origin[0])
     return PolygonTriangle(SLIDING, name, on, p, p, place, place, under, dot(speed - under, axis) * axis, speed)
 

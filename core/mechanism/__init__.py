@@ -2,13 +2,13 @@
 
 from core.mechanism.checks import SINGULAR, findings
 from core.mechanism.driver_ranges import ChangePoint, DriverRange, DriverRanges, driver_ranges_of
-from core.mechanism.drivers import CrankProgram, swept
+from core.mechanism.drivers import CrankMotion, motion_extent
 from core.mechanism.linkage import SolutionPlan, plan_of
 from core.mechanism.mechanism import (
     ROLLER,
+    LinkageSolution,
     Mechanism,
     ReferencePoint,
-    Solved,
     at_driver,
     body_name,
     link_number,
@@ -18,7 +18,26 @@ from core.mechanism.mechanism import (
 from core.mechanism.solving import driver_ranges_for, solve_mechanism, unit_speed_kinematics
 
 __all__ = [
-    "ROLLER", "SINGULAR", "ChangePoint", "CrankProgram", "DriverRange", "DriverRanges", "Mechanism", "ReferencePoint",
-    "SolutionPlan", "Solved", "at_driver", "body_name", "driver_ranges_for", "driver_ranges_of", "findings", "link_number",
-    "mechanism_of", "plan_of", "solve", "solve_mechanism", "swept", "unit_speed_kinematics",
+    "ROLLER",
+    "SINGULAR",
+    "ChangePoint",
+    "CrankMotion",
+    "DriverRange",
+    "DriverRanges",
+    "LinkageSolution",
+    "Mechanism",
+    "ReferencePoint",
+    "SolutionPlan",
+    "at_driver",
+    "body_name",
+    "driver_ranges_for",
+    "driver_ranges_of",
+    "findings",
+    "link_number",
+    "mechanism_of",
+    "motion_extent",
+    "plan_of",
+    "solve",
+    "solve_mechanism",
+    "unit_speed_kinematics",
 ]  # fmt: skip

@@ -1,4 +1,4 @@
-"""The branch that a linkage follows: which side of a dyad holds where, over change points, and where Newton starts."""
+"""The branch a linkage follows: the side of each dyad, bridges over change points, and the first guesses of Newton's method."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from core.mechanism.kinematics import Pose
 from core.mechanism.linkage import SolutionPlan
 from core.numerics.derivatives import Chain, Derivatives, Rows, unit
 
-# -- the branch that a linkage follows --------------------------------------------------------------------------
+# -- paths of groups, and bridges over change points ------------------------------------------------------------
 
 
 HALF = 0.01  # half the width of a bridge, in units of the driver's coordinate scale
@@ -21,24 +21,44 @@ HALF = 0.01  # half the width of a bridge, in units of the driver's coordinate s
 
 @frozen(eq=False)
 class GroupPath:
-    """A group's path: driver positions (m,), and there its coordinates with three derivatives (m, 4, 3k)."""
+    """Path of a group of k links through its driver positions.
+
+    Attributes
+    ----------
+    at : ndarray (m,) [rad or m]
+        Driver positions, rising.
+    states : ndarray (m, 4, 3k)
+        Coordinates of the group there with three derivatives: x and y in units of the size, angle [rad].
+    """
 
     at: np.ndarray
     states: np.ndarray
 
     @property
     def low(self) -> float:
-        """Its first driver position [rad or m]."""
+        """First driver position [rad or m]."""
         return float(self.at[0])
 
     @property
     def high(self) -> float:
-        """Its last driver position [rad or m]."""
+        """Last driver position [rad or m]."""
         return float(self.at[-1])
 
-    def start(self, q: np.ndarray) -> np.ndarray:
-        """Coordinates near those at q (3k, n), by Taylor from the nearest node, distances measured by how close the nodes stand:
-        beside a dead centre they close in on it, and their Taylor series reach no farther than that."""
+    def first_guess(self, q: np.ndarray) -> np.ndarray:
+        """Approximate coordinates by the Taylor series of the nearest node.
+
+        Distances are relative to the spacing of the nodes, since near a dead centre the series converges only that far.
+
+        Parameters
+        ----------
+        q : ndarray (n,) [rad or m]
+            Driver positions.
+
+        Returns
+        -------
+        ndarray (3k, n), dimensionless
+            First guess of `groups.newton`.
+        """
         gaps = np.diff(self.at)
         reach = np.minimum(np.append(np.inf, gaps), np.append(gaps, np.inf))
         nearest = np.searchsorted(self.at[:-1] + gaps * reach[:-1] / (reach[:-1] + reach[1:]), q)
@@ -49,12 +69,17 @@ class GroupPath:
 
 @frozen(eq=False)
 class Bridge:
-    """A dyad's two links over a change point, where its equations are 0/0 although the links move on smoothly.
+    """Polynomials for the two links of a dyad near a change point, where its equations are 0/0 although the links move smoothly.
 
-    at, half   the change point and half the width [rad or m]
-    links      their numbers
-    power      (8, 6) coefficients, by (q - at)/half, of x, y, angle of the first link, then of the second: they agree
-               with the closed form and its three derivatives at both ends
+    Attributes
+    ----------
+    at, half : float
+        Change point and half the width [rad or m].
+    links : tuple of int
+        Numbers of the two links.
+    power : ndarray (8, 6) [m or rad]
+        Coefficients by powers of (q - at)/half, of x, y and angle of the first link, then of the second. They agree with the
+        closed form and its three derivatives at both ends.
     """
 
     at: float
@@ -62,28 +87,37 @@ class Bridge:
     links: tuple[int, int]
     power: np.ndarray
 
-    def within(self, q: np.ndarray) -> np.ndarray:
-        """(n,) where the driver stands on the bridge."""
+    def covers(self, q: np.ndarray) -> np.ndarray:
+        """Whether driver positions are on the bridge.
+
+        Parameters
+        ----------
+        q : ndarray (n,) [rad or m]
+
+        Returns
+        -------
+        ndarray (n,) of bool, dimensionless
+        """
         return np.abs(q - self.at) < self.half
 
     def apply(self, q: Derivatives, poses: dict[int, Pose]) -> None:
-        """Replace both links' poses, which are infinite or nan here, where the driver at q (n,) stands on the bridge."""
-        there = self.within(q[0])
-        if not there.any():
+        """Replace the poses of both links, infinite or NaN in the closed form, where the driver position q (n,) is on the bridge."""
+        mask = self.covers(q[0])
+        if not mask.any():
             return
-        rows = Chain(lambda order, _: self._row(q, there, order))
+        rows = Chain(lambda order, _: self._row(q, mask, order))
         for i, link in enumerate(self.links):
-            poses[link] = _over(poses[link], rows, 3 * i, there)
+            poses[link] = _spliced_pose(poses[link], rows, 3 * i, mask)
 
-    def _row(self, q: Derivatives, there: np.ndarray, order: int) -> np.ndarray:
-        """Derivative of this order of the six (6, m), by what q's are by, of the m positions on the bridge (chain rule)."""
+    def _row(self, q: Derivatives, mask: np.ndarray, order: int) -> np.ndarray:
+        """Derivative of this order (6, m) of the six coordinates at the m positions on the bridge, by the chain rule."""
         from numpy.polynomial.polynomial import polyder, polyval
 
-        u = (q[0][there] - self.at) / self.half
+        u = (q[0][mask] - self.at) / self.half
         x = [polyval(u, polyder(self.power, k)) / self.half**k for k in range(order + 1)]
         if order == 0:
             return np.asarray(x[0])
-        v, *more = (np.broadcast_to(q[k], there.size)[there] for k in range(1, order + 1))
+        v, *more = (np.broadcast_to(q[k], mask.size)[mask] for k in range(1, order + 1))
         if order == 1:
             return np.asarray(x[1] * v)
         if order == 2:
@@ -91,23 +125,23 @@ class Bridge:
         return np.asarray(x[3] * v * v * v + 3.0 * x[2] * v * more[0] + x[1] * more[1])
 
 
-def _over(pose: Pose, rows: Chain, first: int, there: np.ndarray) -> Pose:
-    """A pose (n,) that is x, y, angle of the chain from row ``first`` on where the driver stands on the bridge."""
+def _spliced_pose(pose: Pose, rows: Chain, first: int, mask: np.ndarray) -> Pose:
+    """The pose (n,) with x, y and angle from rows first, first + 1, first + 2 of the chain where mask is True."""
 
-    def spliced(part: Derivatives, on: Callable[[Rows], np.ndarray]) -> Derivatives:
+    def spliced(part: Derivatives, bridge_row: Callable[[Rows], np.ndarray]) -> Derivatives:
         part = part.without_warnings()
 
         def row(order: int) -> np.ndarray:
-            values = np.array(np.broadcast_to(part[order], there.size))
-            values[there] = on(rows[order])
+            values = np.array(np.broadcast_to(part[order], mask.size))
+            values[mask] = bridge_row(rows[order])
             return values
 
         return Derivatives(row)
 
     def heading() -> np.ndarray:
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            values = np.array(np.broadcast_to(pose.unit, there.size))
-        values[there] = unit(rows[0][first + 2])
+            values = np.array(np.broadcast_to(pose.unit, mask.size))
+        values[mask] = unit(rows[0][first + 2])
         return values
 
     origin = spliced(pose.origin, lambda row: row[first] + 1j * row[first + 1])
@@ -115,14 +149,28 @@ def _over(pose: Pose, rows: Chain, first: int, there: np.ndarray) -> Pose:
 
 
 def bridge(at: float, half: float, links: tuple[int, int], states: np.ndarray) -> Bridge:
-    """The bridge through states (2, 4, 6): at both ends x, y, angle of both links and three derivatives by q."""
+    """Bridge of degree 7 through given states at both ends.
+
+    Parameters
+    ----------
+    at, half : float
+        Change point and half the width [rad or m].
+    links : tuple of int
+        Numbers of the two links.
+    states : ndarray (2, 4, 6) [m or rad]
+        At both ends, x, y and angle of both links with three derivatives by q.
+
+    Returns
+    -------
+    Bridge
+    """
     right = (states * half ** np.arange(4.0)[:, None]).reshape(8, 6)
-    return Bridge(at, half, links, np.linalg.solve(_at_ends(), right))
+    return Bridge(at, half, links, np.linalg.solve(_end_powers(), right))
 
 
 @lru_cache(maxsize=1)
-def _at_ends() -> np.ndarray:
-    """(8, 8): the powers of -1 and 1 with three derivatives."""
+def _end_powers() -> np.ndarray:
+    """Powers of -1 and of 1 with three derivatives (8, 8)."""
     from numpy.polynomial.polynomial import polyder, polyval
 
     return np.array([polyval(u, polyder(np.eye(8), order)) for u in (-1.0, 1.0) for order in range(4)])
@@ -130,9 +178,21 @@ def _at_ends() -> np.ndarray:
 
 @dataclass
 class Branch:
-    """Which of its assemblies a linkage is in, by step of its plan, as far as it has been solved: tracks of groups; change
-    points of dyads (rising, (m,)), the driver position from which their sides count, and the bridges over them; chosen: side of a
-    dyad, and the driver position at which it is drawn so."""
+    """Assembly of a linkage, by the index of a step of its plan, as far as it has been solved.
+
+    Attributes
+    ----------
+    start : float
+        Driver position [rad or m] at which the stated sides hold.
+    chosen : dict of int to (float, float)
+        Side +1 or -1 of a drawn dyad, and the driver position [rad or m] of the drawing.
+    tracks : dict of int to GroupPath
+        Paths of groups.
+    changes : dict of int to ndarray (m,) [rad or m]
+        Change points of dyads, rising.
+    bridges : dict of int to tuple of Bridge
+        Bridges over the change points.
+    """
 
     start: float = 0.0
     chosen: dict[int, tuple[float, float]] = field(default_factory=dict)
@@ -141,8 +201,22 @@ class Branch:
     bridges: dict[int, tuple[Bridge, ...]] = field(default_factory=dict)
 
     def side(self, step: int, stated: float, q: np.ndarray) -> float | np.ndarray:
-        """+1 or -1 of a step's dyad at q (n,): as stated at the start of the range, or as chosen where it is drawn, the other one
-        beyond each change point."""
+        """Side of a dyad at driver positions; it changes its sign at each change point.
+
+        Parameters
+        ----------
+        step : int
+            Index of the dyad's step.
+        stated : float
+            Side +1 or -1 at `start`; `chosen` goes first.
+        q : ndarray (n,) [rad or m]
+            Driver positions.
+
+        Returns
+        -------
+        float or ndarray (n,), dimensionless
+            +1 or -1.
+        """
         changes = self.changes.get(step)
         stated, start = self.chosen.get(step, (stated, self.start))
         if changes is None or not changes.size:
@@ -151,15 +225,15 @@ class Branch:
         return np.where(passed % 2 == 0, stated, -stated)
 
 
-# -- what kind of four-bar it is (Grashof) ----------------------------------------------------------------------
+# -- kind of a four-bar (Grashof) -------------------------------------------------------------------------------
 
 
-CHANGE = 1e-12  # relative: shortest + longest this near to the sum of the others is equality
+CHANGE = 1e-12  # relative difference below which shortest + longest equals the sum of the other two
 
 
 @frozen
 class FourBar:
-    """Ground, crank (the driver), coupler and rocker lengths [m]; kind as a designer says it."""
+    """Lengths [m] of ground, crank (the driver), coupler and rocker, and the kind in Grashof's terms."""
 
     ground: float
     crank: float
@@ -172,9 +246,9 @@ _BY_SHORTEST = {"ground": "double crank", "crank": "crank-rocker", "coupler": "d
 
 
 def four_bar(plan: SolutionPlan) -> FourBar | None:
-    """The four-bar of the driver and a dyad RRR on it and the frame; None where the linkage holds none.
+    """Four-bar of the driver and a dyad RRR between driver and frame; None where the linkage contains none.
 
-    Grashof: shortest + longest < the other two: the shortest link turns fully against its neighbours.
+    Grashof's condition: where shortest + longest < sum of the other two, the shortest link rotates fully against its neighbours.
     """
     for step, joints in plan.steps:
         ends = (
@@ -183,15 +257,15 @@ def four_bar(plan: SolutionPlan) -> FourBar | None:
         driver = plan.driver
         if set(ends) != {driver.first.link, driver.second.link} or not driver.revolute:
             continue
-        (on_frame, frame_side), (on_crank, _) = ends[driver.first.link], ends[driver.second.link]
-        inner = joints[1]
+        (frame_joint, frame_side), (crank_joint, _) = ends[driver.first.link], ends[driver.second.link]
+        coupler_joint = joints[1]
         rods = (
-            abs(inner.first.point - joints[0].second.point),
-            abs(inner.second.point - joints[2].second.point),
+            abs(coupler_joint.first.point - joints[0].second.point),
+            abs(coupler_joint.second.point - joints[2].second.point),
         )
         lengths = {
-            "ground": abs(on_frame.first.point - driver.first.point),
-            "crank": abs(on_crank.first.point - driver.second.point),
+            "ground": abs(frame_joint.first.point - driver.first.point),
+            "crank": abs(crank_joint.first.point - driver.second.point),
             "coupler": rods[1 - frame_side],
             "rocker": rods[frame_side],
         }

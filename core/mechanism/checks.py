@@ -1,4 +1,4 @@
-"""Limits of a mechanism: cranks that cannot turn, dead centres, flat transmission angles."""
+"""Findings on a mechanism: locked cranks, dead centres, small transmission angles; and dimensions from the positions of points."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from core.mechanism.kinematics import Kinematics
 from core.mechanism.mechanism import body_name
 from core.motion.extremes import Extreme, Extremes
 
-# -- limits of a mechanism --------------------------------------------------------------------------------------
+# -- findings ---------------------------------------------------------------------------------------------------
 
 
-LEAST_TRANSMISSION = 40.0  # [deg] usual in machine shops: Norton ch. 2
-AT_DEAD_CENTRE = 1e-3  # sine of the transmission angle below which nothing can be driven, against any play
-MOST_APART = 1e-6  # of both radii: as far as pitch circles may miss each other, that are written with so many digits
+LEAST_TRANSMISSION = 40.0  # [deg] typical limit: Norton, Design of Machinery, ch. 2
+AT_DEAD_CENTRE = 1e-3  # sine of the transmission angle below which play prevents any motion
+MOST_GAP = 1e-6  # of the sum of both radii: larger gaps between pitch circles are not rounding of the file's digits
 SINGULAR = ("dead-centre", "rod-across-guide")
-"""Codes of what must not vanish in a follower's linkage."""
+"""Codes of the measures that must not vanish in a follower's linkage."""
 LEAST_SINGULAR = 0.05
-_AMID = 0.382  # of a range: no symmetric place
+_INSIDE = 0.382  # of a range: avoids its middle, where positions may be symmetric
 
 
 def findings(
@@ -34,15 +34,28 @@ def findings(
     transmission: Mapping[str, Extremes],
     turns_fully: bool,
 ) -> list[Finding]:
-    """What the driver ranges exceed, the extremes of ``SINGULAR``, and those of the transmission angle [rad] at each
-    joint; turns_fully: the
-    crank is to."""
-    found = []
-    if redundant := driver_ranges.plan.redundant:
-        held = _held_without_need(driver_ranges) or redundant
-        found.append(Finding("redundant-links", NOTE, "linkage.links", None, {"links": _and(held)}))
-    if driver_ranges.swings:
-        found.append(_swings(driver_ranges))
+    """Findings on the driver's ranges, the measures of `SINGULAR` and the transmission angles.
+
+    Parameters
+    ----------
+    driver_ranges : DriverRanges
+    singular : mapping of str to Extremes
+        Extremes of the measures 0 ... 1, by code.
+    transmission : mapping of str to Extremes
+        Extremes of the transmission angle [rad], by joint.
+    turns_fully : bool
+        The driver is a crank that is meant to rotate continuously.
+
+    Returns
+    -------
+    list of Finding
+    """
+    result = []
+    if plan_redundant := driver_ranges.plan.redundant:
+        redundant = _redundant_links(driver_ranges) or plan_redundant
+        result.append(Finding("redundant-links", NOTE, "linkage.links", None, {"links": _and(redundant)}))
+    if driver_ranges.is_swinging:
+        result.append(_swinging_finding(driver_ranges))
         turns_fully = False
     locked = {joint for r in driver_ranges.ranges for joint in (r.low_joint, r.high_joint) if joint}
     if turns_fully and locked:
@@ -54,44 +67,43 @@ def findings(
             if joint
         ]
         values: dict[str, float | str] = {"ranges": ranges, "joints": ", ".join(sorted(locked))}
-        found.append(Finding("crank-cannot-turn", ERROR, "linkage.driver.link", ends[0], values))
+        result.append(Finding("crank-cannot-turn", ERROR, "linkage.driver.link", ends[0], values))
     linkage = driver_ranges.plan.linkage
-    if turns_fully and (linkage.turns is None or not driver_ranges.closes):
+    if turns_fully and (linkage.turns is None or not driver_ranges.is_periodic):
         field = "linkage.drivers" if linkage.drivers else "linkage.links"
         most = min(MOST_TURNS, 2 * (linkage.turns or MOST_TURNS))
         shown = "turn is" if driver_ranges.turns == 1 else f"{driver_ranges.turns} turns are"
-        found.append(Finding("no-common-period", NOTE, field, None, {"most": most, "shown": shown}))
+        result.append(Finding("no-common-period", NOTE, field, None, {"most": most, "shown": shown}))
     if linkage.drivers:
-        found += _wheels(linkage)
+        result += _wheel_findings(linkage)
     for change in driver_ranges.changes:
         at = degrees(change.at) / driver_ranges.turns if turns_fully else None
-        found.append(Finding("change-point", WARNING, "linkage.links", at, {"joint": change.joint}))
+        result.append(Finding("change-point", WARNING, "linkage.links", at, {"joint": change.joint}))
     passed = locked | {change.joint for change in driver_ranges.changes}
     for code, extreme in singular.items():
-        found += _singular(code, extreme.low)
+        result += _singular_findings(code, extreme.low)
     for joint, extreme in transmission.items():
         lowest = degrees(extreme.low.value)
         if joint in passed or lowest >= LEAST_TRANSMISSION:
             continue
         at, values = degrees(extreme.low.theta), {"joint": joint, "value": lowest, "limit": LEAST_TRANSMISSION}
         if lowest < degrees(AT_DEAD_CENTRE):
-            found.append(Finding("linkage-dead-centre", ERROR, "linkage.links", at, values))
+            result.append(Finding("linkage-dead-centre", ERROR, "linkage.links", at, values))
         else:
-            found.append(Finding("transmission-angle", WARNING, "linkage.links", at, values))
-    return found
+            result.append(Finding("transmission-angle", WARNING, "linkage.links", at, values))
+    return result
 
 
-def _held_without_need(driver_ranges: DriverRanges) -> tuple[int, ...]:
-    """The links that hold each other without need, where the driver stands amid its range: not at its start, where cranks often lie
-    in line and the rank is what rounding makes of it."""
+def _redundant_links(driver_ranges: DriverRanges) -> tuple[int, ...]:
+    """Redundant links with the driver inside its range; at its start cranks are often in line, and rounding decides the rank."""
     from core.mechanism.drawn import as_drawn
     from core.mechanism.solving import unit_speed_kinematics
-    from core.mechanism.unfinished import unfinished
+    from core.mechanism.unfinished import mobility
 
-    linkage, here = driver_ranges.plan.linkage, driver_ranges.ranges[0]
-    place = here.low + _AMID * (here.high - here.low)
-    bodies = unit_speed_kinematics(linkage, np.array([place]), driver_ranges).bodies
-    return unfinished(as_drawn(linkage, place, {n: bodies[body_name(n)] for n in linkage.by_number})).redundant
+    linkage, first = driver_ranges.plan.linkage, driver_ranges.ranges[0]
+    q = first.low + _INSIDE * (first.high - first.low)
+    bodies = unit_speed_kinematics(linkage, np.array([q]), driver_ranges).bodies
+    return mobility(as_drawn(linkage, q, {n: bodies[body_name(n)] for n in linkage.by_number})).redundant
 
 
 def _and(numbers: Sequence[int]) -> str:
@@ -100,75 +112,76 @@ def _and(numbers: Sequence[int]) -> str:
     return f"{', '.join(first)} and {last}" if first else last
 
 
-def _wheels(linkage: Linkage) -> Iterator[Finding]:
-    """Pitch circles of second inputs that do not touch where their links hold their centres."""
+def _wheel_findings(linkage: Linkage) -> Iterator[Finding]:
+    """Pitch circles of second inputs that do not touch at the distance of their centres."""
     from core.mechanism.drivers import wheel_distance, wheel_pairs
 
-    rows = {each.link: i for i, each in enumerate(linkage.drivers)}
+    rows = {row.link: i for i, row in enumerate(linkage.drivers)}
     for pair in wheel_pairs(linkage):
         gap = wheel_distance(pair, linkage)
-        if abs(gap) > MOST_APART * (pair.first.radius + pair.second.radius):
-            at = f"linkage.drivers[{rows[pair.second.link]}]"
-            places = linkage.by_number[pair.carrier].places
+        if abs(gap) > MOST_GAP * (pair.first.radius + pair.second.radius):
+            path = f"linkage.drivers[{rows[pair.second.link]}]"
+            points = linkage.by_number[pair.carrier].places
             values: dict[str, float | str] = {
                 "first": pair.first.radius, "second": pair.second.radius, "link": pair.second.link,
-                "distance": abs(places[pair.second.point] - places[pair.first.point]),
+                "distance": abs(points[pair.second.point] - points[pair.first.point]),
                 "gap": abs(gap), "how": "apart" if gap > 0.0 else "into each other",
             }  # fmt: skip
-            yield Finding("wheels-apart", WARNING, at, None, values)
+            yield Finding("wheels-apart", WARNING, path, None, values)
 
 
-def _swings(driver_ranges: DriverRanges) -> Finding:
-    """Between which ends a crank goes to and fro, and where else it could."""
-    (here,) = driver_ranges.ranges
+def _swinging_finding(driver_ranges: DriverRanges) -> Finding:
+    """Range in which a crank oscillates, and the other ranges in which the linkage can be assembled."""
+    (only,) = driver_ranges.ranges
     others = [(degrees(r.low), degrees(r.high)) for r in driver_ranges.others]
     values: dict[str, float | str] = {
-        "low": degrees(here.low), "high": degrees(here.high), "low_joint": here.low_joint, "high_joint": here.high_joint,
+        "low": degrees(only.low), "high": degrees(only.high), "low_joint": only.low_joint, "high_joint": only.high_joint,
         "others": f"; it could be assembled within {angle_list(others)} too" if others else "",
     }  # fmt: skip
     return Finding("swinging-driver", NOTE, "linkage.driver.link", None, values)
 
 
-def _singular(code: str, low: Extreme) -> list[Finding]:
+def _singular_findings(code: str, low: Extreme) -> list[Finding]:
     if low.value >= LEAST_SINGULAR:
         return []
     severity = ERROR if low.value < AT_DEAD_CENTRE else WARNING
     return [Finding(code, severity, "follower.rod_mm", degrees(low.theta), {"value": low.value})]
 
 
-# -- dimensions of a linkage from places ------------------------------------------------------------------------
+# -- dimensions of a linkage from the positions of its points ---------------------------------------------------
 
 
 _MM = 1e-3
 
 
 def movable_points(design: Design) -> Mapping[str, str]:
-    """The points that can be put elsewhere, with the path of their coordinates in the first link that has them: all but those
-    of a driver that slides, whose place the motion gives."""
+    """Points that can be moved, with the path of their coordinates in the first link that has them.
+
+    Excluded are the points of a sliding driver, whose position the motion determines.
+    """
     linkage = design.drive.linkage
     sliding, driver = {s.link for s in linkage.sliders}, linkage.driver.link
-    given = set(linkage.by_number[driver].places) if driver in sliding else set()
-    found: dict[str, str] = {}
+    excluded = set(linkage.by_number[driver].places) if driver in sliding else set()
+    paths: dict[str, str] = {}
     for i, link in enumerate(linkage.links):
         for name in link.places:
-            if name not in given:
-                found.setdefault(name, f"linkage.links[{i}].points.{name}")
-    return found
+            if name not in excluded:
+                paths.setdefault(name, f"linkage.links[{i}].points.{name}")
+    return paths
 
 
 def point_changes(design: Design, kinematics: Kinematics, name: str, to: complex) -> dict[str, tuple[float, float]]:
-    """Path -> coordinates [mm], unrounded, with which a named point is at ``to`` [m] in the position that ``kinematics`` shows
-    (n = 1).
+    """Coordinates by path, unrounded [mm], that move a named point to `to` [m] in the position (n = 1) of the kinematics.
 
-    A point of the frame moves alone, all links keep their lengths. Of any other the links that have it change where it
-    stands in them, all else staying where it is at this position; on the driver it keeps to its line from the pivot, on a
-    link that slides to the guide. A link whose frame begins at its first point, with the second on its x axis, keeps it so.
+    A point of the frame moves alone, and all links keep their lengths. For any other point the links that have it change, and
+    all other points keep their positions; on the driver it stays on its line from the pivot, on a sliding link on the guide. A
+    link whose frame has its first point as origin and its second point on the x axis keeps that form.
     """
     linkage = design.drive.linkage
-    having = [link for link in linkage.links if name in link.places]
-    having = [link for link in having if link.number == FRAME_LINK] or having
+    changed = [link for link in linkage.links if name in link.places]
+    changed = [link for link in changed if link.number == FRAME_LINK] or changed
     sliding = {s.link for s in linkage.sliders}
-    for link in having:
+    for link in changed:
         if link.number in sliding:
             to = _along_guide(kinematics, link.number, name, to)
         elif link.number == linkage.driver.link:
@@ -176,13 +189,13 @@ def point_changes(design: Design, kinematics: Kinematics, name: str, to: complex
     return {
         f"linkage.links[{i}].points.{point}": (at.real, at.imag)
         for i, link in enumerate(linkage.links)
-        if link in having and link.number not in sliding
-        for point, at in _moved(design, link, kinematics, name, to).items()
+        if link in changed and link.number not in sliding
+        for point, at in _changed_points(design, link, kinematics, name, to).items()
     }
 
 
 def _pose(kinematics: Kinematics, link: int) -> tuple[complex, complex]:
-    """Origin [m] and x axis."""
+    """Origin [m] and x axis of a link."""
     body = kinematics.bodies[body_name(link)]
     return complex(body.z[0, 0]), complex(np.exp(1j * body.angle[0, 0]))
 
@@ -202,20 +215,20 @@ def _along_crank(frame: Link, link: Link, kinematics: Kinematics, name: str, to:
     return start + along * ((to - start) * along.conjugate()).real
 
 
-def _moved(design: Design, link: Link, kinematics: Kinematics, name: str, to: complex) -> dict[str, complex]:
-    """The points of a link that change, in its frame [mm]."""
+def _changed_points(design: Design, link: Link, kinematics: Kinematics, name: str, to: complex) -> dict[str, complex]:
+    """Points of a link [mm] that change, in its frame."""
     origin, axis = _pose(kinematics, link.number)
-    place = (to - origin) * axis.conjugate() / _MM
-    if not _is_tidy(design, link):
-        return {name: place}
-    places = {**link.places, name: place}
-    first, second = list(places.values())[:2]
+    local = (to - origin) * axis.conjugate() / _MM
+    if not _has_normal_frame(design, link):
+        return {name: local}
+    points = {**link.places, name: local}
+    first, second = list(points.values())[:2]
     turn = (second - first).conjugate() / abs(second - first) if second != first else 1.0
-    return {point: (at - first) * turn for point, at in places.items()}
+    return {point: (at - first) * turn for point, at in points.items()}
 
 
-def _is_tidy(design: Design, link: Link) -> bool:
-    """Whether a link's frame begins at its first point and leads to the second, and nothing else stands in it."""
+def _has_normal_frame(design: Design, link: Link) -> bool:
+    """Whether a link's frame has its first point as origin and its second on the x axis, and only points are given in it."""
     linkage = design.drive.linkage
     fixed = (
         {FRAME_LINK, linkage.driver.link}

@@ -1,6 +1,6 @@
-"""The result shape of every linkage: bodies with their poses, the pairs that join them, how forces walk through.
+"""Kinematics of a mechanism: bodies with their poses, the pairs between them, and the order of the dyads for forces.
 
-Drawing, cam shape, instant centres and forces read the Kinematics and nothing else of a follower.
+Drawing, cam profile, instant centres and forces depend on Kinematics and on nothing else of a follower.
 """
 
 from __future__ import annotations
@@ -25,13 +25,20 @@ _NOTHING: Mapping[str, complex] = MappingProxyType({})
 
 @frozen(eq=False)
 class Pose:
-    """Where a body is: its origin and its angle with three derivatives by cam angle, each made when it is first read.
+    """Position and angle of a body with three derivatives by cam angle, each calculated when it is first read.
 
-    origin  complex, in the global frame [m]
-    turn    [rad], counter-clockwise from global +x
-    points  the body's own points, fixed in its frame [m], for drawing and for pairs
-    unit    (n,) complex, the body's x axis: e^{i angle}, where it is known without the angle
-    spin    the same with its derivatives, of which every point that the body carries is a multiple
+    Attributes
+    ----------
+    origin : Derivatives
+        Origin of the body's frame, complex, in the global frame (n,) [m].
+    turn : Derivatives
+        Angle from global +x (n,) [rad], counter-clockwise.
+    points : mapping of str to complex
+        Named points of the body in its frame [m].
+    unit : ndarray (n,) complex, dimensionless
+        Direction of the body's x axis, e^{i angle}.
+    spin : Derivatives
+        `unit` with its derivatives (n,).
     """
 
     origin: Derivatives
@@ -42,16 +49,30 @@ class Pose:
 
     @classmethod
     def of(cls, z: np.ndarray, angle: np.ndarray, points: Mapping[str, complex] = _NOTHING) -> Pose:
-        """From all derivatives (4, n)."""
+        """Pose from a value and three derivatives.
+
+        Parameters
+        ----------
+        z : ndarray (4, n) complex [m]
+            Origin with its derivatives by cam angle.
+        angle : ndarray (4, n) [rad]
+            Angle with its derivatives by cam angle.
+        points : mapping of str to complex
+            Named points in the body's frame [m].
+
+        Returns
+        -------
+        Pose
+        """
         return cls(Derivatives.of(z), Derivatives.of(angle), points)
 
-    def turning_as(self, turn: Derivatives) -> Pose:
-        """The same body with its angle whole turns apart."""
+    def with_turn(self, turn: Derivatives) -> Pose:
+        """The pose with another angle that differs by whole turns."""
         return Pose(self.origin, turn, self.points, lambda: self.unit, lambda: self.spin)
 
     @property
     def z(self) -> np.ndarray:
-        """Origin (4, n) complex [m] with its derivatives by cam angle [m per rad^k]."""
+        """Origin (4, n) complex [m] with its derivatives by cam angle [m/rad^k]."""
         return self.origin.all
 
     @property
@@ -61,51 +82,66 @@ class Pose:
 
     @property
     def x(self) -> np.ndarray:
-        """x of the origin (n,) [m] with its derivatives."""
+        """Coordinate x of the origin (n,) [m] with its derivatives."""
         return self.z.real
 
     @property
     def y(self) -> np.ndarray:
-        """y of the origin (n,) [m] with its derivatives."""
+        """Coordinate y of the origin (n,) [m] with its derivatives."""
         return self.z.imag
 
-    def carried(self, local: complex) -> Derivatives:
-        """A body-fixed point in the global frame; kept, since masses, pairs and springs ask for the same few."""
+    def fixed_point(self, local: complex) -> Derivatives:
+        """Point fixed in the body at `local` [m] of its frame, in the global frame (n,) [m]; cached."""
         if not local:
             return self.origin
-        found = self._carried.get(local)
-        if found is None:
-            found = sum_of(self.origin, scaled(self.spin, local))
-            if not found.constant:  # the frame, which all designs share, would keep the points of all of them
-                self._carried[local] = found
-        return found
+        point = self._fixed_points.get(local)
+        if point is None:
+            point = sum_of(self.origin, scaled(self.spin, local))
+            if not point.constant:  # all designs share the pose of the frame, whose cache would grow without end
+                self._fixed_points[local] = point
+        return point
 
     @cached_property
-    def _carried(self) -> dict[complex, Derivatives]:
+    def _fixed_points(self) -> dict[complex, Derivatives]:
         return {}
 
     def point(self, name: str) -> np.ndarray:
-        """A named point in the global frame with three derivatives (4, n)."""
-        return self.carried(self.points[name]).all
+        """Named point in the global frame with three derivatives by cam angle.
 
-    def place(self, name: str, order: int = 0) -> np.ndarray:
-        """A named point in the global frame, or one derivative (n,)."""
-        return self.carried(self.points[name])[order]
+        Returns
+        -------
+        ndarray (4, n) complex [m]
+        """
+        return self.fixed_point(self.points[name]).all
+
+    def position(self, name: str, order: int = 0) -> np.ndarray:
+        """Named point in the global frame, or its derivative of an order 0 ... 3 by cam angle.
+
+        Returns
+        -------
+        ndarray (n,) complex [m]
+        """
+        return self.fixed_point(self.points[name])[order]
 
 
 FRAME_POSE = Pose(constant(0j), constant(0.0), unit=np.ones(1, dtype=complex))
-"""Of the frame, which is the global one."""
+"""Pose of the frame: the global frame."""
 
 
 @frozen
 class Pair:
-    """Two bodies joined.
+    """Kinematic pair of two bodies.
 
-    kind       ``revolute`` or ``sliding``
-    on, body   ``body`` turns or slides on ``on``
-    point      named point of ``body`` in the pair
-    axis       of a sliding pair: unit vector of the line in the frame of ``on``, else 0
-    friction   True where the loads' guide friction acts
+    Attributes
+    ----------
+    kind : str
+        REVOLUTE or SLIDING.
+    on, body : str
+        `body` turns or slides on `on`.
+    point : str
+        Named point of `body` in the pair.
+    axis : complex
+        Unit vector of a sliding pair's line in the frame of `on`; 0 of a revolute pair.
     """
 
     kind: str
@@ -117,14 +153,20 @@ class Pair:
 
 @frozen
 class Dyad:
-    """Two bodies that are solved together, known from outside in.
+    """Bodies that are solved together: a dyad, a larger group, or a second driving body.
 
-    kind    order of its pairs from the driving body outwards: ``RRP`` = rod and slider
-    bodies  in the same order
-    pairs   names of its three pairs in the same order
-    on, ratio  of a body that is driven too: the body against which it is, and its turn or slide there for one of the driver
-    by_motion  it follows a motion of its own, and what drives it asks nothing of the driver
-    driven  the one of the pairs that drives, where it is between two bodies that move
+    Attributes
+    ----------
+    kind : str
+        Pairs from the driving body outwards: RRP is a rod and a slider.
+    bodies, pairs : tuple of str
+        Names, in the same order.
+    on, ratio : str, float
+        For a second driving body: the body against which it moves, and its turn or slide there per unit of the driver's.
+    by_motion : bool
+        The second driving body follows a separate motion and takes no force from the driver.
+    driven : str
+        The driving pair among `pairs`, where it is between two moving bodies.
     """
 
     kind: str
@@ -136,29 +178,50 @@ class Dyad:
     driven: str = ""
 
     @property
-    def redundant(self) -> bool:
-        """Whether its bodies are held by more pairs than need be."""
+    def is_redundant(self) -> bool:
+        """Whether more pairs constrain the bodies than necessary."""
         return 2 * len(self.pairs) + bool(self.driven) > 3 * len(self.bodies)
 
 
 @frozen(eq=False)
 class Kinematics:
-    """A solved mechanism at n cam angles. What not everyone needs may be given as a function that makes it.
+    """Kinematics of a mechanism at n cam angles; lazy attributes are calculated when they are first read.
 
-    bodies         name -> Pose
-    pairs          name -> Pair; the body moved by the cam stands on the frame in ``ground``
-    dyads          outermost first: forces are found in this order
-    output         body that the driver leads, against ``driver_on``; follower_body: body the cam acts on, its origin the face's
-                   reference point; ``ground``: pair that holds the follower body on the frame, empty where none does;
-                   ``carrier``: body of that pair or the roller's link, where the follower body is the roller alone
-    by_driver      name -> Pose with derivatives by the driver's coordinate: what goes where, in a dwell too
-    travel         (n,) complex unit vector: where the reference point goes when the follower moves forward
-    sense          of the driver's coordinate: q = start + sense y
-    singular       what must not vanish, by the code of its finding: (n,) 0 ... 1
-    transmission   joint of a dyad -> transmission angle (n,) [rad], 0 ... π/2
-    coordinates    the follower's own variables and their derivatives, named as in tables (phi, beta, slider_position)
-    base           the base position: name -> (value in SI, unit)
-    residual       (n,) loop closure relative to the size of the mechanism; ``condition`` (n,) bounds it times eps
+    Attributes
+    ----------
+    motion : MotionState
+    bodies : mapping of str to Pose
+    pairs : mapping of str to Pair
+    dyads : tuple of Dyad
+        Outermost first, which is the order in which forces are calculated.
+    output : str
+        Driven body, which moves against `driver_on`.
+    follower_body : str
+        Body on which the cam acts; its origin is the reference point of the face.
+    ground : str
+        Pair between the follower body and the frame; empty where there is none.
+    travel : ndarray (n,) complex, dimensionless
+        Unit vector in which the reference point moves when the follower moves forward.
+    coordinates : mapping of str to Derivatives
+        Coordinates of the follower (n,) [rad or m], named as in tables (phi, beta, slider_position).
+    base : mapping of str to (float, str)
+        Values of the base position in SI, with the unit in which they are displayed.
+    residual : ndarray (n,), dimensionless
+        Loop closure error divided by the size of the mechanism.
+    condition : ndarray (n,), dimensionless
+        Bound of `residual` in units of the machine epsilon.
+    singular : mapping of str to ndarray (n,), dimensionless
+        Measures 0 ... 1 that must not vanish, by the code of their finding.
+    transmission : mapping of str to ndarray (n,) [rad]
+        Transmission angle 0 ... π/2 by the joint of the dyad.
+    by_driver : mapping of str to Pose
+        Poses with derivatives by the driver's coordinate, which are defined in a dwell too.
+    carrier : str
+        Body that carries the follower body, where that is the roller alone.
+    driver_sign : float
+        Sign ±1 of the driver's coordinate: q = start + driver_sign y.
+    driver_on : str
+        Body against which the driven body moves.
     """
 
     motion: MotionState
@@ -177,42 +240,58 @@ class Kinematics:
     transmission: Lazy[Mapping[str, np.ndarray]] = Lazy(lambda kinematics: MappingProxyType({}))
     by_driver: Lazy[Mapping[str, Pose]] = Lazy(lambda kinematics: MappingProxyType({}))
     carrier: str = ""
-    sense: float = 1.0
+    driver_sign: float = 1.0
     driver_on: str = FRAME
 
     def body_of(self, point: str) -> str:
-        """The body that a point is read from: the first that has it, but for one that slides, which keeps to its line."""
-        having = [name for name, body in self.bodies.items() if point in body.points]
-        sliding = [pair.body for pair in self.pairs.values() if pair.kind == SLIDING and pair.body in having]
-        return (sliding or having)[0]
+        """Body whose pose gives a named point: a sliding body that has the point, since it stays on its line, else the first."""
+        candidates = [name for name, body in self.bodies.items() if point in body.points]
+        sliding = [pair.body for pair in self.pairs.values() if pair.kind == SLIDING and pair.body in candidates]
+        return (sliding or candidates)[0]
 
     @cached_property
     def driver_name(self) -> str:
-        """The pair that holds the driven body on the frame, or on the body against which it is driven."""
+        """Name of the pair between the driven body and `driver_on`."""
         return next(name for name, pair in self.pairs.items() if {pair.on, pair.body} == {self.driver_on, self.output})
 
     @property
     def driver_pair(self) -> Pair:
-        """The pair that drives."""
+        """The driving pair."""
         return self.pairs[self.driver_name]
 
     def line(self, pair: Pair) -> np.ndarray:
-        """The direction of a sliding pair (n,), or (1,) where it stands on the frame."""
+        """Direction of a sliding pair in the global frame.
+
+        Returns
+        -------
+        ndarray (n,) or (1,) complex, dimensionless
+            One value where the line is fixed in the frame.
+        """
         if pair.on in self.bodies:
             return np.asarray(pair.axis * self.bodies[pair.on].unit)
         axis: Any = pair.axis
         return axis if isinstance(axis, np.ndarray) else np.array([axis])
 
     def slip(self, name: str) -> np.ndarray:
-        """How fast a pair moves with the driver's coordinate q (n,), in a dwell too: ∂slide/∂q along its line, or the turn
-        of ``body`` against ``on``."""
+        """Rate of a pair's coordinate by the driver's coordinate, ∂s/∂q or ∂φ/∂q, defined in a dwell too.
+
+        Parameters
+        ----------
+        name : str
+            Name of the pair.
+
+        Returns
+        -------
+        ndarray (n,) [m or rad, per m or rad of the driver]
+            Of the slide along the line, or of the angle of `body` against `on`.
+        """
         pair = self.pairs[name]
         body, on = self.by_driver[pair.body], self.by_driver.get(pair.on)
         if pair.kind == REVOLUTE:
             return np.asarray(body.turn[1] - (on.turn[1] if on else 0.0))
-        speed = body.place(pair.point, 1)
-        if on:  # against the place of ``on`` that it stands on
-            speed = speed - on.origin[1] - 1j * on.turn[1] * (body.place(pair.point) - on.origin[0])
+        speed = body.position(pair.point, 1)
+        if on:  # relative to the coincident point of `on`
+            speed = speed - on.origin[1] - 1j * on.turn[1] * (body.position(pair.point) - on.origin[0])
         return dot(self.line(pair), speed)
 
     @property
@@ -222,5 +301,5 @@ class Kinematics:
 
     @property
     def follower(self) -> Pose:
-        """Pose of the body that the cam moves."""
+        """Pose of the follower body."""
         return self.bodies[self.follower_body]

@@ -1,4 +1,4 @@
-"""A linkage made ready for solving: lengths in metres, and for each step what it needs of the links."""
+"""A linkage prepared for its solution: lengths in metres, and the links and pairs of each step."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _MM = UNITS["mm"].factor
 
 @frozen
 class JointEnd:
-    """A link in a pair: a point of it [m] and, of a sliding pair, the direction of the line in its frame."""
+    """One link of a pair: its point [m], complex, and for a sliding pair the unit vector of the line, both in the link's frame."""
 
     link: int
     point: complex
@@ -29,7 +29,7 @@ class JointEnd:
 
 @frozen(eq=False)
 class Joint:
-    """A pair of two links; ``first`` is the known or the outer one."""
+    """A pair of two links; `first` is the known or the outer one."""
 
     name: str
     revolute: bool
@@ -39,7 +39,19 @@ class Joint:
 
 @frozen
 class LinkGroup:
-    """Links solved together: their numbers and all their pairs; size [m] of the linkage; driven: the one of the pairs that drives."""
+    """Links solved together.
+
+    Attributes
+    ----------
+    links : tuple of int
+        Numbers of the links.
+    joints : tuple of Joint
+        All their pairs.
+    size : float
+        Size of the linkage [m].
+    driven : Joint or None
+        The pair among `joints` that drives.
+    """
 
     links: tuple[int, ...]
     joints: tuple[Joint, ...]
@@ -49,14 +61,22 @@ class LinkGroup:
 
 @frozen
 class SolutionPlan:
-    """What solving a linkage needs.
+    """Steps that solve a linkage.
 
-    points    link -> name -> point in its frame [m]
-    driver    the pair that holds the driving link (second) on the frame (first), or on the link against which it is driven; where a
-              link slides there, that is the second
-    steps     in the order of solution, with the joints of each in the order of ``SolutionStep.pairs``
-    redundant links that more pairs hold than need be
-    sides     joint -> +1 or -1, stated or not
+    Attributes
+    ----------
+    linkage : Linkage
+    points : mapping of int to mapping of str to complex
+        Points of each link in its frame [m], by link and name.
+    driver : Joint
+        Pair between the driving link (second) and the frame or the link against which it is driven (first); where a link slides
+        there, the sliding link is the second.
+    steps : tuple of (SolutionStep, tuple of Joint)
+        In the order of solution; the joints of a step are in the order of `SolutionStep.pairs`.
+    sides : mapping of str to int
+        Joint -> +1 or -1, where the file states one.
+    redundant : tuple of int
+        Links constrained by more pairs than necessary.
     """
 
     linkage: Linkage
@@ -67,47 +87,56 @@ class SolutionPlan:
     redundant: tuple[int, ...] = ()
 
     @property
-    def inner(self) -> bool:
-        """Whether the driver moves against a link that moves itself."""
+    def is_inner(self) -> bool:
+        """Whether the driver moves against a moving link."""
         return self.linkage.driver.on != FRAME_LINK
 
     @property
     def joints(self) -> tuple[Joint, ...]:
-        """Every pair of the linkage, in the order of solution."""
+        """All pairs of the linkage, in the order of solution."""
         rest = tuple(joint for _, joints in self.steps for joint in joints)
-        return rest if self.inner else (self.driver, *rest)
+        return rest if self.is_inner else (self.driver, *rest)
 
     def group(self, index: int) -> LinkGroup:
-        """The links of a step that are solved together."""
+        """Links of the step with this index, which are solved together."""
         step, joints = self.steps[index]
-        return LinkGroup(step.links, joints, self.size, self.driver if self.inner and self.driver in joints else None)
+        return LinkGroup(
+            step.links, joints, self.size, self.driver if self.is_inner and self.driver in joints else None
+        )
 
     def side(self, joint: str) -> float:
-        """+1 where the file does not state another."""
+        """Side of a joint, +1 where the file states none."""
         return self.sides.get(joint, 1) * 1.0
 
     @cached_property
     def gains(self) -> Mapping[int, float]:
-        """Link of a second driver -> its ratio in SI; see ``topology.gains``."""
+        """Ratio in SI by link of a second driver; see `topology.gains`."""
         return gains(self.linkage)
 
     @cached_property
     def size(self) -> float:
-        """The largest extent of a link [m]."""
+        """Size of the linkage: largest extent of a link [m]."""
         return _size(self.linkage, self.points)
 
 
 @lru_cache(maxsize=64)
 def plan_of(linkage: Linkage) -> SolutionPlan:
-    """The plan of a linkage, kept; see ``planned``."""
-    return planned(linkage)
+    """Solution plan of a linkage, cached; see `new_plan`."""
+    return new_plan(linkage)
 
 
-def planned(linkage: Linkage) -> SolutionPlan:
-    """The plan of a linkage without faults. Raises DesignError where its links do not determine each other."""
-    links, slid = tuple((link.number, tuple(p.name for p in link.points)) for link in linkage.links), linkage.sliders
-    driven = (linkage.driver.link, linkage.driver.on, *((each.link, each.on) for each in linkage.drivers))
-    driver, steps, redundant = _joined(_Topology((links, tuple((s.link, s.on) for s in slid), driven), linkage))
+def new_plan(linkage: Linkage) -> SolutionPlan:
+    """Solution plan of a linkage without faults.
+
+    Raises
+    ------
+    DesignError
+        The driver does not determine every link.
+    """
+    links = tuple((link.number, tuple(p.name for p in link.points)) for link in linkage.links)
+    sliders = tuple((s.link, s.on) for s in linkage.sliders)
+    driven = (linkage.driver.link, linkage.driver.on, *((row.link, row.on) for row in linkage.drivers))
+    driver, steps, redundant = _solution_steps(_Topology((links, sliders, driven), linkage))
     points = MappingProxyType(
         {
             link.number: MappingProxyType({p.name: vector(p.x_mm, p.y_mm) * _MM for p in link.points})
@@ -115,61 +144,64 @@ def planned(linkage: Linkage) -> SolutionPlan:
         }
     )
 
-    def joint(of: _Ends) -> Joint:
-        key, first, second = of
+    def joint(ends: _Ends) -> Joint:
+        key, first, second = ends
         if is_pin(key):
             return Joint(key, True, JointEnd(first, points[first][key]), JointEnd(second, points[second][key]))
         slider = slider_of(linkage, key)
         return Joint(key, False, _on_line(slider, first), _on_line(slider, second))
 
-    drives = joint(driver)
+    driving_joint = joint(driver)
     return SolutionPlan(
         linkage,
         points,
-        drives,
-        tuple((step, tuple(drives if each == driver else joint(each) for each in ends)) for step, ends in steps),
+        driving_joint,
+        tuple((step, tuple(driving_joint if pair == driver else joint(pair) for pair in ends)) for step, ends in steps),
         MappingProxyType(dict(linkage.sides)),
         redundant,
     )
 
 
 _Ends = tuple[str, int, int]
-"""A pair by its key, with the first and the second of its links."""
+"""Key of a pair, and the numbers of its first and second link."""
 
 
 @frozen
 class _Topology:
-    """What hangs on what: number and points' names of each link, both links of each slider, those driven; and a linkage of that
-    kind, of which the lengths do not matter."""
+    """Connections of a linkage: numbers and point names of the links, links of each slider, drivers; and one linkage with them.
+
+    The lengths of that linkage do not matter.
+    """
 
     key: tuple[Any, ...]
     linkage: Linkage = field(compare=False)
 
 
 @lru_cache(maxsize=64)
-def _joined(topology: _Topology) -> tuple[_Ends, tuple[tuple[SolutionStep, tuple[_Ends, ...]], ...], tuple[int, ...]]:
-    """The driver's pair, the steps with their pairs, and redundant links; kept, so that another length asks for nothing anew."""
+def _solution_steps(
+    topology: _Topology,
+) -> tuple[_Ends, tuple[tuple[SolutionStep, tuple[_Ends, ...]], ...], tuple[int, ...]]:
+    """The driving pair, the steps with their pairs, and the redundant links; cached, since a changed length changes none of them."""
     linkage = topology.linkage
     order = solving_order(linkage)
     pair = driver_pair(linkage)
     if pair is None or order.undetermined:
         raise DesignError([Fault("linkage", linkage.driver.link, "the driver does not lead every link")])
-    make = _Joints(linkage)
+    finder = _JointFinder(linkage)
     known = {FRAME_LINK}
-    driver = make.driving(pair)
+    driver = finder.driving_pair(pair)
     if linkage.driver.on == FRAME_LINK:
         known.add(linkage.driver.link)
     steps = []
     for step in order.steps:
-        of = {GROUP: make.of_group, INPUT: make.of_input}.get(step.kind, make.of_dyad)
-        pairs = tuple(of(step, known))
-        steps.append((step, tuple(driver if set(each) == set(driver) else each for each in pairs)))
+        pairs = {GROUP: finder.group_pairs, INPUT: finder.input_pairs}.get(step.kind, finder.dyad_pairs)(step, known)
+        steps.append((step, tuple(driver if set(ends) == set(driver) else ends for ends in pairs)))
         known |= set(step.links)
     return driver, tuple(steps), order.redundant
 
 
-class _Joints:
-    """Finds the links of the pairs of a linkage from their keys."""
+class _JointFinder:
+    """The links of the pairs of a linkage, from the keys of the pairs."""
 
     def __init__(self, linkage: Linkage) -> None:
         self._linkage = linkage
@@ -177,42 +209,42 @@ class _Joints:
         self._driving = driver_pair(linkage)
 
     def ends(self, key: str, known: set[int], link: int) -> _Ends:
-        """The pair ``key`` of a link with one of the known ones, the frame rather than another."""
+        """The pair `key` between a link and a known link, preferably the frame."""
         if is_pin(key):
             return key, min(n for n in self._pins[key].links if n in known and n != link), link
         slider = slider_of(self._linkage, key)
         return key, slider.on if slider.link == link else slider.link, link
 
-    def driving(self, key: str) -> _Ends:
-        """The pair that drives: of one that slides the sliding link last."""
+    def driving_pair(self, key: str) -> _Ends:
+        """The driving pair; the sliding link of a sliding pair is the last."""
         driver = self._linkage.driver
         if driver.on == FRAME_LINK or is_pin(key):
             return key, driver.on, driver.link
         slider = slider_of(self._linkage, key)
         return key, slider.on, slider.link
 
-    def of_dyad(self, step: SolutionStep, known: set[int]) -> Iterator[_Ends]:
-        """The two outer pairs with known links, and the inner one between them."""
+    def dyad_pairs(self, step: SolutionStep, known: set[int]) -> Iterator[_Ends]:
+        """The two outer pairs with known links, and the inner pair between them."""
         a, b = step.links
-        for key, others, link in zip(step.pairs, (known, {a}, known), (a, b, b), strict=True):
-            yield self.ends(key, others, link)
+        for key, partners, link in zip(step.pairs, (known, {a}, known), (a, b, b), strict=True):
+            yield self.ends(key, partners, link)
 
-    def of_input(self, step: SolutionStep, known: set[int]) -> Iterator[_Ends]:
-        """The pin that holds it."""
+    def input_pairs(self, step: SolutionStep, known: set[int]) -> Iterator[_Ends]:
+        """The pair between a second driving link and a known link."""
         yield self.ends(step.pairs[0], known, step.links[0])
 
-    def of_group(self, step: SolutionStep, known: set[int]) -> Iterator[_Ends]:
-        """Every pair of the group: a pin of n links is n - 1 pairs with one of them."""
+    def group_pairs(self, step: SolutionStep, known: set[int]) -> Iterator[_Ends]:
+        """All pairs of a group; a pin of n links counts as n - 1 pairs with one of the links."""
         for key in step.pairs:
             if is_pin(key):
                 links = self._pins[key].links
-                own, held = [n for n in links if n in step.links], [n for n in links if n in known]
+                inner, outer = [n for n in links if n in step.links], [n for n in links if n in known]
                 driver = self._linkage.driver
-                if key == self._driving and driver.on != FRAME_LINK:  # the pair that drives must be one of them
-                    rest = [n for n in (*held, *own) if n != driver.on]
-                    yield from ((key, driver.on, n) for n in rest if n in own or driver.on in own)
+                if key == self._driving and driver.on != FRAME_LINK:  # the driving pair must be one of the pairs
+                    rest = [n for n in (*outer, *inner) if n != driver.on]
+                    yield from ((key, driver.on, n) for n in rest if n in inner or driver.on in inner)
                     continue
-                hub, others = (held[0], own) if held else (own[0], own[1:])
+                hub, others = (outer[0], inner) if outer else (inner[0], inner[1:])
                 yield from ((key, hub, n) for n in others)
             else:
                 slider = slider_of(self._linkage, key)
@@ -221,7 +253,7 @@ class _Joints:
 
 
 def _on_line(slider: Slider, link: int) -> JointEnd:
-    """A link on the line of a sliding pair: the one that slides has it as its own x axis."""
+    """End of a sliding pair on a link; the line is the x axis of the sliding link."""
     if link == slider.link:
         return JointEnd(link, 0j)
     s = si(slider)

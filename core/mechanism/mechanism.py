@@ -1,4 +1,4 @@
-"""What is solved: a linkage in a frame of its own, where that frame stands, what drives it, and what its parts are called."""
+"""Position solution of a linkage, bounds of its rounding errors, and the mechanism: a linkage with its frame, driver and names."""
 
 from __future__ import annotations
 
@@ -15,99 +15,123 @@ from core.design.topology import GROUP, INPUT, SolutionStep
 from core.errors import NoSolution
 from core.frozen import frozen
 from core.mechanism.branches import Branch
-from core.mechanism.dyads import DYADS, DyadSolution, pin_of, placed, turned_like
+from core.mechanism.dyads import DYADS, DyadSolution, pin_of, pose_through, turned_like
 from core.mechanism.groups import GroupSolution, group_solution, newton
 from core.mechanism.kinematics import FRAME, FRAME_POSE, REVOLUTE, SLIDING, Dyad, Pair, Pose
-from core.mechanism.linkage import Joint, JointEnd, SolutionPlan, plan_of, planned
+from core.mechanism.linkage import Joint, JointEnd, SolutionPlan, new_plan, plan_of
 from core.motion import MotionState, largest_rate, motion_at, program
 from core.numerics.derivatives import Derivatives, body_vector, constant, cross, heading, product, scaled, sum_of, unit
 
-# -- all links of a linkage at any positions of its driver, step by step ----------------------------------------
+# -- solution of all links, step by step ------------------------------------------------------------------------
 
 
 @frozen(eq=False)
 class InputSolution:
-    """A second driving link: where it is."""
+    """Pose of a second driving link."""
 
     pose: Pose
 
 
 @frozen(eq=False)
-class Solved:
-    """Link -> pose (the frame included), NaN where it cannot be assembled; what each step found."""
+class LinkageSolution:
+    """Pose of each link, the frame included, NaN where it cannot be assembled; and the solution of each step."""
 
     poses: dict[int, Pose]
     steps: tuple[DyadSolution | GroupSolution | InputSolution, ...]
 
 
 def driver_pose(plan: SolutionPlan, q: Derivatives) -> Pose:
-    """The driving link at q: its angle [rad] where it is pinned to the frame, else its slide [m]."""
-    on, own = plan.driver.first, plan.driver.second
+    """Pose of the driving link: q (n,) is its angle [rad] where it is pinned to the frame, else its slide [m]."""
+    on, end = plan.driver.first, plan.driver.second
     if plan.driver.revolute:
         pin = constant(on.point)
-        return placed(pin, own.point, lambda: unit(q[0]), q)
-    turned = on.along / own.along
-    start = on.point - own.point * turned
+        return pose_through(pin, end.point, lambda: unit(q[0]), q)
+    direction = on.along / end.along
+    start = on.point - end.point * direction
     origin = Derivatives(lambda order: q[order] * on.along if order else q[0] * on.along + start)
-    return Pose(origin, constant(np.angle(turned)), unit=np.atleast_1d(turned))
+    return Pose(origin, constant(np.angle(direction)), unit=np.atleast_1d(direction))
 
 
 def at_driver(values: np.ndarray) -> Derivatives:
-    """Driver positions (n,) as q at unit speed: then every derivative is by the driver's coordinate."""
+    """Driver coordinate q with q' = 1 and no higher derivatives, so that every derivative is by the driver's coordinate.
+
+    Parameters
+    ----------
+    values : ndarray (n,) [rad or m]
+        Driver positions.
+
+    Returns
+    -------
+    Derivatives
+    """
     return Derivatives.of((values, np.ones(1), np.zeros(1), np.zeros(1)))
 
 
-def solve(plan: SolutionPlan, q: Derivatives, branch: Branch, steps: int | None = None) -> Solved:
-    """The poses of all links for the driver at q (n,) [rad or m], NaN where links do not meet; with three derivatives by what
-    q's are by: the motion's angle, or the driver's own coordinate.
+def solve(plan: SolutionPlan, q: Derivatives, branch: Branch, steps: int | None = None) -> LinkageSolution:
+    """Poses of all links with three derivatives, NaN where links do not meet.
 
-    branch: sides beyond change points, and where Newton starts; steps: solve only so many of the plan's.
+    Parameters
+    ----------
+    plan : SolutionPlan
+    q : Derivatives
+        Driver position (n,) [rad or m]; its derivatives are by the motion's angle or by the driver's coordinate, and those of the
+        poses are by the same.
+    branch : Branch
+        Sides beyond change points, and first guesses of groups.
+    steps : int, optional
+        Number of steps of the plan to solve; all by default.
+
+    Returns
+    -------
+    LinkageSolution
     """
     poses: dict[int, Pose] = {FRAME_LINK: FRAME_POSE}
-    if not plan.inner:
+    if not plan.is_inner:
         poses[plan.linkage.driver.link] = driver_pose(plan, q)
-    found: list[DyadSolution | GroupSolution | InputSolution] = []
+    solutions: list[DyadSolution | GroupSolution | InputSolution] = []
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         for i, (step, joints) in enumerate(plan.steps[:steps]):
             if step.kind == GROUP:
-                found.append(_grouped(plan, i, q, branch, poses))
+                solutions.append(_solve_group(plan, i, q, branch, poses))
                 continue
             if step.kind == INPUT:
-                poses[step.links[0]] = _driven_too(plan, step.links[0], joints[0], q, poses)
-                found.append(InputSolution(poses[step.links[0]]))
+                poses[step.links[0]] = _second_driver_pose(plan, step.links[0], joints[0], q, poses)
+                solutions.append(InputSolution(poses[step.links[0]]))
                 continue
-            closed = DYADS[step.kind](poses, joints, branch.side(i, plan.side(step.joint), q[0]))
-            poses[step.links[0]], poses[step.links[1]] = closed.poses
+            dyad = DYADS[step.kind](poses, joints, branch.side(i, plan.side(step.joint), q[0]))
+            poses[step.links[0]], poses[step.links[1]] = dyad.poses
             for bridge in branch.bridges.get(i, ()):
                 bridge.apply(q, poses)
-            found.append(closed)
-    return Solved(poses, tuple(found))
+            solutions.append(dyad)
+    return LinkageSolution(poses, tuple(solutions))
 
 
-def _driven_too(plan: SolutionPlan, link: int, pin: Joint, q: Derivatives, poses: dict[int, Pose]) -> Pose:
-    """A second driving link: its angle against another link, or its place on the line there, is ratio q + offset; its angle that of its
-    own motion at q."""
-    row, own = next(each for each in plan.linkage.drivers if each.link == link), plan.linkage.own_motions.get(link)
-    given = scaled(q, plan.gains[link]) if own is None else motion_at(program(own), q)
+def _second_driver_pose(plan: SolutionPlan, link: int, pin: Joint, q: Derivatives, poses: dict[int, Pose]) -> Pose:
+    """Pose of a second driving link: its coordinate is ratio q + offset, or its separate motion at q plus the offset."""
+    row, motion = next(row for row in plan.linkage.drivers if row.link == link), plan.linkage.own_motions.get(link)
+    coordinate = scaled(q, plan.gains[link]) if motion is None else motion_at(program(motion), q)
     if not pin.revolute:
-        return _slid(pin, given, row.offset_mm * 1e-3, poses[row.on])
-    turned = sum_of(poses[row.on].turn, given)
+        return _sliding_pose(pin, coordinate, row.offset_mm * 1e-3, poses[row.on])
+    turn = sum_of(poses[row.on].turn, coordinate)
     offset = np.deg2rad(row.offset_deg)
-    angle = Derivatives(lambda order: turned[order] if order else turned[0] + offset)
-    return placed(pin_of(poses, pin.first), pin.second.point, lambda: unit(angle[0]), angle)
+    angle = Derivatives(lambda order: turn[order] if order else turn[0] + offset)
+    return pose_through(pin_of(poses, pin.first), pin.second.point, lambda: unit(angle[0]), angle)
 
 
-def _slid(pair: Joint, given: Derivatives, offset: float, on: Pose) -> Pose:
-    """A link on the line of a known one: given + offset [m] on from where their points lie on each other."""
+def _sliding_pose(pair: Joint, coordinate: Derivatives, offset: float, on: Pose) -> Pose:
+    """Pose of a link on the line of a known one: its point is coordinate + offset [m] from the line's point."""
     heading, turn = turned_like(on, pair.first.along / pair.second.along)
-    place = Derivatives(lambda order: given[order] if order else given[0] + offset)
-    at = sum_of(on.carried(pair.first.point), product(body_vector(pair.first.along * on.unit, on.turn), place))
-    return placed(at, pair.second.point, heading, turn)
+    slide = Derivatives(lambda order: coordinate[order] if order else coordinate[0] + offset)
+    at = sum_of(on.fixed_point(pair.first.point), product(body_vector(pair.first.along * on.unit, on.turn), slide))
+    return pose_through(at, pair.second.point, heading, turn)
 
 
-def _grouped(plan: SolutionPlan, index: int, q: Derivatives, branch: Branch, poses: dict[int, Pose]) -> GroupSolution:
+def _solve_group(
+    plan: SolutionPlan, index: int, q: Derivatives, branch: Branch, poses: dict[int, Pose]
+) -> GroupSolution:
+    """Solution of a group, whose poses are added to `poses`."""
     group = plan.group(index)
-    x, last = newton(group, poses, q, branch.tracks[index].start(q[0]))
+    x, last = newton(group, poses, q, branch.tracks[index].first_guess(q[0]))
     x[:, ~(last < LARGEST_CORRECTION)] = np.nan
     result = group_solution(group, poses, q, x)
     poses.update(result.poses)
@@ -115,135 +139,155 @@ def _grouped(plan: SolutionPlan, index: int, q: Derivatives, branch: Branch, pos
 
 
 LARGEST_CORRECTION = 1e-8
-"""A last correction of Newton larger than this, relative to the size, is no position."""
+"""Newton's method has failed where its last correction, relative to the size, is larger."""
 
 
-# -- what rounding leaves of each link's pose, carried from the frame outwards ----------------------------------
+# -- bounds of rounding errors ----------------------------------------------------------------------------------
 
 
 @frozen(eq=False)
 class ErrorBound:
-    """Bounds of the errors of a link's origin [m] and angle [rad], in units of eps."""
+    """Bounds of the rounding errors of a link's pose, in units of the machine epsilon.
+
+    Attributes
+    ----------
+    origin : ndarray (n,) [m]
+    angle : ndarray (n,) [rad]
+    """
 
     origin: np.ndarray
     angle: np.ndarray
 
 
-def error_bounds(plan: SolutionPlan, solved: Solved) -> dict[int, ErrorBound]:
-    """The bounds (n,) for every link.
+def error_bounds(plan: SolutionPlan, solution: LinkageSolution) -> dict[int, ErrorBound]:
+    """Error bounds of every link, accumulated from the frame outwards.
 
-    A dyad's coordinates x answer an error δ of its loop by |δ||c_other|/|c1 × c2|; the loop's own rounding is relative
-    to the size of its terms.
+    An error δ of a dyad's loop changes its coordinates x1, x2 by |δ||c2|/|c1 × c2| and |δ||c1|/|c1 × c2|. The rounding error of the
+    loop is relative to the size of its terms.
     """
-    poses = solved.poses
+    poses = solution.poses
     zero = np.zeros(1)
     driver = plan.driver
-    turned = np.ones(1) if driver.revolute else zero
-    found = {FRAME_LINK: ErrorBound(zero, zero)}
-    if not plan.inner:
-        found[plan.linkage.driver.link] = ErrorBound(
-            abs(driver.first.point) + abs(driver.second.point) * turned + 1e-300, turned
+    rotation = np.ones(1) if driver.revolute else zero
+    bounds = {FRAME_LINK: ErrorBound(zero, zero)}
+    if not plan.is_inner:
+        bounds[plan.linkage.driver.link] = ErrorBound(
+            abs(driver.first.point) + abs(driver.second.point) * rotation + 1e-300, rotation
         )
     with np.errstate(divide="ignore", invalid="ignore"):
-        for (step, joints), result in zip(plan.steps, solved.steps, strict=True):
+        for (step, joints), result in zip(plan.steps, solution.steps, strict=True):
             if isinstance(result, InputSolution):
-                _input(plan, step.links[0], joints[0], poses, found)
+                _add_input_bound(plan, step.links[0], joints[0], poses, bounds)
             elif isinstance(result, GroupSolution):
-                _group(step, joints, result, poses, found)
+                _add_group_bounds(step, joints, result, poses, bounds)
             else:
-                _dyad(step, joints, result, poses, found)
-    return found
+                _add_dyad_bounds(step, joints, result, poses, bounds)
+    return bounds
 
 
-def condition(plan: SolutionPlan, solved: Solved) -> np.ndarray:
-    """(n,) the largest bound of any link, its whole length turned by its angle's error, relative to the size."""
-    rows = [d.origin / plan.size + d.angle for d in error_bounds(plan, solved).values()]
+def condition(plan: SolutionPlan, solution: LinkageSolution) -> np.ndarray:
+    """Condition of the position solution: largest error bound of any point, relative to the size.
+
+    Parameters
+    ----------
+    plan : SolutionPlan
+    solution : LinkageSolution
+
+    Returns
+    -------
+    ndarray (n,), dimensionless
+        In units of the machine epsilon; infinite at a dead centre.
+    """
+    rows = [d.origin / plan.size + d.angle for d in error_bounds(plan, solution).values()]
     worst = np.max(np.broadcast_arrays(*rows), axis=0)
-    return np.where(np.isnan(worst), np.inf, 4.0 * worst + 4.0)  # at a dead centre 0 · ∞ of a pin at its link's origin
+    return np.where(np.isnan(worst), np.inf, 4.0 * worst + 4.0)  # NaN is 0 · ∞ of a pin at its link's origin
 
 
-def _at(held: JointEnd, poses: dict[int, Pose], found: dict[int, ErrorBound]) -> np.ndarray:
-    """Of a point of a known link."""
-    bound = found[held.link]
-    return np.asarray(
-        bound.origin + abs(held.point) * bound.angle + np.abs(poses[held.link].origin[0]) + abs(held.point)
-    )
+def _point_bound(end: JointEnd, poses: dict[int, Pose], bounds: dict[int, ErrorBound]) -> np.ndarray:
+    """Error bound [m] of a point of a known link, in units of the machine epsilon."""
+    bound = bounds[end.link]
+    return np.asarray(bound.origin + abs(end.point) * bound.angle + np.abs(poses[end.link].origin[0]) + abs(end.point))
 
 
-def _input(plan: SolutionPlan, link: int, pin: Joint, poses: dict[int, Pose], found: dict[int, ErrorBound]) -> None:
-    """Its angle goes by the driver's, its place by its pin; of what slides the place on the line by the driver's."""
-    on = next(each.on for each in plan.linkage.drivers if each.link == link)
-    own = plan.linkage.own_motions.get(link)
-    slope = abs(plan.gains[link]) if own is None else largest_rate(own)
+def _add_input_bound(
+    plan: SolutionPlan, link: int, pin: Joint, poses: dict[int, Pose], bounds: dict[int, ErrorBound]
+) -> None:
+    """Add the bounds of a second driving link, whose coordinate follows the driver's."""
+    on = next(row.on for row in plan.linkage.drivers if row.link == link)
+    motion = plan.linkage.own_motions.get(link)
+    slope = abs(plan.gains[link]) if motion is None else largest_rate(motion)
     if not pin.revolute:
-        angle = found[on].angle + 1.0
+        angle = bounds[on].angle + 1.0
         reach = np.abs(poses[link].origin[0] - poses[on].origin[0])
-        slid = slope * (1.0 + 2.0 * np.pi) + reach * (1.0 + angle)
-        found[link] = ErrorBound(_at(pin.first, poses, found) + slid + abs(pin.second.point) * (1.0 + angle), angle)
+        slide = slope * (1.0 + 2.0 * np.pi) + reach * (1.0 + angle)
+        point = _point_bound(pin.first, poses, bounds)
+        bounds[link] = ErrorBound(point + slide + abs(pin.second.point) * (1.0 + angle), angle)
         return
-    angle = found[on].angle + 1.0 + slope * (1.0 + 2.0 * np.pi * (plan.linkage.turns or 1))
-    found[link] = ErrorBound(_at(pin.first, poses, found) + abs(pin.second.point) * (1.0 + angle), angle)
+    angle = bounds[on].angle + 1.0 + slope * (1.0 + 2.0 * np.pi * (plan.linkage.turns or 1))
+    bounds[link] = ErrorBound(_point_bound(pin.first, poses, bounds) + abs(pin.second.point) * (1.0 + angle), angle)
 
 
-def _dyad(
+def _add_dyad_bounds(
     step: SolutionStep,
     joints: tuple[Joint, ...],
-    closed: DyadSolution,
+    dyad: DyadSolution,
     poses: dict[int, Pose],
-    found: dict[int, ErrorBound],
+    bounds: dict[int, ErrorBound],
 ) -> None:
-    """A link that slides keeps its angle against what it slides on; along a known guide it goes by its coordinate."""
+    """Add the bounds of a dyad's links; a sliding link has the angle of its guide, and its position on a known guide is a coordinate."""
     a, b = step.links
     outer_a, inner, outer_b = joints
-    c1, c2 = closed.columns
+    c1, c2 = dyad.columns
     det = np.abs(cross(c1, c2))
-    at_a, at_b = (_at(outer.first, poses, found) for outer in (outer_a, outer_b))
-    guide_a, guide_b = (found[outer.first.link].angle + 1.0 for outer in (outer_a, outer_b))
-    turned = sum(guide - 1.0 for guide, outer in ((guide_a, outer_a), (guide_b, outer_b)) if not outer.revolute)
-    miss = at_a + at_b + closed.reach * (2.0 + turned)
+    pin_a, pin_b = (_point_bound(outer.first, poses, bounds) for outer in (outer_a, outer_b))
+    guide_a, guide_b = (bounds[outer.first.link].angle + 1.0 for outer in (outer_a, outer_b))
+    guide_bound = sum(guide - 1.0 for guide, outer in ((guide_a, outer_a), (guide_b, outer_b)) if not outer.revolute)
+    miss = pin_a + pin_b + dyad.reach * (2.0 + guide_bound)
     x1, x2 = 2.0 + np.abs(c2) * miss / det, 2.0 + np.abs(c1) * miss / det
     angle_b = (x2 if inner.revolute else x1) if outer_b.revolute else guide_b
     angle_a = (x1 if inner.revolute else angle_b) if outer_a.revolute else guide_a
-    placed_a = outer_a.second if outer_a.revolute else inner.first
-    placed_b = inner.second if inner.revolute and not outer_b.revolute else outer_b.second
-    slid_a, slid_b = (0.0 if outer.revolute else x + miss for outer, x in ((outer_a, x1), (outer_b, x2)))
-    found[a] = ErrorBound(at_a + slid_a + abs(placed_a.point) * angle_a, angle_a)
-    found[b] = ErrorBound(at_b + slid_b + abs(placed_b.point) * angle_b, angle_b)
+    end_a = outer_a.second if outer_a.revolute else inner.first
+    end_b = inner.second if inner.revolute and not outer_b.revolute else outer_b.second
+    slide_a, slide_b = (0.0 if outer.revolute else x + miss for outer, x in ((outer_a, x1), (outer_b, x2)))
+    bounds[a] = ErrorBound(pin_a + slide_a + abs(end_a.point) * angle_a, angle_a)
+    bounds[b] = ErrorBound(pin_b + slide_b + abs(end_b.point) * angle_b, angle_b)
 
 
-def _group(
+def _add_group_bounds(
     step: SolutionStep,
     joints: tuple[Joint, ...],
     result: GroupSolution,
     poses: dict[int, Pose],
-    found: dict[int, ErrorBound],
+    bounds: dict[int, ErrorBound],
 ) -> None:
-    """By the size of J's inverse; lengths there are in units of the size."""
-    known = [_at(h, poses, found) for j in joints for h in (j.first, j.second) if h.link not in step.links]
-    size = max(abs(h.point) for j in joints for h in (j.first, j.second)) or 1.0
+    """Add the bounds of a group's links, by the norm of the inverse of J, whose lengths are in units of the size."""
+    known = [
+        _point_bound(end, poses, bounds) for j in joints for end in (j.first, j.second) if end.link not in step.links
+    ]
+    size = max(abs(end.point) for j in joints for end in (j.first, j.second)) or 1.0
     inverse = np.full(result.determinant.shape, np.inf)
     fine = np.isfinite(result.determinant) & (result.determinant != 0.0)
     inverse[fine] = np.abs(np.linalg.pinv(result.matrix[fine])).sum(axis=2).max(axis=1)
     miss = np.max(np.broadcast_arrays(*known), axis=0) / size + 8.0
     for link in step.links:
-        found[link] = ErrorBound(size * inverse * miss + np.abs(poses[link].origin[0]), inverse * miss + 1.0)
+        bounds[link] = ErrorBound(size * inverse * miss + np.abs(poses[link].origin[0]), inverse * miss + 1.0)
 
 
-# -- what is solved ---------------------------------------------------------------------------------------------
+# -- mechanisms -------------------------------------------------------------------------------------------------
 
 
 ROLLER = "roller"
 
 
-def _none() -> Mapping[Any, Any]:
+def _empty() -> Mapping[Any, Any]:
     return MappingProxyType({})
 
 
 @frozen
 class ReferencePoint:
-    """The point of a link that the cam acts on: a roller's centre, the centre of a shoe, a knife's edge.
+    """Point of a link on which the cam acts: the centre of a roller or of a shoe, or the edge of a knife.
 
-    ``body`` is the name of the body that stands for it: the link's own where the point is its origin.
+    `body` names the body that represents it, which is the link's where the point is the link's origin.
     """
 
     link: int
@@ -253,61 +297,81 @@ class ReferencePoint:
 
 @frozen(eq=False)
 class Mechanism:
-    """A linkage ready to be solved, and how it is read.
+    """A linkage with the position of its frame, its driver, and the names of bodies, pairs and coordinates.
 
-    linkage      links, pairs and driver, in the mechanism's own frame
-    place, turn  of that frame in the global one: its origin [m], complex, and the angle of its x axis [rad]
-    start, sense the driver stands at q = start + sense y, y the motion [m or rad]
-    bodies       link -> name of its body
-    pairs        joint -> name of the pair; by: joint -> link that exerts the force which tables name so (else the one
-                 that is solved first); points: joint of a sliding pair -> name of the point of the link that slides
-    coordinates  name as in tables -> link (its angle in the own frame) or joint of a sliding pair (its slide)
-    angles       link -> its angle in the own frame at the base position [rad], whole turns included
-    base         the base position: name -> (value in SI, unit)
-    singular     joint of a dyad -> code of the finding where the sine of its transmission angle vanishes; more:
-                 further codes, from the solved poses in the own frame
-    ranged       its links are laid out one by one: where the driver can move is searched, and bodies go by number
-    refuse       the answer where links do not meet or lie in line, from the motion, the solution and where it is lost (n,)
-    require      start, motion: raises NoSolution for a motion that the mechanism cannot follow although its links meet
+    Attributes
+    ----------
+    linkage : Linkage
+        Links, pairs and driver, in the frame of the mechanism.
+    bodies : mapping of int to str
+        Name of the body by link.
+    reference : ReferencePoint or None
+        Point on which a cam acts.
+    origin, turn : complex, float
+        Origin [m] of the mechanism's frame in the global frame, and the angle of its x axis [rad].
+    start, driver_sign : float
+        The driver's coordinate is q = start + driver_sign y, with the motion y [m or rad].
+    pairs : mapping of str to str
+        Name of the pair by joint.
+    force_links : mapping of str to int
+        Link, by joint, that exerts the joint force which tables give; by default the link that is solved first.
+    points : mapping of str to str
+        Name of the sliding link's point, by the joint of a sliding pair.
+    coordinates : mapping of str to int or str
+        By the name in tables: a link, for its angle in the mechanism's frame, or the joint of a sliding pair, for its slide.
+    angles : mapping of int to float
+        Angle [rad] of a link in the mechanism's frame at the base position, including whole turns.
+    base : mapping of str to (float, str)
+        Values of the base position in SI, with the unit in which they are displayed.
+    singular : mapping of str to str
+        Code of the finding by joint of a dyad, where the sine of its transmission angle vanishes.
+    more_singular : callable, optional
+        Further measures by code, from the solution in the mechanism's frame.
+    ranged : bool
+        A linkage given link by link: the ranges of its driver are searched, and its bodies are named by number.
+    refuse : callable, optional
+        Error where links do not meet or are in line, from the motion, the solution and the mask (n,) of failed positions.
+    require : callable, optional
+        Raises NoSolution for a motion, from `start`, that the mechanism cannot follow although its links meet.
     """
 
     linkage: Linkage
     bodies: Mapping[int, str]
     reference: ReferencePoint | None = None
-    place: complex = 0j
+    origin: complex = 0j
     turn: float = 0.0
     start: float = 0.0
-    sense: float = 1.0
-    pairs: Mapping[str, str] = field(default_factory=_none)
-    by: Mapping[str, int] = field(default_factory=_none)
-    points: Mapping[str, str] = field(default_factory=_none)
-    coordinates: Mapping[str, int | str] = field(default_factory=_none)
-    angles: Mapping[int, float] = field(default_factory=_none)
-    base: Mapping[str, tuple[float, str]] = field(default_factory=_none)
-    singular: Mapping[str, str] = field(default_factory=_none)
-    more_singular: Callable[[Solved], Mapping[str, np.ndarray]] | None = None
+    driver_sign: float = 1.0
+    pairs: Mapping[str, str] = field(default_factory=_empty)
+    force_links: Mapping[str, int] = field(default_factory=_empty)
+    points: Mapping[str, str] = field(default_factory=_empty)
+    coordinates: Mapping[str, int | str] = field(default_factory=_empty)
+    angles: Mapping[int, float] = field(default_factory=_empty)
+    base: Mapping[str, tuple[float, str]] = field(default_factory=_empty)
+    singular: Mapping[str, str] = field(default_factory=_empty)
+    more_singular: Callable[[LinkageSolution], Mapping[str, np.ndarray]] | None = None
     ranged: bool = False
-    refuse: Callable[[MotionState, Solved, np.ndarray], NoSolution] | None = None
+    refuse: Callable[[MotionState, LinkageSolution, np.ndarray], NoSolution] | None = None
     require: Callable[[float, MotionState], None] | None = None
 
     @cached_property
     def plan(self) -> SolutionPlan:
-        """What solving its linkage needs."""
-        return plan_of(self.linkage) if self.ranged else planned(self.linkage)  # built anew for each length
+        """Solution plan of the linkage."""
+        return plan_of(self.linkage) if self.ranged else new_plan(self.linkage)  # a follower has new lengths each time
 
     @cached_property
     def pair_names(self) -> Mapping[Joint, str]:
-        """Every pair with its name, the driver's first; further links on one pin add theirs."""
+        """Name of every pair, the driver's first; further links on one pin append the name of their body."""
         names: dict[Joint, str] = {}
         for joint in self.plan.joints:
             name = self.pairs.get(joint.name, joint.name)
-            taken = name in names.values()
-            names[joint] = f"{name}_{self.bodies[joint.second.link]}" if taken else name
+            is_taken = name in names.values()
+            names[joint] = f"{name}_{self.bodies[joint.second.link]}" if is_taken else name
         return MappingProxyType(names)
 
     @cached_property
-    def joined(self) -> Mapping[str, Pair]:
-        """Name -> pair as the kinematics has it."""
+    def pairs_by_name(self) -> Mapping[str, Pair]:
+        """Pairs of the Kinematics by name."""
         return MappingProxyType({name: self._pair(joint) for joint, name in self.pair_names.items()})
 
     def _pair(self, joint: Joint) -> Pair:
@@ -318,7 +382,7 @@ class Mechanism:
             if on == FRAME_LINK:
                 along = along * heading(self.turn)
             return Pair(SLIDING, self._name(on), self._name(body), name, along)
-        if self.by.get(joint.name) == body:
+        if self.force_links.get(joint.name) == body:
             on, body = body, on
         return Pair(REVOLUTE, self._name(on), self._name(body), name)
 
@@ -327,57 +391,63 @@ class Mechanism:
 
     @cached_property
     def dyads(self) -> tuple[Dyad, ...]:
-        """Dyads and groups, those that are solved last first."""
+        """Dyads and groups, in the reverse of the order of solution."""
         names, bodies, linkage = self.pair_names, self.bodies, self.linkage
-        on = {each.link: self._name(each.on) for each in linkage.drivers}
-        ratios, own = (self.plan.gains, linkage.own_motions) if on else ({}, {})
+        on = {row.link: self._name(row.on) for row in linkage.drivers}
+        ratios, motions = (self.plan.gains, linkage.own_motions) if on else ({}, {})
         return tuple(
             Dyad(
                 step.kind, tuple(bodies[n] for n in step.links), tuple(names[j] for j in joints),
                 on.get(step.links[0], "") if step.kind == INPUT else "", ratios.get(step.links[0], 0.0),
-                step.links[0] in own and step.kind == INPUT,
-                names[self.plan.driver] if self.plan.inner and self.plan.driver in joints else "",
+                step.links[0] in motions and step.kind == INPUT,
+                names[self.plan.driver] if self.plan.is_inner and self.plan.driver in joints else "",
             )
             for step, joints in reversed(self.plan.steps)
         )  # fmt: skip
 
     @cached_property
-    def places(self) -> Mapping[int, Mapping[str, complex]]:
-        """Link -> name -> point in its frame [m]; of sliding pairs too."""
-        found = {link: dict(points) for link, points in self.plan.points.items()}
+    def link_points(self) -> Mapping[int, Mapping[str, complex]]:
+        """Points in their link's frame [m] by link and name, including those of sliding pairs."""
+        result = {link: dict(points) for link, points in self.plan.points.items()}
         for joint in self.plan.joints:
             if not joint.revolute:
-                for held in (joint.first, joint.second):
-                    found[held.link].setdefault(self.points.get(joint.name, joint.name), held.point)
-        return MappingProxyType({link: MappingProxyType(points) for link, points in found.items()})
+                for end in (joint.first, joint.second):
+                    result[end.link].setdefault(self.points.get(joint.name, joint.name), end.point)
+        return MappingProxyType({link: MappingProxyType(points) for link, points in result.items()})
 
-    def place_of(self, link: int, point: str) -> tuple[str, complex]:
-        """A named point of a link as a body and a place [m] in its frame, of the frame in the global one. Raises KeyError."""
+    def body_point(self, link: int, point: str) -> tuple[str, complex]:
+        """Body of a link's named point, and the point [m] in that body's frame; the frame's points are global.
+
+        Raises
+        ------
+        KeyError
+            The link has no such point.
+        """
         at = self.plan.points[link][point]
         if link not in self.bodies:
-            return FRAME, self.place + at * heading(self.turn)
+            return FRAME, self.origin + at * heading(self.turn)
         return self.bodies[link], at
 
     @cached_property
     def ground(self) -> str:
-        """The pair that holds the reference's link, or the driver, on the frame; empty where none does."""
+        """Name of the pair between the frame and the reference point's link, or the driver; empty where there is none."""
         link = self.linkage.driver.link if self.reference is None else self.reference.link
-        held = (name for j, name in self.pair_names.items() if {j.first.link, j.second.link} == {FRAME_LINK, link})
-        return next(held, "")
+        names = (name for j, name in self.pair_names.items() if {j.first.link, j.second.link} == {FRAME_LINK, link})
+        return next(names, "")
 
 
 def body_name(link: int) -> str:
-    """The name of a link of a [linkage] among the bodies."""
+    """Name of the body of a link of a [linkage]."""
     return FRAME if link == FRAME_LINK else f"link{link}"
 
 
 def link_number(body: str) -> int:
-    """The number of the link that is this body of a [linkage]."""
+    """Number of the link of a [linkage] whose body has this name."""
     return FRAME_LINK if body == FRAME else int(body.removeprefix("link"))
 
 
 def mechanism_of(linkage: Linkage, reference: ReferencePoint | None = None) -> Mechanism:
-    """A [linkage] of the file as it stands: its frame is the global one, its bodies are called by their links' numbers."""
+    """Mechanism of a [linkage] of the file: its frame is the global frame, its bodies have the numbers of their links."""
     sliding = {str(s.link): s.link for s in linkage.sliders}
     names = MappingProxyType({n: body_name(n) for n in sorted(linkage.by_number)})
     coordinates: dict[str, int | str] = {name: n for n, name in names.items() if n != FRAME_LINK}

@@ -50,7 +50,7 @@ class Difference:
 
     @property
     def change(self) -> float | None:
-        """b - a for numbers, in their unit; None for words and missing values."""
+        """Difference b - a of numbers, in their unit; None for words and missing values."""
         return self.b - self.a if _is_number(self.a) and _is_number(self.b) else None
 
     @property

@@ -1,4 +1,4 @@
-"""All of a design that its workshop, its controls engineer and its buyer ask for: one folder or archive with a list of contents."""
+"""A hand-over: all files for the workshop, the controls engineer and the buyer, as one folder or archive with a table of contents."""
 
 from __future__ import annotations
 
@@ -46,71 +46,74 @@ from core.requests import option, text_option
 from core.study import Study, findings_of
 from core.study.quantities import shape_of
 
-# -- A design as one web page that needs nothing beside it ------------------------------------------------------
+# -- web page ---------------------------------------------------------------------------------------------------
 
 
 ANGLES = 720
-"""Positions of a turn that are stored."""
+"""Number of stored positions in a turn."""
 SECONDS = 6.0
-"""That a turn takes where the page opens."""
-PLACE_DIGITS, CURVE_DIGITS = 9, 7
-"""Decimals of a place in mm and of an angle in degrees; digits of a curve's values."""
+"""Initial duration of a turn."""
+POSITION_DECIMALS, CURVE_DIGITS = 9, 7
+"""Decimals of a position in mm and of an angle in degrees; digits of a curve's values."""
 SHOWN = ("displacement", "acceleration", "pressure_angle", "contact_force", "drive_torque", "driver_torque")
-OF_LINKS, FEWEST = ("link.{}_velocity", "transmission.{}"), 2
-"""Curves that stand there where the page opens, those that are 0 throughout aside; those of links where there are fewer than that; the
-others by choice."""
+LINK_CURVES, FEWEST = ("link.{}_velocity", "transmission.{}"), 2
+"""Curves that are initially visible unless they are 0; with fewer than ``FEWEST`` of them, also those of links."""
 PARTS, FINDINGS = ("inputs", "certificate"), "Findings"
-"""What of the report stands below."""
+"""Parts of the report below the curves."""
 PAGE, PROGRAM = "web_page.html.jinja", "web_page.js"
 _MM = 1e3
 
 
 def web_page(study: Study) -> str:
-    """The page as HTML. Raises NoSolution where the design, or each of its drives, has no mechanism.
+    """A web page with an animated model as HTML, without any request to a server.
 
-    Nothing is asked of any server: styles and program stand inside, and a content security policy allows these alone.
+    Styles and program are included, and a content security policy allows only these. Raises NoSolution where the design, or each
+    of its drives, has no mechanism.
     """
     program = (resources() / PROGRAM).read_text("utf-8")
     digest = base64.b64encode(hashlib.sha256(program.encode()).digest()).decode()
-    made = document(study, PARTS)
+    report = document(study, PARTS)
     return template_of(PAGE).render(
-        document=made,
-        chapters=list(_chapters(made)),
-        findings=[(each.severity, finding_line(each, study.angle_name)) for each in findings_of(study)],
-        data=_json(stored(study)),
+        document=report,
+        chapters=list(_chapters(report)),
+        findings=[(finding.severity, finding_line(finding, study.angle_name)) for finding in findings_of(study)],
+        data=_json(page_data(study)),
         program=program,
         policy=f"default-src 'none'; style-src 'unsafe-inline'; script-src 'sha256-{digest}'; base-uri 'none'; form-action 'none'",
     )
 
 
-def _chapters(made: Document) -> Iterator[tuple[str, Section, list[Section]]]:
-    """Those in which something is left to read: the findings stand above all, and pictures are left to the page's program."""
-    for count, chapter, inside in numbered_chapters(made):
-        sections = [each for each in inside if each.title != FINDINGS]
+def _chapters(report: Document) -> Iterator[tuple[str, Section, list[Section]]]:
+    """Chapters with text: findings are above all of them, and plots are drawn by the page's program."""
+    for count, chapter, inside in numbered_chapters(report):
+        sections = [section for section in inside if section.title != FINDINGS]
         if sections or any(not isinstance(block, ReportPicture) for block in chapter.blocks):
             yield count, chapter, sections
 
 
 def write_page(study: Study, path: Path) -> tuple[Path]:
-    """The page as a file. Raises as ``web_page``; FileError where it cannot be written."""
+    """Write the page. Raises as `web_page`; FileError where it cannot be written."""
     write(path, web_page(study).encode())
     return (path,)
 
 
 def _json(data: Any) -> str:
-    """As it may stand inside of a script element: no name in it can end that."""
+    """JSON for a script element: no text in it can end the element."""
     text = json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     return text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
 
 
-# -- what the page holds ----------------------------------------------------------------------------------
+# -- data of the page --------------------------------------------------------------------------------------
 
 
-def stored(study: Study, angles: int = ANGLES) -> dict[str, Any]:
-    """What the page's program reads: machines with the places of their bodies, and the curves of each, at equally spaced angles of the
-    shaft or crank; of drives that are listed each by the machine's angle."""
+def page_data(study: Study, angles: int = ANGLES) -> dict[str, Any]:
+    """Data of the page's program: machines with the positions of their bodies and their curves, at equally spaced angles.
+
+    The angles are those of shaft or crank, for listed drives those of the machine.
+    """
     machines = [
-        {"name": printable(name), **_machine(each, phase)} for name, phase, each in _drives(Study(study.design, angles))
+        {"name": printable(name), **_machine_data(drive, phase)}
+        for name, phase, drive in _drives(Study(study.design, angles))
     ]
     return {
         "name": printable(study.design.name),
@@ -124,13 +127,13 @@ def _drives(study: Study) -> Iterator[tuple[str, float, Study]]:
     if not study.design.listed:
         yield "", 0.0, study
         return
-    for (name, each), drive in zip(study.drives.items(), study.design.drives, strict=True):
+    for (name, drive_study), drive in zip(study.drives.items(), study.design.drives, strict=True):
         if name not in study.camshaft.failures:
-            yield name, drive.phase_deg, each
+            yield name, drive.phase_deg, drive_study
 
 
-def _machine(study: Study, phase: float) -> dict[str, Any]:
-    """Angles and places by the drive's own angle; phase: by which it lags behind the machine's [deg]."""
+def _machine_data(study: Study, phase: float) -> dict[str, Any]:
+    """Angles and positions by the drive's angle, which lags behind the machine by ``phase`` [deg]."""
     kinematics = study.linkage
     sliding = [pair for pair in kinematics.pairs.values() if pair.kind == SLIDING]
     bodies = [
@@ -139,7 +142,7 @@ def _machine(study: Study, phase: float) -> dict[str, Any]:
             "fixed": name == FRAME,
             "slides": any(pair.body == name for pair in sliding),
             "stem": _stem(study) if name == kinematics.carrier and len(kinematics.pairs) == 1 and sliding else None,
-            "points": [[point, *_place(at)] for point, at in pose.points.items()],
+            "points": [[point, *_xy(at)] for point, at in pose.points.items()],
             **_track(pose.origin[0], pose.turn[0]),
         }
         for name, pose in kinematics.bodies.items()
@@ -152,17 +155,17 @@ def _machine(study: Study, phase: float) -> dict[str, Any]:
         "cam": _cam(study),
         "bodies": bodies,
         "fixed": _fixed(study),
-        "curves": _with_curves_shown(list(_curves(study)), study),
+        "curves": _with_initial_curves(list(_curves(study)), study),
     }
 
 
 def _stem(study: Study) -> list[float]:
-    """Where the stem of a follower that slides in the frame ends, in its own frame: away from the cam, as long as the cam is large."""
+    """End of the stem of a translating follower in its frame: away from the cam, as long as the cam is large."""
     kinematics = study.linkage
     (pair,) = kinematics.pairs.values()
     pose = kinematics.bodies[pair.body]
     outwards = 1.0 if (pose.origin[0][0] * pair.axis.conjugate()).real >= 0.0 else -1.0
-    return _place(outwards * pair.axis * np.exp(-1j * pose.turn[0][0]) * float(np.abs(pose.origin[0]).max()))
+    return _xy(outwards * pair.axis * np.exp(-1j * pose.turn[0][0]) * float(np.abs(pose.origin[0]).max()))
 
 
 def _fixed(study: Study) -> list[dict[str, Any]]:
@@ -171,17 +174,17 @@ def _fixed(study: Study) -> list[dict[str, Any]]:
     for name, pair in kinematics.pairs.items():
         if pair.on != FRAME:
             continue
-        track = kinematics.bodies[pair.body].place(pair.point)
-        row: dict[str, Any] = {"name": name, "at": _place(track[0])}
+        track = kinematics.bodies[pair.body].position(pair.point)
+        row: dict[str, Any] = {"name": name, "at": _xy(track[0])}
         if pair.kind == SLIDING:
             along = ((track - track[0]) * pair.axis.conjugate()).real
-            row["guide"] = [_place(track[0] + pair.axis * end) for end in (along.min(), along.max())]
+            row["guide"] = [_xy(track[0] + pair.axis * end) for end in (along.min(), along.max())]
         rows.append(row)
     return rows
 
 
 def _cam(study: Study) -> dict[str, Any] | None:
-    """Outlines in the cam's own frame, and what touches them: the face around its reference point, further rollers."""
+    """Outlines in the cam's frame, and the follower's face around its reference point with further rollers."""
     if "cam" not in study.stages:
         return None
     try:
@@ -193,24 +196,24 @@ def _cam(study: Study) -> dict[str, Any] | None:
     turn = study.linkage.bodies[study.linkage.follower_body].turn[0]
     further = [flank for flank in shape.flanks[1:] if flank.reference is not shape.reference]
     return {
-        "flanks": [[_place(at) for at in flank.profile] for flank in shape.flanks],
+        "flanks": [[_xy(at) for at in flank.profile] for flank in shape.flanks],
         "keyway": [[_short(at.real), _short(at.imag)] for at in keyway_corners(cam)],
         "circles": [_short(0.5 * size) for size in (cam.hub_mm, cam.bore_mm) if size],
-        "face": {"outline": [_place(at) for at in outline], **_track(shape.reference, turn)},
+        "face": {"outline": [_xy(at) for at in outline], **_track(shape.reference, turn)},
         "rollers": [{"radius": _short(flank.radius * _MM), **_track(flank.reference, 0.0 * turn)} for flank in further],
     }
 
 
-def _with_curves_shown(rows: list[dict[str, Any]], study: Study) -> list[dict[str, Any]]:
-    """The curves with enough of them to open with."""
+def _with_initial_curves(rows: list[dict[str, Any]], study: Study) -> list[dict[str, Any]]:
+    """Curves, of which enough are initially visible."""
     if sum(row["shown"] for row in rows) < FEWEST:
-        of_links = {row.slug for row in channels(study.design) if shape_of(row.name) in OF_LINKS}
+        of_links = {row.slug for row in channels(study.design) if shape_of(row.name) in LINK_CURVES}
         rows = [{**row, "shown": row["shown"] or row["slug"] in of_links} for row in rows]
     return rows
 
 
 def _curves(study: Study) -> Iterator[dict[str, Any]]:
-    """Every channel that is no angle that goes round, and has a value at every angle."""
+    """Channels with a value at every angle, except angles that rotate continuously."""
     for row in existing(study, channels(study.design, [stage for stage in study.stages if stage != "stability"])):
         if row.is_periodic:
             continue
@@ -231,11 +234,11 @@ def _curves(study: Study) -> Iterator[dict[str, Any]]:
 
 
 def _short(value: float) -> float:
-    return round(float(value), PLACE_DIGITS) + 0.0
+    return round(float(value), POSITION_DECIMALS) + 0.0
 
 
-def _place(at: complex) -> list[float]:
-    """[m] as x, y [mm]."""
+def _xy(at: complex) -> list[float]:
+    """Point [m] as x, y [mm]."""
     return [_short(at.real * _MM), _short(at.imag * _MM)]
 
 
@@ -244,7 +247,7 @@ def _rounded(values: Iterable[float]) -> list[float]:
 
 
 def _track(origin: np.ndarray, turn: np.ndarray) -> Mapping[str, list[float]]:
-    """Where a body is: x, y [mm], turn [deg]."""
+    """Position of a body: x, y [mm], turn [deg]."""
     return {
         "x": _rounded(origin.real * _MM),
         "y": _rounded(origin.imag * _MM),
@@ -252,18 +255,20 @@ def _track(origin: np.ndarray, turn: np.ndarray) -> Mapping[str, list[float]]:
     }
 
 
-# -- all of a design that its workshop, its controls engineer and its buyer ask for -----------------------------
+# -- hand-over --------------------------------------------------------------------------------------------------
 
 
 CONTENTS, ARCHIVE = "contents.json", ".zip"
-EARLIEST = (1980, 1, 1, 0, 0, 0)  # that an archive can hold: the same design gives the same bytes
+EARLIEST = (1980, 1, 1, 0, 0, 0)  # earliest time in an archive: the same design gives the same bytes
 
 
 @frozen
 class HandoverRequest(Cover):
-    """What else is wanted: what stands on report and drawings, for which controller, G-code, and how exact curves are."""
+    """Options of a hand-over: entries of report and drawings, controller, G-code, accuracy."""
 
-    controller: str = text_option("row of the table of controllers: a table of each drive", default="", metavar="SLUG")
+    controller: str = text_option(
+        "controller (row of controllers.toml) for a table of each drive", default="", metavar="SLUG"
+    )
     error_mm: float = option(
         number("Largest error", 0.0, 1.0, open_low=True, default=1e-3, help="of profiles, and of a controller's table"),
         "--error",
@@ -274,7 +279,14 @@ class HandoverRequest(Cover):
 
 @frozen(eq=False)
 class HandoverFile:
-    """name: with its folder; what: in words; deviation: largest from the exact curve, with its unit; None where nothing is fitted."""
+    """A file of a hand-over.
+
+    Attributes
+    ----------
+    name : name with its folder
+    what : description
+    deviation : largest deviation from the exact curve, with its unit; None where nothing is fitted
+    """
 
     name: str
     what: str
@@ -284,96 +296,98 @@ class HandoverFile:
 
 @frozen(eq=False)
 class Handover:
-    """The files, and what could not be made of this design: what and why."""
+    """Files of a hand-over, and files that this design cannot have: description and reason."""
 
     files: tuple[HandoverFile, ...]
     left_out: tuple[tuple[str, str], ...]
 
-    def with_files(self, more: Iterable[HandoverFile], left_out: Iterable[tuple[str, str]] = ()) -> Handover:
-        """Beside these others, such as what only a program with fonts paints; in order of their names."""
-        files = sorted((*self.files, *more), key=lambda each: each.name)
+    def with_files(self, added: Iterable[HandoverFile], left_out: Iterable[tuple[str, str]] = ()) -> Handover:
+        """Hand-over with further files, such as drawings that need fonts; in order of their names."""
+        files = sorted((*self.files, *added), key=lambda file: file.name)
         return Handover(tuple(files), (*self.left_out, *left_out))
 
     @property
     def contents(self) -> dict[str, Any]:
-        """As ``contents.json`` lists them: name, what, deviation, sha256; and what was left out."""
+        """Contents of ``contents.json``: name, what, deviation, sha256 of each file; and the files left out."""
         rows = [
             {
-                "name": each.name,
-                "what": each.what,
-                "deviation": None if each.deviation is None else each.deviation[0],
-                "unit": None if each.deviation is None else each.deviation[1],
-                "sha256": hashlib.sha256(each.data).hexdigest(),
+                "name": file.name,
+                "what": file.what,
+                "deviation": None if file.deviation is None else file.deviation[0],
+                "unit": None if file.deviation is None else file.deviation[1],
+                "sha256": hashlib.sha256(file.data).hexdigest(),
             }
-            for each in self.files
+            for file in self.files
         ]
         return {"files": rows, "left_out": [{"what": what, "why": why} for what, why in self.left_out]}
 
     def write(self, out: Path) -> None:
-        """As a folder that is empty or new, or as a zip archive; a hand-over in that place is replaced where it is as it was written.
-        Raises KindynaError, FileError, and then nothing has changed."""
-        made: dict[str, str | bytes] = {each.name: each.data for each in self.files}
-        made[CONTENTS] = to_json(self.contents)
+        """Write an empty or new folder, or a zip archive; an unchanged earlier hand-over is replaced.
+
+        Raises KindynaError, FileError; then nothing has changed.
+        """
+        contents: dict[str, str | bytes] = {file.name: file.data for file in self.files}
+        contents[CONTENTS] = to_json(self.contents)
         archive = out.suffix.lower() == ARCHIVE
-        there = os.path.lexists(out) if archive else out.is_dir() and any(out.iterdir())
-        before = (_names_in_archive if archive else _names_in_folder)(out) if there else []
-        if before is None:
-            what = "file is there already" if archive else "folder is not empty"
-            other = "another name" if archive else "an empty or new one, or NAME.zip"
-            raise KindynaError(f"{out}: this {what} and it, or a part of it, is no hand-over; allowed: {other}")
+        exists = os.path.lexists(out) if archive else out.is_dir() and any(out.iterdir())
+        previous = (_names_in_archive if archive else _names_in_folder)(out) if exists else []
+        if previous is None:
+            problem = "file exists already" if archive else "folder is not empty"
+            allowed = "another name" if archive else "an empty or new one, or NAME.zip"
+            raise KindynaError(f"{out}: this {problem} and is not, or not only, a hand-over; allowed: {allowed}")
         if archive:
-            write(out, _packed(made))
+            write(out, _zip_bytes(contents))
         else:
-            write_into(out, made)
-            remove_listed(out, set(before) - made.keys())
+            write_into(out, contents)
+            remove_listed(out, set(previous) - contents.keys())
 
 
-# -- a hand-over that is replaced ---------------------------------------------------------------------------
+# -- earlier hand-over --------------------------------------------------------------------------------------
 
 MOST_UNPACKED = 1 << 28
-"""Bytes; no hand-over is as large."""
+"""Bytes; every hand-over is smaller."""
 
 
 def _names_in_archive(path: Path) -> list[str] | None:
-    """The files of a hand-over, which is as it was written; None for any other archive: with a comment, a folder, a file twice."""
+    """Files of an unchanged hand-over; None for any other archive: with a comment, a folder, a file twice."""
     with suppress(Exception):  # archives from anywhere fail in many ways
         data = read_own(path)
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             rows = archive.infolist()
             size = 22 + sum(76 + 2 * len(row.filename.encode()) + row.compress_size for row in rows)
             if size == len(data) and sum(row.file_size for row in rows) <= MOST_UNPACKED:
-                return _own([row.filename for row in rows], archive.read)
+                return _verified_names([row.filename for row in rows], archive.read)
     return None
 
 
 def _names_in_folder(path: Path) -> list[str] | None:
-    """The files of a hand-over, which is as it was written; None for any other folder, and for a link to one."""
-    with suppress(Exception):  # as lists of contents from anywhere do
+    """Files of an unchanged hand-over; None for any other folder, and for a link to one."""
+    with suppress(Exception):  # lists of contents from anywhere fail in many ways
         if is_folder(path):
-            return _own(_files_in(path), lambda name: read_own(path / name))
+            return _verified_names(_files_in(path), lambda name: read_own(path / name))
     return None
 
 
 def _files_in(path: Path) -> Iterator[str]:
-    """Names of files, links among them, and with a stroke behind those of links to folders and of empty folders."""
-    for place, folders, names in os.walk(path):
-        inside = Path(place).relative_to(path)
+    """Names of files and links; names of empty folders and of links to folders end with a slash."""
+    for folder, folders, names in os.walk(path):
+        inside = Path(folder).relative_to(path)
         yield from ((inside / name).as_posix() for name in names)
-        yield from (f"{inside / name}/" for name in folders if not is_folder(Path(place, name)))
+        yield from (f"{inside / name}/" for name in folders if not is_folder(Path(folder, name)))
         if not folders and not names:
             yield f"{inside}/"
 
 
-def _own(names: Iterable[str], read: Callable[[str], bytes]) -> list[str] | None:
-    """The names, where the list of contents has each of them, but itself, with the sha256 of what is read."""
+def _verified_names(names: Iterable[str], read: Callable[[str], bytes]) -> list[str] | None:
+    """Names in the list of contents, where it has all names except itself, with their sha256."""
     hashes = {row["name"]: row["sha256"] for row in json.loads(read(CONTENTS))["files"]}
-    same = sorted(names) == sorted([*hashes, CONTENTS]) and all(
+    is_same = sorted(names) == sorted([*hashes, CONTENTS]) and all(
         hashlib.sha256(read(name)).hexdigest() == value for name, value in hashes.items()
     )
-    return [*hashes] if same else None
+    return [*hashes] if is_same else None
 
 
-def _packed(files: dict[str, str | bytes]) -> bytes:
+def _zip_bytes(files: dict[str, str | bytes]) -> bytes:
     target = io.BytesIO()
     with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
         for name in sorted(files):
@@ -382,51 +396,49 @@ def _packed(files: dict[str, str | bytes]) -> bytes:
 
 
 def handover(design: Design, request: HandoverRequest) -> Handover:
-    """What needs no fonts: profiles, inspection tables, tables of a controller, web page, the design itself.
+    """Files without fonts: profiles, inspection tables, tables of a controller, web page, the design.
 
-    Raises KindynaError for a controller that is not known, NoSolution where the whole has none.
+    Raises KindynaError for an unknown controller, NoSolution where the design has none.
     """
     if request.controller:
         controller(request.controller)
-    files = [
-        HandoverFile("design.toml", "the design itself, to be opened again", dumps(with_own_motions(design)).encode())
-    ]
+    files = [HandoverFile("design.toml", "the design, to open in KINDYNA", dumps(with_own_motions(design)).encode())]
     left_out: list[tuple[str, str]] = []
     study = Study(design)
-    for folder, name, each in drives_of(study):
-        for what, made in _makers(design, folder, name, each, request):
+    for folder, name, drive in drive_folders(study):
+        for description, build in _file_builders(design, folder, name, drive, request):
             try:
-                files += made()
+                files += build()
             except KindynaError as error:
-                left_out.append((f"{what}, {name}" if name else what, str(error)))
+                left_out.append((f"{description}, {name}" if name else description, str(error)))
     files.append(HandoverFile("machine.html", "a page that plays the machine in any browser", web_page(study).encode()))
     return Handover((), tuple(left_out)).with_files(files)
 
 
-def drives_of(study: Study) -> Iterator[tuple[str, str, Study]]:
-    """Folder with its stroke, name, and study of each drive; of a single one both are empty."""
+def drive_folders(study: Study) -> Iterator[tuple[str, str, Study]]:
+    """Folder with its slash, name, and study of each drive; folder and name of a single drive are empty."""
     if not study.design.listed:
         yield "", "", study
         return
     camshaft = study.camshaft
-    for name, each in study.drives.items():
-        yield f"{camshaft.slugs[name]}/", name, each
+    for name, drive_study in study.drives.items():
+        yield f"{camshaft.slugs[name]}/", name, drive_study
 
 
-def _makers(
+def _file_builders(
     design: Design, folder: str, name: str, study: Study, request: HandoverRequest
 ) -> Iterator[tuple[str, Callable[[], Sequence[HandoverFile]]]]:
-    of = f" of {name}" if name else ""
+    of_drive = f" of {name}" if name else ""
     if "cam" in study.stages:
-        yield "profile", lambda: _profile(study, folder, of, request, ".dxf")
+        yield "profile", lambda: _profile(study, folder, of_drive, request, ".dxf")
         if request.gcode:
-            yield "G-code", lambda: _profile(study, folder, of, request, ".nc")
-        yield "inspection table", lambda: _inspection(study, folder, of)
+            yield "G-code", lambda: _profile(study, folder, of_drive, request, ".nc")
+        yield "inspection table", lambda: _inspection(study, folder, of_drive)
     if request.controller:
         yield "table of the controller", lambda: _controller(design, folder, name, request)
 
 
-def _profile(study: Study, folder: str, of: str, request: HandoverRequest, ending: str) -> list[HandoverFile]:
+def _profile(study: Study, folder: str, of_drive: str, request: HandoverRequest, ending: str) -> list[HandoverFile]:
     path = Path(f"profile{ending}")
     fit = "arcs" if ending == ".nc" else ""
     job = profile_job(study, path, ProfileRequest(tolerance_mm=request.error_mm, fit=fit))
@@ -434,7 +446,7 @@ def _profile(study: Study, folder: str, of: str, request: HandoverRequest, endin
     return [
         HandoverFile(
             folder + name,
-            f"profile of the cam{of}" if name == path.name else f"what {path.name} is, as JSON",
+            f"profile of the cam{of_drive}" if name == path.name else f"facts about {path.name}, as JSON",
             data,
             deviation if name == path.name else None,
         )
@@ -442,23 +454,25 @@ def _profile(study: Study, folder: str, of: str, request: HandoverRequest, endin
     ]
 
 
-def _inspection(study: Study, folder: str, of: str) -> list[HandoverFile]:
-    made = inspection_of(study, InspectionRequest())
-    if wrong := [each.message for each in made.setup.findings if each.severity == ERROR]:
-        raise KindynaError(wrong[0])
-    texts = inspection_files(made, Path("inspection.csv"))
-    words = {"inspection.csv": f"lift that a probe measures on the cam{of}, with its tolerance"}
-    facts = "which probe and tolerance inspection.csv is for, as JSON"
+def _inspection(study: Study, folder: str, of_drive: str) -> list[HandoverFile]:
+    table = inspection_of(study, InspectionRequest())
+    if errors := [finding.message for finding in table.setup.findings if finding.severity == ERROR]:
+        raise KindynaError(errors[0])
+    texts = inspection_files(table, Path("inspection.csv"))
+    words = {"inspection.csv": f"lift that a probe measures on the cam{of_drive}, with its tolerance"}
+    facts = "probe and tolerance of inspection.csv, as JSON"
     return [HandoverFile(folder + name, words.get(name, facts), data) for name, data in texts.items()]
 
 
 def _controller(design: Design, folder: str, name: str, request: HandoverRequest) -> list[HandoverFile]:
-    row, wanted = controller(request.controller), EcamRequest(error=request.error_mm)
-    slave, title, speed = drive_slave(design, name, wanted)
-    made = ecam(slave, row, wanted, title, speed)
-    deviation = None if made.deviation is None else (float(made.deviation.values[0]), slave.unit)
-    of = f" of {name}" if name else ""
+    row, ecam_request = controller(request.controller), EcamRequest(error=request.error_mm)
+    slave, title, speed = drive_slave(design, name, ecam_request)
+    table = ecam(slave, row, ecam_request, title, speed)
+    deviation = None if table.deviation is None else (float(table.deviation.values[0]), slave.unit)
+    of_drive = f" of {name}" if name else ""
     return [
-        HandoverFile(f"{folder}controller{row.extension}", f"table for {row.label}{of}", made.content, deviation),
-        HandoverFile(f"{folder}controller.json", "its certificate, as JSON", to_json(facts(made)).encode()),
+        HandoverFile(
+            f"{folder}controller{row.extension}", f"table for {row.label}{of_drive}", table.content, deviation
+        ),
+        HandoverFile(f"{folder}controller.json", "its certificate, as JSON", to_json(facts(table)).encode()),
     ]

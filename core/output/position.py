@@ -1,5 +1,7 @@
-"""A mechanism at one position: its instant centres, what its links do, where its points are and go; as tables, as what the
-command ``centres`` prints, and to be drawn. Links of a [linkage] by their numbers, those of a follower, and the cam, by their names."""
+"""A mechanism at one position: its instant centres, links, and points; as tables, data of the command ``centres``, and drawings.
+
+Links of a [linkage] are named by their numbers, links of a follower and the cam by their names.
+"""
 
 from __future__ import annotations
 
@@ -37,20 +39,26 @@ from core.output.lines import text_cell
 from core.study import Study, quantities_of, quantity
 from core.study.quantities import TRANSMISSION, member_of, shape_of
 
-# -- what a linkage looks like at one angle, and what its points run through, as DXF and SVG: a -----------------
+# -- drawings of links and curves of points, as DXF and SVG -----------------------------------------------------
 
 
 _MM = 1e3
-_PIN = 0.012  # radius of a pin, parts of the size
-_BLOCK = 0.035  # half the length of a block
+_PIN = 0.012  # radius of a pin, relative to the size
+_BLOCK = 0.035  # half the length of a block, relative to the size
 _MARGIN = 0.05
-COLOURS = (7, 5, 3, 1, 6, 4, 2, 30)  # of DXF, a link or a point after the other
+COLOURS = (7, 5, 3, 1, 6, 4, 2, 30)  # of layers in DXF, in turn
 STROKES = ("#000000", "#0072b2", "#009e73", "#d55e00", "#cc79a7", "#56b4e9", "#e69f00", "#7f7f7f")
 
 
 @frozen(eq=False)
 class LayerShapes:
-    """Lines through points (n,) complex [mm], closed or not, and circles (centre, radius)."""
+    """Shapes on a layer.
+
+    Attributes
+    ----------
+    lines : points (n,) complex [mm] of each line, and whether it is closed
+    circles : centre and radius [mm]
+    """
 
     lines: tuple[tuple[np.ndarray, bool], ...] = ()
     circles: tuple[tuple[complex, float], ...] = ()
@@ -61,18 +69,25 @@ Layers = Mapping[str, LayerShapes]
 
 @frozen(eq=False)
 class PointCurves:
-    """Name of a point -> where it is (n,) complex [mm] at the angles [deg] (n,) of a turn; closed: they come back; marks: places at
-    equal times."""
+    """Curves of points over a turn.
+
+    Attributes
+    ----------
+    angles : (n,) angles of the turn [deg]
+    curves : name of a point -> (n,) complex positions [mm]
+    is_closed : whether the curves are closed
+    marks : name of a point -> (k,) complex positions at equal times [mm]
+    """
 
     angle_column: str
     angles: np.ndarray
     curves: Mapping[str, np.ndarray]
-    closed: bool
+    is_closed: bool
     marks: Mapping[str, np.ndarray]
 
 
 def point_names(design: Design) -> tuple[str, ...]:
-    """The points of a linkage that move, in the order of its links."""
+    """Moving points of a linkage, in the order of its links."""
     linkage = require_linkage(design).drive.linkage
     fixed = linkage.by_number[FRAME_LINK].places
     names = (name for n in sorted(linkage.by_number) for name in linkage.by_number[n].places)
@@ -80,63 +95,65 @@ def point_names(design: Design) -> tuple[str, ...]:
 
 
 def point_curves(study: Study, names: Sequence[str] = (), time_marks: int = 0) -> PointCurves:
-    """The curves of points, of all that move where none is named. Raises KindynaError for a name that none has, NoSolution."""
-    there = point_names(study.design)
-    if unknown := [name for name in names if name not in there]:
-        raise KindynaError(f"points: no moving point is called {', '.join(unknown)}; allowed: {' | '.join(there)}")
-    wanted = tuple(names) or there
-    marked = {}
+    """Curves of the named points, or of all moving points. Raises KindynaError for an unknown name, NoSolution."""
+    available = point_names(study.design)
+    if unknown := [name for name in names if name not in available]:
+        raise KindynaError(
+            f"points: no moving point has the name {', '.join(unknown)}; allowed: {' | '.join(available)}"
+        )
+    selected = tuple(names) or available
+    marks = {}
     if time_marks:
-        marked = _places(study.at_theta(np.linspace(0.0, 2.0 * np.pi, time_marks, endpoint=False)), wanted)
-    whole = study.angle_degrees.size == study.samples and not study.swings
-    return PointCurves(study.angle_column, study.angle_degrees, _places(study, wanted), whole, marked)
+        marks = _positions(study.at_theta(np.linspace(0.0, 2.0 * np.pi, time_marks, endpoint=False)), selected)
+    is_full_turn = study.angle_degrees.size == study.samples and not study.swings
+    return PointCurves(study.angle_column, study.angle_degrees, _positions(study, selected), is_full_turn, marks)
 
 
-def _places(study: Study, names: Sequence[str]) -> dict[str, np.ndarray]:
+def _positions(study: Study, names: Sequence[str]) -> dict[str, np.ndarray]:
     kinematics = study.linkage
-    return {name: kinematics.bodies[kinematics.body_of(name)].place(name) * _MM for name in names}
+    return {name: kinematics.bodies[kinematics.body_of(name)].position(name) * _MM for name in names}
 
 
-def curves_table(curves: PointCurves) -> str:
-    """As CSV: the angle, then x and y of each point."""
+def curves_csv(curves: PointCurves) -> str:
+    """Curves of points as CSV: the angle, then x and y of each point."""
     names = [text_cell(f"{name}_{axis}_mm") for name in curves.curves for axis in "xy"]
     columns = [curves.angles, *(part for z in curves.curves.values() for part in (z.real, z.imag))]
     rows = np.column_stack(columns).tolist()
-    head = ",".join([curves.angle_column, *names])
-    return "\n".join([head, *(",".join(map(repr, row)) for row in rows)]) + "\n"
+    header = ",".join([curves.angle_column, *names])
+    return "\n".join([header, *(",".join(map(repr, row)) for row in rows)]) + "\n"
 
 
-def part_table(study: Study) -> str:
-    """The path in space of the part that the drives carry, as CSV."""
+def path_csv(study: Study) -> str:
+    """Path in space of the part that the drives carry, as CSV."""
     shaft = study.camshaft
     rows = np.column_stack((shaft.angle_degrees, study.camshaft.transfer_path * _MM)).tolist()
     return "\n".join(["machine_angle_deg,x_mm,y_mm,z_mm", *(",".join(map(repr, row)) for row in rows)]) + "\n"
 
 
-def part_layers(study: Study) -> dict[str, LayerShapes]:
-    """The same as it looks from above and aside, with the three axes as long as the path is large."""
+def path_layers(study: Study) -> dict[str, LayerShapes]:
+    """Path in space in an isometric view, with the three axes."""
     path = study.camshaft.transfer_path * _MM
     size = float(np.ptp(path, axis=0).max()) or 1.0
     axes = {
-        name: LayerShapes(((seen_from(np.array([np.zeros(3), size * each]), *ISOMETRIC), False),))
-        for name, each in zip(("X", "Y", "Z"), np.eye(3), strict=True)
+        name: LayerShapes(((seen_from(np.array([np.zeros(3), size * direction]), *ISOMETRIC), False),))
+        for name, direction in zip(("X", "Y", "Z"), np.eye(3), strict=True)
     }
     return {"PATH": LayerShapes(((seen_from(path, *ISOMETRIC), True),)), **axes}
 
 
 def curve_layers(curves: PointCurves) -> dict[str, LayerShapes]:
-    """A layer a point: its curve, and its marks."""
+    """A layer for each point: its curve and its marks."""
     size = max((float(np.ptp(z.real) + np.ptp(z.imag)) for z in curves.curves.values()), default=1.0) or 1.0
     return {
         name: LayerShapes(
-            ((z, curves.closed),), tuple((complex(m), 0.2 * _PIN * size) for m in curves.marks.get(name, ()))
+            ((z, curves.is_closed),), tuple((complex(m), 0.2 * _PIN * size) for m in curves.marks.get(name, ()))
         )
         for name, z in curves.curves.items()
     }
 
 
 def pose_layers(study: Study) -> dict[str, LayerShapes]:
-    """A layer a link at the first angle of the study: its points joined as they follow each other, its pins, its block on a guide."""
+    """A layer for each link at the first angle of the study: lines between its points, pins, block on a guide."""
     linkage, kinematics = require_linkage(study.design).drive.linkage, study.linkage
     size = study.driver_ranges.plan.size * _MM
     sliding = {slider.link: slider for slider in linkage.sliders}
@@ -152,7 +169,7 @@ def pose_layers(study: Study) -> dict[str, LayerShapes]:
         guides.setdefault(slider.on, []).append((at + np.array([-4.0, 4.0]) * half * axis, False))
     for number in sorted(linkage.by_number):
         body = kinematics.bodies[body_name(number)]
-        z = np.array([complex(body.place(name)[0]) * _MM for name in linkage.by_number[number].places])
+        z = np.array([complex(body.position(name)[0]) * _MM for name in linkage.by_number[number].places])
         lines = [(z, z.size > 2)] if z.size > 1 and number != FRAME_LINK else []
         lines += [blocks[number]] if number in blocks else []
         lines += guides.get(number, [])
@@ -160,21 +177,21 @@ def pose_layers(study: Study) -> dict[str, LayerShapes]:
     return layers
 
 
-def ghost_layers(study: Study, every_deg: float) -> dict[str, LayerShapes]:
-    """A layer with the lines of all links every so many degrees of the turn, where the linkage stands there."""
-    wanted = np.deg2rad(np.arange(0.0, 360.0, every_deg))
-    there = study.at_theta(wanted[study.uncut.within(wanted)] if study.by_crank else wanted)
+def repeated_pose_layers(study: Study, every_deg: float) -> dict[str, LayerShapes]:
+    """A layer with the lines of all links at equal steps of the turn [deg], where the linkage can be assembled."""
+    angles = np.deg2rad(np.arange(0.0, 360.0, every_deg))
+    posed = study.at_theta(angles[study.uncut.is_assembled(angles)] if study.by_crank else angles)
     lines: list[tuple[np.ndarray, bool]] = []
     for number, link in require_linkage(study.design).drive.linkage.by_number.items():
         if number != FRAME_LINK and len(link.points) > 1:
-            body = there.linkage.bodies[body_name(number)]
-            poses = np.array([np.broadcast_to(body.place(name), there.theta.shape) for name in link.places]).T * _MM
+            body = posed.linkage.bodies[body_name(number)]
+            poses = np.array([np.broadcast_to(body.position(name), posed.theta.shape) for name in link.places]).T * _MM
             lines += [(z, z.size > 2) for z in poses]
     return {"GHOSTS": LayerShapes(tuple(lines))}
 
 
 def dxf(comment: Sequence[str], layers: Layers) -> bytes:
-    """The file: comments, then the shapes on their layers."""
+    """Layers as DXF, with comments."""
     import ezdxf
 
     with without_clock():
@@ -183,39 +200,39 @@ def dxf(comment: Sequence[str], layers: Layers) -> bytes:
         space = drawing.modelspace()
         for i, (name, shapes) in enumerate(layers.items()):
             drawing.layers.add(name, color=COLOURS[i % len(COLOURS)])
-            on = {"layer": name}
+            attributes = {"layer": name}
             for z, closed in shapes.lines:
-                space.add_lwpolyline(np.column_stack((z.real, z.imag)).tolist(), close=closed, dxfattribs=on)
+                space.add_lwpolyline(np.column_stack((z.real, z.imag)).tolist(), close=closed, dxfattribs=attributes)
             for centre, radius in shapes.circles:
-                space.add_circle((centre.real, centre.imag), radius, dxfattribs=on)
+                space.add_circle((centre.real, centre.imag), radius, dxfattribs=attributes)
         stream = io.StringIO()
         drawing.write(stream)
-    head = "".join(f"999\n{line}\n" for line in comment)
-    return (head + stream.getvalue()).encode("utf-8", "replace")
+    header = "".join(f"999\n{line}\n" for line in comment)
+    return (header + stream.getvalue()).encode("utf-8", "replace")
 
 
-def pose_file(study: Study, theta: float, ending: str, more: Layers | None = None) -> bytes:
-    """The links at an angle [rad] of the driver or the cam, and more layers, as a row of ``DRAWN``."""
-    layers = {**pose_layers(study.at_theta(np.array([theta]))), **(more or {})}
-    return DRAWN[ending]((f"{study.design.name} at {np.rad2deg(theta):g} deg, mm",), layers)
+def pose_file(study: Study, theta: float, ending: str, added: Layers | None = None) -> bytes:
+    """Links at an angle [rad] of the driver or the cam, and more layers, in a format of ``WRITERS``."""
+    layers = {**pose_layers(study.at_theta(np.array([theta]))), **(added or {})}
+    return WRITERS[ending]((f"{study.design.name} at {np.rad2deg(theta):g} deg, mm",), layers)
 
 
 def curves_file(study: Study, curves: PointCurves, ending: str) -> bytes:
-    """The curves as a row of ``DRAWN``, else as CSV."""
-    if ending in DRAWN:
-        return DRAWN[ending]((f"{study.design.name}: curves of points, mm",), curve_layers(curves))
-    return curves_table(curves).encode()
+    """Curves of points in a format of ``WRITERS``, else as CSV."""
+    if ending in WRITERS:
+        return WRITERS[ending]((f"{study.design.name}: curves of points, mm",), curve_layers(curves))
+    return curves_csv(curves).encode()
 
 
 def svg(comment: Sequence[str], layers: Layers) -> bytes:
-    """The same to scale: one unit is one millimetre, y upwards."""
+    """Layers as SVG to scale: one unit is one millimetre, y upwards."""
     return "\n".join(_svg_lines(comment, layers)).encode("utf-8", "replace")
 
 
 def _svg_lines(comment: Sequence[str], layers: Layers) -> Iterator[str]:
-    every = [z for shapes in layers.values() for z, _ in shapes.lines]
-    every += [np.array([c - r * (1 + 1j), c + r * (1 + 1j)]) for s in layers.values() for c, r in s.circles]
-    z = np.concatenate(every)
+    point_sets = [z for shapes in layers.values() for z, _ in shapes.lines]
+    point_sets += [np.array([c - r * (1 + 1j), c + r * (1 + 1j)]) for s in layers.values() for c, r in s.circles]
+    z = np.concatenate(point_sets)
     margin = _MARGIN * max(float(np.ptp(z.real)), float(np.ptp(z.imag)), 1e-9)
     x, y = float(z.real.min()) - margin, -float(z.imag.max()) - margin
     width, height = float(np.ptp(z.real)) + 2.0 * margin, float(np.ptp(z.imag)) + 2.0 * margin
@@ -234,11 +251,11 @@ def _svg_lines(comment: Sequence[str], layers: Layers) -> Iterator[str]:
     yield "</svg>\n"
 
 
-DRAWN = {".dxf": dxf, ".svg": svg}
-"""Ending of a file -> what writes it."""
+WRITERS = {".dxf": dxf, ".svg": svg}
+"""Ending of a file -> its writer."""
 
 
-# -- A mechanism at one position --------------------------------------------------------------------------------
+# -- position of a mechanism ------------------------------------------------------------------------------------
 
 
 Link = int | str
@@ -247,20 +264,32 @@ Links = tuple[Link, Link]
 
 @frozen
 class CentreRow:
-    """The instant centre of two links: ``place`` [m], or ``direction`` [rad] where it is at infinity; neither where the
-    two do not move against each other. lines: the third links by whose lines Kennedy's theorem finds it, empty where a
-    pair shows it at sight; one alone where the contact normal is the other line."""
+    """Instant centre of two links; neither point nor direction without relative motion.
+
+    Attributes
+    ----------
+    point : position [m]
+    direction : direction of a centre at infinity [rad]
+    lines : third links whose lines determine it by Kennedy's theorem; empty for a centre at a pair, a single one where the
+        contact normal is the other line
+    """
 
     links: Links
-    place: complex | None
+    point: complex | None
     direction: float | None
     lines: tuple[Link, ...] = ()
 
 
 @frozen
 class LinkRow:
-    """A moving link: angular velocity [rad/s]; its ratio to the driver's, or to the cam's, and the mechanical advantage there, NaN
-    where the driver slides, or a cam drives."""
+    """A moving link.
+
+    Attributes
+    ----------
+    omega : angular velocity [rad/s]
+    ratio : its ratio to the angular velocity of the driver or cam
+    advantage : mechanical advantage to the driver, NaN where the driver slides, or a cam drives
+    """
 
     link: Link
     omega: float
@@ -270,17 +299,19 @@ class LinkRow:
 
 @frozen
 class PointRow:
-    """A named point: place [m] and velocity [m/s]."""
+    """A named point: position [m] and velocity [m/s]."""
 
     name: str
-    place: complex
+    position: complex
     velocity: complex
 
 
 @frozen
 class DifferenceRow:
-    """One triangle of the velocity polygon, V_P = V_A + V_PA [m/s]: A and P are points of one link (``link`` = ``on``), or
-    coincide while ``link`` slides on ``on``."""
+    """A triangle of the velocity polygon, V_P = V_A + V_PA [m/s].
+
+    A and P are points of one link (``link`` = ``on``), or coincide while ``link`` slides on ``on``.
+    """
 
     kind: str
     link: Link
@@ -294,8 +325,10 @@ class DifferenceRow:
 
 @frozen(eq=False)
 class Position:
-    """A mechanism at the first angle of a study, in tables that are made when they are read: rows by links and by names, in
-    rising order, the cam last. Each raises NoPosition where a linkage cannot stand there."""
+    """A mechanism at the first angle of a study, as tables in the order of links and names, the cam last.
+
+    Tables are computed when read, and raise NoPosition where the linkage cannot be assembled.
+    """
 
     study: Study
 
@@ -311,12 +344,12 @@ class Position:
 
     @cached_property
     def points(self) -> tuple[PointRow, ...]:
-        """Rows of the named points: place [m] and velocity [m/s]."""
+        """Rows of the named points."""
         return tuple(PointRow(name, complex(z[0]), complex(v[0])) for name, (z, v) in _points(self.study).items())
 
     @cached_property
     def transmission(self) -> tuple[tuple[str, float], ...]:
-        """joint -> angle between its links [rad]"""
+        """Joint and the angle between its links [rad]."""
         names = [n for n in quantities_of(self.study, "linkage") if shape_of(n) == TRANSMISSION]
         return tuple((member_of(n), float(quantity(n).value(self.study)[0])) for n in names)
 
@@ -325,18 +358,18 @@ class Position:
         """Rows of the velocity polygon's triangles."""
         return tuple(_differences(self.study))
 
-    def distance(self, one: Links, other: Links) -> float:
-        """Between two centres [m], infinite where one of them is at infinity. Raises KeyError for links there are none of."""
-        a, b = self._places[one], self._places[other]
+    def distance(self, first: Links, second: Links) -> float:
+        """Distance of two centres [m], infinite where one is at infinity. Raises KeyError for unknown links."""
+        a, b = self._centre_points[first], self._centre_points[second]
         return abs(a - b) if a is not None and b is not None else float("inf")
 
     @cached_property
-    def _places(self) -> dict[Links, complex | None]:
-        return {row.links: row.place for row in self.centres}
+    def _centre_points(self) -> dict[Links, complex | None]:
+        return {row.links: row.point for row in self.centres}
 
 
 def _label(study: Study, body: str) -> Link:
-    """What a body is called: links of a [linkage] by their numbers."""
+    """Label of a body; links of a [linkage] have their numbers."""
     return link_number(body) if study.design.drive.links and body != CAM else body
 
 
@@ -344,7 +377,7 @@ def _points(study: Study) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     if study.design.drive.links:
         return study.points()
     poses = {name: pose for pose in study.linkage.bodies.values() for name in pose.points}
-    return {name: (pose.place(name), pose.place(name, 1) * study.omega) for name, pose in poses.items()}
+    return {name: (pose.position(name), pose.position(name, 1) * study.omega) for name, pose in poses.items()}
 
 
 def _differences(study: Study) -> Iterator[DifferenceRow]:
@@ -354,7 +387,7 @@ def _differences(study: Study) -> Iterator[DifferenceRow]:
 
 
 def _tables(study: Study) -> Iterator[tuple[CentreTable, tuple[Key, ...]]]:
-    """The links' centres, and those of a cam on all of them, with the keys that each table gives."""
+    """Centres of the links, and centres of a cam with all links, with the keys of each table."""
     links = study.design.drive.links
     if links:
         yield study.centres, tuple(combinations(study.centres.bodies, 2))
@@ -366,17 +399,17 @@ def _tables(study: Study) -> Iterator[tuple[CentreTable, tuple[Key, ...]]]:
 def _centres(study: Study) -> Iterator[CentreRow]:
     for table, keys in _tables(study):
         lines = {
-            wanted.key: tuple(_label(study, triangle.third) for triangle in wanted.triangles)
-            for wanted in table.construction.steps
+            step.key: tuple(_label(study, triangle.third) for triangle in step.triangles)
+            for step in table.construction.steps
         }
         if CAM in table.bodies:
             lines[table.key(study.linkage.carrier, CAM)] = (_label(study, FRAME),)
         for key in keys:
-            place, direction = _where(table.centres[key], table.size)
-            yield CentreRow((_label(study, key[0]), _label(study, key[1])), place, direction, lines.get(key, ()))
+            point, direction = _point_or_direction(table.centres[key], table.size)
+            yield CentreRow((_label(study, key[0]), _label(study, key[1])), point, direction, lines.get(key, ()))
 
 
-def _where(centre: Centres, size: float) -> tuple[complex | None, float | None]:
+def _point_or_direction(centre: Centres, size: float) -> tuple[complex | None, float | None]:
     if centre.weight[0] == 0.0 and centre.point[0] == 0.0:
         return None, None
     if centre.far(size)[0]:
@@ -385,7 +418,7 @@ def _where(centre: Centres, size: float) -> tuple[complex | None, float | None]:
 
 
 def _links(study: Study) -> Iterator[LinkRow]:
-    """Of a follower's links and the cam in parts of the cam's speed."""
+    """Moving links; ratios of a follower's links to the speed of the cam."""
     if not study.design.drive.links:
         for body, omega in _velocities(study).items():
             if body != FRAME:
@@ -403,60 +436,60 @@ def _links(study: Study) -> Iterator[LinkRow]:
 
 
 def _velocities(study: Study) -> dict[Link, float]:
-    """Angular velocities [rad/s], counter-clockwise, at the first angle: of the frame, the links and the cam."""
+    """Angular velocities [rad/s], counter-clockwise, at the first angle: of frame, links and cam."""
     if study.design.drive.links:
-        found: dict[Link, float] = {n: float(w[0]) for n, w in study.angular_velocities().items()}
+        velocities: dict[Link, float] = {n: float(w[0]) for n, w in study.angular_velocities().items()}
     else:
         bodies = study.linkage.bodies
-        found = {
+        velocities = {
             FRAME: 0.0,
             **{name: float(bodies[name].turn[1][0]) * study.omega for name in study.cam_centres.bodies[1:-1]},
         }
-    return found | ({CAM: study.sense * study.omega} if "cam" in study.stages else {})
+    return velocities | ({CAM: study.sense * study.omega} if "cam" in study.stages else {})
 
 
-# -- what the command ``centres`` prints, and what is painted beside it ------------------------------------
+# -- command ``centres`` ------------------------------------------------------------------------------------
 
 
 @frozen(eq=False)
 class Snapshot:
-    """A linkage at one driver angle [deg], to be drawn with its centres and its velocity polygon."""
+    """A linkage at one driver angle [deg], for a drawing with its centres and its velocity polygon."""
 
     study: Study
     angle_deg: float
 
 
 def snapshot(study: Study, angle_deg: float) -> Snapshot:
-    """Raises DesignError for a design that is no linkage."""
+    """Snapshot of a linkage. Raises DesignError for a design that is no linkage."""
     require_linkage(study.design)
     return Snapshot(study, angle_deg)
 
 
 def centres_data(study: Study, angle_deg: float) -> dict[str, Any]:
-    """At this angle of driver or cam [deg]; links by their numbers, the frame included, those of a follower, and the cam, by names.
+    """Position of a mechanism at an angle of driver or cam [deg], as data.
 
-    A centre is [x, y] in mm, or its direction where it is at infinity; null where the links have no motion against each
-    other. A velocity difference is V_to = V_from + V_difference, of two points of one link, or of two links that slide on
-    each other at the same place. Raises NoPosition where the linkage cannot stand there.
+    A centre is [x, y] in mm, or its direction where it is at infinity; null without relative motion. A velocity difference is
+    V_to = V_from + V_difference, of two points of one link, or of two links that slide on each other at the same point. Raises
+    NoPosition where the linkage cannot be assembled.
     """
-    there = study.at_theta(np.array([math.radians(angle_deg)]))
-    rows = Position(there)
+    position = study.at_theta(np.array([math.radians(angle_deg)]))
+    rows = Position(position)
     return {
-        "angular_velocity_rad_s": {str(n): w for n, w in _velocities(there).items()},
+        "angular_velocity_rad_s": {str(n): w for n, w in _velocities(position).items()},
         "centres": {f"{row.links[0]},{row.links[1]}": _centre(row) for row in rows.centres},
-        **({"instant_centre": _of_cam(there)} if "cam" in there.stages else {}),
+        **({"instant_centre": _cam_velocities(position)} if "cam" in position.stages else {}),
         "points": {
             row.name: {
-                "x_mm": row.place.real * _MM,
-                "y_mm": row.place.imag * _MM,
+                "x_mm": row.position.real * _MM,
+                "y_mm": row.position.imag * _MM,
                 "vx_mm_s": row.velocity.real * _MM,
                 "vy_mm_s": row.velocity.imag * _MM,
             }
             for row in rows.points
         },
         "velocity_ratios": {
-            f"{_label(there, body)},{_label(there, base)}": _ratio(ratio_arms(table, body, base))
-            for table, body, base in _chains(there)
+            f"{_label(position, body)},{_label(position, base)}": _ratio(ratio_arms(table, body, base))
+            for table, body, base in _chains(position)
         },
         "velocity_differences": [
             {
@@ -475,7 +508,7 @@ def centres_data(study: Study, angle_deg: float) -> dict[str, Any]:
 
 
 def _chains(study: Study) -> Iterator[tuple[CentreTable, str, str]]:
-    """Two bodies whose velocities are compared: of a linkage to the driver and from link to link, of a follower to the cam."""
+    """Pairs of bodies whose velocities are compared: of a linkage to the driver and from link to link, of a follower to the cam."""
     if study.design.drive.links:
         table, driver = study.centres, body_name(study.design.drive.linkage.driver.link)
         for body, base in dict.fromkeys(pair for pairs in CHAINS.values() for pair in pairs(table, driver)):
@@ -485,17 +518,19 @@ def _chains(study: Study) -> Iterator[tuple[CentreTable, str, str]]:
         yield from ((table, body, CAM) for body in table.bodies[1:-1])
 
 
-_OF_CAM = ("instant_centre", "instant_centre_velocity", "reference_velocity")
+_CAM_QUANTITIES = ("instant_centre", "instant_centre_velocity", "reference_velocity")
 """Quantities of cam and follower (Shin1995 (15) to (18))."""
 
 
-def _of_cam(study: Study) -> dict[str, float]:
-    """Q, V_Q and V_R, as far as this follower has them."""
-    return {row.slug: float(row.values(study)[0]) for row in channels(study.design, ("cam",)) if row.name in _OF_CAM}
+def _cam_velocities(study: Study) -> dict[str, float]:
+    """Q, V_Q and V_R, as far as the follower has them."""
+    return {
+        row.slug: float(row.values(study)[0]) for row in channels(study.design, ("cam",)) if row.name in _CAM_QUANTITIES
+    }
 
 
 def _ratio(arms: RatioArms) -> dict[str, float]:
-    """ω_body/ω_base and the directed distances that tell it; infinite, as of a link that does not turn."""
+    """ω_body/ω_base and the directed distances that determine it; infinite for a link that does not rotate."""
     lengths = {"base_arm_mm": arms.base_arm, "body_arm_mm": arms.body_arm}
     return {"ratio": float(arms.ratio[0]), **{name: float(arm[0]) * _MM for name, arm in lengths.items()}}
 
@@ -507,4 +542,4 @@ def _vector(vector: complex) -> list[float]:
 def _centre(row: CentreRow) -> list[float] | dict[str, float] | None:
     if row.direction is not None:
         return {"direction_deg": math.degrees(row.direction)}
-    return None if row.place is None else _vector(row.place)
+    return None if row.point is None else _vector(row.point)

@@ -1,4 +1,4 @@
-"""A flexible camshaft as files: its tables and report, its chart and other figures."""
+"""Files of a flexible camshaft, and of the papers: tables, reports, charts and figures."""
 
 from __future__ import annotations
 
@@ -42,10 +42,10 @@ from core.stability.critical_speeds import averages_columns, coefficients_column
 from core.study import Camshaft, Study
 from core.study.quantities import ORBIT
 
-# -- A flexible camshaft as files -------------------------------------------------------------------------------
+# -- flexible camshaft ------------------------------------------------------------------------------------------
 
 
-UNSEEN = 1e-5  # of η: an edge that is off by less is not seen in a picture
+UNSEEN = 1e-5  # error of η that is invisible in a chart
 
 
 def stability_files(
@@ -56,40 +56,48 @@ def stability_files(
     periods: float = 30.0,
     eta_max: float | None = None,
 ) -> tuple[dict[str, str | bytes], tuple[Chart | Figure, ...]]:
-    """File name -> content of the tables and texts of a flexible shaft, and what is to be painted beside them.
+    """Tables and texts of a flexible shaft as file name -> content, and its chart and figures.
 
-    q        rows of the tables; empty: the machine's own
-    at       points (η, Q) of the histories from rest, through ``periods`` turns; empty: the machine's own
-    eta_max  of the tables and the chart; None: 5.6, of the chart as far as shows the machine
+    Parameters
+    ----------
+    study : Study
+    shaft : Stability
+    q : sequence of float
+        Values of Q in the tables; empty: that of the machine.
+    at : sequence of (float, float)
+        Points (η, Q) of the histories from rest over ``periods`` turns; empty: that of the machine.
+    periods : float
+    eta_max : float, optional
+        Range of tables and chart; None: 5.6 in the tables, and in the chart as far as the machine.
     """
     machine, title = shaft.machine, study.design.name
-    runs = followed(shaft, at or [(machine.eta, machine.q)], periods)
+    runs = windup_histories(shaft, at or [(machine.eta, machine.q)], periods)
     means = shaft.averages(q, eta_max or ETA_MAX)
-    made: dict[str, str | bytes] = {
-        **tables(shaft, np.array(q or [machine.q]), runs, means, eta_max or ETA_MAX),
+    contents: dict[str, str | bytes] = {
+        **shaft_tables(shaft, np.array(q or [machine.q]), runs, means, eta_max or ETA_MAX),
         **steady_tables(study, shaft),
         "report.txt": report(study),
         "summary.json": to_json(summary(study)),
     }
-    return made, (
+    return contents, (
         machine_chart(shaft, title, q, eta_max),
         Figure("coefficients", title, (coefficients_plot(shaft.coefficients),)),
         Figure("windup_averages", title, averages_plots(means)),
-        Figure("windup", title, tuple(history_plot(each) for each in runs)),
+        Figure("windup", title, tuple(history_plot(run) for run in runs)),
         *_steady_figures(title, shaft.steady_turn),
     )
 
 
 def machine_chart(shaft: Stability, title: str, q: Sequence[float] = (), eta_max: float | None = None) -> Chart:
-    """The chart with the machine's place; q: rows to be marked; eta_max: None as far as shows the machine."""
+    """Chart with the point of the machine, marked values of Q, up to ``eta_max`` (None: as far as the machine)."""
     top = eta_max or shaft.eta_max
     return chart(
         shaft.coefficients, shaft.machine, title, eta_max=top, damping=shaft.machine.damping, marked=q, error=UNSEEN
     )
 
 
-def followed(shaft: Stability, points: Sequence[tuple[float, float]], periods: float) -> tuple[History, ...]:
-    """The wind-up from rest at points (η, Q) of the chart, over so many periods."""
+def windup_histories(shaft: Stability, points: Sequence[tuple[float, float]], periods: float) -> tuple[History, ...]:
+    """Wind-up from rest at points (η, Q) of the chart."""
     eta, q = np.array(points).T
     return histories(shaft.coefficients, eta, q, shaft.machine.damping, periods, contact=shaft.contact)
 
@@ -98,16 +106,16 @@ def followed(shaft: Stability, points: Sequence[tuple[float, float]], periods: f
 
 
 def steady_tables(study: Study, shaft: Stability) -> dict[str, str | bytes]:
-    """File name -> text of the machine's own steady response; none where there is none."""
+    """File name -> text of the steady response of the machine; empty where there is none."""
     turn = shaft.steady_turn
     if turn is None:
         return {}
     if study.design.listed:
-        made = {ORBIT: orbit_table(study.camshaft, turn)}
+        result = {ORBIT: orbit_table(study.camshaft, turn)}
     else:
         parts = table(study, ORBIT, ("stability",))
-        made = {} if parts is None else as_texts({ORBIT: parts})
-    return {**made, "harmonics.csv": harmonics_table(turn)}
+        result = {} if parts is None else as_texts({ORBIT: parts})
+    return {**result, "harmonics.csv": harmonics_table(turn)}
 
 
 def _steady_figures(title: str, turn: SteadyTurn | None) -> tuple[Figure, ...]:
@@ -115,11 +123,11 @@ def _steady_figures(title: str, turn: SteadyTurn | None) -> tuple[Figure, ...]:
 
 
 def orbit_table(camshaft: Camshaft[Study], turn: SteadyTurn) -> str:
-    """Wind-up and torque of a shaft of several drives by the angle of its input, which is the machine's, and each follower's error."""
+    """Wind-up and torque of a shaft of several drives, and errors of the followers, by the angle of its input."""
     degrees = camshaft.angle_degrees
     theta = np.deg2rad(degrees)
-    names = [f"{camshaft.slugs[each.name]}_follower_error_{each.unit}" for each in turn.followers]
-    errors = [turn.error(theta, i) / UNITS[each.unit].factor + 0.0 for i, each in enumerate(turn.followers)]
+    names = [f"{camshaft.slugs[follower.name]}_follower_error_{follower.unit}" for follower in turn.followers]
+    errors = [turn.error(theta, i) / UNITS[follower.unit].factor + 0.0 for i, follower in enumerate(turn.followers)]
     wind_up = turn.wind_up(theta)
     return csv(
         ["input_angle_deg", "wind_up_deg", *names, "shaft_torque_nm"],
@@ -128,23 +136,36 @@ def orbit_table(camshaft: Camshaft[Study], turn: SteadyTurn) -> str:
 
 
 def harmonics_table(turn: SteadyTurn) -> str:
-    """Amplitudes and phases of the wind-up's harmonics by the angle of the input, a cos(kθ + φ): of the true steady response, and of the
-    linear forced response by (21) and by (22), Kim1990's (27) with γ = 0, where there is one."""
+    """Harmonics a cos(kθ + φ) of the wind-up by the angle of the input, as CSV.
+
+    Columns for the steady response, and for the linear forced response by (21) and (22), which are (27) of Kim1990 with γ = 0,
+    where it exists.
+    """
     columns: list[tuple[str, np.ndarray]] = [("harmonic", np.arange(turn.highest + 1.0))]
-    for name, found in {"steady": turn.harmonics(), **turn.linear()}.items():
-        if np.isfinite(found).all():
-            size = np.where(np.arange(found.size) == 0, 360.0, 720.0) * np.abs(found)
-            columns += [(f"{name}_amplitude_deg", size), (f"{name}_phase_deg", np.rad2deg(np.angle(found)))]
+    for name, harmonics in {"steady": turn.harmonics(), **turn.linear()}.items():
+        if np.isfinite(harmonics).all():
+            size = np.where(np.arange(harmonics.size) == 0, 360.0, 720.0) * np.abs(harmonics)
+            columns += [(f"{name}_amplitude_deg", size), (f"{name}_phase_deg", np.rad2deg(np.angle(harmonics)))]
     return csv(*zip(*columns, strict=True))
 
 
 # -- tables and sentences ----------------------------------------------------------------------------------
 
 
-def tables(
+def shaft_tables(
     shaft: Stability, q: np.ndarray, runs: Sequence[History], means: Averages, eta_max: float
 ) -> dict[str, str | bytes]:
-    """File name -> text of the tables of a flexible shaft: tongues of the rows q, histories, means, coefficients."""
+    """Tables of a flexible shaft as file name -> text: tongues, histories, means, coefficients.
+
+    Parameters
+    ----------
+    shaft : Stability
+    q : ndarray (m,), dimensionless
+        Values of Q of the tongues.
+    runs : sequence of History
+    means : Averages
+    eta_max : float
+    """
     count, damping = count_up_to(eta_max), shaft.machine.damping
     return {
         TONGUES: tongues_csv([tongues(shaft.coefficients, q, count, e, damping, error=1e-11) for e in EQUATIONS]),
@@ -154,27 +175,27 @@ def tables(
     }
 
 
-def needed_text(needed: Stiffness) -> str:
-    """What a wanted speed asks of the shaft, in one line."""
+def stiffness_text(needed: Stiffness) -> str:
+    """Stiffness that a speed requires of the shaft, in one line."""
     if needed.allowed:
-        return f"At {needed.rpm:.6g} rpm the present {needed.current:.6g} N·m/rad keeps clear of every forbidden band."
+        return f"At {needed.rpm:.6g} rpm the present {needed.current:.6g} N·m/rad is outside every forbidden band."
     softer = "" if needed.softer is None else f" or at most {needed.softer:.6g}"
-    where = "in" if needed.inside else "too near"
+    position = "in" if needed.inside else "too near"
     return (
         f"At {needed.rpm:.6g} rpm the shaft needs at least {needed.stiffer:.6g} N·m/rad{softer}; "
-        f"the present {needed.current:.6g} stands {where} a forbidden band."
+        f"the present {needed.current:.6g} is {position} a forbidden band."
     )
 
 
-# -- what the papers say against what comes out here, as files --------------------------------------------------
+# -- claims of the papers, compared with results ----------------------------------------------------------------
 
 
 LINE = 108  # characters of a claim's line
 HARD_SPACE = "\N{NO-BREAK SPACE}"
 
 
-def rows_data(claims: Sequence[Claim]) -> list[dict[str, str]]:
-    """One row a claim; ``file``: its table, relative to the folder of all papers."""
+def claims_data(claims: Sequence[Claim]) -> list[dict[str, str]]:
+    """Claims as rows; ``file`` is the table, relative to the folder of all papers."""
     return [
         {
             "paper": c.paper,
@@ -189,12 +210,12 @@ def rows_data(claims: Sequence[Claim]) -> list[dict[str, str]]:
 
 
 def table_file(claim: Claim) -> str:
-    """Where its numbers stand; pictures have the same name with another ending."""
+    """File of a claim's table; images have the same name with another ending."""
     return f"{claim.paper}/{claim.name}.csv"
 
 
 def table_text(table: FigureTable) -> str:
-    """As CSV: numbers alone as in every other table; where there are words, these as they are."""
+    """Table of a figure as CSV; words unchanged."""
     if not any(isinstance(column, tuple) for column in table.columns):
         return csv(table.names, [np.asarray(column) for column in table.columns])
     text = StringIO()
@@ -208,47 +229,47 @@ def _cell(value: Any) -> str:
     return value if isinstance(value, str) else repr(float(value))
 
 
-def tables_of(claims: Sequence[Claim]) -> dict[str, str | bytes]:
-    """File name -> text of the tables of the claims, each once."""
+def claim_tables(claims: Sequence[Claim]) -> dict[str, str | bytes]:
+    """File name -> text of the tables of the claims."""
     first = {table_file(claim): claim for claim in reversed(claims)}
     return {name: table_text(first[name].table) for name in dict.fromkeys(table_file(claim) for claim in claims)}
 
 
-# -- as text ------------------------------------------------------------------------------------------------
+# -- text ---------------------------------------------------------------------------------------------------
 
 
-def claims_text(head: str, claims: Sequence[Claim]) -> str:
-    """The claims of a paper against ours under a heading, and how many there are of each verdict, with what it means."""
-    lines = [head, "=" * len(head)]
+def claims_text(heading: str, claims: Sequence[Claim]) -> str:
+    """Claims of a paper and the results under a heading, and the number of each verdict with its meaning."""
+    lines = [heading, "=" * len(heading)]
     for claim in claims:
         lines += ["", f"{claim.where}: {claim.verdict}"]
-        for who, sentence in (("the paper", claim.says), ("here", claim.here)):
-            start = f"    {who + ':':<11}"
-            kept = sentence.replace(" = ", f"{HARD_SPACE}={HARD_SPACE}")
-            rows = wrap(kept, LINE, initial_indent=start, subsequent_indent=" " * len(start))
+        for source, sentence in (("the paper", claim.says), ("here", claim.here)):
+            start = f"    {source + ':':<11}"
+            protected = sentence.replace(" = ", f"{HARD_SPACE}={HARD_SPACE}")
+            rows = wrap(protected, LINE, initial_indent=start, subsequent_indent=" " * len(start))
             lines += [row.replace(HARD_SPACE, " ") for row in rows]
-    counts = [(verdict, count, VERDICTS[verdict]) for verdict, count in counted(claims)]
+    counts = [(verdict, count, VERDICTS[verdict]) for verdict, count in verdict_counts(claims)]
     return (
         "\n".join([*lines, "", *(f"{count:4d}  {verdict:<14}{meaning}" for verdict, count, meaning in counts)]) + "\n"
     )
 
 
-def counted(claims: Iterable[Claim]) -> list[tuple[str, int]]:
-    """The verdicts that there are, in the order of their table, and how many of each."""
+def verdict_counts(claims: Iterable[Claim]) -> list[tuple[str, int]]:
+    """Verdicts that occur, in the order of their table, and their numbers."""
     counts = Counter(claim.verdict for claim in claims)
     return [(verdict, counts[verdict]) for verdict in VERDICTS if counts[verdict]]
 
 
-# -- Kim1990's, of the example or of a file like it -----------------------------------------------------------
+# -- figures of Kim1990 -----------------------------------------------------------------------------------------
 
 
 def kim_files(
     examples: Examples, shaft: Stability, periods: float, eta_max: float
 ) -> tuple[dict[str, str | bytes], Chart, tuple[Figure, ...]]:
-    """Kim1990's Figs. 4 to 12: the tables they are drawn from, the chart, which is Fig. 8, and the others."""
+    """Figures 4 to 12 of Kim1990: their tables, the chart (figure 8), and the other figures."""
     damping = shaft.machine.damping
     histories, means = runs(examples, periods, damping), averages(examples, ROWS, eta_max, damping)
-    made = tables(shaft, np.array(sorted({q for _, _, q, _ in FIGURES})), histories, means, eta_max)
+    tables = shaft_tables(shaft, np.array(sorted({q for _, _, q, _ in FIGURES})), histories, means, eta_max)
     wind_up, slope = averages_plots(means)
     profile = DISPLACEMENT.drawing
     assert profile is not None
@@ -256,10 +277,10 @@ def kim_files(
         5: coefficients_plot(shaft.coefficients, ("ψ",)),
         6: wind_up,
         7: slope,
-        **{number: history_plot(each) for (number, *_), each in zip(FIGURES, histories, strict=True)},
+        **{number: history_plot(history) for (number, *_), history in zip(FIGURES, histories, strict=True)},
     }
     figures = [Figure(f"figure_{n}", f"Kim1990 Fig. {n}", (plot,)) for n, plot in numbered.items()]
     fourth = profile(examples)
     assert isinstance(fourth, Figure)
     drawn = chart(shaft.coefficients, None, "Kim1990 Fig. 8", eta_max=eta_max, error=UNSEEN)
-    return {**made, "figure_4.csv": table_text(DISPLACEMENT.table(examples))}, drawn, (fourth, *figures)
+    return {**tables, "figure_4.csv": table_text(DISPLACEMENT.table(examples))}, drawn, (fourth, *figures)

@@ -1,4 +1,4 @@
-"""The same motion made by a cam on its shaft, with and without flywheel, and by a servo: what each asks; the motor's working points."""
+"""Texts, tables and figures of three subjects: cam or servo, contact and lift-off, and the elastic follower."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from core.design import UNITS, Unit, split_unit
+from core.design import UNITS
 from core.design.parts import LINEAR
 from core.dynamics import ContactMap, Flights, contact_map
 from core.elastic import Spectrum
@@ -23,24 +23,29 @@ from core.plot import Figure, Plot, PlotCurve
 from core.study import Study
 from core.study.drive_forces import servo_part, servo_speed, servo_torque, servo_turn, turn_nodes
 
-# -- the same motion made by a cam on its shaft, with and without flywheel, and by a servo ----------------------
+# -- cam or servo: motor torque for the same motion -------------------------------------------------------------
 
 
 Values = Callable[[Study], np.ndarray]
-CAM, LEVELLED, SERVO = "cam", "cam_with_flywheel", "servo"
-LABELS = {CAM: "Cam", LEVELLED: "Cam and flywheel", SERVO: "Servo"}
-CORNERS = (
-    np.array([1.0, 1.0, -1.0, -1.0, 1.0]),
-    np.array([1.0, -1.0, -1.0, 1.0, 1.0]),
-)  # of a field, by speed and by torque
+CAM, FLYWHEEL, SERVO = "cam", "cam_with_flywheel", "servo"
+LABELS = {CAM: "Cam", FLYWHEEL: "Cam and flywheel", SERVO: "Servo"}
+RECTANGLE = np.array([1.0, 1.0, -1.0, -1.0, 1.0]), np.array([1.0, -1.0, -1.0, 1.0, 1.0])  # speed, torque
 
 
 @frozen
-class Asked:
-    """What one way to make the motion asks of its motor over a turn: rms and peak of the torque [unit] with the cam angle of the peak
-    [deg], peak power [W], energy that the motor gives and that the load gives back to it [J]."""
+class DriveEffort:
+    """Effort of the motor of one drive over a turn.
 
-    way: str
+    Attributes
+    ----------
+    drive : ``CAM``, ``FLYWHEEL`` or ``SERVO``
+    rms, peak : root mean square and peak of the torque or force [unit]
+    peak_deg : cam angle of the peak [deg]
+    peak_power : [W]
+    given, braked : energy from the motor, and returned to it by the load [J]
+    """
+
+    drive: str
     unit: str
     rms: float
     peak: float
@@ -51,13 +56,19 @@ class Asked:
 
     @property
     def label(self) -> str:
-        """For headings and legends."""
-        return LABELS[self.way]
+        """Name of the drive in headings and legends."""
+        return LABELS[self.drive]
 
 
 @frozen(eq=False)
-class _Way:
-    """Torque (n,) [N m; N], what it is multiplied with to be power (n,) [rad/s; m/s], of a study at its angles."""
+class _Drive:
+    """A drive of the motion.
+
+    Attributes
+    ----------
+    torque : study -> torque or force at its angles (n,) [N m or N]
+    speed : study -> its speed (n,) [rad/s or m/s]
+    """
 
     name: str
     torque: Values
@@ -67,52 +78,54 @@ class _Way:
         return self.torque(study) * self.speed(study)
 
 
-def _ways(study: Study) -> Iterator[_Way]:
-    """Those that the design has. Raises NoSolution as the stage dynamics does."""
+def _drives(study: Study) -> Iterator[_Drive]:
+    """Drives of the design. Raises NoSolution as the stage dynamics does."""
     if study.loads_shaft:
-        yield _Way(CAM, lambda s: s.shaft_torque, lambda s: np.full(s.theta.size, s.omega))
+        yield _Drive(CAM, lambda s: s.shaft_torque, lambda s: np.full(s.theta.size, s.omega))
         if study.levels_torque and study.flywheel.runs:
             wheel = study.flywheel
-            yield _Way(LEVELLED, lambda s: wheel.motor_torque(s.angles), lambda s: wheel.speed(s.angles))
-    yield _Way(SERVO, servo_torque, servo_speed)
+            yield _Drive(FLYWHEEL, lambda s: wheel.motor_torque(s.angles), lambda s: wheel.speed(s.angles))
+    yield _Drive(SERVO, servo_torque, servo_speed)
 
 
-def _asked(study: Study, way: _Way) -> Asked:
+def _drive_effort(study: Study, drive: _Drive) -> DriveEffort:
     def sizes(angles: object) -> dict[str, np.ndarray]:
-        there = study.at(angles)  # type: ignore[arg-type]
-        return {"torque": np.abs(way.torque(there)), "power": np.abs(way.power(there))}
+        nodes = study.at(angles)  # type: ignore[arg-type]
+        return {"torque": np.abs(drive.torque(nodes)), "power": np.abs(drive.power(nodes))}
 
-    high = find_highest(sizes, study.program)
-    if way.name == SERVO:
+    peaks = find_highest(sizes, study.program)
+    if drive.name == SERVO:
         turn = servo_turn(study)
         rms, given, braked = turn.rms, turn.given, turn.braked
     else:
-        there, weight = turn_nodes(study, way.power)
-        torque, seconds = way.torque(there), weight * TURN / way.speed(there)
+        nodes, weight = turn_nodes(study, drive.power)
+        torque, seconds = drive.torque(nodes), weight * TURN / drive.speed(nodes)
         rms = float(np.sqrt((torque**2 * seconds).sum() / seconds.sum()))
         given, braked = (float(np.maximum(sign * torque, 0.0) @ weight * TURN) for sign in (1.0, -1.0))
-    peak, power = high["torque"], high["power"].value
-    return Asked(way.name, _unit(study, way), rms, peak.value, degrees(peak.theta), power, given, braked)
+    peak, power = peaks["torque"], peaks["power"].value
+    return DriveEffort(drive.name, _unit(study, drive), rms, peak.value, degrees(peak.theta), power, given, braked)
 
 
-def _unit(study: Study, way: _Way) -> str:
-    return "N" if way.name == SERVO and servo_part(study).kind == LINEAR else "N·m"
+def _unit(study: Study, drive: _Drive) -> str:
+    return "N" if drive.name == SERVO and servo_part(study).kind == LINEAR else "N·m"
 
 
-def asked(study: Study) -> tuple[Asked, ...]:
-    """By the cam, by the cam with its flywheel where there is one that the motor turns, and by the servo, of a design that has one; a
-    motion that no cam makes has the servo alone. Raises NoSolution as the stage dynamics does."""
-    return tuple(_asked(study, way) for way in _ways(study))
+def drive_efforts(study: Study) -> tuple[DriveEffort, ...]:
+    """Efforts of the cam, of the cam with the flywheel that the motor turns, and of the servo, as far as the design has them.
+
+    A motion without a cam has the servo alone. Raises NoSolution as the stage dynamics does.
+    """
+    return tuple(_drive_effort(study, drive) for drive in _drives(study))
 
 
-def torque_figure(study: Study, found: tuple[Asked, ...]) -> Figure:
-    """Torque over the cam angle of all ways, with the peak and rms of each; a linear motor's force has a plot of its own."""
+def torque_figure(study: Study, efforts: tuple[DriveEffort, ...]) -> Figure:
+    """Torque of all drives over the cam angle, with peak and rms; the force of a linear motor has a separate plot."""
     x = np.append(study.angle_degrees, 360.0)
     plots: dict[str, list[PlotCurve]] = {}
-    for i, (way, each) in enumerate(zip(_ways(study), found, strict=True)):
-        values = way.torque(study)
-        label = f"{each.label}: peak {each.peak:.4g}, rms {each.rms:.4g}"
-        plots.setdefault(each.unit, []).append(PlotCurve(x, np.append(values, values[0]), label, i))
+    for i, (drive, effort) in enumerate(zip(_drives(study), efforts, strict=True)):
+        values = drive.torque(study)
+        label = f"{effort.label}: peak {effort.peak:.4g}, rms {effort.rms:.4g}"
+        plots.setdefault(effort.unit, []).append(PlotCurve(x, np.append(values, values[0]), label, i))
     return Figure(
         "cam_or_servo",
         "Cam or servo",
@@ -124,159 +137,185 @@ def torque_figure(study: Study, found: tuple[Asked, ...]) -> Figure:
 
 
 def field_plot(study: Study, rms: float) -> Plot:
-    """The working points of the servo's motor over a turn, torque over speed, within its peak and its rated torque up to its rated
-    speed; rms: of the torque, which the rated one bears."""
+    """Working points of the servo motor over a turn, torque over speed, within its peak and its rated torque up to its rated speed.
+
+    ``rms`` is the torque that the rated torque must exceed.
+    """
     servo = servo_part(study)
     linear = servo.kind == LINEAR
     speed, torque = servo_speed(study) * (1e3 if linear else 30.0 / pi), servo_torque(study)
-    fastest, most = float(np.abs(speed).max()), float(np.abs(torque).max())
+    fastest, largest = float(np.abs(speed).max()), float(np.abs(torque).max())
     width = servo.rated_rpm or fastest
     fields = [("Peak torque", servo.peak_torque_nm, 1), ("Rated torque", servo.rated_torque_nm, 2)]
     if servo.peak_torque_nm is None and servo.rated_torque_nm is None and servo.rated_rpm is not None:
-        fields = [("Rated speed", most, 1)]
+        fields = [("Rated speed", largest, 1)]
     edges = tuple(
-        PlotCurve(width * CORNERS[0], limit * CORNERS[1], label, row, dashed=True)
+        PlotCurve(width * RECTANGLE[0], limit * RECTANGLE[1], label, row, dashed=True)
         for label, limit, row in fields
         if limit is not None
     )
     loop = PlotCurve(np.append(speed, speed[0]), np.append(torque, torque[0]), "Working points")
-    level = PlotCurve(fastest * CORNERS[0], rms * CORNERS[1], f"rms {rms:.4g}", 3, dashed=True)
-    across, upwards = ("Speed, mm/s", "Force, N") if linear else ("Motor speed, rpm", "Motor torque, N·m")
-    return Plot(across, upwards, (loop, level, *edges))
+    level = PlotCurve(fastest * RECTANGLE[0], rms * RECTANGLE[1], f"rms {rms:.4g}", 3, dashed=True)
+    x_title, y_title = ("Speed, mm/s", "Force, N") if linear else ("Motor speed, rpm", "Motor torque, N·m")
+    return Plot(x_title, y_title, (loop, level, *edges))
 
 
-# -- keeping contact as text and as a table ---------------------------------------------------------------------
+# -- contact and lift-off ---------------------------------------------------------------------------------------
 
 
 CONTACT_RPM = math.pi / 30.0
-CONTACT_SPEEDS, CONTACT_BEYOND = (
-    40,
-    1.5,
-)  # of the map: how many, and up to which multiple of the design's speed or of that of lift-off
+CONTACT_SPEEDS, CONTACT_BEYOND = 40, 1.5  # speeds of the map, their range relative to the speed of design or lift-off
 
 
-def map_of(study: Study, theta: np.ndarray, top_rpm: float | None = None, speeds: int = CONTACT_SPEEDS) -> ContactMap:
-    """The contact force at cam angles (n,) [rad] and evenly spaced speeds up to one, usually somewhat above those that matter. Raises
-    NoSolution where there is no contact force that could be lost."""
+def contact_force_map(
+    study: Study, theta: np.ndarray, top_rpm: float | None = None, speeds: int = CONTACT_SPEEDS
+) -> ContactMap:
+    """Contact force over cam angle and speed.
+
+    Parameters
+    ----------
+    study : Study
+    theta : ndarray (n,) [rad]
+        Cam angles.
+    top_rpm : float, optional
+        Highest speed [rpm]; by default somewhat above the speeds of design and lift-off.
+    speeds : int
+        Number of equally spaced speeds.
+
+    Returns
+    -------
+    ContactMap
+
+    Raises
+    ------
+    NoSolution
+        There is no contact force that could be lost.
+    """
     return contact_map(
-        study.contact_force, theta, np.linspace(0.0, CONTACT_RPM * (top_rpm or usual_top(study)), speeds + 1)[1:]
+        study.contact_force, theta, np.linspace(0.0, CONTACT_RPM * (top_rpm or default_top_rpm(study)), speeds + 1)[1:]
     )
 
 
-def usual_top(study: Study) -> float:
-    """The highest speed of the map [rpm]."""
-    found, own = study.lift_off, abs(study.omega) / CONTACT_RPM
-    most = own if found is None else max(own, min(found.omega / CONTACT_RPM, 4.0 * own))
-    return float(f"{CONTACT_BEYOND * most:.2g}")
+def default_top_rpm(study: Study) -> float:
+    """Highest speed of the map [rpm]."""
+    lift_off, speed = study.lift_off, abs(study.omega) / CONTACT_RPM
+    highest = speed if lift_off is None else max(speed, min(lift_off.omega / CONTACT_RPM, 4.0 * speed))
+    return float(f"{CONTACT_BEYOND * highest:.2g}")
 
 
-def map_csv(found: ContactMap) -> str:
+def contact_map_csv(contact: ContactMap) -> str:
     """Rows of cam angle, speed and contact force, speed by speed."""
     text = StringIO()
     text.write("cam_angle_deg,speed_rpm,contact_force_n\n")
-    angles = [repr(x) for x in np.rad2deg(found.theta).tolist()]
-    for speed, row in zip((found.omega / CONTACT_RPM).tolist(), found.force.tolist(), strict=True):
+    angles = [repr(x) for x in np.rad2deg(contact.theta).tolist()]
+    for speed, row in zip((contact.omega / CONTACT_RPM).tolist(), contact.force.tolist(), strict=True):
         for angle, force in zip(angles, row, strict=True):
             text.write(f"{angle},{speed!r},{force!r}\n")
     return text.getvalue()
 
 
 def lift_off_lines(study: Study) -> list[str]:
-    """The speed from which the follower leaves the cam, in one line; none where it cannot leave it."""
+    """Speed from which the follower leaves the cam, in one line; empty where it cannot leave it."""
     try:
-        found = study.lift_off
+        lift_off = study.lift_off
     except NoSolution:
         return []
-    if found is None:
+    if lift_off is None:
         return ["The follower stays on the cam at any speed"]
-    if not found.omega:
-        return [
-            f"The follower is not pressed on the cam at {digits(math.degrees(found.theta))}°, even where the shaft stands still"
-        ]
-    return [
-        f"The follower leaves the cam from {digits(found.omega / CONTACT_RPM)} rpm on, at cam angle {digits(math.degrees(found.theta))}°"
-    ]
+    rpm, angle = digits(lift_off.omega / CONTACT_RPM), digits(math.degrees(lift_off.theta))
+    if not lift_off.omega:
+        return [f"No force presses the follower on the cam at {angle}°, even at standstill"]
+    return [f"The follower leaves the cam from {rpm} rpm on, at cam angle {angle}°"]
 
 
-def flight_lines(study: Study, found: Flights) -> list[str]:
-    """The flights as a table, and whether they repeat."""
-    if not found.flights:
+def flight_lines(study: Study, result: Flights) -> list[str]:
+    """Flights as a table, and whether they repeat."""
+    if not result.flights:
         return ["It does not fly at the design's speed"]
     unit = UNITS[study.program.motion.unit]
     rows: list[Sequence[str]] = [
         ("Flight", "leaves at °", "lands at °", f"height {unit.symbol}", f"lands with {unit.symbol}/s")
     ]
-    for i, one in enumerate(found.flights, 1):
-        ends = [digits(math.degrees(x)) if math.isfinite(x) else "not" for x in (one.lift, one.land)]
-        rows.append((str(i), *ends, digits(one.height / unit.factor), digits(one.speed / unit.factor)))
+    for i, flight in enumerate(result.flights, 1):
+        ends = [digits(math.degrees(x)) if math.isfinite(x) else "not" for x in (flight.lift, flight.land)]
+        rows.append((str(i), *ends, digits(flight.height / unit.factor), digits(flight.speed / unit.factor)))
     lines = columns(rows)
-    if found.steady:
-        again = "every turn" if found.turns == 1 else f"every {found.turns} turns"
-        lines.append(f"From flight {found.repeats + 1} on they repeat {again}")
+    if result.steady:
+        period = "every turn" if result.turns == 1 else f"every {result.turns} turns"
+        lines.append(f"From flight {result.repeats + 1} on they repeat {period}")
     else:
-        lines.append("They do not repeat within the turns that were followed")
+        lines.append("They do not repeat within the computed turns")
     return lines
 
 
-# -- the elastic follower as text, as figures and as a table ----------------------------------------------------
+# -- elastic follower -------------------------------------------------------------------------------------------
 
 
 SPECTRUM_RPM = UNITS["rpm"].factor
-SPECTRUM_SPEEDS, SPECTRUM_BEYOND = 200, 2.0  # of the spectrum: how many, and up to which multiple of the design's speed
+SPECTRUM_SPEEDS, SPECTRUM_BEYOND = 200, 2.0  # speeds of the spectrum, their range relative to the design's speed
 MM = 1e3
 
 
-def speeds_of(
+def spectrum_speeds(
     study: Study, low: float | None = None, high: float | None = None, count: int = SPECTRUM_SPEEDS
 ) -> np.ndarray:
-    """Evenly spaced speeds (count,) [rad/s] between two [rpm]; where these are not given up to a multiple of the design's."""
+    """Evenly spaced speeds between two speeds [rpm], by default up to a multiple of the design's speed.
+
+    Returns
+    -------
+    ndarray (count,) [rad/s]
+    """
     top = SPECTRUM_BEYOND * abs(study.omega) / SPECTRUM_RPM if high is None else high
     return np.linspace(top / count if low is None else low, top, count) * SPECTRUM_RPM
 
 
-def units_of(study: Study) -> tuple[tuple[str, float], ...]:
-    """Units in which a vibration is read, each with what one unit of the motion is in it: millimetres; where the motion turns those of
-    the roller's centre (or of the contact) along its path, and degrees too."""
+def vibration_units(study: Study) -> tuple[tuple[str, float], ...]:
+    """Units of a vibration, and their number in one unit of the motion.
+
+    For a rotating motion, millimetres of the roller's centre (or of the contact) along its path, and degrees.
+    """
     if study.program.motion.unit == "mm":
         return (("mm", MM),)
     return ("mm", study.elasticity.lever_arm * MM), ("deg", 1.0 / UNITS["deg"].factor)
 
 
-def elastic_rows(study: Study) -> dict[str, Any]:
-    """The figures of ``summary.json``: the one mass, and its residual vibration in each dwell; infinite where every turn adds to it.
-    Empty where the follower is rigid, or has no answer."""
+def elastic_figures(study: Study) -> dict[str, Any]:
+    """Figures of the elastic follower for ``summary.json``: equivalent mass, and residual vibration in each dwell.
+
+    Infinite where every turn increases the vibration; empty where the follower is rigid, or has no solution.
+    """
     try:
-        found, response = study.elasticity, study.follower_response
+        elasticity, response = study.elasticity, study.follower_response
     except NoSolution:
         return {}
-    one, turns = found.middle, 2.0 * math.pi
+    middle, full_turn = elasticity.middle, 2.0 * math.pi
     swings = study.program.motion.unit == "deg"
     mass, rate = ("mass_kg_m2", "nm_per_rad") if swings else ("mass_kg", "n_per_mm")
     factor = UNITS[rate].factor
     return {
-        "natural_hz": one.natural_frequency / turns,
-        "lowest_natural_hz": found.lowest / turns,
-        "highest_natural_hz": found.highest / turns,
-        mass: one.mass,
-        f"stiffness_{rate}": one.stiffness / factor,
-        f"closing_{rate}": one.closing / factor,
-        "damping_ratio": one.damping_ratio,
-        "periods_per_turn": one.natural_frequency / abs(study.omega),
+        "natural_hz": middle.natural_frequency / full_turn,
+        "lowest_natural_hz": elasticity.lowest / full_turn,
+        "highest_natural_hz": elasticity.highest / full_turn,
+        mass: middle.mass,
+        f"stiffness_{rate}": middle.stiffness / factor,
+        f"closing_{rate}": middle.closing / factor,
+        "damping_ratio": middle.damping_ratio,
+        "periods_per_turn": middle.natural_frequency / abs(study.omega),
         "residual": [
             {
-                "from_deg": math.degrees(each.dwell.start),
-                "to_deg": math.degrees(each.dwell.end),
-                **{f"from_rest_{unit}": each.from_rest * size for unit, size in units_of(study)},
-                **{f"steady_{unit}": each.steady * size for unit, size in units_of(study)},
+                "from_deg": math.degrees(residual.dwell.start),
+                "to_deg": math.degrees(residual.dwell.end),
+                **{f"from_rest_{unit}": residual.from_rest * size for unit, size in vibration_units(study)},
+                **{f"steady_{unit}": residual.steady * size for unit, size in vibration_units(study)},
             }
-            for each in response.residuals
+            for residual in response.residuals
         ],
     }
 
 
 def elastic_lines(study: Study) -> list[str]:
-    """Natural frequency, and the residual vibration in each dwell; none where the follower is rigid, or has no answer."""
-    figures = elastic_rows(study)
+    """Natural frequency and residual vibration in each dwell; empty where the follower is rigid, or has no solution."""
+    figures = elastic_figures(study)
     if not figures:
         return []
     spread = ""
@@ -288,7 +327,7 @@ def elastic_lines(study: Study) -> list[str]:
     ]  # fmt: skip
     if not figures["residual"]:
         return [*lines, "The motion has no dwell in which it could come to rest"]
-    units = [unit for unit, _ in units_of(study)]
+    units = [unit for unit, _ in vibration_units(study)]
     rows: list[Sequence[str]] = [
         (
             "Vibration in the dwell",
@@ -296,37 +335,41 @@ def elastic_lines(study: Study) -> list[str]:
             *(f"{word} {UNITS[unit].symbol}" for word in ("from rest", "steady") for unit in units),
         )
     ]
-    for each in figures["residual"]:
-        values = (each[f"{word}_{unit}"] for word in ("from_rest", "steady") for unit in units)
+    for residual in figures["residual"]:
+        values = (residual[f"{word}_{unit}"] for word in ("from_rest", "steady") for unit in units)
         rows.append(
-            (f"from {digits(each['from_deg'])} °", digits(each["to_deg"]), *(digits(value, 4) for value in values))
+            (
+                f"from {digits(residual['from_deg'])} °",
+                digits(residual["to_deg"]),
+                *(digits(value, 4) for value in values),
+            )
         )
     return [*lines, *columns(rows)]
 
 
-def spectrum_table(study: Study, found: Spectrum) -> dict[str, np.ndarray]:
-    """The spectrum by columns, in their units: per dwell the residual from rest and steady, then the largest |z - s| and |z̈| of
-    both; infinite where there is no steady response."""
+def spectrum_table(study: Study, spectrum: Spectrum) -> dict[str, np.ndarray]:
+    """Columns of the spectrum: residuals of each dwell from rest and steady, then the largest |z - s| and |z̈| of both.
+
+    Returns
+    -------
+    dict of str to ndarray (n,) [units in the names]
+        Infinite where there is no steady response.
+    """
     unit = study.program.motion.unit
-    rows: dict[str, np.ndarray] = {"speed_rpm": found.omega / SPECTRUM_RPM}
-    for word, residual in zip(("", "steady_"), found.residual, strict=True):
+    rows: dict[str, np.ndarray] = {"speed_rpm": spectrum.omega / SPECTRUM_RPM}
+    for word, residual in zip(("", "steady_"), spectrum.residual, strict=True):
         for i, amplitude in enumerate(residual, 1):
-            rows |= {f"{word}residual{i}_{name}": amplitude * size for name, size in units_of(study)}
-    for word, error, acceleration in zip(("", "steady_"), found.error, found.acceleration, strict=True):
+            rows |= {f"{word}residual{i}_{name}": amplitude * size for name, size in vibration_units(study)}
+    for word, error, acceleration in zip(("", "steady_"), spectrum.error, spectrum.acceleration, strict=True):
         scale = UNITS[unit].factor
         rows[f"{word}largest_error_{unit}"] = error / scale
         rows[f"{word}largest_acceleration_{unit}_s2"] = acceleration / scale
     return rows
 
 
-def unit_of(column: str) -> Unit:
-    """The unit of a column."""
-    return split_unit(column)[1]
-
-
-def spectrum_csv(study: Study, found: Spectrum) -> str:
-    """A row for each speed; a figure that is not finite is left empty."""
-    table, text = spectrum_table(study, found), StringIO()
+def spectrum_csv(study: Study, spectrum: Spectrum) -> str:
+    """Spectrum as CSV, a row for each speed; infinite values are empty."""
+    table, text = spectrum_table(study, spectrum), StringIO()
     text.write(",".join(table) + "\n")
     for row in zip(*(column.tolist() for column in table.values()), strict=True):
         text.write(",".join(repr(value) if math.isfinite(value) else "" for value in row) + "\n")

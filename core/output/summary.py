@@ -1,4 +1,4 @@
-"""The figures of a design in the units of the tables: extremes, joins, torque, flywheel, findings, certificate."""
+"""Figures of a design in the units of the tables: extremes, joins, torque, flywheel, findings, certificate."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from core.findings import Finding, Residual
 from core.mechanism.branches import four_bar
 from core.motion.extremes import Extremes
 from core.output.channels import channels, has_cycle, motion_cycle
-from core.output.subject_files import SERVO, Asked, asked, elastic_rows
+from core.output.subject_files import SERVO, DriveEffort, drive_efforts, elastic_figures
 from core.shaft import Flywheel, peaks
 from core.study import Camshaft, Study, certificate_of, extremes_of, findings_of, quantities_of, roller_lives
 from core.study.cam_checks import limit_rows
@@ -30,27 +30,29 @@ if TYPE_CHECKING:  # no design without a flexible shaft loads it
 
 
 def summary(study: Study, stages: Sequence[str] = (), without: frozenset[str] = frozenset()) -> dict[str, Any]:
-    """The figures of ``summary.json`` for the named stages (all, where none is named); ``stability`` where the shaft is flexible; without:
-    quantities that are left out."""
-    wanted = tuple(stages) or study.stages
+    """Figures of ``summary.json`` for the named stages, or for all; ``stability`` where the shaft is flexible.
+
+    ``without`` lists quantities to omit.
+    """
+    selected = tuple(stages) or study.stages
     if study.design.listed:
-        kind, own = "shaft", _of_camshaft(study, wanted)
+        kind, figures = "shaft", _shaft_figures(study, selected)
     else:
         table = study.design.drive.table
-        kind, own = "cam" if table == "follower" else study.kind, _of_drive(study, wanted, without)
-    shaft = stability(study) if "stability" in wanted else {}
+        kind, figures = "cam" if table == "follower" else study.kind, _drive_figures(study, selected, without)
+    shaft = stability(study) if "stability" in selected else {}
     return {
         "name": study.design.name,
         "kind": kind,
         "assumed": list(study.design.assumed),
-        **own,
+        **figures,
         **({"stability": shaft} if shaft else {}),
-        "findings": finding_rows(findings_of(study, wanted)),
-        "certificate": residual_rows(certificate_of(study, wanted)),
+        "findings": finding_rows(findings_of(study, selected)),
+        "certificate": residual_rows(certificate_of(study, selected)),
     }
 
 
-def _of_drive(study: Study, stages: Sequence[str], without: frozenset[str]) -> dict[str, Any]:
+def _drive_figures(study: Study, stages: Sequence[str], without: frozenset[str]) -> dict[str, Any]:
     linkage = study.linkage if {"linkage", "cam", "dynamics"} & set(stages) else None
     return {
         "base": {}
@@ -64,12 +66,12 @@ def _of_drive(study: Study, stages: Sequence[str], without: frozenset[str]) -> d
         **({"servo": servo(study)} if "dynamics" in stages and has_servo(study.design) and study.jam is None else {}),
         **({"cycle": cycle(study)} if has_cycle(study) else {}),
         **({"rolling_life": rolling_life(study)} if "dynamics" in stages and roller_lives(study) else {}),
-        **({"elastic_follower": elastic_rows(study)} if "dynamics" in stages and study.is_elastic else {}),
+        **({"elastic_follower": elastic_figures(study)} if "dynamics" in stages and study.is_elastic else {}),
     }
 
 
-def _of_camshaft(study: Study, stages: Sequence[str]) -> dict[str, Any]:
-    """By machine angle."""
+def _shaft_figures(study: Study, stages: Sequence[str]) -> dict[str, Any]:
+    """Figures of several drives, by machine angle."""
     camshaft, dynamics = study.camshaft, "dynamics" in stages
     return {
         "base": {},
@@ -82,11 +84,13 @@ def _of_camshaft(study: Study, stages: Sequence[str]) -> dict[str, Any]:
 
 
 def servo(study: Study) -> dict[str, Any]:
-    """What the servo's motor does in a turn; of a linear one forces [N]. Braking energy is recovered where the motor regenerates."""
+    """Figures of the servo over a turn; forces [N] for a linear motor. Braking energy is recovered by a regenerating motor."""
     row, turn = servo_part(study), servo_turn(study)
     unit, name = ("n", "servo_force") if row.kind == LINEAR else ("nm", "servo_torque")
-    found = extremes_of(study, "dynamics", (name, "servo_power"))
-    peak, power = (max(abs(found[each].low.value), abs(found[each].high.value)) for each in (name, "servo_power"))
+    ranges = extremes_of(study, "dynamics", (name, "servo_power"))
+    peak, power = (
+        max(abs(ranges[row_name].low.value), abs(ranges[row_name].high.value)) for row_name in (name, "servo_power")
+    )
     return {
         f"rms_{unit}": turn.rms,
         f"peak_{unit}": peak,
@@ -94,44 +98,44 @@ def servo(study: Study) -> dict[str, Any]:
         "energy_j": turn.given,
         "recovered_j": turn.braked if row.regenerates else 0.0,
         "inertia_ratio": turn.inertia_ratio,
-        **{way.way: _shaft_figures(way) for way in asked(study) if way.way != SERVO},
+        **{effort.drive: _effort_figures(effort) for effort in drive_efforts(study) if effort.drive != SERVO},
         "parts": [
-            {"segment": each.segment, "energy_j": each.given, "recovered_j": each.braked if row.regenerates else 0.0}
-            for each in turn.parts
+            {"segment": part.segment, "energy_j": part.given, "recovered_j": part.braked if row.regenerates else 0.0}
+            for part in turn.parts
         ],
     }
 
 
 def cycle(study: Study) -> dict[str, Any]:
-    """What a motion that no cam makes does in a turn; energy: without recovery, and what is left of it where all braking is recovered."""
-    found, unit = motion_cycle(study), study.design.drive.motion_unit
-    row: dict[str, Any] = {f"mean_speed_{unit}_s": found.mean_speed}
+    """Figures of a turn of a motion without a cam; energy without recovery, and less all recovered braking energy."""
+    result, unit = motion_cycle(study), study.design.drive.motion_unit
+    row: dict[str, Any] = {f"mean_speed_{unit}_s": result.mean_speed}
     row["stops"] = [
-        {"cam_angle_deg": s.at_deg, f"position_{unit}": s.position, f"error_{unit}": s.error} for s in found.stops
+        {"cam_angle_deg": s.at_deg, f"position_{unit}": s.position, f"error_{unit}": s.error} for s in result.stops
     ]
-    if found.work is not None:
+    if result.work is not None:
         rms = "rms_n" if unit == "mm" else "rms_nm"
         row |= {
-            rms: found.work.rms,
-            "energy_j": found.work.given,
-            "energy_with_recovery_j": found.work.given - found.work.braked,
+            rms: result.work.rms,
+            "energy_j": result.work.given,
+            "energy_with_recovery_j": result.work.given - result.work.braked,
         }
     return row
 
 
-def _shaft_figures(way: Asked) -> dict[str, float]:
-    """What a cam asks of its shaft for the same motion, beside the servo's figures."""
+def _effort_figures(effort: DriveEffort) -> dict[str, float]:
+    """Effort of a cam for the same motion, to compare with the servo."""
     return {
-        "rms_nm": way.rms,
-        "peak_nm": way.peak,
-        "peak_power_w": way.peak_power,
-        "energy_j": way.given,
-        "recovered_j": way.braked,
+        "rms_nm": effort.rms,
+        "peak_nm": effort.peak,
+        "peak_power_w": effort.peak_power,
+        "energy_j": effort.given,
+        "recovered_j": effort.braked,
     }
 
 
 def finding_rows(findings: Iterable[Finding]) -> list[dict[str, Any]]:
-    """Findings, each with its sentence."""
+    """Findings as data, with their sentences."""
     return [
         {
             "code": f.code,
@@ -146,19 +150,21 @@ def finding_rows(findings: Iterable[Finding]) -> list[dict[str, Any]]:
 
 
 def residual_rows(proof: Mapping[str, Residual]) -> dict[str, Any]:
-    """A certificate by name."""
+    """A certificate as data, by name."""
     return {name: {"value": r.value, "bound": r.bound, "left_out": r.left_out} for name, r in proof.items()}
 
 
-def range_row(found: Extremes, factor: float) -> dict[str, Any]:
-    """Lowest and highest in the channel's unit, each with its angle."""
-    sides = (("min", found.low), ("max", found.high))
+def range_row(extreme_values: Extremes, factor: float) -> dict[str, Any]:
+    """Lowest and highest value in the channel's unit, with their angles."""
+    sides = (("min", extreme_values.low), ("max", extreme_values.high))
     return {side: {"value": e.value / factor + 0.0, "cam_angle_deg": math.degrees(e.theta)} for side, e in sides}
 
 
 def joins(study: Study) -> list[dict[str, float]]:
-    """Every join of segments: cam angle and the jumps of s, v, a, j there, per radian of cam angle and in the
-    motion's unit; what is rounding counts as 0. None where no motion is asked for."""
+    """Joins of segments: cam angle and the jumps of s, v, a, j, per radian of cam angle and in the motion's unit.
+
+    Rounding counts as 0; empty without a motion.
+    """
     if "motion" not in study.stages:
         return []
     scale = study.program.motion.scale
@@ -170,8 +176,10 @@ def joins(study: Study) -> list[dict[str, float]]:
 
 
 def extremes(study: Study, stages: Iterable[str], without: frozenset[str] = frozenset()) -> dict[str, Any]:
-    """Refined extremes of every channel of the named stages, in the channel's own unit; no forces where a guide jams; without:
-    quantities that are left out."""
+    """Refined extremes of the channels of the named stages, in their units; no forces where a guide jams.
+
+    ``without`` lists quantities to omit.
+    """
     rows = {}
     for stage in stages:
         if stage == "dynamics" and study.jam is not None:
@@ -184,7 +192,7 @@ def extremes(study: Study, stages: Iterable[str], without: frozenset[str] = froz
 
 
 def limits(study: Study, stages: Sequence[str]) -> list[dict[str, Any]]:
-    """The figures of a cam beside their limits: the user's own, else the usual one with its source, null where there is none."""
+    """Figures of a cam with their limits: those of the user, else typical limits with their source, null without a limit."""
     return [
         {
             "name": row.name,
@@ -198,23 +206,25 @@ def limits(study: Study, stages: Sequence[str]) -> list[dict[str, Any]]:
 
 
 def rolling_life(study: Study) -> list[dict[str, Any]]:
-    """Of every roller whose load rating is stated: equivalent load, mean speed about its own axis, L10; null where nothing loads it."""
+    """Rollers with a load rating: equivalent load, mean speed about their axis, L10; null where nothing loads them."""
     return [
         {
-            "roller": each.roller,
-            "million_turns": each.million_turns,
-            "hours": each.hours,
-            "load_n": each.load,
-            "mean_rpm": each.rpm,
+            "roller": life.roller,
+            "million_turns": life.million_turns,
+            "hours": life.hours,
+            "load_n": life.load,
+            "mean_rpm": life.rpm,
         }
-        for each in roller_lives(study)
+        for life in roller_lives(study)
     ]
 
 
 def flywheel(study: Study) -> dict[str, float | None]:
-    """Sizing by the true speed and the estimate by energy, and what the flywheel fitted makes of the speed: (max - min)/mean, lowest
-    and highest, null where the motor stalls; of drives that are listed the motor's greatest power, too. Empty where there is no motor
-    torque at all: for linkages that no crank drives, where a guide jams, and where a drive is missing."""
+    """Figures of the flywheel: sizes by the true speed and by the energy estimate, and the speed with the fitted one.
+
+    Fluctuation is (max - min)/mean; null where the motor stalls. Listed drives also give the motor's peak power. Empty without
+    motor torque: for linkages without a crank, where a guide jams, and where a drive fails.
+    """
     if study.design.listed:
         if not is_complete(study.camshaft):
             return {}
@@ -226,7 +236,7 @@ def flywheel(study: Study) -> dict[str, float | None]:
 
 
 def flywheel_figures(wheel: Flywheel) -> dict[str, float | None]:
-    """The same of any shaft."""
+    """Figures of the flywheel of a shaft."""
     low, high = (speed / UNITS["rpm"].factor for speed in wheel.speed_range) if wheel.runs else (None, None)
     return {
         "mean_torque_nm": wheel.mean_torque,
@@ -240,7 +250,7 @@ def flywheel_figures(wheel: Flywheel) -> dict[str, float | None]:
 
 
 def mechanism(study: Study) -> dict[str, Any]:
-    """Mobility, ranges of the driver, change points, and the kind of four-bar where it holds one."""
+    """Mobility, ranges of the driver, change points, and the kind of a four-bar."""
     driver_ranges, linkage = study.driver_ranges, study.design.drive.linkage
     unit = UNITS["deg" if driver_ranges.plan.driver.revolute else "mm"]
     suffix = "deg" if driver_ranges.plan.driver.revolute else "mm"
@@ -267,7 +277,7 @@ def mechanism(study: Study) -> dict[str, Any]:
 
 
 def verdict_rows(verdicts: Sequence[Verdict]) -> list[dict[str, Any]]:
-    """What each model says of a point of the chart."""
+    """Verdicts of the models on a point of the chart."""
     return [
         {
             "model": verdict.model,
@@ -284,7 +294,7 @@ def verdict_rows(verdicts: Sequence[Verdict]) -> list[dict[str, Any]]:
 
 
 def steady(turn: SteadyTurn) -> dict[str, Any]:
-    """What the steady response of a flexible shaft does to shaft and followers; angles are those of its input."""
+    """Steady response of a flexible shaft and its followers; angles are those of its input."""
     degree = UNITS["deg"].factor
     return {
         "wind_up_deg": range_row(turn.wind_up_range, degree),
@@ -292,14 +302,14 @@ def steady(turn: SteadyTurn) -> dict[str, Any]:
         "mean_shaft_torque_nm": turn.mean_torque,
         "shaft_torque_amplitude_nm": turn.torque_amplitude,
         "follower_error": [
-            {"drive": each.name or None, "unit": each.unit, **range_row(found, UNITS[each.unit].factor)}
-            for each, found in zip(turn.followers, turn.errors, strict=True)
+            {"drive": follower.name or None, "unit": follower.unit, **range_row(errors, UNITS[follower.unit].factor)}
+            for follower, errors in zip(turn.followers, turn.errors, strict=True)
         ],
     }
 
 
 def _needed_stiffness(study: Study, shaft: Stability) -> dict[str, Any] | None:
-    """What the design's speed asks of the shaft; None where it swings so often in a turn that tongues are not looked for there."""
+    """Stiffness that the design's speed requires; None beyond the tongues that are computed."""
     try:
         needed = shaft.stiffness_for(study.design.camshaft.speed_rpm)
     except NoStability:
@@ -312,8 +322,10 @@ def _needed_stiffness(study: Study, shaft: Stability) -> dict[str, Any] | None:
 
 
 def stability(study: Study) -> dict[str, Any]:
-    """The shaft's place in the chart, the forbidden bands of speed, what each model says, the stiffness the speed needs;
-    empty where there is no ``shaft_in_chart``."""
+    """Point of the shaft in the chart, forbidden bands of speed, verdicts of the models, required stiffness.
+
+    Empty where there is no ``shaft_in_chart``.
+    """
     shaft = shaft_in_chart(study)
     if shaft is None:
         return {}
@@ -344,7 +356,7 @@ def stability(study: Study) -> dict[str, Any]:
     }
 
 
-# -- of several drives on a shaft --------------------------------------------------------------------------
+# -- several drives on a shaft -----------------------------------------------------------------------------
 
 
 def _drives(camshaft: Camshaft[Study]) -> list[dict[str, Any]]:
@@ -380,13 +392,13 @@ def _timing(design: Design) -> list[dict[str, Any]]:
 
 
 def _camshaft_extremes(camshaft: Camshaft[Study]) -> dict[str, Any]:
-    """Of the columns of ``shaft.csv``; ``cam_angle_deg`` is the machine angle there."""
-    found = {
+    """Extremes of the columns of ``shaft.csv``; their ``cam_angle_deg`` is the machine angle."""
+    loads = {
         f"{camshaft.slugs[name]}_torque_nm": peaks(camshaft.drive_load(name))
         for name in camshaft.loading_drives
         if name not in camshaft.failures
     }
-    rows = {key: range_row(each, 1.0) for key, each in found.items()}
+    rows = {key: range_row(load, 1.0) for key, load in loads.items()}
     if is_complete(camshaft):
         rows = {"torque_nm": range_row(camshaft.peaks, 1.0), **rows}
     if has_speed(camshaft):
@@ -399,8 +411,7 @@ def _camshaft_extremes(camshaft: Camshaft[Study]) -> dict[str, Any]:
 
 
 def torque(camshaft: Camshaft[Study]) -> dict[str, float]:
-    """Mean, root mean square, greatest size with its machine angle, and peak power, at constant speed; empty where a drive is
-    missing."""
+    """Mean, root mean square, peak with its machine angle, and peak power at constant speed; empty where a drive fails."""
     if not is_complete(camshaft):
         return {}
     peak = camshaft.peak_torque
@@ -413,11 +424,11 @@ def torque(camshaft: Camshaft[Study]) -> dict[str, float]:
     }
 
 
-# -- as text -----------------------------------------------------------------------------------------------
+# -- JSON --------------------------------------------------------------------------------------------------
 
 
 def to_json(data: Any) -> str:
-    """As text; JSON has no infinity, and null stands for it and for what has no value. No minus zero."""
+    """Data as JSON text: null for infinity and missing values, no minus zero."""
     return json.dumps(_finite(data), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 

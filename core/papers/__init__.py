@@ -1,6 +1,6 @@
-"""What four papers say, held against what comes out here: one table of claims, and the figures and tables they belong to.
+"""Claims of four papers, compared with the results here, and the figures and tables to which they belong.
 
-Every verdict is a function of numbers, and every number one of a study of an example file.
+Every verdict is a function of numbers, and every number is computed from a study of an example file.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ __all__ = [
 
 @frozen
 class Paper:
-    """slug: the room with its rows; label, as a list shows it; title, in full."""
+    """A paper: slug of its module, label in a list, and full title."""
 
     slug: str
     label: str
@@ -40,7 +40,7 @@ class Paper:
 
     @property
     def rows(self) -> tuple[Row, ...]:
-        """In the order of the paper."""
+        """Rows of claims in the order of the paper."""
         rows: tuple[Row, ...] = import_module(f"core.papers.{self.slug}").ROWS
         return rows
 
@@ -59,6 +59,6 @@ PAPERS: Mapping[str, Paper] = MappingProxyType({paper.slug: paper for paper in _
 
 
 def claims(paper: str, examples: Examples | None = None) -> tuple[Claim, ...]:
-    """The rows of a paper in its order, each computed when it is read. Raises KeyError for a paper there is none of."""
-    there = Examples() if examples is None else examples
-    return tuple(Claim(paper, row, there) for row in PAPERS[paper].rows)
+    """Claims of a paper in its order, each computed at its first access. Raises KeyError for an unknown paper."""
+    shared = Examples() if examples is None else examples
+    return tuple(Claim(paper, row, shared) for row in PAPERS[paper].rows)

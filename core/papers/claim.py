@@ -1,4 +1,4 @@
-"""One statement of a paper against the numbers that come out here; its verdict follows from these numbers alone."""
+"""A statement of a paper and the numbers computed here; its verdict is a function of these numbers."""
 
 from __future__ import annotations
 
@@ -22,47 +22,47 @@ if TYPE_CHECKING:
     from core.stability import Chart
 
 
-# -- the example files that the claims and figures of the papers are computed of, each studied once -------------
-
+# -- example files, each studied once ---------------------------------------------------------------------------
 
 SAMPLES = 720  # of a turn
 NONE: Mapping[str, Design] = MappingProxyType({})
 
 
 class Examples:
-    """Studies of the examples by the names of their files; ``designs``: others in their places."""
+    """Studies of the examples by the names of their files; ``designs`` replaces some of these."""
 
     def __init__(self, designs: Mapping[str, Design] = NONE) -> None:
         self._designs = dict(designs)
-        self._made: dict[Hashable, Any] = {}
+        self._cache: dict[Hashable, Any] = {}
 
     def design(self, name: str) -> Design:
+        """Design of an example."""
         if name not in self._designs:
             self._designs[name] = load(resources() / "examples" / f"{name}.toml")
         return self._designs[name]
 
     def study(self, name: str) -> Study:
-        """Of a design."""
+        """Study of an example."""
         study: Study = self.once(("study", name), lambda: Study(self.design(name), SAMPLES))
         return study
 
     def shaft(self, name: str) -> Camshaft[Study]:
-        """What all drives of a design do together."""
+        """Camshaft of an example with all its drives."""
         return self.study(name).camshaft
 
     @property
-    def made(self) -> frozenset[Hashable]:
-        """The keys of what is there already."""
-        return frozenset(self._made)
+    def cached_keys(self) -> frozenset[Hashable]:
+        """Keys of the results that are already computed."""
+        return frozenset(self._cache)
 
-    def once(self, key: Hashable, make: Callable[[], Any]) -> Any:
-        """What several claims need, made for the first of them."""
-        if key not in self._made:
-            self._made[key] = make()
-        return self._made[key]
+    def once(self, key: Hashable, compute: Callable[[], Any]) -> Any:
+        """Result that several claims share, computed at its first use."""
+        if key not in self._cache:
+            self._cache[key] = compute()
+        return self._cache[key]
 
 
-# -- A figure or table of a paper -------------------------------------------------------------------------------
+# -- figures and tables of a paper ------------------------------------------------------------------------------
 
 
 Column: TypeAlias = "np.ndarray | tuple[str, ...]"
@@ -70,7 +70,7 @@ Column: TypeAlias = "np.ndarray | tuple[str, ...]"
 
 @frozen(eq=False)
 class FigureTable:
-    """Columns of numbers or of words, all as long as each other; ``title`` stands above it where it is painted."""
+    """Columns of numbers or words of equal length; ``title`` is its heading in an image."""
 
     names: tuple[str, ...]
     columns: tuple[Column, ...]
@@ -78,13 +78,26 @@ class FigureTable:
 
     @property
     def rows(self) -> Iterator[tuple[Any, ...]]:
+        """Rows of the table."""
         return zip(*(column if isinstance(column, tuple) else column.tolist() for column in self.columns), strict=True)
 
 
 @frozen(eq=False)
 class MechanismPicture:
-    """A mechanism at one angle of its cam or crank [deg], with layers of its drawing, and without some that are usual; step: of the
-    circle diagram."""
+    """A mechanism at one angle of its cam or crank [deg].
+
+    Attributes
+    ----------
+    study : Study
+    angle_deg : float
+    layers : tuple of str
+        Additional layers of the drawing.
+    step : int or None
+        Step of the circle diagram.
+    title : str
+    without : tuple of str
+        Default layers that are left out.
+    """
 
     study: Study
     angle_deg: float
@@ -96,9 +109,9 @@ class MechanismPicture:
 
 @frozen(eq=False)
 class MechanismRow:
-    """Mechanisms beside each other, each under its own title, in rows of so many."""
+    """Mechanisms in rows of ``columns``, each below its own title."""
 
-    posed: tuple[MechanismPicture, ...]
+    mechanisms: tuple[MechanismPicture, ...]
     columns: int
     title: str = ""
 
@@ -126,11 +139,18 @@ Drawing: TypeAlias = "FigureTable | Figure | Chart | MechanismPicture | Mechanis
 
 @frozen(eq=False)
 class PaperFigure:
-    """One figure or table.
+    """A figure or table of a paper.
 
-    name      of its files; title, above its picture
-    table     its numbers
-    drawing   what is painted; None: the table
+    Attributes
+    ----------
+    name : str
+        Name of its files.
+    title : str
+        Heading of its image.
+    table : callable
+        Its numbers, from the examples.
+    drawing : callable or None
+        Its image, from the examples; None: the table.
     """
 
     name: str
@@ -152,7 +172,7 @@ class PlotLine(NamedTuple):
 
 
 class Lines(NamedTuple):
-    """A plot of columns by the first one, closed at 360°; what is not there has no line, and a plot without one is left out."""
+    """A plot of columns by the first one, closed at 360°; columns that do not exist are left out, and so is an empty plot."""
 
     axis: str
     lines: tuple[PlotLine, ...]
@@ -165,43 +185,53 @@ Marks: TypeAlias = "tuple[tuple[float, str], ...]"
 
 
 def closed(column: np.ndarray) -> np.ndarray:
-    """A column (n,) over one turn with its first value at the end (n + 1,)."""
+    """Append the first value of a column over one turn to its end.
+
+    Parameters
+    ----------
+    column : ndarray (n,), dimensionless
+        The result has its unit.
+
+    Returns
+    -------
+    ndarray (n + 1,), dimensionless
+    """
     return np.append(column, column[:1])
 
 
 def by_angle(columns: Columns, plots: Iterable[Lines], marks: Marks = ()) -> tuple[Plot, ...]:
-    """The plots of some columns, of which the first is the cam angle [deg]; marks: of the first plot."""
+    """Plots of columns over the first one, the cam angle [deg]; marks: of the first plot."""
     degrees = np.append(next(iter(columns.values())), 360.0)
-    made: list[Plot] = []
-    for each in plots:
-        there = [line for line in each.lines if line.column in columns]
+    result: list[Plot] = []
+    for plot in plots:
+        present = [line for line in plot.lines if line.column in columns]
         curves = tuple(
             PlotCurve(degrees, closed(columns[line.column]), line.label, i, line.dashed, line.family)
-            for i, line in enumerate(there)
+            for i, line in enumerate(present)
         )
         if curves:
-            made.append(Plot(CAM_ANGLE, each.axis, curves, () if made else marks, quiet=each.quiet, fit=each.fit))
-    return tuple(made)
+            result.append(Plot(CAM_ANGLE, plot.axis, curves, () if result else marks, quiet=plot.quiet, fit=plot.fit))
+    return tuple(result)
 
 
-def plotted(
+def plot_figure(
     name: str, title: str, table: Callable[[Examples], FigureTable], plots: Callable[[Examples], tuple[Plot, ...]]
 ) -> PaperFigure:
-    """Of plots."""
+    """Figure of plots."""
     return PaperFigure(name, title, table, lambda examples: Figure(name, title, plots(examples)))
 
 
-def of_columns(name: str, title: str, columns: Callable[[Examples], Columns], *plots: Lines) -> PaperFigure:
-    """Whose columns are its table and its plots."""
-    return plotted(name, title, lambda e: table_by_column(columns(e)), lambda e: by_angle(columns(e), plots))
+def column_figure(name: str, title: str, columns: Callable[[Examples], Columns], *plots: Lines) -> PaperFigure:
+    """Figure whose columns are both its table and its plots."""
+    return plot_figure(name, title, lambda e: table_by_column(columns(e)), lambda e: by_angle(columns(e), plots))
 
 
 def table_by_column(columns: Columns) -> FigureTable:
-    """A table of columns, name -> values."""
+    """Table of columns, name -> values."""
     return FigureTable(tuple(columns), tuple(columns.values()))
 
 
-def posed_sheet(
+def mechanism_figure(
     name: str,
     title: str,
     example: str,
@@ -211,7 +241,7 @@ def posed_sheet(
     step: int | None = None,
     without: tuple[str, ...] = (),
 ) -> PaperFigure:
-    """Of an example at one angle."""
+    """Figure of an example's mechanism at one angle."""
     return PaperFigure(
         name,
         title,
@@ -228,18 +258,19 @@ WORDS = {
     "velocity_off": "velocity off, mm/s", "acceleration_off": "acceleration off, mm/s²",
     "velocity_jump": "largest jump of velocity, of its largest", "acceleration_jump": "largest jump of acceleration, of its largest",
     "constant": "constant acceleration, mm/°²", "span": "over a span of, °", "crank_pin": "crank pin's velocity, cm/s",
-    "own": "link 3 of the example, cm", "asked": "link 3 for a rocker at 60°, cm", "rocker": "rocker with link 3 as printed, °",
+    "own": "link 3 of the example, cm", "required": "link 3 for a rocker at 60°, cm",
+    "rocker": "rocker with link 3 as printed, °",
     "omega_3": "ω3 with link 3 as printed, rpm", "own_omega_3": "ω3 of the example, rpm", "symbol": "symbol as printed",
     "needed": "what belongs there", "known": "value of", "factor": "a of the softest spring", "times": "1/X'm², 1/m²",
     "acceleration": "largest acceleration a thousandth above the lower end, mm/°²",
-    "errors": "findings that are errors", "cutter": "largest cutter radius, mm", "gap": "profile's ends apart, mm", "kept": "proofs kept",
-    "proofs": "proofs",
+    "errors": "findings that are errors", "cutter": "largest cutter radius, mm", "gap": "distance of the profile's ends, mm",
+    "passed": "proofs satisfied", "proofs": "proofs",
 }  # fmt: skip
-"""Names of numbers -> what they are, with their unit, where the table of a claim is of these."""
+"""Names of numbers -> title with unit, in the table of a claim's numbers."""
 
 
-def table_of(numbers: Mapping[str, Any], title: str = "") -> FigureTable:
-    """The numbers of a claim, one a line; parts of tuples and arrays are numbered from 1."""
+def numbers_table(numbers: Mapping[str, Any], title: str = "") -> FigureTable:
+    """Table of a claim's numbers, one in each line; parts of tuples and arrays are numbered from 1."""
     rows = [row for name, value in numbers.items() for row in _lines(WORDS.get(name, name.replace("_", " ")), value)]
     return FigureTable(
         ("quantity", "value"), tuple(tuple(str(part) for part in column) for column in zip(*rows, strict=True)), title
@@ -248,14 +279,14 @@ def table_of(numbers: Mapping[str, Any], title: str = "") -> FigureTable:
 
 def _lines(name: str, value: Any) -> Iterator[tuple[str, str]]:
     if isinstance(value, tuple) and hasattr(value, "_asdict"):
-        for part, each in value._asdict().items():
-            yield from _lines(f"{name}, {part}", each)
+        for part, content in value._asdict().items():
+            yield from _lines(f"{name}, {part}", content)
     elif isinstance(value, Mapping):
-        for part, each in value.items():
-            yield from _lines(f"{name}, {part}", each)
+        for part, content in value.items():
+            yield from _lines(f"{name}, {part}", content)
     elif isinstance(value, np.ndarray | list | tuple):
-        for i, each in enumerate(value, 1):
-            yield from _lines(f"{name} {i}", each)
+        for i, content in enumerate(value, 1):
+            yield from _lines(f"{name} {i}", content)
     elif hasattr(value, "__dataclass_fields__"):
         for part in value.__dataclass_fields__:
             yield from _lines(f"{name}, {part}", getattr(value, part))
@@ -265,14 +296,13 @@ def _lines(name: str, value: Any) -> Iterator[tuple[str, str]]:
         yield name, "" if value is None else str(value)
 
 
-# -- one statement of a paper against the numbers that come out here --------------------------------------------
-
+# -- claims and verdicts ----------------------------------------------------------------------------------------
 
 AGREES, DIFFERS, MISPRINT, METHOD, CONVENTION = "agrees", "differs", "misprint", "method", "convention"
 LIMIT, ROUNDED, CONTRADICTION, AS_SCANNED = "limit", "rounded", "contradiction", "as-scanned"
 VERDICTS: Mapping[str, str] = MappingProxyType({
-    AGREES: "what comes out here is what the paper says",
-    DIFFERS: "what comes out here is something else",
+    AGREES: "the result here is that of the paper",
+    DIFFERS: "the result here is different",
     MISPRINT: "wrong as the text reads",
     METHOD: "an error of the authors' reasoning",
     CONVENTION: "right in its own convention of signs",
@@ -281,7 +311,7 @@ VERDICTS: Mapping[str, str] = MappingProxyType({
     CONTRADICTION: "the paper against itself",
     AS_SCANNED: "wrong as the text reads, in dots, primes, indices, ρ or j that the scan may have lost",
 })  # fmt: skip
-"""Kind of verdict -> what it means."""
+"""Kind of verdict -> its meaning."""
 
 Numbers = Mapping[str, Any]
 Judgement = tuple[str, str]
@@ -291,13 +321,20 @@ Judge = Callable[..., Judgement]
 
 @frozen(eq=False)
 class Row:
-    """One row of a paper's table.
+    """A row of a paper's table.
 
-    where, says  the place and what stands there
-    numbers      what is computed of the examples: all that verdict and sentence depend on
-    judge        plain function of these numbers
-    example      the file that it is about
-    sheet        the figure or table that it belongs to; None: its own numbers are the table
+    Attributes
+    ----------
+    where, says : str
+        Position in the paper, and its statement.
+    numbers : callable
+        Numbers computed from the examples, on which verdict and sentence depend.
+    judge : callable
+        Function of these numbers.
+    example : str
+        Name of the example file.
+    sheet : PaperFigure or None
+        Figure or table to which it belongs; None: the table of its numbers.
     """
 
     where: str
@@ -310,7 +347,7 @@ class Row:
 
 @frozen(eq=False)
 class Claim:
-    """A row of a paper with the examples that it is computed of, each part when it is read."""
+    """A row of a paper with the examples; each part is computed at its first access."""
 
     paper: str
     row: Row
@@ -319,72 +356,91 @@ class Claim:
 
     @property
     def where(self) -> str:
+        """Position in the paper."""
         return self.row.where
 
     @property
     def says(self) -> str:
+        """Statement of the paper."""
         return self.row.says
 
     @property
     def judge(self) -> Judge:
+        """Function of the numbers that gives verdict and sentence."""
         return self.row.judge
 
     @cached_property
     def numbers(self) -> Numbers:
+        """Numbers computed from the examples, or the given ones."""
         if self.given is not None:
             return self.given
-        made: Numbers = self.examples.once((self.paper, self.where), lambda: self.row.numbers(self.examples))
-        return made
+        result: Numbers = self.examples.once((self.paper, self.where), lambda: self.row.numbers(self.examples))
+        return result
 
     @cached_property
     def judgement(self) -> Judgement:
+        """Verdict and sentence."""
         return self.row.judge(**self.numbers)
 
     @property
     def verdict(self) -> str:
-        """Whether that is the same."""
+        """Kind of verdict, a key of `VERDICTS`."""
         return self.judgement[0]
 
     @property
     def here(self) -> str:
-        """What comes out here, in words."""
+        """Result here, as a sentence."""
         return self.judgement[1]
 
     # -- its figure or table --------------------------------------------------------------------------------
 
     @property
     def name(self) -> str:
-        """Of its files."""
+        """Name of its files."""
         return slug(self.where) if self.row.sheet is None else self.row.sheet.name
 
     @property
     def title(self) -> str:
+        """Heading of its figure or table."""
         return f"{self.where}: {self.says}" if self.row.sheet is None else self.row.sheet.title
 
     @cached_property
     def table(self) -> FigureTable:
-        return table_of(self.numbers, self.title) if self.row.sheet is None else self.row.sheet.table(self.examples)
+        """Table of its figure, else of its numbers."""
+        if self.row.sheet is None:
+            return numbers_table(self.numbers, self.title)
+        return self.row.sheet.table(self.examples)
 
     @cached_property
     def drawing(self) -> Drawing:
-        """What is painted: the table itself where there is nothing else."""
+        """Image of its figure, else its table."""
         if self.row.sheet is None or self.row.sheet.drawing is None:
             return self.table
         return self.row.sheet.drawing(self.examples)
 
 
 def slug(where: str) -> str:
-    """``(18)`` -> ``eq_18``; ``Table 2, I_L`` -> ``table_2_i_l``."""
+    """File name of a position in a paper: ``(18)`` -> ``eq_18``; ``Table 2, I_L`` -> ``table_2_i_l``."""
     text = where.replace("→", "to").replace("§", "section ")
     text = f"eq {text}" if text.startswith("(") else text
     return re.sub(r"\W+", "_", text.lower()).strip("_")
 
 
-# -- what a verdict is made of ------------------------------------------------------------------------------
+# -- judges -------------------------------------------------------------------------------------------------
 
 
 class ComparedNumber(NamedTuple):
-    """A number as printed and as it comes out here, how far apart they may be, and how far where the print is rounded on the way."""
+    """A number as printed and as computed here.
+
+    Attributes
+    ----------
+    printed, here : float
+    within : float
+        Difference up to which they agree.
+    unit : str
+    rounded : float
+        Difference up to which rounded intermediate results explain it.
+    """
 
     printed: float
     here: float
@@ -393,38 +449,41 @@ class ComparedNumber(NamedTuple):
     rounded: float = 0.0
 
     @property
-    def apart(self) -> float:
+    def difference(self) -> float:
+        """Distance of both numbers."""
         return abs(self.here - self.printed)
 
     @property
-    def same(self) -> bool:
-        return self.apart <= self.within
+    def is_equal(self) -> bool:
+        """Whether both numbers agree."""
+        return self.difference <= self.within
 
 
-def agreement(kept: object) -> str:
-    """The word for a statement that is kept, or is not."""
-    return AGREES if kept else DIFFERS
+def agreement(is_true: object) -> str:
+    """Verdict on a statement that is true or not."""
+    return AGREES if is_true else DIFFERS
 
 
-def parted(kind: str, wrong_as_printed: bool, wrong_as_corrected: bool) -> str:
-    """Of this kind where the print is wrong and what should stand there is not."""
+def correction_verdict(kind: str, wrong_as_printed: bool, wrong_as_corrected: bool) -> str:
+    """Return this kind of verdict where the print is wrong and its correction is not."""
     if not wrong_as_printed:
         return AGREES
     return DIFFERS if wrong_as_corrected else kind
 
 
-def as_printed(**rows: ComparedNumber) -> Judgement:
-    """Agrees where every number is the printed one; rounded where some are so but for a rounding on the way."""
+def judge_numbers(**rows: ComparedNumber) -> Judgement:
+    """Agrees where every number is the printed one; rounded where rounded intermediate results explain the others."""
     parts = [f"{name} = {_figure(row.here)}{row.unit and ' ' + row.unit}" for name, row in rows.items()]
-    apart = {name: row for name, row in rows.items() if not row.same}
-    rounded = all(row.apart <= row.rounded for row in apart.values())
-    verdict = AGREES if not apart else ROUNDED if rounded else DIFFERS
-    words = ", ".join(f"{name} is printed {_figure(row.printed)}" for name, row in apart.items())
-    return verdict, ", ".join(parts) + (f"; {'rounded on the way,' if rounded else 'but'} {words}" if apart else "")
+    different = {name: row for name, row in rows.items() if not row.is_equal}
+    rounded = all(row.difference <= row.rounded for row in different.values())
+    verdict = AGREES if not different else ROUNDED if rounded else DIFFERS
+    words = ", ".join(f"{name} is printed {_figure(row.printed)}" for name, row in different.items())
+    reason = "intermediate results rounded," if rounded else "but"
+    return verdict, ", ".join(parts) + (f"; {reason} {words}" if different else "")
 
 
-def kept(sentence: str) -> Judge:
-    """Agrees where ``off`` is not above ``bound``; the sentence is filled with the numbers."""
+def within_bound(sentence: str) -> Judge:
+    """Agrees where ``off`` is not above ``bound``; the sentence is a format of the numbers."""
 
     def judge(off: float, bound: float, **more: Any) -> Judgement:
         return agreement(off <= bound), sentence.format(off=off, bound=bound, **more)
@@ -432,34 +491,35 @@ def kept(sentence: str) -> Judge:
     return judge
 
 
-def mended(kind: str, sentence: str) -> Judge:
-    """Of this kind where the print is off by more than ``bound`` and what should stand there is not: ``printed`` and ``corrected`` say by
-    how much."""
+def corrected_print(kind: str, sentence: str) -> Judge:
+    """Verdict of this kind where the error ``printed`` of the print exceeds ``bound`` and that ``corrected`` does not."""
 
     def judge(printed: float, corrected: float, bound: float, **more: Any) -> Judgement:
-        verdict = parted(kind, not printed <= bound, not corrected <= bound)
+        verdict = correction_verdict(kind, not printed <= bound, not corrected <= bound)
         return verdict, sentence.format(printed=printed, corrected=corrected, bound=bound, **more)
 
     return judge
 
 
-def limited(sentence: str) -> Judge:
-    """A limit where the print is off by no more than ``bound`` as it is ``used``, and by more ``elsewhere``."""
+def valid_where_used(sentence: str) -> Judge:
+    """Verdict LIMIT where the error is at most ``bound`` as the print is ``used``, and larger ``elsewhere``."""
 
     def judge(used: float, elsewhere: float, bound: float, **more: Any) -> Judgement:
-        verdict = parted(LIMIT, not max(used, elsewhere) <= bound, not used <= bound)
+        verdict = correction_verdict(LIMIT, not max(used, elsewhere) <= bound, not used <= bound)
         return verdict, sentence.format(used=used, elsewhere=elsewhere, bound=bound, **more)
 
     return judge
 
 
-def named(kind: str, sentence: str) -> Judge:
-    """Of this kind where the printed ``symbol`` is not that of the quantity that belongs there, ``needed``: of those in ``known``,
-    symbol -> value, one must be that within ``bound`` of it."""
+def wrong_symbol(kind: str, sentence: str) -> Judge:
+    """Verdict of this kind where the printed ``symbol`` is not that of the required quantity, ``needed``.
+
+    Of the symbols in ``known``, symbol -> value, one must have this value within ``bound``.
+    """
 
     def judge(symbol: str, needed: float, known: Mapping[str, float], bound: float, **more: Any) -> Judgement:
-        fitting = [each for each, value in known.items() if abs(needed / value - 1.0) <= bound]
-        verdict = parted(kind, symbol not in fitting, not fitting)
+        fitting = [name for name, value in known.items() if abs(needed / value - 1.0) <= bound]
+        verdict = correction_verdict(kind, symbol not in fitting, not fitting)
         return verdict, sentence.format(symbol=symbol, needed=needed, fitting=" or ".join(fitting) or "nothing", **more)
 
     return judge

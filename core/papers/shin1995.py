@@ -1,4 +1,4 @@
-"""Shin, Kim and Ha 1995, kinetodynamic analysis of cam-driven slider mechanisms: its statements in the order of the paper."""
+"""Shin, Kim and Ha 1995, kinetodynamic analysis of cam-driven slider mechanisms: its claims in their order."""
 
 from __future__ import annotations
 
@@ -31,16 +31,16 @@ from core.papers.claim import (
     PlotLine,
     Row,
     ShaftPicture,
-    as_printed,
     by_angle,
     closed,
-    kept,
-    limited,
-    mended,
-    of_columns,
-    plotted,
-    posed_sheet,
+    column_figure,
+    corrected_print,
+    judge_numbers,
+    mechanism_figure,
+    plot_figure,
     table_by_column,
+    valid_where_used,
+    within_bound,
 )
 from core.papers.shin1995_cam import largest
 from core.papers.shin1995_geometry import LIFT, PRINTED_INERTIAS, TABLE_2, TABLE_3, UNIT, base
@@ -48,20 +48,21 @@ from core.plot import Plot, PlotCurve
 from core.study import Study, names_of, quantity
 from core.study.quantity_requests import output_travel, path_drives, path_rate
 
-# -- shin1995 Table 1 -------------------------------------------------------------------------------------------
-
+# -- Table 1 ----------------------------------------------------------------------------------------------------
 
 Numbers = Mapping[str, Any]
-EVERY = 2  # row of the study: 360 of a turn, one a degree
+EVERY = 2  # step between rows of the study: one row for each degree
 COLUMNS = {"displacement": "mm", "velocity": "mm_s", "acceleration": "mm_s2"}
-ALIKE = 1e-6  # of the largest: an acceleration no farther off is that of the file
+ALIKE = 1e-6  # relative error up to which an acceleration is that of the file
 
 
 def data_file(examples: Examples) -> Numbers:
-    """FILEIO.C: displacement, velocity and acceleration of the lift as a file with a row a degree, and the motion that is read from it: how
-    many of the columns it is made of, and how far its own velocity [mm/s] and acceleration [mm/s²] are off the file's."""
-    made: Numbers = examples.once("data file of the lift", lambda: _read(examples))
-    return made
+    """Motion read from a file of displacement, velocity and acceleration of the lift, a row for each degree (FILEIO.C).
+
+    The number of columns from which it is built, and the errors of its own velocity [mm/s] and acceleration [mm/s²].
+    """
+    numbers: Numbers = examples.once("data file of the lift", lambda: _read(examples))
+    return numbers
 
 
 def _read(examples: Examples) -> Numbers:
@@ -71,10 +72,10 @@ def _read(examples: Examples) -> Numbers:
     lines = "\n".join([",".join(heads), *(",".join(map(repr, row)) for row in columns.T.tolist())])
     rpm = study.design.speed_rpm
     sheet = read_sheet(lines.encode(), "lift.csv")
-    how = layout(sheet, ColumnChoice(), "mm", rpm)
-    fitted = fit(read_table(sheet, how, rpm), 0.0)
-    read = program(fitted.motion)
-    y = read.state(read.angles(np.deg2rad(columns[0]))).displacement
+    columns_of_file = layout(sheet, ColumnChoice(), "mm", rpm)
+    fitted = fit(read_table(sheet, columns_of_file, rpm), 0.0)
+    compiled = program(fitted.motion)
+    y = compiled.state(compiled.angles(np.deg2rad(columns[0]))).displacement
     off = [float(np.abs(y[k] * study.omega**k * 1e3 - columns[1 + k]).max()) for k in range(3)]
     return {
         "fitted": len(fitted.columns) - len(fitted.contradicted),
@@ -88,7 +89,7 @@ def _read(examples: Examples) -> Numbers:
 
 
 def _smooth_joins(study: Study) -> float:
-    """Joins at which neither velocity nor acceleration jumps."""
+    """Number of joins at which neither velocity nor acceleration jumps."""
     return float(sum(not join.jumps[1:3].any() for join in study.program.joins))
 
 
@@ -98,10 +99,10 @@ def _lift_measure(measure: Callable[[Study], float]) -> Callable[[Examples], flo
 
 FILES: tuple[tuple[str, str, str, Callable[[Examples], float]], ...] = (
     ("MAIN.C", "calls each program, makes the menus", "stages of a study", _lift_measure(lambda s: float(len(s.stages)))),
-    ("INPUT.C", "screen input and output", "values that a form takes", _lift_measure(lambda s: float(len(list(all_paths(s.design)))))),
+    ("INPUT.C", "screen input and output", "values of the form", _lift_measure(lambda s: float(len(list(all_paths(s.design)))))),
     ("MOTION.C", "follower displacement, velocity, acceleration", "motion laws", lambda _: float(len(LAWS))),
     ("MAKE.C", "makes the displacement curve, decides its continuity", "joins without a jump of v and a", _lift_measure(_smooth_joins)),
-    ("FILEIO.C", "calls a data file of displacement, velocity, acceleration", "columns of it that a motion is made of",
+    ("FILEIO.C", "calls a data file of displacement, velocity, acceleration", "columns that make the motion",
      lambda examples: float(data_file(examples)["fitted"])),
     ("COMPO.C", "geometric form, basic position", "L0, mm", lambda examples: base(examples)["slider"]),
     ("KINE.C", "shape of the cam, pressure angle diagram", "largest pressure angle, °",
@@ -109,10 +110,10 @@ FILES: tuple[tuple[str, str, str, Callable[[Examples], float]], ...] = (
     ("DYNA.C", "cam contact forces and torque", "largest torque, N·m", _lift_measure(lambda s: largest(s, "dynamics", "drive_torque"))),
     ("GRAPH.C", "draws graphs", "quantities that a graph can show", _lift_measure(lambda s: float(len(names_of(s.design))))),
 )  # fmt: skip
-"""File -> its key point in Table 1, what is tried here, and what comes out."""
+"""File -> its key point in Table 1, the measure of its counterpart here, and the function that computes it."""
 
 
-def _tried(measure: Callable[[Examples], float], examples: Examples) -> float:
+def _value_or_zero(measure: Callable[[Examples], float], examples: Examples) -> float:
     try:
         return measure(examples)
     except KindynaError:
@@ -120,18 +121,18 @@ def _tried(measure: Callable[[Examples], float], examples: Examples) -> float:
 
 
 def files(examples: Examples) -> Numbers:
-    return {"found": {name: _tried(measure, examples) for name, _, _, measure in FILES}}
+    """Measure of the counterpart of each file of Table 1."""
+    return {"measures": {name: _value_or_zero(measure, examples) for name, _, _, measure in FILES}}
 
 
-def all_there(found: Mapping[str, float]) -> tuple[str, str]:
-    """Whether each has something to show for itself."""
-    without = [name for name, value in found.items() if not isfinite(value) or value == 0.0]
-    words = f"{len(found) - len(without)} of {len(found)} files have their counterpart, tried on the lift"
+def judge_files(measures: Mapping[str, float]) -> tuple[str, str]:
+    """Judge Table 1: whether each file has a counterpart with a result."""
+    without = [name for name, value in measures.items() if not isfinite(value) or value == 0.0]
+    words = f"{len(measures) - len(without)} of {len(measures)} files have their counterpart, applied to the lift"
     return ("differs" if without else "agrees"), words + (f"; not {', '.join(without)}" if without else "")
 
 
-# -- shin1995's figures and tables as numbers and as what is painted --------------------------------------------
-
+# -- figures and tables -----------------------------------------------------------------------------------------
 
 BASE_ANGLE = 180.0  # in the low dwell, where the roller is on the base circle
 MM = 1e3
@@ -152,24 +153,26 @@ def _base(examples: Examples) -> FigureTable:
 
 
 def _points(examples: Examples) -> FigureTable:
-    """Where the pins are at the base position [mm], cam centre at the origin."""
-    there = examples.study(LIFT).at_theta(np.array([np.deg2rad(BASE_ANGLE)]))
-    bodies = there.linkage.bodies
-    named = {"cam centre": 0j, "roller centre": complex(there.cam.reference[0])}
+    """Positions of the pins at the base position [mm], cam centre at the origin."""
+    study = examples.study(LIFT).at_theta(np.array([np.deg2rad(BASE_ANGLE)]))
+    bodies = study.linkage.bodies
+    points = {"cam centre": 0j, "roller centre": complex(study.cam.reference[0])}
     for body, point, name in (
         ("arm", "pivot", "pivot"),
         ("arm", "arm_pin", "arm pin"),
         ("slider", "slider_pin", "slider pin"),
     ):
-        named[name] = complex(bodies[body].place(point)[0])
-    z = np.array(list(named.values())) * MM
-    return FigureTable(("point", "x_mm", "y_mm"), (tuple(named), z.real, z.imag), "Lift mechanism at its base position")
+        points[name] = complex(bodies[body].position(point)[0])
+    z = np.array(list(points.values())) * MM
+    return FigureTable(
+        ("point", "x_mm", "y_mm"), (tuple(points), z.real, z.imag), "Lift mechanism at its base position"
+    )
 
 
 def _dimensions(
     rows: Mapping[str, tuple[str, float, str]], inertias: Mapping[str, str], title: str
 ) -> Callable[[Examples], FigureTable]:
-    """inertias: as named in the table -> the link's name in the loads."""
+    """Function that builds a table of dimensions; inertias: name in the table -> name of the link in the loads."""
 
     def table(examples: Examples) -> FigureTable:
         design = examples.design(LIFT)
@@ -186,9 +189,9 @@ def _dimensions(
 
 
 def _program(examples: Examples) -> FigureTable:
-    found = files(examples)["found"]
-    names, says, tried, _ = zip(*FILES, strict=True)
-    columns = (tuple(map(str, names)), tuple(map(str, says)), tuple(map(str, tried)), np.array(list(found.values())))
+    measures = files(examples)["measures"]
+    names, says, here, _ = zip(*FILES, strict=True)
+    columns = (tuple(map(str, names)), tuple(map(str, says)), tuple(map(str, here)), np.array(list(measures.values())))
     return FigureTable(("file", "key_point", "here", "value"), columns, "Program of 1995")
 
 
@@ -209,7 +212,7 @@ def _drives(examples: Examples) -> FigureTable:
 
 
 def _lift_columns(examples: Examples, **columns: np.ndarray) -> dict[str, np.ndarray]:
-    """Columns by its cam angle."""
+    """Columns with the cam angle of the lift."""
     return {"cam_angle_deg": examples.study(LIFT).angle_degrees, **columns}
 
 
@@ -223,14 +226,14 @@ def _motion(examples: Examples) -> dict[str, np.ndarray]:
 
 
 def _displacement(examples: Examples) -> tuple[Plot, ...]:
-    at = [angle for a, b, _ in cam.divisions(examples)["strokes"] for angle in (a, b)]
+    angles = [angle for a, b, _ in cam.divisions(examples)["strokes"] for angle in (a, b)]
     lines = Lines("Displacement, mm", (PlotLine("displacement_mm"),), quiet=True)
-    return by_angle(_motion(examples), (lines,), marks=tuple((angle, f"{angle:g}°") for angle in at))
+    return by_angle(_motion(examples), (lines,), marks=tuple((angle, f"{angle:g}°") for angle in angles))
 
 
 def _shape_table(examples: Examples) -> FigureTable:
     study = examples.study(LIFT)
-    z = [np.asarray(each) * MM for each in (study.cam.flank.profile, study.cam.flank.pitch)]
+    z = [np.asarray(points) * MM for points in (study.cam.flank.profile, study.cam.flank.pitch)]
     names = ("cam_angle_deg", "x_mm", "y_mm", "pitch_x_mm", "pitch_y_mm")
     return FigureTable(names, (study.angle_degrees, z[0].real, z[0].imag, z[1].real, z[1].imag))
 
@@ -291,58 +294,58 @@ def _arm(examples: Examples) -> dict[str, np.ndarray]:
 
 
 def _arm_plots(examples: Examples) -> tuple[Plot, ...]:
-    found = _arm(examples)
-    found["twice"] = found["torque_as_printed_nm"] - found["torque_nm"]
+    columns = _arm(examples)
+    columns["twice"] = columns["torque_as_printed_nm"] - columns["torque_nm"]
     both = PlotLine("torque_nm", "here"), PlotLine("torque_as_printed_nm", "(24), inertias about the pivot", True)
-    return by_angle(found, (Lines("TL, N·m", both), Lines("Counted twice, N·m", (PlotLine("twice"),))))
+    return by_angle(columns, (Lines("TL, N·m", both), Lines("Counted twice, N·m", (PlotLine("twice"),))))
 
 
 # -- torque ------------------------------------------------------------------------------------------------
 
 
 def _torques(examples: Examples) -> dict[str, np.ndarray]:
-    study = torque.fitted(examples)
-    found = _lift_columns(examples, drive_torque_nm=study.dynamics.torque)
+    study = torque.with_flywheel(examples)
+    columns = _lift_columns(examples, drive_torque_nm=study.dynamics.torque)
     if study.flywheel.runs:
-        found["motor_torque_nm"] = study.flywheel.motor_torque(study.angles)
-        found["speed_rpm"] = study.flywheel.speed(study.angles) * 30.0 / np.pi
-    return found
+        columns["motor_torque_nm"] = study.flywheel.motor_torque(study.angles)
+        columns["speed_rpm"] = study.flywheel.speed(study.angles) * 30.0 / np.pi
+    return columns
 
 
 def _both(examples: Examples) -> tuple[Plot, ...]:
-    inertia = torque.shaft_of(torque.fitted(examples)).flywheel_inertia_kg_m2
-    levelled = PlotLine("motor_torque_nm", f"with a flywheel of {inertia:.5g} kg·m²")
+    inertia = torque.shaft_of(torque.with_flywheel(examples)).flywheel_inertia_kg_m2
+    with_flywheel = PlotLine("motor_torque_nm", f"with a flywheel of {inertia:.5g} kg·m²")
     return by_angle(
-        _torques(examples), (Lines("Torque, N·m", (PlotLine("drive_torque_nm", "without flywheel"), levelled)),)
+        _torques(examples), (Lines("Torque, N·m", (PlotLine("drive_torque_nm", "without flywheel"), with_flywheel)),)
     )
 
 
 # fmt: off
-FIG_2 = posed_sheet("figure_2", "Shin1995 Fig. 2: dimensions at the base position", LIFT, BASE_ANGLE, _base, "dimensions",
+FIG_2 = mechanism_figure("figure_2", "Shin1995 Fig. 2: dimensions at the base position", LIFT, BASE_ANGLE, _base, "dimensions",
     without=("labels", "loads", "normal"))
-FIG_4 = posed_sheet("figure_4", "Shin1995 Fig. 4: instant centre of cam and roller arm", LIFT, 58.5, lambda e: table_by_column(_centre(e)),
-    "velocities")
-FIG_15 = plotted("figure_15", "Shin1995 Fig. 15: slider motion angle", lambda e: table_by_column(_motion(e)), _displacement)
-FIG_16 = posed_sheet("figure_16", "Shin1995 Fig. 16: geometry for lift mechanism", LIFT, BASE_ANGLE, _points)
-FIG_17 = of_columns("figure_17", "Shin1995 Fig. 17: displacement, velocity and acceleration curves of slider", _motion,
+FIG_4 = mechanism_figure("figure_4", "Shin1995 Fig. 4: instant centre of cam and roller arm", LIFT, 58.5,
+    lambda e: table_by_column(_centre(e)), "velocities")
+FIG_15 = plot_figure("figure_15", "Shin1995 Fig. 15: slider motion angle", lambda e: table_by_column(_motion(e)), _displacement)
+FIG_16 = mechanism_figure("figure_16", "Shin1995 Fig. 16: geometry for lift mechanism", LIFT, BASE_ANGLE, _points)
+FIG_17 = column_figure("figure_17", "Shin1995 Fig. 17: displacement, velocity and acceleration curves of slider", _motion,
     Lines("Displacement, mm", (PlotLine("displacement_mm", family="displacement"),)),
     Lines("Velocity, mm/s", (PlotLine("velocity_mm_s", family="velocity"),)),
     Lines("Acceleration, mm/s²", (PlotLine("acceleration_mm_s2", family="acceleration"),)))
-FIG_18 = plotted("figure_18", "Shin1995 Fig. 18: cam shape", _shape_table, _shape)
-FIG_19 = of_columns("figure_19", "Shin1995 Fig. 19: torque due to cam with flywheel", _torques,
+FIG_18 = plot_figure("figure_18", "Shin1995 Fig. 18: cam shape", _shape_table, _shape)
+FIG_19 = column_figure("figure_19", "Shin1995 Fig. 19: torque due to cam with flywheel", _torques,
     Lines("Torque with flywheel, N·m", (PlotLine("motor_torque_nm"),), fit=True), Lines("Speed, rpm", (PlotLine("speed_rpm"),), fit=True))
-FIG_20 = plotted("figure_20", "Shin1995 Fig. 20: total torque curves due to cam", lambda e: table_by_column(_torques(e)), _both)
+FIG_20 = plot_figure("figure_20", "Shin1995 Fig. 20: total torque curves due to cam", lambda e: table_by_column(_torques(e)), _both)
 TABLE_1_SHEET = PaperFigure("table_1", "Shin1995 Table 1: structure of program", _program)
 TABLE_2_SHEET = PaperFigure("table_2", "Shin1995 Table 2: data for slider mechanism",
     _dimensions(TABLE_2, {"I_L": "arm", "I_A": "rod"}, "Data for slider mechanism"))
 TABLE_3_SHEET = PaperFigure("table_3", "Shin1995 Table 3: data for cam mechanism",
     _dimensions(TABLE_3, {"I_R": "roller"}, "Data for cam mechanism"))
-EQ_18 = of_columns("eq_18", "Shin1995 (18): the instant centre on the line to the pivot", _centre,
+EQ_18 = column_figure("eq_18", "Shin1995 (18): the instant centre on the line to the pivot", _centre,
     Lines("Q from the cam centre, mm", (PlotLine("q_mm", "here"), PlotLine("q_as_printed_mm", "(18) as printed", True))))
-EQ_20 = plotted("eq_19_20", "Shin1995 (19), (20): contact points", _contact_table, _contact)
-EQ_23 = of_columns("eq_23", "Shin1995 (23): force on the arm's pin", _pin,
+EQ_20 = plot_figure("eq_19_20", "Shin1995 (19), (20): contact points", _contact_table, _contact)
+EQ_23 = column_figure("eq_23", "Shin1995 (23): force on the arm's pin", _pin,
     Lines("By, N", (PlotLine("by_n", "here"), PlotLine("by_as_printed_in_m", "(23) as printed, in m", True))))
-EQ_24 = plotted("eq_24", "Shin1995 (24): torque on the arm", lambda e: table_by_column(_arm(e)), _arm_plots)
+EQ_24 = plot_figure("eq_24", "Shin1995 (24): torque on the arm", lambda e: table_by_column(_arm(e)), _arm_plots)
 SECTION_6 = {16: FIG_16, 17: FIG_17, 18: FIG_18, 19: FIG_19, 20: FIG_20}
 # fmt: on
 
@@ -353,19 +356,20 @@ def _unit(examples: Examples) -> Drawing:
 
 def _types_table(examples: Examples) -> FigureTable:
     numbers = layouts.types(examples)
-    found, force = numbers["found"], numbers["force"]
-    columns = tuple(tuple(row[i] for row in found.values()) for i in range(3))
-    forces = np.array([force.get(letter, np.nan) for letter in found])
-    return FigureTable(("type", "cam", "roller", "slider", "least_contact_force_n"), (tuple(found), *columns, forces))
+    layouts_found, force = numbers["layouts"], numbers["force"]
+    columns = tuple(tuple(row[i] for row in layouts_found.values()) for i in range(3))
+    forces = np.array([force.get(letter, np.nan) for letter in layouts_found])
+    return FigureTable(
+        ("type", "cam", "roller", "slider", "least_contact_force_n"), (tuple(layouts_found), *columns, forces)
+    )
 
 
 def _types(examples: Examples) -> Drawing:
-    there = layouts.types(examples)["found"]
-    posed = tuple(
+    mechanisms = tuple(
         MechanismPicture(layouts.study_of(examples, k), BASE_ANGLE, title=f"({k}) {', '.join(row)}")
-        for k, row in there.items()
+        for k, row in layouts.types(examples)["layouts"].items()
     )
-    return MechanismRow(posed, 4, "Shin1995 Fig. 1: types of cam driving slide mechanisms; cam, roller, slider")
+    return MechanismRow(mechanisms, 4, "Shin1995 Fig. 1: types of cam driving slide mechanisms; cam, roller, slider")
 
 
 FIG_1 = PaperFigure("figure_1", "Shin1995 Fig. 1: types of cam driving slide mechanisms", _types_table, _types)
@@ -373,7 +377,7 @@ FIG_14 = PaperFigure("figure_14", "Shin1995 Fig. 14: structure of transfer unit"
 
 
 def _path_columns(examples: Examples) -> dict[str, np.ndarray]:
-    """Of what the first drives carry, by machine angle [mm, mm/s]."""
+    """Path of the transfer by machine angle [mm], and its speed [mm/s]."""
     shaft = examples.shaft(UNIT)
     return {name: output_travel(shaft, name)[0] * MM for name in path_drives(shaft)} | {
         "speed": path_rate(shaft, 1) * MM
@@ -397,11 +401,10 @@ def _path(examples: Examples) -> tuple[Plot, ...]:
     return (*paths, Plot("Machine angle, °", "Speed, mm/s", (PlotCurve(angle, columns["speed"]),)))
 
 
-PATH = plotted("figure_14_path", "Shin1995 Fig. 14: path of the transfer", _path_table, _path)
+PATH = plot_figure("figure_14_path", "Shin1995 Fig. 14: path of the transfer", _path_table, _path)
 
 
-# -- shin, Kim and Ha 1995, kinetodynamic analysis of cam-driven slider mechanisms ------------------------------
-
+# -- rows of claims ---------------------------------------------------------------------------------------------
 
 _SINGULAR = (
     "tan of the half angle is ({numerators[0]:.4g} or {numerators[1]:.4g})/{denominator:g} where a root is at 180°"
@@ -414,42 +417,42 @@ _INERTIA = (
 ROWS = (
     Row("Fig. 1", "eight types: cam left or right, roller above or below, slider right or left", layouts.types, layouts.eight, LIFT,
         FIG_1),
-    Row("(1)-(6), Fig. 2", "θb, θz, α0, φ0 and L0 of the base position", geometry.printed_base, kept(
+    Row("(1)-(6), Fig. 2", "θb, θz, α0, φ0 and L0 of the base position", geometry.printed_base, within_bound(
         "as printed they give the base position to {off:.1g} of each value"), LIFT, FIG_2),
-    Row("(7)", "β0 = 2 atan((-E ± √(D² + E² - F²))/(F - D))", geometry.base_rod, limited(
+    Row("(7)", "β0 = 2 atan((-E ± √(D² + E² - F²))/(F - D))", geometry.base_rod, valid_where_used(
         "in doubles it gives {in_doubles:.14f}° for the lift, {ours:.14f}° by the triangle's area: no digit is lost; but " + _SINGULAR
         + ", as at the 180° that §6.4 prints"), LIFT),
-    Row("(9)", "φ = 2 atan((-B ± √(A² + B² - C²))/(C - A))", geometry.level_arm, limited(
+    Row("(9)", "φ = 2 atan((-B ± √(A² + B² - C²))/(C - A))", geometry.level_arm, valid_where_used(
         "in doubles right to {used:.1g}° over the turn of the lift; but " + _SINGULAR), LIFT),
-    Row("(10)", "β = 2 atan((-E ± √(D² + E² - F²))/(F - D))", geometry.level_rod, limited(
+    Row("(10)", "β = 2 atan((-E ± √(D² + E² - F²))/(F - D))", geometry.level_rod, valid_where_used(
         "in doubles right to {used:.1g}° over the turn of the lift; but " + _SINGULAR), LIFT),
-    Row("(11)-(14)", "angular velocities and accelerations of arm and rod", cam.velocities, kept(
+    Row("(11)-(14)", "angular velocities and accelerations of arm and rod", cam.velocities, within_bound(
         "right as printed: to {off:.1g} of the largest"), LIFT),
-    Row("(15)-(17), Fig. 4", "VQ = Q dθ/dt, VR = Zl dφ/dt = VQ Zl/(Zxy - Q)", cam.roller_velocity, kept(
+    Row("(15)-(17), Fig. 4", "VQ = Q dθ/dt, VR = Zl dφ/dt = VQ Zl/(Zxy - Q)", cam.roller_velocity, within_bound(
         "both ways give the roller's velocity, at most {roller:.4g} m/s, to {off:.1g} of it; VQ is at most {centre:.4g} m/s (φ "
         "counted against the cam's sense)"), LIFT, FIG_4),
-    Row("(18)", "Q = Zxy φ'/(1 + φ')", cam.centre_sign, mended(CONVENTION,
-        "the algebra of (15)-(17), φ' counted against the cam's sense, as it stands for a cam that turns clockwise: then the contact "
-        "normal misses Q by {kept:.1g} mm; with φ' counter-clockwise, as θ, Q = Zxy φ'/(φ' - d), and as printed it is up to {printed:.3g} "
-        "mm off and the normal misses it by up to {missed:.3g} mm"), LIFT, EQ_18),
-    Row("(19), (20)", "ψ = atan((Q - Rx)/Ry), C = R + Rr (sin ψ, -cos ψ)", cam.quadrant, limited(
+    Row("(18)", "Q = Zxy φ'/(1 + φ')", cam.centre_sign, corrected_print(CONVENTION,
+        "the algebra of (15)-(17), φ' counted against the cam's sense, is that of a cam that turns clockwise: then the contact normal "
+        "misses Q by {missed_corrected:.1g} mm; with φ' counter-clockwise, as θ, Q = Zxy φ'/(φ' - d), and as printed it is up to "
+        "{printed:.3g} mm off and the normal misses it by up to {missed:.3g} mm"), LIFT, EQ_18),
+    Row("(19), (20)", "ψ = atan((Q - Rx)/Ry), C = R + Rr (sin ψ, -cos ψ)", cam.quadrant, valid_where_used(
         "with the roller above the line to the pivot, as drawn, and R counted from it C is {used:.1g} mm off; below it {below:.1f} mm, a "
         "roller's diameter, since atan knows one quadrant; with a global x axis {axes:.2f} mm for the lift. Along the relative velocity's "
         "normal it is {corrected:.1g} mm in both poses"), LIFT, EQ_20),
-    Row("(21)", "the slider's friction is μW", torque.guide_friction, kept(
-        "the guide carries the rod's push too: μ|N| is up to {rubbed:.4g} N, μW {weight:.4g} N"), LIFT),
-    Row("(23)", "By = Bx sin β (L3 + L4) + mA L4 (…) + IA d²β/dt²/(L3 + L4) cos β", torque.bracket, mended(MISPRINT,
-        "the whole sum stands over (L3 + L4) cos β (and IA d²β/dt² with a minus for the β of (10)): as printed By is at most {metres:.4g} "
+    Row("(21)", "the slider's friction is μW", torque.guide_friction, within_bound(
+        "the guide also supports the rod's force: μ|N| is up to {friction:.4g} N, μW {weight:.4g} N"), LIFT),
+    Row("(23)", "By = Bx sin β (L3 + L4) + mA L4 (…) + IA d²β/dt²/(L3 + L4) cos β", torque.bracket, corrected_print(MISPRINT,
+        "the complete sum is over (L3 + L4) cos β (and IA d²β/dt² with a minus for the β of (10)): as printed By is at most {metres:.4g} "
         "in m and {millimetres:.4g} in mm; Newton-Euler has {largest:.4g} N, and so has the corrected line, to {corrected:.1g}"), LIFT,
         EQ_23),
-    Row("(24)", "inertias about the pivot, beside the moments of mD aD and mR aR", torque.counted_twice, mended(METHOD,
-        "m r² is then counted twice: TL is up to {apart:.3g} N·m off, {printed:.2g} of the largest; with inertias about the mass centres "
-        "it is Newton-Euler's to {corrected:.1g}"), LIFT, EQ_24),
-    Row("(25)-(27)", "Tc = Rx Fcy - Ry Fcx", torque.drive_torque, kept(
+    Row("(24)", "inertias about the pivot, together with the moments of mD aD and mR aR", torque.counted_twice, corrected_print(METHOD,
+        "m r² is then counted twice: TL is up to {difference:.3g} N·m off, {printed:.2g} of the largest; with inertias about the mass "
+        "centres it is Newton-Euler's to {corrected:.1g}"), LIFT, EQ_24),
+    Row("(25)-(27)", "Tc = Rx Fcy - Ry Fcx", torque.drive_torque, within_bound(
         "that is the power of TL over ω to {off:.1g} of the largest, {largest:.4g} N·m"), LIFT, FIG_20),
-    Row("Table 1", "nine files: menus, input, motion, make, files, compo, kine, dyna, graph", files, all_there, LIFT,
+    Row("Table 1", "nine files: menus, input, motion, make, files, compo, kine, dyna, graph", files, judge_files, LIFT,
         TABLE_1_SHEET),
-    Row("Table 1, FILEIO.C", "a data file of displacement, velocity and acceleration is called", data_file, kept(
+    Row("Table 1, FILEIO.C", "a data file of displacement, velocity and acceleration is called", data_file, within_bound(
         "{fitted} of {columns} columns make the motion; with {rows} rows of the lift the file's velocity is up to "
         "{velocity_off:.2g} mm/s off it, its acceleration {acceleration_off:.3g} mm/s², {off:.2g} of the largest"), LIFT),
     Row("Fig. 14, §6.1", "four cams on one main shaft: feed, clamp, lift and torque", torque.cams, torque.four_cams, UNIT, FIG_14),
@@ -457,27 +460,27 @@ ROWS = (
         PATH),
     Row("Fig. 15, §6.2", "down from 35° to 76.5°, up from 283.5° to 325°, 150 mm", cam.divisions, cam.as_divided, LIFT, FIG_15),
     Row("Fig. 16", "cam left of the pivot, roller above, slider left", layouts.lift, layouts.as_b, LIFT, FIG_16),
-    Row("Table 2", "lengths and masses of the slider mechanism", geometry.printed_values(TABLE_2), as_printed, LIFT, TABLE_2_SHEET),
+    Row("Table 2", "lengths and masses of the slider mechanism", geometry.printed_values(TABLE_2), judge_numbers, LIFT, TABLE_2_SHEET),
     Row("Table 2, IL", "IL = 1691.509 kg·mm²", geometry.inertia("arm", "follower.slider_arm_mm"), geometry.as_decoded(
-        _INERTIA + ", with r = LD = {r:.3f} mm, a number that stands nowhere: inferred. The example keeps arm_centre_mm = {centre:g} and "
-        "takes {taken:g} kg·m² about the mass centre, {own:.4g} mm"), LIFT, TABLE_2_SHEET),
+        _INERTIA + ", with r = LD = {r:.3f} mm, a number that is not printed: inferred. The example has arm_centre_mm = {centre:g} and "
+        "{taken:g} kg·m² about the mass centre, {example_radius:.4g} mm"), LIFT, TABLE_2_SHEET),
     Row("Table 2, IA", "IA = 2274.544 kg·mm²", geometry.inertia("rod", "follower.rod_mm", geometry.half_rod), geometry.as_decoded(
-        _INERTIA + ", with r = L2/2 = {r:g} mm {digits} ({decoded:.3f}): a parallel-axis term. About its mass centre the example takes "
-        "mA L2²/12 = {taken:g} kg·m², {own:.4g} mm"), LIFT, TABLE_2_SHEET),
-    Row("Table 3", "lengths, roller and speed of the cam mechanism", geometry.printed_values(TABLE_3), as_printed, LIFT,
+        _INERTIA + ", with r = L2/2 = {r:g} mm {digits} ({decoded:.3f}): a parallel-axis term. About its mass centre the example has "
+        "mA L2²/12 = {taken:g} kg·m², {example_radius:.4g} mm"), LIFT, TABLE_2_SHEET),
+    Row("Table 3", "lengths, roller and speed of the cam mechanism", geometry.printed_values(TABLE_3), judge_numbers, LIFT,
         TABLE_3_SHEET),
     Row("Table 3, IR", "IR = 2110.577 kg·mm²", geometry.inertia("roller", "cam.roller_radius_mm", geometry.roller_arm), geometry.as_decoded(
-        _INERTIA + ", with r = Zl = {r:g} mm {digits} ({decoded:.3f}): about the pivot. About its own centre the example takes "
-        "½ mR Rr² = {taken:g} kg·m², {own:.4g} mm"), LIFT, TABLE_3_SHEET),
-    Row("Fig. 2, §6.4", "L0 = -919.9947 mm, φ0 = 93.30°, α0 = 136.94°, β0 = 180°", geometry.base_position, as_printed, LIFT, FIG_2),
-    Row("§6.4, ω0", "ω0 = 136.94°", geometry.arm_angle, mended(MISPRINT,
+        _INERTIA + ", with r = Zl = {r:g} mm {digits} ({decoded:.3f}): about the pivot. About its own centre the example has "
+        "½ mR Rr² = {taken:g} kg·m², {example_radius:.4g} mm"), LIFT, TABLE_3_SHEET),
+    Row("Fig. 2, §6.4", "L0 = -919.9947 mm, φ0 = 93.30°, α0 = 136.94°, β0 = 180°", geometry.base_position, judge_numbers, LIFT, FIG_2),
+    Row("§6.4, ω0", "ω0 = 136.94°", geometry.arm_angle, corrected_print(MISPRINT,
         "α0 for ω0: α0 = {alpha:.4f}°; the shaft turns by {shaft:g}°/s, and at the base the arm does not turn"), LIFT, FIG_2),
     Row("§6.4, Fig. 17", "Fig. 17 is the geometry of the lift, and Fig. 17 the slider's motion", layouts.figure_numbers(SECTION_6),
         layouts.as_numbered, LIFT, FIG_16),
-    Row("Fig. 17", "modified sine: velocity and acceleration are continuous over the whole turn", cam.joins, kept(
+    Row("Fig. 17", "modified sine: velocity and acceleration are continuous over the whole turn", cam.joins, within_bound(
         "the largest jump at a join is {off:.1g} of the largest value; peaks {velocity:.4f} h/β and {acceleration:.4f} h/β²"), LIFT,
         FIG_17),
-    Row("Fig. 18", "the shape of the designed cam", cam.shape, kept(
+    Row("Fig. 18", "the shape of the designed cam", cam.shape, within_bound(
         "a closed profile about the base circle of {least:.6g} mm without a cusp; roller centre {near:.4g} … {far:.4g} mm, largest "
         "pressure angle {angle:.4f}°"), LIFT, FIG_18),
     Row("Fig. 19", "with the flywheel the torque is stabilised", torque.flywheel, torque.stabilised, LIFT, FIG_19),

@@ -1,4 +1,4 @@
-"""The numbers of Shin1995's velocities, instant centre and cam shape, of the example's lift."""
+"""Numbers of Shin1995's velocities, instant centre, cam shape, forces and torques, computed from the example's lift."""
 
 from __future__ import annotations
 
@@ -16,8 +16,7 @@ from core.papers.shin1995_geometry import LIFT, UNIT
 from core.study import Study, extremes_of
 from core.study.quantity_requests import output_travel, path_drives, path_rate
 
-# -- the numbers of Shin1995's velocities, instant centre and cam shape, of the example's lift ------------------
-
+# -- velocities, instant centre and contact ---------------------------------------------------------------------
 
 SMALL = 1e-9
 
@@ -25,35 +24,51 @@ Numbers = Mapping[str, Any]
 
 
 def _off(value: np.ndarray, true: np.ndarray) -> float:
-    """The largest difference as a part of the largest true value."""
+    """Largest difference relative to the largest true value."""
     return float(np.abs(value - true).max() / np.abs(true).max())
 
 
 def largest(study: Study, stage: str, name: str) -> float:
-    """The refined greatest size of a quantity over the turn."""
-    found = extremes_of(study, stage, (name,))[name]
-    return max(abs(found.low.value), abs(found.high.value))
+    """Refined greatest absolute value of a quantity over the turn."""
+    extremes = extremes_of(study, stage, (name,))[name]
+    return max(abs(extremes.low.value), abs(extremes.high.value))
 
 
 def velocities(examples: Examples) -> Numbers:
-    """(11)-(14) as printed, evaluated at the angles and slider speeds of the study."""
+    """Errors of (11)-(14) as printed, evaluated at the angles and slider speeds of the study.
+
+    References
+    ----------
+    Shin, Kim and Ha (1995), eqs. (11)-(14).
+    """
     study = examples.study(LIFT)
     g = si(study.design.drive.follower)
     at, y = study.linkage.coordinates, study.motion.displacement
     (phi, phi1, phi2), (beta, beta1, beta2) = ([at[name][k] for k in range(3)] for name in ("phi", "beta"))
     d = phi - beta
-    moving = np.abs(y[1]) > 0.0
+    is_moving = np.abs(y[1]) > 0.0
     rod = y[1] * np.cos(phi) / (g.rod * np.sin(d))
     arm = y[1] * np.cos(beta) / (g.slider_arm * np.sin(-d))
     rod2 = (y[2] * np.cos(phi) + g.rod * beta1**2 * np.cos(d) + g.slider_arm * phi1**2) / (g.rod * np.sin(d))
     arm2 = (y[2] * np.cos(beta) + g.slider_arm * phi1**2 * np.cos(d) + g.rod * beta1**2) / (g.slider_arm * np.sin(-d))
     pairs = ((rod, beta1), (arm, phi1), (rod2, beta2), (arm2, phi2))
-    return {"off": max(_off(a[moving], b[moving]) for a, b in pairs), "bound": SMALL}
+    return {"off": max(_off(a[is_moving], b[is_moving]) for a, b in pairs), "bound": SMALL}
 
 
 def centre(examples: Examples) -> dict[str, np.ndarray]:
-    """By cam angle (n,): Q on the line to the pivot [m], (18) as printed with φ' counter-clockwise, and with φ' against the
-    cam's sense; the distances [m] by which the contact normal misses each; V_R by (16) and (17) per rad/s of the cam [m]."""
+    """Instant centre Q on the line to the pivot, (18) as printed, and (18) with φ' against the cam's sense.
+
+    Returns
+    -------
+    dict of ndarray (n,) [m] or [deg]
+        By cam angle `degrees`: `q`, `printed`, `corrected`; the distances by which the contact normal misses each; V_R
+        by (16)
+        and (17) per rad/s of the cam.
+
+    References
+    ----------
+    Shin, Kim and Ha (1995), eqs. (15)-(18).
+    """
     study = examples.study(LIFT)
     g, shape = si(study.design.drive.follower), study.cam
     pivot = complex(g.pivot_x, g.pivot_y)
@@ -65,22 +80,28 @@ def centre(examples: Examples) -> dict[str, np.ndarray]:
     with np.errstate(divide="ignore", invalid="ignore"):
         printed, corrected = zxy * turn / (1.0 + turn), zxy * against / (1.0 + against)
 
-    def missed(place: np.ndarray) -> np.ndarray:
-        return np.asarray(np.abs((shape.flank.normal.conjugate() * (place * along - shape.reference)).imag))
+    def normal_distance(position: np.ndarray) -> np.ndarray:
+        return np.asarray(np.abs((shape.flank.normal.conjugate() * (position * along - shape.reference)).imag))
 
     return {
         "degrees": study.angle_degrees,
         "q": q,
         "printed": printed,
         "corrected": corrected,
-        "missed printed": missed(printed),
-        "missed corrected": missed(corrected),
+        "missed printed": normal_distance(printed),
+        "missed corrected": normal_distance(corrected),
         "roller": g.roller_arm * against,
         "by centre": q * g.roller_arm / (zxy - q),
     }
 
 
 def roller_velocity(examples: Examples) -> Numbers:
+    """Error of V_R by the instant centre relative to V_R by the arm, and the largest velocities.
+
+    References
+    ----------
+    Shin, Kim and Ha (1995), eqs. (15)-(17).
+    """
     c, study = centre(examples), examples.study(LIFT)
     return {
         "off": _off(c["by centre"], c["roller"]),
@@ -91,6 +112,12 @@ def roller_velocity(examples: Examples) -> Numbers:
 
 
 def centre_sign(examples: Examples) -> Numbers:
+    """Errors [mm] of (18) as printed and with φ' against the cam's sense, and distances of the contact normal.
+
+    References
+    ----------
+    Shin, Kim and Ha (1995), eq. (18).
+    """
     c = centre(examples)
     printed, corrected = (float(np.abs(c[name] - c["q"]).max()) * 1e3 for name in ("printed", "corrected"))
     return {
@@ -98,39 +125,50 @@ def centre_sign(examples: Examples) -> Numbers:
         "corrected": corrected,
         "bound": 1e-6,
         "missed": float(c["missed printed"].max()) * 1e3,
-        "kept": float(c["missed corrected"].max()) * 1e3,
+        "missed_corrected": float(c["missed corrected"].max()) * 1e3,
     }
 
 
 def _contact(roller: np.ndarray, centre_at: np.ndarray, radius: float) -> np.ndarray:
-    """(19), (20) in the frame whose x axis holds the centre (n,)."""
+    """Contact points by (19), (20) in the frame whose x axis contains the centre (n,)."""
     with np.errstate(divide="ignore", invalid="ignore"):
         psi = np.arctan((centre_at - roller.real) / roller.imag)
     return np.asarray(roller + radius * (np.sin(psi) - 1j * np.cos(psi)))
 
 
 def contact(examples: Examples) -> dict[str, np.ndarray]:
-    """Contact points (n,) [m] in that frame: true, of the roller above the line and of its mirror image below; and by (19), (20)."""
+    """Contact points in the frame of the line to the pivot: true, and by (19), (20), for two poses.
+
+    The poses are the roller above the line and its mirror image below.
+
+    Returns
+    -------
+    dict of ndarray (n,) complex [m]
+
+    References
+    ----------
+    Shin, Kim and Ha (1995), eqs. (19), (20).
+    """
     study = examples.study(LIFT)
     g, shape = si(study.design.drive.follower), study.cam
     along = complex(g.pivot_x, g.pivot_y)
     along /= abs(along)
-    roller, true = (each * along.conjugate() for each in (shape.reference, shape.flank.contact))
+    roller, true = (z * along.conjugate() for z in (shape.reference, shape.flank.contact))
     q = (shape.centre.finite * along.conjugate()).real
     radius = abs(shape.flank.radius)
-    own = np.sign(roller.imag[0])
-    as_if_above = (roller, true) if own > 0.0 else (roller.conjugate(), true.conjugate())
-    below = tuple(each.conjugate() for each in as_if_above)
-    found = {}
-    for name, (place, touched) in (("above", as_if_above), ("below", below)):
-        to_centre = (q - place) / np.abs(q - place)
-        found[name], found[f"{name} printed"] = touched, _contact(place, q, radius)
-        found[f"{name} corrected"] = place + radius * to_centre
-    return found
+    is_above = np.sign(roller.imag[0]) > 0.0
+    above = (roller, true) if is_above else (roller.conjugate(), true.conjugate())
+    below = tuple(z.conjugate() for z in above)
+    points = {}
+    for name, (position, contact_point) in (("above", above), ("below", below)):
+        to_centre = (q - position) / np.abs(q - position)
+        points[name], points[f"{name} printed"] = contact_point, _contact(position, q, radius)
+        points[f"{name} corrected"] = position + radius * to_centre
+    return points
 
 
 def _in_global_axes(examples: Examples) -> float:
-    """By how much (19), (20) miss the contact of the lift [mm] where R is not counted from the line to the pivot but from the axes."""
+    """Error [mm] of (19), (20) for the lift where R is counted from the axes instead of the line to the pivot."""
     study = examples.study(LIFT)
     g, shape = si(study.design.drive.follower), study.cam
     along = complex(g.pivot_x, g.pivot_y) / abs(complex(g.pivot_x, g.pivot_y))
@@ -139,8 +177,14 @@ def _in_global_axes(examples: Examples) -> float:
 
 
 def quadrant(examples: Examples) -> Numbers:
-    """(19), (20) for the roller above the line to the pivot, as Fig. 4 draws it; for its mirror image below, and by the global axes [mm];
-    corrected: along the relative velocity's normal, in both poses."""
+    """Errors [mm] of (19), (20) with the roller above the line to the pivot (Fig. 4), below it, and by global axes.
+
+    The corrected point is along the relative velocity's normal, in both poses.
+
+    References
+    ----------
+    Shin, Kim and Ha (1995), eqs. (19), (20).
+    """
     c = contact(examples)
     off = {name: float(np.abs(c[name] - c[name.split()[0]]).max()) * 1e3 for name in c}
     below, axes = off["below printed"], _in_global_axes(examples)
@@ -158,20 +202,21 @@ def quadrant(examples: Examples) -> Numbers:
 
 
 def divisions(examples: Examples) -> Numbers:
-    """Fig. 15: where the slider falls and rises [deg], and how far [mm]."""
+    """Strokes of the slider: where it falls and rises [deg], and its rise [mm] (Fig. 15)."""
     study = examples.study(LIFT)
-    at, angles = 0.0, []
+    angle, strokes = 0.0, []
     for segment in require_motion(study.design).segments:
         if segment.rise:
-            angles.append((at, at + segment.span_deg, segment.rise))
-        at += segment.span_deg
-    return {"strokes": tuple(angles)}
+            strokes.append((angle, angle + segment.span_deg, segment.rise))
+        angle += segment.span_deg
+    return {"strokes": tuple(strokes)}
 
 
 PRINTED_STROKES = ((35.0, 76.5, -150.0), (283.5, 325.0, 150.0))
 
 
 def as_divided(strokes: tuple[tuple[float, float, float], ...]) -> tuple[str, str]:
+    """Judge Fig. 15: whether the strokes are the printed ones."""
     same = len(strokes) == len(PRINTED_STROKES) and np.allclose(strokes, PRINTED_STROKES, rtol=0.0, atol=1e-9)
     words = ", ".join(
         f"{'up' if rise > 0.0 else 'down'} {abs(rise):g} mm from {a:g}° to {b:g}°" for a, b, rise in strokes
@@ -180,7 +225,7 @@ def as_divided(strokes: tuple[tuple[float, float, float], ...]) -> tuple[str, st
 
 
 def joins(examples: Examples) -> Numbers:
-    """Fig. 17: the largest jump of velocity and of acceleration at a join, as a part of its largest value."""
+    """Largest jump of velocity and of acceleration at a join relative to its largest value (Fig. 17)."""
     study = examples.study(LIFT)
     y = study.motion.displacement
     jumps = [max(abs(float(join.jump[k])) for join in study.program.joins) for k in (1, 2)]
@@ -188,7 +233,7 @@ def joins(examples: Examples) -> Numbers:
     ranges = extremes_of(study, "motion", ("velocity", "acceleration"))
     stroke = float(np.ptp(y[0]))
     span = np.deg2rad(max(s.span_deg for s in require_motion(study.design).segments if s.rise))
-    largest = {name: max(abs(found.low.value), abs(found.high.value)) for name, found in ranges.items()}
+    largest = {name: max(abs(extremes.low.value), abs(extremes.high.value)) for name, extremes in ranges.items()}
     peaks = largest["velocity"] / study.omega, largest["acceleration"] / study.omega**2
     return {
         "off": max(jump / size for jump, size in zip(jumps, sizes, strict=True)),
@@ -199,70 +244,81 @@ def joins(examples: Examples) -> Numbers:
 
 
 def shape(examples: Examples) -> Numbers:
-    """Fig. 18: what the profile leaves of a closed curve without a cusp about the base circle [mm]."""
+    """Deviation of the profile from a closed curve without a cusp about the base circle [mm] (Fig. 18)."""
     study = examples.study(LIFT)
     flank = study.cam.flank
-    found = extremes_of(study, "cam", ("radius", "pressure_angle"))
+    extremes = extremes_of(study, "cam", ("radius", "pressure_angle"))
     base = si(study.design.drive.cam).base_radius
     sharpest = 1.0 - flank.radius * float(flank.pitch_curvature.max())
     reach = np.abs(study.cam.reference)
-    low = float(found["radius"].low.value)
+    low = float(extremes["radius"].low.value)
     return {
         "off": abs(low - base) * 1e3 if sharpest > 0.0 else inf,
         "bound": 1e-6,
         "least": low * 1e3,
         "near": float(reach.min()) * 1e3,
         "far": float(reach.max()) * 1e3,
-        "angle": float(np.rad2deg(found["pressure_angle"].high.value)),
+        "angle": float(np.rad2deg(extremes["pressure_angle"].high.value)),
     }
 
 
-# -- the numbers of Shin1995's forces and torques, of the example's lift ----------------------------------------
+# -- forces and torques -----------------------------------------------------------------------------------------
 
-
-MUCH = 0.5  # of the cam's peak: what a flywheel leaves at most where it needs "much less" torque
-
-
-def _torque_error(value: np.ndarray, true: np.ndarray) -> float:
-    return float(np.abs(value - true).max() / np.abs(true).max())
+MUCH = 0.5  # of the cam's peak: greatest torque that is "much less"
 
 
 def weightless(examples: Examples) -> Study:
-    """The lift without weights, which the paper leaves out of (22)-(24)."""
+    """The lift without weights, which (22)-(24) of the paper leave out."""
     design = put(examples.design(LIFT), "loads.gravity_m_s2", 0.0)
     study: Study = examples.once("lift without weights", lambda: Study(design, examples.study(LIFT).samples))
     return study
 
 
 def pin_force(examples: Examples) -> dict[str, np.ndarray]:
-    """B_y [N] (n,) by the arm on the rod: of Newton-Euler; (23) as printed, evaluated in m and in mm; and with its bracket and
-    β from the arm's pin, as (10) gives it."""
+    """Force B_y by the arm on the rod: of Newton-Euler, (23) as printed, evaluated in m and in mm, and corrected.
+
+    The corrected line has its bracket over (L3 + L4) cos β, and β from the arm's pin as in (10).
+
+    Returns
+    -------
+    dict of ndarray (n,) [N]
+
+    References
+    ----------
+    Shin, Kim and Ha (1995), eq. (23).
+    """
     study = weightless(examples)
     g, loads = si(study.design.drive.follower), study.design.drive.loads
     rod, beta = study.linkage.bodies["rod"], study.linkage.coordinates["beta"]
     mass, inertia = loads.rod_mass_kg, loads.rod_inertia_kg_m2
     l3, l4 = loads.rod_centre * g.rod, (1.0 - loads.rod_centre) * g.rod
-    a = rod.carried(complex(l3, 0.0))[2] * study.omega**2
+    a = rod.fixed_point(complex(l3, 0.0))[2] * study.omega**2
     slider = -study.dynamics.pairs["slider_pin"]
     x = mass * a.real - slider.real
     s, c, turning = np.sin(beta[0]), np.cos(beta[0]), inertia * beta[2] * study.omega**2
-    moved = mass * l4 * (a.imag * c - a.real * s)
+    inertial = mass * l4 * (a.imag * c - a.real * s)
 
     def printed(unit: float) -> np.ndarray:
-        """With lengths in so many metres."""
+        """(23) as printed with lengths in a unit of this many metres."""
         length = (l3 + l4) / unit
-        return np.asarray(x * s * length + moved / unit + turning / unit**2 / (length * c))
+        return np.asarray(x * s * length + inertial / unit + turning / unit**2 / (length * c))
 
     true = -study.dynamics.pairs["arm_pin"].imag
-    corrected = (x * s * (l3 + l4) + moved - turning) / ((l3 + l4) * c)
+    corrected = (x * s * (l3 + l4) + inertial - turning) / ((l3 + l4) * c)
     return {"true": true, "in m": printed(1.0), "in mm": printed(1e-3), "corrected": corrected}
 
 
 def bracket(examples: Examples) -> Numbers:
+    """Errors of (23) as printed, in m, and corrected, and the largest forces [N].
+
+    References
+    ----------
+    Shin, Kim and Ha (1995), eq. (23).
+    """
     f = pin_force(examples)
     return {
-        "printed": _torque_error(f["in m"], f["true"]),
-        "corrected": _torque_error(f["corrected"], f["true"]),
+        "printed": _off(f["in m"], f["true"]),
+        "corrected": _off(f["corrected"], f["true"]),
         "bound": SMALL,
         "largest": float(np.abs(f["true"]).max()),
         "metres": float(np.abs(f["in m"]).max()),
@@ -271,22 +327,31 @@ def bracket(examples: Examples) -> Numbers:
 
 
 def arm_torque(examples: Examples) -> dict[str, np.ndarray]:
-    """T_L [N m] (n,): of Newton-Euler, (24) with inertias about the pivot as its text asks, and about the mass centres."""
+    """Torque T_L: of Newton-Euler, by (24) with inertias about the pivot as printed, and about the mass centres.
+
+    Returns
+    -------
+    dict of ndarray (n,) [N m]
+
+    References
+    ----------
+    Shin, Kim and Ha (1995), eq. (24).
+    """
     study = weightless(examples)
     g, loads = si(study.design.drive.follower), study.design.drive.loads
     arm, at = study.linkage.bodies["arm"], study.linkage.coordinates["phi"]
-    pivot = arm.place("pivot")
+    pivot = arm.position("pivot")
     phi2 = at[2] * study.omega**2
-    pin = arm.place("arm_pin") - pivot
+    pin = arm.position("arm_pin") - pivot
     force = -study.dynamics.pairs["arm_pin"]
     centre = loads.arm_centre_mm * 1e-3 * np.exp(1j * np.deg2rad(loads.arm_centre_angle_deg))
     moments = cross(pin, -force)
     about_pivot = about_centres = (loads.arm_inertia_kg_m2 + loads.roller_inertia_kg_m2) * phi2
-    for mass, place, distance in (
-        (loads.arm_mass_kg, arm.carried(centre), abs(centre)),
-        (loads.roller_mass_kg, arm.carried(arm.points["roller"]), g.roller_arm),
+    for mass, position, distance in (
+        (loads.arm_mass_kg, arm.fixed_point(centre), abs(centre)),
+        (loads.roller_mass_kg, arm.fixed_point(arm.points["roller"]), g.roller_arm),
     ):
-        moments = moments + cross(place[0] - pivot, -mass * place[2] * study.omega**2)
+        moments = moments + cross(position[0] - pivot, -mass * position[2] * study.omega**2)
         about_pivot = about_pivot + mass * distance**2 * phi2
     return {
         "true": study.dynamics.follower_torque,
@@ -296,54 +361,71 @@ def arm_torque(examples: Examples) -> dict[str, np.ndarray]:
 
 
 def counted_twice(examples: Examples) -> Numbers:
+    """Errors of (24) with inertias about the pivot and about the mass centres, and the largest torque [N m].
+
+    References
+    ----------
+    Shin, Kim and Ha (1995), eq. (24).
+    """
     t = arm_torque(examples)
     return {
-        "printed": _torque_error(t["printed"], t["true"]),
-        "corrected": _torque_error(t["corrected"], t["true"]),
+        "printed": _off(t["printed"], t["true"]),
+        "corrected": _off(t["corrected"], t["true"]),
         "bound": SMALL,
         "largest": float(np.abs(t["true"]).max()),
-        "apart": float(np.abs(t["printed"] - t["true"]).max()),
+        "difference": float(np.abs(t["printed"] - t["true"]).max()),
     }
 
 
 def drive_torque(examples: Examples) -> Numbers:
-    """(27): R x F_c against the power that the follower takes, T_L φ̇/ω."""
+    """Errors of (27), R x F_c, and of the follower's power T_L φ̇/ω against the drive torque.
+
+    References
+    ----------
+    Shin, Kim and Ha (1995), eqs. (25)-(27).
+    """
     study = examples.study(LIFT)
     force = study.dynamics.contact * study.cam.flank.normal
     crossed = -study.cam.rotation_sign * cross(study.cam.reference, force)
     power = study.dynamics.follower_torque * study.linkage.coordinates["phi"][1]
     return {
-        "off": max(_torque_error(crossed, study.dynamics.torque), _torque_error(power, study.dynamics.torque)),
+        "off": max(_off(crossed, study.dynamics.torque), _off(power, study.dynamics.torque)),
         "bound": 1e-8,
         "largest": largest(study, "dynamics", "drive_torque"),
     }
 
 
 def guide_friction(examples: Examples) -> Numbers:
-    """(21): μW against what the guide rubs, μ|N| [N]."""
+    """Friction μW of (21) against the friction of the guide, μ|N| [N].
+
+    References
+    ----------
+    Shin, Kim and Ha (1995), eq. (21).
+    """
     study = examples.study(LIFT)
     loads, guide = study.design.drive.loads, study.dynamics.guide
     assert guide is not None, "the lift has a guide"
     weight = loads.friction * loads.slider_mass_kg * loads.gravity_m_s2
-    moving = study.motion.velocity_sign != 0.0
-    rubbed = loads.friction * np.abs(guide.normal[moving])
-    off = float(np.abs(rubbed - weight).max()) / max(weight, 1e-300)
-    return {"off": off, "bound": 0.1, "weight": weight, "rubbed": float(rubbed.max())}
+    is_moving = study.motion.velocity_sign != 0.0
+    friction = loads.friction * np.abs(guide.normal[is_moving])
+    off = float(np.abs(friction - weight).max()) / max(weight, 1e-300)
+    return {"off": off, "bound": 0.1, "weight": weight, "friction": float(friction.max())}
 
 
 # -- the flywheel ------------------------------------------------------------------------------------------
 
 
 def shaft_of(study: Study) -> Shaft:
+    """Shaft of a study."""
     shaft = study.design.shaft
-    assert shaft is not None, "the lift's cam stands on a shaft"
+    assert shaft is not None, "the lift's cam is on a shaft"
     return shaft
 
 
-def fitted(examples: Examples) -> Study:
-    """The lift with its flywheel; of the needed size where it has none."""
+def with_flywheel(examples: Examples) -> Study:
+    """The lift with its flywheel; of the required inertia where it has none."""
 
-    def make() -> Study:
+    def compute() -> Study:
         study = examples.study(LIFT)
         if study.levels_torque:
             return study
@@ -351,14 +433,16 @@ def fitted(examples: Examples) -> Study:
         shaft = replace(shaft_of(study), flywheel_inertia_kg_m2=needed)
         return Study(replace(study.design, shaft=shaft), study.samples)
 
-    study: Study = examples.once("lift with a flywheel", make)
+    study: Study = examples.once("lift with a flywheel", compute)
     return study
 
 
 def flywheel(examples: Examples) -> Numbers:
-    """Figs. 19, 20: largest torques [N m] of the cam and, with a flywheel [kg m²], of the motor; least and largest speed as parts
-    of the mean one. Nothing where the motor stalls."""
-    study = fitted(examples)
+    """Largest torques [N m] of the cam and, with a flywheel, of the motor, and the relative speed (Figs. 19, 20).
+
+    NaN where the motor stalls.
+    """
+    study = with_flywheel(examples)
     runs = study.flywheel.runs
     ranges = extremes_of(study, "dynamics", ("drive_torque", *(("motor_torque", "camshaft_speed") if runs else ())))
 
@@ -381,9 +465,9 @@ def flywheel(examples: Examples) -> Numbers:
 def stabilised(
     runs: bool, inertia: float, cam_swing: float, motor_swing: float, slowest: float, fastest: float, **_: Any
 ) -> tuple[str, str]:
-    """Fig. 19: whether the motor's torque swings much less than the cam's."""
+    """Judge Fig. 19: whether the motor's torque swings much less than the cam's."""
     if not runs:
-        return "differs", f"with {inertia:.4g} kg·m² the motor stalls before it is through the cam's peak"
+        return "differs", f"with {inertia:.4g} kg·m² the motor stalls before the cam's peak has passed"
     return ("agrees" if motor_swing <= MUCH * cam_swing else "differs"), (
         f"with {inertia:.5g} kg·m² the motor's torque swings by {motor_swing:.4g} N·m where the cam's swings by {cam_swing:.4g}; "
         f"speed {slowest:.4f} … {fastest:.4f} of the mean"
@@ -391,7 +475,7 @@ def stabilised(
 
 
 def much_less(runs: bool, inertia: float, cam: float, motor: float, **_: Any) -> tuple[str, str]:
-    """Fig. 20: whether the motor's largest torque is much less than the cam's."""
+    """Judge Fig. 20: whether the motor's largest torque is much less than the cam's."""
     if not runs:
         return "differs", f"with {inertia:.4g} kg·m² the motor stalls: no torque carries the cam over its peak"
     return ("agrees" if motor <= MUCH * cam else "differs"), (
@@ -399,68 +483,73 @@ def much_less(runs: bool, inertia: float, cam: float, motor: float, **_: Any) ->
     )
 
 
-# -- the whole unit ----------------------------------------------------------------------------------------
+# -- the complete unit -------------------------------------------------------------------------------------
 
-WANTED = ("feed", "clamp", "lift", "torque")
+PRINTED_CAMS = ("feed", "clamp", "lift", "torque")
 
 
 def cams(examples: Examples) -> Numbers:
-    """Fig. 14: what the shaft carries; a balance cam is the one for torque."""
+    """Names of the cams on the shaft (Fig. 14); a balance cam is the one for torque."""
     shaft = examples.shaft(UNIT)
     balancer = () if shaft.design.balancer is None else ("torque",)
     return {"names": (*(name.lower() for name in shaft.drives), *balancer)}
 
 
 def four_cams(names: tuple[str, ...]) -> tuple[str, str]:
-    there = all(any(wanted in name for name in names) for wanted in WANTED)
-    return (
-        "agrees" if there and len(names) == len(WANTED) else "differs"
-    ), f"{len(names)} cams on one shaft: {', '.join(names)}"
+    """Judge Fig. 14: whether the shaft has the four printed cams."""
+    is_complete = all(any(cam in name for name in names) for cam in PRINTED_CAMS)
+    verdict = "agrees" if is_complete and len(names) == len(PRINTED_CAMS) else "differs"
+    return verdict, f"{len(names)} cams on one shaft: {', '.join(names)}"
 
 
 def directions(examples: Examples) -> Numbers:
-    """§6.1: stroke of each drive's output and how long it moves in a turn [deg]."""
+    """Stroke of each drive's output and the angle [deg] in which it moves in a turn (§6.1)."""
     shaft = examples.shaft(UNIT)
-    found = {}
+    strokes = {}
     for name, study in shaft.drives.items():
         motion = require_motion(study.design)
         unit = motion.unit
         stroke = float(np.ptp(study.motion.displacement[0])) * (1e3 if unit == "mm" else 180.0 / np.pi)
-        found[name] = (stroke, unit, sum(s.span_deg for s in motion.segments if s.rise))
-    return {"strokes": found}
+        strokes[name] = (stroke, unit, sum(s.span_deg for s in motion.segments if s.rise))
+    return {"strokes": strokes}
 
 
 def transferred(examples: Examples) -> Numbers:
-    """§6.1: travel [mm] in each direction of what the first drives carry, by their names; where the others stand while the first one
-    goes forwards and while it goes back, least and most [mm]; and the largest speed along the path [mm/s]."""
+    """Travel [mm] of the transfer in each direction, by the names of the first drives, and its speed [mm/s] (§6.1).
+
+    `sides` are the positions [mm], least and most, of the other directions while the first one goes forwards and back.
+    """
     shaft = examples.shaft(UNIT)
     names = path_drives(shaft)
     path = {name: output_travel(shaft, name) for name in names}
-    way = {name: float(np.ptp(moved[0])) * 1e3 for name, moved in path.items()}
+    travel = {name: float(np.ptp(displacement[0])) * 1e3 for name, displacement in path.items()}
     first = path[names[0]][1]
     least = 0.01 * np.abs(first).max()
     sides = {
         name: tuple(
-            (float(moved[0][going].min()) * 1e3, float(moved[0][going].max()) * 1e3)
+            (float(displacement[0][going].min()) * 1e3, float(displacement[0][going].max()) * 1e3)
             for going in (first > least, first < -least)
         )
-        for name, moved in list(path.items())[1:]
+        for name, displacement in list(path.items())[1:]
     }
-    return {"way": way, "sides": sides, "speed": float(path_rate(shaft, 1).max()) * 1e3}
+    return {"travel": travel, "sides": sides, "speed": float(path_rate(shaft, 1).max()) * 1e3}
 
 
 def in_three(
-    way: Mapping[str, float], sides: Mapping[str, tuple[tuple[float, float], tuple[float, float]]], speed: float
+    travel: Mapping[str, float], sides: Mapping[str, tuple[tuple[float, float], tuple[float, float]]], speed: float
 ) -> tuple[str, str]:
-    """Agrees where it moves in three directions, and not back the way it came."""
-    apart = [name for name, (forwards, back) in sides.items() if forwards[0] > back[1] or back[0] > forwards[1]]
-    ways = ", ".join(f"{name} {length:.4g} mm" for name, length in way.items())
-    held = " and ".join(f"{name} at {_range(ahead)} (back at {_range(back)})" for name, (ahead, back) in sides.items())
-    words = (
-        f"{ways}, taken at right angles in the order of the list of drives, since a drive does not say which way it carries; forwards with "
-        f"{held}; at most {speed:.4g} mm/s; shown as {len(way) - 1} plane projections, without carrier or workpiece"
+    """Judge §6.1: whether the transfer moves in three directions, and back on another path."""
+    separate = [name for name, (forwards, back) in sides.items() if forwards[0] > back[1] or back[0] > forwards[1]]
+    lengths = ", ".join(f"{name} {length:.4g} mm" for name, length in travel.items())
+    positions = " and ".join(
+        f"{name} at {_range(ahead)} (back at {_range(back)})" for name, (ahead, back) in sides.items()
     )
-    return ("agrees" if len(way) == 3 and min(way.values()) > 0.0 and apart else "differs"), words
+    words = (
+        f"{lengths}, at right angles in the order of the list of drives, since a drive does not state its direction; "
+        f"forwards with {positions}; at most {speed:.4g} mm/s; shown as {len(travel) - 1} plane projections, without "
+        "carrier or workpiece"
+    )
+    return ("agrees" if len(travel) == 3 and min(travel.values()) > 0.0 and separate else "differs"), words
 
 
 def _range(ends: tuple[float, float]) -> str:

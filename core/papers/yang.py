@@ -23,18 +23,18 @@ from core.papers.claim import (
     PlotLine,
     Row,
     by_angle,
-    kept,
-    mended,
-    plotted,
+    corrected_print,
+    plot_figure,
     table_by_column,
+    within_bound,
 )
 from core.papers.yang_curves import (
     DRD,
+    MOTION_PARTS,
     PEAK,
     PICKER,
-    PLACES,
     PRINTED,
-    PRINTED_PLACES,
+    PRINTED_CURVES,
     fitting,
     moving,
     picker,
@@ -44,8 +44,7 @@ from core.papers.yang_curves import (
 )
 from core.plot import Plot, PlotCurve
 
-# -- yang's tables and figures as numbers and as what is painted ------------------------------------------------
-
+# -- tables and figures -----------------------------------------------------------------------------------------
 
 PER_DEGREE = np.pi / 180.0
 MM = 1e3
@@ -72,12 +71,12 @@ def _elements(examples: Examples) -> FigureTable:
 
 
 def _places(examples: Examples) -> FigureTable:
-    words = tuple(f"{place[3]} → {place[4]}" for place in PLACES)
-    found = tuple(", ".join(curves) for curves in fitting())
-    motion, where = tuple(place[0] for place in PLACES), tuple(place[1] for place in PLACES)
+    ends = tuple(f"{part[3]} → {part[4]}" for part in MOTION_PARTS)
+    compatible = tuple(", ".join(curves) for curves in fitting())
+    motion, where = tuple(part[0] for part in MOTION_PARTS), tuple(part[1] for part in MOTION_PARTS)
     return FigureTable(
         ("motion", "place", "ends", "fits", "printed"),
-        (motion, where, words, found, PRINTED_PLACES),
+        (motion, where, ends, compatible, PRINTED_CURVES),
         "The curve of each place",
     )
 
@@ -89,7 +88,7 @@ SHOWN = {
     "DRRD": ("both", {"h1": 0.2, "h3": 0.2}),
     "RRR": ("both", {"h1": 0.25, "h3": 0.25}),
 }
-"""Motion -> where its velocity is constant, and what determines its curves, over a stroke of 1."""
+"""Motion -> part of constant velocity, and settings of its curves, over a stroke of 1."""
 
 
 def _shown(kind: str) -> BlendResult:
@@ -98,16 +97,16 @@ def _shown(kind: str) -> BlendResult:
     return blend(Request(kind, 1.0, 0.0, span, constant, settings))
 
 
-def _sampled(made: BlendResult) -> tuple[np.ndarray, np.ndarray, list[tuple[float, str]]]:
-    """Angle [deg] and displacement (n,), and the places where curves meet with the signs of velocity and acceleration."""
+def _sampled(result: BlendResult) -> tuple[np.ndarray, np.ndarray, list[tuple[float, str]]]:
+    """Angle [deg] and displacement (n,), and the joins of curves with the signs of velocity and acceleration."""
     angles, levels, marks = [], [], []
-    at, level, u = 0.0, made.first_level, np.linspace(0.0, 1.0, 61)
-    for name, segment in zip(made.curves, made.segments, strict=True):
-        marks.append((at, _state(states(name)[0])))
-        angles.append(at + u * segment.span_deg)
+    angle, level, u = 0.0, result.first_level, np.linspace(0.0, 1.0, 61)
+    for name, segment in zip(result.curves, result.segments, strict=True):
+        marks.append((angle, _state(states(name)[0])))
+        angles.append(angle + u * segment.span_deg)
         levels.append(level + segment.rise * LAWS[name.lower()](u)[0])
-        at, level = at + segment.span_deg, level + segment.rise
-    marks.append((at, _state(states(made.curves[-1])[1])))
+        angle, level = angle + segment.span_deg, level + segment.rise
+    marks.append((angle, _state(states(result.curves[-1])[1])))
     return np.concatenate(angles), np.concatenate(levels), marks
 
 
@@ -118,9 +117,9 @@ def _state(state: str) -> str:
 def _dynamic(examples: Examples) -> tuple[Plot, ...]:
     plots = []
     for kind in SHOWN:
-        made = _shown(kind)
-        x, y, marks = _sampled(made)
-        title = f"{kind}: {'-'.join(made.curves)}"
+        result = _shown(kind)
+        x, y, marks = _sampled(result)
+        title = f"{kind}: {'-'.join(result.curves)}"
         plots.append(Plot(CAM_ANGLE, "Displacement", (PlotCurve(x, y, title),), tuple(marks), quiet=True))
     return tuple(plots)
 
@@ -128,8 +127,8 @@ def _dynamic(examples: Examples) -> tuple[Plot, ...]:
 def _dynamic_table(examples: Examples) -> FigureTable:
     rows: list[tuple[str, str, str, str]] = []
     for kind in SHOWN:
-        made = _shown(kind)
-        for name in made.curves:
+        result = _shown(kind)
+        for name in result.curves:
             start, end = states(name)
             rows.append((kind, name, _state(start), _state(end)))
     return FigureTable(
@@ -151,46 +150,46 @@ def _motion(examples: Examples, name: str) -> dict[str, np.ndarray]:
 
 
 def _curves(name: str) -> Callable[[Examples], tuple[Plot, ...]]:
-    """Of an example, with marks where its curves meet."""
+    """Function that returns the plots of an example, with marks at the joins of its curves."""
 
     def plots(examples: Examples) -> tuple[Plot, ...]:
-        marks, at = [], 0.0
+        marks, angle = [], 0.0
         for segment in require_motion(examples.design(name)).segments:
             if segment.rise:
-                marks.append((at, segment.curve.law.upper()))
-            at += segment.span_deg
+                marks.append((angle, segment.curve.law.upper()))
+            angle += segment.span_deg
         return by_angle(_motion(examples, name), PLOTS, marks=tuple(marks))
 
     return plots
 
 
 def _steps(examples: Examples) -> FigureTable:
-    """Fig. 3's algorithm walked for the card picker."""
+    """The algorithm of Fig. 3 applied to the card picker."""
     heights, spans = picker(examples)
     settings = {"h1": float(heights[0]), "h3": float(heights[2])}
     request = Request("DRRD", float(heights[:3].sum()), 30.0, 330.0, "rise", settings)
-    found = sequences("DRRD", "rise")
+    admitted = sequences("DRRD", "rise")
     free = candidates(request)[0].freedom
-    made = blend(request)
-    ends = ", ".join(f"{curve} {span:.6f}°" for curve, span in zip(made.curves, made.solution.spans, strict=True))
-    apart = float(np.abs(np.array(made.solution.spans) - spans).max())
+    result = blend(request)
+    ends = ", ".join(f"{curve} {span:.6f}°" for curve, span in zip(result.curves, result.solution.spans, strict=True))
+    difference = float(np.abs(np.array(result.solution.spans) - spans).max())
     rows = (
         ("1", "type of motion", "DRRD"),
-        ("2", "constant velocity wanted", "in the rise"),
-        ("3", "sequences that the tables admit", ", ".join(str(each) for each in found)),
-        ("4", "fewest curves", f"{len(found[0].curves)}: {found[0]}"),
+        ("2", "constant velocity requested", "in the rise"),
+        ("3", "sequences that the tables admit", ", ".join(str(admitted_sequence) for admitted_sequence in admitted)),
+        ("4", "fewest curves", f"{len(admitted[0].curves)}: {admitted[0]}"),
         ("5", "stroke and angles", f"{request.stroke:g} mm, {request.start:g}° to {request.end:g}°"),
         ("6", "values still free", str(free)),
         ("7", "constraints given", f"h1 = {heights[0]:g} mm, h3 = {heights[2]:g} mm"),
         ("8", "equations solved", ends),
-        ("9", "against the example", f"at most {apart:.1e}° apart"),
+        ("9", "difference from the example", f"at most {difference:.1e}°"),
     )
-    title = "Algorithm for the curve blending, walked for the card picker"
+    title = "Algorithm for the curve blending, applied to the card picker"
     return FigureTable(("step", "what", "card_picker"), tuple(zip(*rows, strict=True)), title)
 
 
 def _picker_table(examples: Examples) -> FigureTable:
-    """As Fig. 4 prints it."""
+    """Table of Fig. 4."""
     angle, level, rows = 30.0, 0.0, []
     for segment in moving(examples.design(PICKER)):
         ends = angle + segment.span_deg, level + segment.rise
@@ -203,35 +202,36 @@ def _picker_table(examples: Examples) -> FigureTable:
 
 TABLE_1 = PaperFigure("table_1", "Yang Table 1: characteristics of the elementary curves", _elements)
 TABLE_2 = PaperFigure("table_2", "Yang Table 2: selection of the elementary curve", _places)
-FIG_1 = plotted("figure_1", "Yang Fig. 1: dynamic characteristics for the various motions", _dynamic_table, _dynamic)
-FIG_2 = plotted(
+FIG_1 = plot_figure(
+    "figure_1", "Yang Fig. 1: dynamic characteristics for the various motions", _dynamic_table, _dynamic
+)
+FIG_2 = plot_figure(
     "figure_2", "Yang Fig. 2: C1-CV1-C2 in DRD motion", lambda e: table_by_column(_motion(e, DRD)), _curves(DRD)
 )
 FIG_3 = PaperFigure("figure_3", "Yang Fig. 3: algorithm for the curve blending", _steps)
-FIG_4 = plotted("figure_4", "Yang Fig. 4: curve blending of the card picker", _picker_table, _curves(PICKER))
+FIG_4 = plot_figure("figure_4", "Yang Fig. 4: curve blending of the card picker", _picker_table, _curves(PICKER))
 
 
-# -- yang and Shon, blended cam curves --------------------------------------------------------------------------
+# -- rows of claims ---------------------------------------------------------------------------------------------
 
-
-_BOTH = kept("{left:.10g} and {right:.10g}")
+_BOTH = within_bound("{left:.10g} and {right:.10g}")
 
 ROWS = (
     Row("§1, 1-4", "heights add up to the stroke, spans to the angle, velocity and acceleration meet at every join", curves.conditions,
-        kept("the card picker leaves {off:.1g} of either; jumps of velocity {velocity_jump:.1g}, of acceleration {acceleration_jump:.1g}"),
-        PICKER),
+        within_bound("the card picker leaves {off:.1g} of either; jumps of velocity {velocity_jump:.1g}, of acceleration "
+            "{acceleration_jump:.1g}"), PICKER),
     Row("§1", "where the size and the span of a constant acceleration are limited, curves are blended; the common example is the modified "
         "trapezoid", curves.constant_acceleration,
-        kept("C1-C2 with {span:.6g}° at {constant:.6g} mm/°² each is the modified trapezoid but for {off:.1g}"), DRD),
+        within_bound("C1-C2 with {span:.6g}° at {constant:.6g} mm/°² each is the modified trapezoid but for {off:.1g}"), DRD),
     Row("Table 1", "signs of v and a at the ends of 16 curves, and what is usable next", tables.table_1, tables.as_table_1, PICKER,
         TABLE_1),
-    Row("Table 1, CV2", "S of CV2 is 0, -", tables.returning, mended(MISPRINT,
+    Row("Table 1, CV2", "S of CV2 is 0, -", tables.returning, corrected_print(MISPRINT,
         "it falls as C3, C4, C6 do, which are printed +, 0: {printed:.0f} signs are not those of its formula, with +, 0 {corrected:.0f}"),
         PICKER, TABLE_1),
-    Row("Fig. 1", "PQ, the first part of DRD: s, v and a are 0, then s and v above 0: only C1", tables.first_place, tables.only_c1, DRD,
+    Row("Fig. 1", "PQ, the first part of DRD: s, v and a are 0, then s and v above 0: only C1", tables.first_curve, tables.only_c1, DRD,
         FIG_1),
     Row("Table 2", "at each place of DRD, DRRD and RRR there is only one curve", tables.table_2, tables.as_table_2, PICKER, TABLE_2),
-    Row("Fig. 2", "C1, CV1 and C2 join smoothly in velocity and acceleration", curves.smooth, kept(
+    Row("Fig. 2", "C1, CV1 and C2 join smoothly in velocity and acceleration", curves.smooth, within_bound(
         "the largest jump at a join of the rise is {off:.1g} of the largest value; peaks {velocity:.4g} mm/° and {acceleration:.4g} mm/°²"),
         DRD, FIG_2),
     Row("(1)", "2h1/β1 = h2/β2", curves.join(0, 1), _BOTH, DRD, FIG_2),
@@ -244,13 +244,13 @@ ROWS = (
     Row("(6)", "(2h1/h2 + 1 + 2h3/h2) β2 = β", curves.spans, _BOTH, DRD, FIG_2),
     Row("(7)", "β2 = 2h/Cv - β", curves.middle_span, _BOTH, DRD, FIG_2),
     Row("(8)", "h/β ≤ Cv ≤ 2h/β", curves.speed_range, curves.as_range, DRD),
-    Row("Fig. 3", "DRRD with a constant velocity takes at least 4 curves", curves.least_curves, curves.four_curves, PICKER, FIG_3),
+    Row("Fig. 3", "DRRD with a constant velocity needs at least 4 curves", curves.least_curves, curves.four_curves, PICKER, FIG_3),
     Row("Fig. 4", "18.846 / 169.613 / 14.801 / 96.740°", curves.card_picker, curves.spans_words, PICKER, FIG_4),
     Row("Fig. 4, table", "where each curve starts and ends", curves.picker_table, curves.as_tabled, PICKER, FIG_4),
-    Row("§3.2, 3)", "rise from 30° to 250°; Fig. 4 has its top at 233.26°", curves.top, mended(CONTRADICTION,
-        "both cannot be: with Fig. 4's h1 = h3 = 1 mm the top stands at {here:.4f}°, {printed:.2f}° before the one that the text wants; "
+    Row("§3.2, 3)", "rise from 30° to 250°; Fig. 4 has its top at 233.26°", curves.top, corrected_print(CONTRADICTION,
+        "both cannot be: with Fig. 4's h1 = h3 = 1 mm the top is at {here:.4f}°, {printed:.2f}° before that of the text; "
         "with the peak at 250° h3 is {h3:.4f} mm and the spans are {spans}°, top {peak:.6g}°"), PEAK, FIG_4),
     Row("§3.2, 4)", "constant velocity over at least 150°", curves.constant_length, curves.long_enough, PICKER, FIG_4),
-    Row("Concl.", "design, machining and verification of the cam", curves.made, curves.as_made, PICKER),
+    Row("Concl.", "design, machining and verification of the cam", curves.conclusion, curves.judge_conclusion, PICKER),
 )  # fmt: skip
 """Every row of the paper."""

@@ -314,19 +314,19 @@ class _Branch:
 
     def _ranges(self, design: Design, asked: Motion) -> tuple[float, float, bool]:
         """Where the driver can be [rad or m], and whether that is a whole turn."""
-        from core.mechanism import driver_ranges_of, plan_of, swept
+        from core.mechanism import driver_ranges_of, motion_extent, plan_of
 
         if self._turns:
             self._driver_ranges = driver_ranges_of(self._linkage)
         else:
             motion = design.drive.motion
             assert motion is not None
-            low, high = swept(program(replace(motion, follows=None)))
+            low, high = motion_extent(program(replace(motion, follows=None)))
             room = 2.0 * plan_of(self._linkage).size
             self._driver_ranges = driver_ranges_of(self._linkage, low - room, high + room)
         self._cycle = TURN * self._driver_ranges.turns
         found, place = self._driver_ranges.ranges, self._place(design)
-        whole = self._turns and len(found) == 1 and found[0].free and not self._driver_ranges.swings
+        whole = self._turns and len(found) == 1 and found[0].is_free and not self._driver_ranges.is_swinging
         here = min(found, key=lambda r: max(r.low - place, place - r.high, 0.0))
         inset = 0.0 if whole else 1e-9 * (here.high - here.low)
         return here.low + inset, here.high - inset, whole
@@ -394,7 +394,7 @@ class _Branch:
         return np.array([x + turns * self.period, first, second, third])
 
     def _within(self, x: np.ndarray) -> np.ndarray:
-        return self.forward(np.mod(x, self._cycle) if self._turns and not self._driver_ranges.swings else x)
+        return self.forward(np.mod(x, self._cycle) if self._turns and not self._driver_ranges.is_swinging else x)
 
     def _require_reached(self, theta: np.ndarray, wanted: np.ndarray) -> None:
         if self.period:

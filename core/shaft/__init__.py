@@ -1,10 +1,10 @@
-"""The camshaft as a rigid flywheel with a motor of straight characteristic: its load, its speed, its sizing."""
+"""The camshaft as a rigid flywheel with a motor of linear characteristic: its load, its speed, its sizing."""
 
 from typing import TYPE_CHECKING
 
 from core.process import lazy_attributes
-from core.shaft.curve import NODES, LoadCurve, combined, load_curve, panel_angles, peaks, rms, value
-from core.shaft.flywheel import Flywheel, filtered, findings, lag, levels, motor_inertia, rounded_up
+from core.shaft.curve import NODES, LoadCurve, combined_load, load_curve, panel_angles, peaks, rms, torque_at
+from core.shaft.flywheel import Flywheel, findings, has_flywheel, lag, motor_inertia, periodic_response, rounded_up
 from core.shaft.speed import SpeedCurve, speed_fluctuation, steady_speed
 
 if TYPE_CHECKING:
@@ -12,13 +12,13 @@ if TYPE_CHECKING:
     from core.shaft.flywheel import (
         AgainstSpeed,
         against_speed,
-        even,
+        fluctuation_with,
         inertia_by_energy,
         inertia_for,
-        reached_with,
-        separated,
+        is_even,
+        load_by_speed,
     )
-    from core.shaft.phases import AIMS, Phases, Spacing, best_phases, reached_along
+    from core.shaft.phases import AIMS, Phases, Spacing, aim_along, best_phases
 else:
     __getattr__ = lazy_attributes(__name__, "balancer", "flywheel", "phases")
 
@@ -32,29 +32,29 @@ __all__ = [
     "Spacing",
     "SpeedCurve",
     "against_speed",
+    "aim_along",
     "balance_drive",
     "balance_drives",
     "best_phases",
-    "combined",
-    "even",
-    "filtered",
+    "combined_load",
     "findings",
     "first_balancer",
+    "fluctuation_with",
+    "has_flywheel",
     "inertia_by_energy",
     "inertia_for",
+    "is_even",
     "lag",
-    "levels",
+    "load_by_speed",
     "load_curve",
     "motor_inertia",
     "panel_angles",
     "peaks",
-    "reached_along",
-    "reached_with",
+    "periodic_response",
     "rms",
     "rounded_up",
-    "separated",
     "speed_fluctuation",
     "steady_speed",
-    "value",
+    "torque_at",
     "with_balancer",
 ]  # fmt: skip

@@ -1,4 +1,4 @@
-"""A block of many designs: of all at once what ``together`` says can be, the rest design by design."""
+"""Figures of a block of designs: computed for all at once where ``is_batchable``, else design by design."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ from core.motion.curves import has_common_pieces
 from core.motion.extremes import crossings
 from core.motion.program import ShaftPosition
 from core.numerics.lazy import at_owners, column, map_columns, one_design
-from core.shaft import Flywheel, LoadCurve, combined, panel_angles, peaks, rms
-from core.shaft.curve import NODES, fitted, nodes, value
+from core.shaft import Flywheel, LoadCurve, combined_load, panel_angles, peaks, rms
+from core.shaft.curve import NODES, fitted, nodes, torque_at
 from core.shaft.flywheel import energy_ranges
 from core.study.drive_forces import load_ratings, roller_force, roller_speed
 from core.study.extremes import extremes_of, has_quantity, undercut_on
-from core.study.highest import nodes_of
+from core.study.highest import clenshaw_curtis_nodes
 from core.study.limits import SPEEDS
 from core.study.quantities import OF_MOTOR, quantities_of, quantity
 from core.study.quantity_requests import (
@@ -40,307 +40,323 @@ from core.study.quantity_requests import (
     number_fields,
 )
 from core.study.stages import Switch, friction_switches
-from core.study.stages_of_many import NO_VALUE, UNDERCUT, Results, Together
+from core.study.stages_of_many import NO_VALUE, UNDERCUT, DesignBlock, Results
 from core.study.study import Study
 
-# -- A block of many designs ------------------------------------------------------------------------------------
-
-
 OUT_OF_RANGE = "out-of-range"
-"""Reason beside the codes of errors and findings: a number lies outside the range of its field."""
+"""Reason of a design, as the codes of errors and findings are: a number is outside the range of its field."""
 FAULTY = "design-fault"
-"""The same: these values do not go together in a design, as a law that only falls with a rise."""
+"""Reason of a design: its values exclude each other, as a law that only falls with a rise."""
 
-BLOCK_POINTS = 240_000  # nodes of a block, which takes far less than 256 MiB
+BLOCK_POINTS = 240_000  # nodes of a block, which needs far less than 256 MiB
 
 _MOTION = "motion."
-_VARIED = ("follower.", "linkage.", "cam.", "loads.", "shaft.", _MOTION)
+_VARIABLE = ("follower.", "linkage.", "cam.", "loads.", "shaft.", _MOTION)
 _SWITCHES = re.compile(r"loads\.process\[\d+\]\.(cam_|position_|points)")
-"""When a process force works, by which the turn is cut into pieces."""
-_READS_CENTRES = frozenset({"instant_centre", "instant_centre_x", "instant_centre_y", "instant_centre_velocity"})
+"""When a process force acts: it cuts the turn into pieces."""
+_NEEDS_CENTRES = frozenset({"instant_centre", "instant_centre_x", "instant_centre_y", "instant_centre_velocity"})
 
 
-def together(design: Design, paths: Sequence[str], asked: QuantityRequest) -> bool:
-    """Whether what is asked of designs that differ in these paths is computed of all at once: lengths, angles, masses, springs,
-    friction and speed of a follower or a linkage of dyads, quantities that follow at each angle by itself, with their totals; of several
-    drives on a shaft those of each."""
-    if asked.drive is not None:
-        return together(
-            only(design, asked.drive), [*paths_inside(design, paths, asked.drive)], asked._replace(drive=None)
-        )
+def is_batchable(design: Design, paths: Sequence[str], request: QuantityRequest) -> bool:
+    """Whether a figure of designs that differ at these paths is computed for all of them at once.
+
+    The numbers may be lengths, angles, masses, springs, friction and speed of a follower or a linkage of dyads. The figures
+    are of quantities that follow at every cam angle by itself, and totals; of several drives on a shaft, of every drive.
+    """
+    if request.drive is not None:
+        number = request.drive
+        return is_batchable(only(design, number), [*paths_inside(design, paths, number)], request._replace(drive=None))
     if design.listed:
+        energy = QuantityRequest("", "", ENERGY, 1.0)
         return (
             design.balancer is None
-            and asked.statistic != LIFE
+            and request.statistic != LIFE
             and all(
-                together(only(design, i), [*paths_inside(design, paths, i)], QuantityRequest("", "", ENERGY, 1.0))
-                for i in _carried(design)
+                is_batchable(only(design, i), [*paths_inside(design, paths, i)], energy)
+                for i in _loading_drives(design)
             )
         )
     if design.drive.links and any(step.kind in (GROUP, INPUT) for step, _ in plan_of(design.drive.linkage).steps):
         return False
-    if not all(path.startswith(_VARIED) and not _SWITCHES.match(path) for path in paths):
+    if not all(path.startswith(_VARIABLE) and not _SWITCHES.match(path) for path in paths):
         return False
     if design.drive.loads.process and any(path.startswith(_MOTION) for path in paths):
         return False
-    if not asked.name:
-        return design.drive.loads_shaft and not (
-            asked.statistic == LIFE and (design.drive.cam is None or design.drive.cam.form.holds)
-        )
-    row = quantity(asked.name)
+    if not request.name:
+        has_open_cam = design.drive.cam is not None and not design.drive.cam.form.holds
+        return design.drive.loads_shaft and (request.statistic != LIFE or has_open_cam)
+    row = quantity(request.name)
     return (
         row.stage in ("motion", "linkage", "cam", "dynamics")
-        and asked.name not in OF_MOTOR | _READS_CENTRES
+        and request.name not in OF_MOTOR | _NEEDS_CENTRES
         and not row.needs.startswith("elastic")
     )
 
 
-@np.errstate(invalid="ignore", over="ignore", divide="ignore")  # infinite values of some, as rates at dead centres
-def block(
-    design: Design, infos: Mapping[str, Any], asked: tuple[QuantityRequest, ...], polish: bool, rows: np.ndarray
+@np.errstate(invalid="ignore", over="ignore", divide="ignore")  # infinite values of some designs, at dead centres
+def block_results(
+    design: Design, infos: Mapping[str, Any], requests: tuple[QuantityRequest, ...], polish: bool, rows: np.ndarray
 ) -> Results:
-    """What is asked of the designs with these numbers (p, m)."""
+    """Figures of the designs of a block.
+
+    Parameters
+    ----------
+    design : Design
+    infos : mapping of str -> Info
+        Paths of p numbers, with the infos of their fields.
+    requests : tuple of QuantityRequest
+        k figures.
+    polish : bool
+        Refine the extremes.
+    rows : ndarray (p, m) [unit of the field]
+        The numbers of m designs.
+
+    Returns
+    -------
+    Results
+    """
     paths, m = tuple(infos), rows.shape[1]
-    found = Results(np.full((len(asked), m), np.nan), np.full((len(asked), m), np.nan), np.full(m, "", dtype=object))
-    inside = np.all(
-        [np.ones(m, dtype=bool), *(_admitted(i, row) for i, row in zip(infos.values(), rows, strict=True))], axis=0
+    results = _no_results(len(requests), m)
+    is_inside = np.all(
+        [np.ones(m, dtype=bool), *(_in_range(info, row) for info, row in zip(infos.values(), rows, strict=True))],
+        axis=0,
     )
     for number in range(len(design.drives)):
-        own, here = (
-            only(design, number),
-            paths_inside(design, paths, number) if design.listed else {path: path for path in paths},
-        )
-        motion = _own_motion(own, tuple(here), rows[[paths.index(path) for path in here.values()]])
+        drive = only(design, number)
+        inside = paths_inside(design, paths, number) if design.listed else {path: path for path in paths}
+        motion = _varied_motion(drive, tuple(inside), rows[[paths.index(path) for path in inside.values()]])
         for segment in () if motion is None else motion.segments:
-            inside &= np.asarray(segment.span_deg > 0.0)
+            is_inside &= np.asarray(segment.span_deg > 0.0)
         if motion is not None and not has_common_pieces(motion):
-            for k in np.flatnonzero(inside).tolist():
+            for k in np.flatnonzero(is_inside).tolist():
                 if part_faults(map_columns(motion, one_design(k)), "motion"):
-                    found.reason[k] = FAULTY
-    found.reason[~inside] = OUT_OF_RANGE
-    good = np.flatnonzero(found.reason == "")
+                    results.reason[k] = FAULTY
+    results.reason[~is_inside] = OUT_OF_RANGE
+    good = np.flatnonzero(results.reason == "")
     if not good.size:
-        return found
-    if good.size == 1:  # of a single number numpy takes products in another order, with other last bits
+        return results
+    if good.size == 1:  # numpy multiplies a single number in another order, with other last bits
         good = good.repeat(2)
-    chosen = np.array([together(design, paths, each) for each in asked])
-    at_once, alone = np.flatnonzero(chosen), np.flatnonzero(~chosen)
-    further = {int(k): alone for k in good} if alone.size else {}
-    if at_once.size:
-        every = _of_drives if design.listed else partial(_of_one, motion=map_columns(motion, at_owners(good)))
-        part, again = every(
-            design,
-            infos,
-            rows[:, good],
-            [asked[i] for i in at_once],
-            polish,
+    batchable = np.array([is_batchable(design, paths, request) for request in requests])
+    batched, single = np.flatnonzero(batchable), np.flatnonzero(~batchable)
+    remaining = {int(k): single for k in good} if single.size else {}
+    if batched.size:
+        compute = (
+            _drives_results if design.listed else partial(_drive_results, motion=map_columns(motion, at_owners(good)))
         )
-        found.value[np.ix_(at_once, good)], found.theta[np.ix_(at_once, good)] = part.value, part.theta
-        found.reason[good] = part.reason
+        part, again = compute(design, infos, rows[:, good], [requests[i] for i in batched], polish)
+        results.value[np.ix_(batched, good)], results.theta[np.ix_(batched, good)] = part.value, part.theta
+        results.reason[good] = part.reason
         for k in good[again].tolist():
-            further[k], found.reason[k] = np.arange(len(asked)), ""
-    for k, which in further.items():
-        single = Study(with_numbers(design, paths, rows[:, k].tolist()))
-        values, thetas, reason = asked_of_study(single, [asked[i] for i in which])
-        found.value[which, k], found.theta[which, k] = values, thetas
-        found.reason[k] = found.reason[k] or reason
-    return found
+            remaining[k], results.reason[k] = np.arange(len(requests)), ""
+    for k, which in remaining.items():
+        study = Study(with_numbers(design, paths, rows[:, k].tolist()))
+        values, thetas, reason = study_figures(study, [requests[i] for i in which])
+        results.value[which, k], results.theta[which, k] = values, thetas
+        results.reason[k] = results.reason[k] or reason
+    return results
 
 
-def _of_one(
+def _no_results(k: int, m: int) -> Results:
+    return Results(np.full((k, m), np.nan), np.full((k, m), np.nan), np.full(m, "", dtype=object))
+
+
+def _drive_results(
     design: Design,
     infos: Mapping[str, Any],
     rows: np.ndarray,
-    asked: Sequence[QuantityRequest],
+    requests: Sequence[QuantityRequest],
     polish: bool,
     motion: Motion | None,
 ) -> tuple[Results, np.ndarray]:
-    """What is asked of all at once, whose motion has columns; and which designs (m,) are computed by themselves instead, as their turn is
-    cut at angles of their own."""
+    """Figures of all designs at once, and the mask (m,) of designs to be computed one by one.
 
-    one = _with_motion(design, tuple(infos), rows, motion)
-    whole = [not each.name for each in asked]
-    part = one.results([each for each in asked if each.name], polish, any(whole))
-    value, theta = (np.full((len(asked), one.count), np.nan) for _ in range(2))
-    named = [i for i, each in enumerate(whole) if not each]
+    Those are cut at angles of their own. ``motion`` has columns of numbers.
+    """
+    block = _block(design, tuple(infos), rows, motion)
+    named = [i for i, request in enumerate(requests) if request.name]
+    totals = [i for i, request in enumerate(requests) if not request.name]
+    part = block.results([requests[i] for i in named], polish, bool(totals))
+    value, theta = (np.full((len(requests), block.count), np.nan) for _ in range(2))
     value[named], theta[named] = part.value, part.theta
-    if any(whole):
-        wanted = [i for i, each in enumerate(whole) if each]
-        curves = loads(one) if any(asked[i].statistic != LIFE for i in wanted) else []
-        lost = one.lost_at("dynamics")
+    if totals:
+        curves = load_curves(block) if any(requests[i].statistic != LIFE for i in totals) else []
+        failed = block.failed_at("dynamics")
         if curves:
-            curves = [None if lost[k] else curve for k, curve in enumerate(curves)]
-            value[wanted], theta[wanted] = asked_of_loads(
-                [asked[i] for i in wanted], curves, _shafts(design, infos, rows)
-            )
-        for i in wanted:
-            if asked[i].statistic == LIFE:
-                value[i] = np.where(lost, np.nan, lives(one))
-            one.reason[np.isnan(value[i]) & (one.reason == "")] = NO_VALUE
-    return Results(value, theta, one.reason), one.apart
+            curves = [None if failed[k] else curve for k, curve in enumerate(curves)]
+            shafts = _shafts(design, infos, rows)
+            value[totals], theta[totals] = load_figures([requests[i] for i in totals], curves, shafts)
+        for i in totals:
+            if requests[i].statistic == LIFE:
+                value[i] = np.where(failed, np.nan, shortest_lives(block))
+            block.reason[np.isnan(value[i]) & (block.reason == "")] = NO_VALUE
+    return Results(value, theta, block.reason), block.separate
 
 
 def _shafts(design: Design, infos: Mapping[str, Any], rows: np.ndarray) -> list[Shaft]:
-    """The shaft of each design."""
-    own = [i for i, path in enumerate(infos) if path.startswith("shaft.")]
-    if not own:
+    """Shaft of every design."""
+    of_shaft = [i for i, path in enumerate(infos) if path.startswith("shaft.")]
+    if not of_shaft:
         return [design.camshaft] * rows.shape[1]
-    paths = [list(infos)[i] for i in own]
-    return [with_numbers(design, paths, row).camshaft for row in rows[own].T.tolist()]
+    paths = [list(infos)[i] for i in of_shaft]
+    return [with_numbers(design, paths, row).camshaft for row in rows[of_shaft].T.tolist()]
 
 
 # -- several drives ----------------------------------------------------------------------------------------
 
 
-def _carried(design: Design) -> list[int]:
+def _loading_drives(design: Design) -> list[int]:
     """Numbers of the drives that load the shaft."""
     return [i for i, drive in enumerate(design.drives) if drive.loads_shaft]
 
 
 def paths_inside(design: Design, paths: Sequence[str], number: int) -> dict[str, str]:
-    """Path in a drive alone -> path in the machine, of those that this drive depends on."""
-    own = {inner: path for path in paths for at, inner in [drive_at(path) or (-1, "")] if at == number}
-    return own | {path: path for path in paths if path in SPEEDS}
+    """Path in the design of a single drive -> path in the whole design, of the numbers on which this drive depends."""
+    inside = {inner: path for path in paths for at, inner in [drive_at(path) or (-1, "")] if at == number}
+    return inside | {path: path for path in paths if path in SPEEDS}
 
 
-def _of_drives(
-    design: Design,
-    infos: Mapping[str, Any],
-    rows: np.ndarray,
-    asked: Sequence[QuantityRequest],
-    polish: bool,
+def _drives_results(
+    design: Design, infos: Mapping[str, Any], rows: np.ndarray, requests: Sequence[QuantityRequest], polish: bool
 ) -> tuple[Results, np.ndarray]:
-    """The same of several drives on a shaft: each by itself, then their loads together."""
-
+    """Figures of several drives on a shaft: first of every drive, then of the total load."""
     m, paths = rows.shape[1], list(infos)
-    found = Results(np.full((len(asked), m), np.nan), np.full((len(asked), m), np.nan), np.full(m, "", dtype=object))
-    whole = [i for i, each in enumerate(asked) if each.drive is None]
-    places: list[list[tuple[Any, ShaftPosition]]] = [[] for _ in range(m)]
+    results = _no_results(len(requests), m)
+    totals = [i for i, request in enumerate(requests) if request.drive is None]
+    loads: list[list[tuple[Any, ShaftPosition]]] = [[] for _ in range(m)]
     for number in range(len(design.drives)):
-        mine = [i for i, each in enumerate(asked) if each.drive == number]
-        carried = bool(whole) and number in _carried(design)
-        if not mine and not carried:
+        named = [i for i, request in enumerate(requests) if request.drive == number]
+        needs_load = bool(totals) and number in _loading_drives(design)
+        if not named and not needs_load:
             continue
-        own, inside = only(design, number), paths_inside(design, paths, number)
+        drive, inside = only(design, number), paths_inside(design, paths, number)
         numbers = rows[[paths.index(path) for path in inside.values()]]
-        part_of = {inner: infos[path] for inner, path in inside.items()}
-        spread = not inside  # nothing of this drive is varied
-        if spread:
-            part_of, numbers = number_fields(own, SPEEDS[:1]), np.array([[own.speed_rpm]])
-        if mine:
-            part = block(own, part_of, tuple(asked[i]._replace(drive=None) for i in mine), polish, numbers)
-            found.value[mine], found.theta[mine] = part.value, part.theta
-            _because(found.reason, part.reason)
-        if carried:
-            curves, reason = _loads(own, part_of, numbers)
-            _because(found.reason, reason)
-            phase = (
-                rows[paths.index(path)]
-                if (path := f"{path_of(number, 'phase_deg')}") in infos
-                else design.drives[number].phase_deg
-            )
-            for k, turned in enumerate(np.deg2rad(np.broadcast_to(phase, m) % 360.0).tolist()):
-                places[k].append((curves[0 if spread else k], ShaftPosition(turned)))
-    if whole:
-        curves = [None if any(curve is None for curve, _ in each) else combined(each) for each in places]
-        found.value[whole], found.theta[whole] = asked_of_loads(
-            [asked[i] for i in whole], curves, _shafts(design, infos, rows)
-        )
-    return found, np.zeros(m, dtype=bool)
+        drive_infos = {inner: infos[path] for inner, path in inside.items()}
+        is_constant = not inside  # no number of this drive is varied
+        if is_constant:
+            drive_infos, numbers = number_fields(drive, SPEEDS[:1]), np.array([[drive.speed_rpm]])
+        if named:
+            drive_requests = tuple(requests[i]._replace(drive=None) for i in named)
+            part = block_results(drive, drive_infos, drive_requests, polish, numbers)
+            results.value[named], results.theta[named] = part.value, part.theta
+            _add_reasons(results.reason, part.reason)
+        if needs_load:
+            curves, reason = _drive_loads(drive, drive_infos, numbers)
+            _add_reasons(results.reason, reason)
+            path = path_of(number, "phase_deg")
+            phase = rows[paths.index(path)] if path in infos else design.drives[number].phase_deg
+            for k, phase_rad in enumerate(np.deg2rad(np.broadcast_to(phase, m) % 360.0).tolist()):
+                loads[k].append((curves[0 if is_constant else k], ShaftPosition(phase_rad)))
+    if totals:
+        curves = [None if any(curve is None for curve, _ in parts) else combined_load(parts) for parts in loads]
+        shafts = _shafts(design, infos, rows)
+        results.value[totals], results.theta[totals] = load_figures([requests[i] for i in totals], curves, shafts)
+    return results, np.zeros(m, dtype=bool)
 
 
-def _loads(design: Design, infos: Mapping[str, Any], rows: np.ndarray) -> tuple[list[LoadCurve | None], np.ndarray]:
-    """What each design of one drive asks of its shaft, and why it has none (m,)."""
-
-    one = at_once(design, tuple(infos), rows)
-    one.results([], polish=True, loads=True)
-    curves, lost = loads(one), one.lost_at("dynamics")
-    reason = np.where(one.apart, "", one.reason)
-    for k in range(one.count):
-        if one.apart[k]:
-            curves[k], reason[k] = _load_of_one(with_numbers(design, tuple(infos), rows[:, k].tolist()))
-        elif lost[k]:
+def _drive_loads(
+    design: Design, infos: Mapping[str, Any], rows: np.ndarray
+) -> tuple[list[LoadCurve | None], np.ndarray]:
+    """Load on the shaft of every design of one drive, and the reason (m,) where a design has none."""
+    block = design_block(design, tuple(infos), rows)
+    block.results([], polish=True, loads=True)
+    curves, failed = load_curves(block), block.failed_at("dynamics")
+    reason = np.where(block.separate, "", block.reason)
+    for k in range(block.count):
+        if block.separate[k]:
+            try:
+                curves[k] = Study(with_numbers(design, tuple(infos), rows[:, k].tolist())).load_curve
+            except NoSolution as error:
+                curves[k], reason[k] = None, error.code
+        elif failed[k]:
             curves[k] = None
     return curves, reason
 
 
-def _load_of_one(design: Design) -> tuple[LoadCurve | None, str]:
-    try:
-        return Study(design).load_curve, ""
-    except NoSolution as error:
-        return None, error.code
-
-
-def _because(reason: np.ndarray, more: np.ndarray) -> None:
-    """What is said first stays."""
+def _add_reasons(reason: np.ndarray, more: np.ndarray) -> None:
+    """Fill reasons that are empty; the first reason of a design stays."""
     reason[reason == ""] = np.broadcast_to(more, reason.shape)[reason == ""]
 
 
-# -- what is varied ----------------------------------------------------------------------------------------
+# -- varied numbers ----------------------------------------------------------------------------------------
 
 
 def with_numbers(design: Design, paths: Sequence[str], numbers: Sequence[Any]) -> Design:
-    """The design with these numbers; a span or a rise takes from segments that are not varied what it gains, as where it is typed."""
-    kept = {row_at(path)[1] for path in paths if path.startswith(_MOTION)}
-    for number in sorted({own[0] for path in paths if design.listed and (own := drive_at(path))}):
+    """The design with these numbers; segments whose span and rise are not varied make up for a span or rise that changes."""
+    varied = {row_at(path)[1] for path in paths if path.startswith(_MOTION)}
+    for number in sorted({at[0] for path in paths if design.listed and (at := drive_at(path))}):
         inside = {path: inner for path in paths for at, inner in [drive_at(path) or (-1, "")] if at == number}
-        here = [value for path, value in zip(paths, numbers, strict=True) if path in inside]
-        design = with_only(design, number, with_numbers(only(design, number), list(inside.values()), here))
+        values = [value for path, value in zip(paths, numbers, strict=True) if path in inside]
+        design = with_only(design, number, with_numbers(only(design, number), list(inside.values()), values))
     for path, number in zip(paths, numbers, strict=True):
         if path.startswith(_MOTION):
-            design = edited(design, path, number, kept)
+            design = edited(design, path, number, varied)
         elif not (design.listed and drive_at(path)):
             design = put(design, path, number)
     return design
 
 
-def _own_motion(design: Design, paths: Sequence[str], rows: np.ndarray) -> Motion | None:
-    """The motion with a column for each of its numbers among these (p, m); None where none of them is."""
-    moving = {path: column(row) for path, row in zip(paths, rows, strict=True) if path.startswith(_MOTION)}
-    return with_numbers(design, list(moving), list(moving.values())).drive.motion if moving else None
+def _varied_motion(design: Design, paths: Sequence[str], rows: np.ndarray) -> Motion | None:
+    """The motion with a column for each of its numbers among these (p, m); None where none of them belongs to it."""
+    varied = {path: column(row) for path, row in zip(paths, rows, strict=True) if path.startswith(_MOTION)}
+    return with_numbers(design, list(varied), list(varied.values())).drive.motion if varied else None
 
 
-def at_once(design: Design, paths: Sequence[str], rows: np.ndarray) -> Together:
-    """The designs with these numbers (p, m), whatever the ranges of their fields."""
-    return _with_motion(design, paths, rows, _own_motion(design, paths, rows))
+def design_block(design: Design, paths: Sequence[str], rows: np.ndarray) -> DesignBlock:
+    """Block of designs that differ in some numbers; the ranges of their fields are not checked.
+
+    Parameters
+    ----------
+    design : Design
+    paths : sequence of str
+        Paths of p numbers.
+    rows : ndarray (p, m) [unit of the field]
+        The numbers of m designs.
+
+    Returns
+    -------
+    DesignBlock
+    """
+    return _block(design, paths, rows, _varied_motion(design, paths, rows))
 
 
-def _with_motion(design: Design, paths: Sequence[str], rows: np.ndarray, motion: Motion | None) -> Together:
-    fixed = {path: row for path, row in zip(paths, rows, strict=True) if not path.startswith(_MOTION)}
-    return Together(design, fixed, motion, rows.shape[1])
+def _block(design: Design, paths: Sequence[str], rows: np.ndarray, motion: Motion | None) -> DesignBlock:
+    constant_motion = {path: row for path, row in zip(paths, rows, strict=True) if not path.startswith(_MOTION)}
+    return DesignBlock(design, constant_motion, motion, rows.shape[1])
 
 
-def _admitted(info: Any, row: np.ndarray) -> np.ndarray:
-    """Whether each number (m,) lies in the range of its field."""
+def _in_range(info: Any, row: np.ndarray) -> np.ndarray:
+    """Mask (m,) of the numbers (m,) within the range of their field."""
     above = row > info.low if info.open_low else row >= info.low
     return np.asarray(above & (row <= info.high) & np.isfinite(row))
 
 
 def block_size(design: Design) -> int:
-    """Designs of a block; it depends on nothing that is varied."""
+    """Number of designs in a block; it does not depend on the varied numbers."""
     motion = design.drives[0].motion
-    points = 128 if motion is None or len(design.drives) > 1 else nodes_of(Study(design).uncut)[0].theta.size
-    return max(1, BLOCK_POINTS // points)
+    if motion is None or len(design.drives) > 1:
+        return BLOCK_POINTS // 128
+    return max(1, BLOCK_POINTS // clenshaw_curtis_nodes(Study(design).uncut)[0].theta.size)
 
 
-# -- design by design --------------------------------------------------------------------------------------
+# -- figures of a single design ----------------------------------------------------------------------------
 
 
-def asked_of_study(study: Study, asked: Sequence[QuantityRequest]) -> tuple[list[float], list[float], str]:
-    """Values, cam angles [rad] and reason of a single design."""
+def study_figures(study: Study, requests: Sequence[QuantityRequest]) -> tuple[list[float], list[float], str]:
+    """Values in SI units, cam angles [rad] and reason of a single design; NaN where it has no value."""
     reasons = []
-    values, thetas = [np.nan] * len(asked), [np.nan] * len(asked)
-    for i, each in enumerate(asked):
+    values, thetas = [np.nan] * len(requests), [np.nan] * len(requests)
+    for i, request in enumerate(requests):
         try:
-            values[i], thetas[i] = _asked_of_one(study, each)
+            values[i], thetas[i] = _study_figure(study, request)
         except NoSolution as error:
             reasons.append(error.code)
         except _NoValue as error:
             reasons.append(str(error))
     if not reasons:
         drives = list(study.drives.values())
-        shaped = {a.drive or 0: None for a in asked if a.name and quantity(a.name).stage in ("cam", "dynamics")}
-        for drive in (drives[number] for number in shaped if "cam" in drives[number].stages):
+        with_shape = {r.drive or 0: None for r in requests if r.name and quantity(r.name).stage in ("cam", "dynamics")}
+        for drive in (drives[number] for number in with_shape if "cam" in drives[number].stages):
             try:
                 reasons += [UNDERCUT for flank in drive.cam.flanks if undercut_on(drive, flank.name)]
             except NoSolution as error:  # at no single angle, but over the turn
@@ -349,204 +365,218 @@ def asked_of_study(study: Study, asked: Sequence[QuantityRequest]) -> tuple[list
 
 
 class _NoValue(Exception):
-    """A design that could have a value has none; its reason."""
+    """A design that could have a value has none; the text is its reason."""
 
 
-def _asked_of_one(study: Study, asked: QuantityRequest) -> tuple[float, float]:
-    if asked.drive is not None:
-        return _asked_of_one(list(study.drives.values())[asked.drive], asked._replace(drive=None))
-    row = quantity(asked.name) if asked.name else None
+def _study_figure(study: Study, request: QuantityRequest) -> tuple[float, float]:
+    """Value and cam angle [rad] of a figure. Raises NoSolution or _NoValue where it has none."""
+    if request.drive is not None:
+        return _study_figure(list(study.drives.values())[request.drive], request._replace(drive=None))
+    row, statistic = quantity(request.name) if request.name else None, request.statistic
     for drive in study.drives.values() if row is None or row.stage == "dynamics" else ():
         if drive.loads_shaft and drive.jam is not None:
             raise _NoValue(dynamics.jam_finding(drive.jam, drive.jamming_pair).code)
-    if asked.statistic in TOTALS:
-        total = float(TOTALS[asked.statistic](study))
+    if statistic in TOTALS:
+        total = float(TOTALS[statistic](study))
         if np.isnan(total):
             raise _NoValue(NO_VALUE)
         return total, np.nan
     if row is None:
-        return OF_LOAD[asked.statistic](study.camshaft.load, study.design.camshaft)
+        return LOAD_FIGURES[statistic](study.camshaft.load, study.design.camshaft)
     if not has_quantity(study, row) or quantities_of(study, row.stage)[row.name].is_periodic:
         raise _NoValue(UNDERCUT if row.needs_smooth_profile else NO_VALUE)
-    if asked.statistic in ("rms", "mean"):
-        angles, weight = nodes_of(study.program)
-        return mean_statistic(
-            np.broadcast_to(row.value(study.at(angles)), angles.theta.size), weight, asked.statistic
-        ), np.nan
-    found = extremes_of(study, row.stage, (asked.name,))[asked.name]
-    value, theta = extreme_statistic(asked.statistic, *((each.value, each.theta) for each in (found.low, found.high)))
+    if statistic in ("rms", "mean"):
+        angles, weight = clenshaw_curtis_nodes(study.program)
+        values = np.broadcast_to(row.value(study.at(angles)), angles.theta.size)
+        return mean_statistic(values, weight, statistic), np.nan
+    extremes = extremes_of(study, row.stage, (request.name,))[request.name]
+    value, theta = extreme_statistic(statistic, *((end.value, end.theta) for end in (extremes.low, extremes.high)))
     return float(value), float(theta)
 
 
-# -- totals of a turn of many designs ---------------------------------------------------------------------------
+# -- loads on the shaft of the designs of a block ----------------------------------------------------------------
 
 
-WIDE, FEW = (
-    np.deg2rad(9.0),
-    2,
-)  # longest panel of a load, and the least of a piece: where these do not hold it, those of a study are taken
-RESOLVED = 1e-8  # of the largest torque: what the last two coefficients of a panel may hold
+COARSE_PANEL, FEW_PANELS = np.deg2rad(9.0), 2
+"""Longest panel of a load, and least number of panels in a piece; a load that they do not resolve takes those of a study."""
+RESOLVED = 1e-8  # of the largest torque: the last two coefficients of a panel that resolves it
 LIFE_PANEL = np.deg2rad(6.0)
 TOTAL_POINTS = 60_000  # cam angles at a time
 
-Places = tuple[np.ndarray, np.ndarray, Angles]
-"""Panels (start, width) and the angles of their nodes."""
+Panels = tuple[np.ndarray, np.ndarray, Angles]
+"""Panels (start, width), and the angles of their nodes."""
 
 
-# -- what a design asks of its shaft -----------------------------------------------------------------------
-
-
-def loads(one: Together) -> list[LoadCurve | None]:
-    """The load of each design by its cam's angle, as ``fit_load_curve`` has it; None where it is not finite."""
-    slides = [f for f in one.loading.frictions if one.mechanism.joined[f.pair].kind == SLIDING]
+def load_curves(block: DesignBlock) -> list[LoadCurve | None]:
+    """Load of every design by its cam angle, as by ``fit_load_curve``; None where it is not finite."""
+    slides = [f for f in block.loading.frictions if block.mechanism.pairs_by_name[f.pair].kind == SLIDING]
     switches = [
-        one.reader(f"switch {i}", partial(_switch, switch))
-        for i, switch in enumerate(friction_switches(one.loading, slides, one.is_form_closed))
+        block.add_reader(f"switch {i}", partial(_switch, switch))
+        for i, switch in enumerate(friction_switches(block.loading, slides, block.is_form_closed))
     ]
     rows = [
-        one.reader("torque of the shaft", lambda there: there.shaft_torque),
-        one.reader("inertia at the shaft", lambda there: there.loading.inertia(there.linkage, 1)[0]),
+        block.add_reader("torque of the shaft", lambda study: study.shaft_torque),
+        block.add_reader("inertia at the shaft", lambda study: study.loading.inertia(study.linkage, 1)[0]),
     ]
-    wide = panel_angles(one.program, None, WIDE, FEW)
-    sampled = _values(one, [*rows, *switches], [(k, wide[2]) for k in range(one.count)])
-    cuts = _cuts(one, switches, wide[2], np.array([each[2:] for each in sampled])) if switches else {}
-    places = [panel_angles(one.program, cuts[k], WIDE, FEW) if k in cuts else wide for k in range(one.count)]
-    for k, found in zip(cuts, _values(one, rows, [(k, places[k][2]) for k in cuts]), strict=True):
-        sampled[k] = found
-    rough = [k for k in range(one.count) if np.isfinite(sampled[k]).all() and not _resolved(sampled[k][0])]
+    coarse = panel_angles(block.program, None, COARSE_PANEL, FEW_PANELS)
+    sampled = _values(block, [*rows, *switches], [(k, coarse[2]) for k in range(block.count)])
+    cuts = _sign_changes(block, switches, coarse[2], np.array([row[2:] for row in sampled])) if switches else {}
+    panels = [
+        panel_angles(block.program, cuts[k], COARSE_PANEL, FEW_PANELS) if k in cuts else coarse
+        for k in range(block.count)
+    ]
+    for k, values in zip(cuts, _values(block, rows, [(k, panels[k][2]) for k in cuts]), strict=True):
+        sampled[k] = values
+    rough = [k for k in range(block.count) if np.isfinite(sampled[k]).all() and not _is_resolved(sampled[k][0])]
     for k in rough:
-        places[k] = panel_angles(one.program, cuts.get(k))
-    for k, found in zip(rough, _values(one, rows, [(k, places[k][2]) for k in rough]), strict=True):
-        sampled[k] = found
-    return [_curve(one, k, places[k], sampled[k][:2]) for k in range(one.count)]
+        panels[k] = panel_angles(block.program, cuts.get(k))
+    for k, values in zip(rough, _values(block, rows, [(k, panels[k][2]) for k in rough]), strict=True):
+        sampled[k] = values
+    return [_load_curve(block, k, panels[k], sampled[k][:2]) for k in range(block.count)]
 
 
-def _switch(switch: Switch, there: Study) -> np.ndarray:
-    return switch(there.linkage, there.dynamics)
+def _switch(switch: Switch, study: Study) -> np.ndarray:
+    return switch(study.linkage, study.dynamics)
 
 
-def _values(one: Together, names: Sequence[str], places: Sequence[tuple[int, Angles]]) -> list[np.ndarray]:
-    """What is read (k, n) of designs, each at angles of its own."""
-    found: list[np.ndarray] = []
-    for part in _parts(places):
-        sizes = [angles.theta.size for _, angles in part]
-        theta, piece = (np.concatenate([getattr(angles, name) for _, angles in part]) for name in ("theta", "piece"))
+def _values(block: DesignBlock, names: Sequence[str], angles: Sequence[tuple[int, Angles]]) -> list[np.ndarray]:
+    """Values (k, n) of k names, of pairs of a design and its angles (n,)."""
+    result: list[np.ndarray] = []
+    for part in _parts(angles):
+        sizes = [at.theta.size for _, at in part]
+        theta, piece = (np.concatenate([getattr(at, name) for _, at in part]) for name in ("theta", "piece"))
         owner = np.repeat([k for k, _ in part], sizes)
-        values = one.values(names, one.state(theta, piece, owner), owner)
-        found += np.split(np.array([values[name] for name in names]), np.cumsum(sizes)[:-1], axis=1)
-    return found
+        values = block.values(names, block.state(theta, piece, owner), owner)
+        result += np.split(np.array([values[name] for name in names]), np.cumsum(sizes)[:-1], axis=1)
+    return result
 
 
-def _parts(places: Sequence[tuple[int, Angles]]) -> Iterator[Sequence[tuple[int, Angles]]]:
-    """As many of these as are computed at a time."""
+def _parts(angles: Sequence[tuple[int, Angles]]) -> Iterator[Sequence[tuple[int, Angles]]]:
+    """Parts of these pairs that are computed at a time."""
     first, count = 0, 0
-    for i, (_, angles) in enumerate(places):
-        if count and count + angles.theta.size > TOTAL_POINTS:
-            yield places[first:i]
+    for i, (_, at) in enumerate(angles):
+        if count and count + at.theta.size > TOTAL_POINTS:
+            yield angles[first:i]
             first, count = i, 0
-        count += angles.theta.size
+        count += at.theta.size
     if count:
-        yield places[first:]
+        yield angles[first:]
 
 
-def _cuts(one: Together, names: Sequence[str], angles: Angles, values: np.ndarray) -> dict[int, Angles]:
-    """Designs -> the angles in their pieces where one of these quantities (m, k, n) changes its sign, of those where one does."""
-    pieces, count = one.program.starts.size, one.count
+def _sign_changes(block: DesignBlock, names: Sequence[str], angles: Angles, values: np.ndarray) -> dict[int, Angles]:
+    """Number of a design -> angles at which one of the quantities changes its sign, from values (m, k, n) at angles (n,)."""
+    pieces, count = block.program.starts.size, block.count
     every = Angles(np.tile(angles.theta, count), (np.arange(count)[:, None] * pieces + angles.piece).ravel())
 
-    def there(at: Angles) -> np.ndarray:
+    def values_at(at: Angles) -> np.ndarray:
         owner = at.piece // pieces
-        found = one.values(names, one.state(at.theta, at.piece % pieces, owner), owner)
-        return np.array([found[name] for name in names])
+        rows = block.values(names, block.state(at.theta, at.piece % pieces, owner), owner)
+        return np.array([rows[name] for name in names])
 
-    found = crossings(there, every, values.transpose(1, 0, 2).reshape(len(names), -1))
-    owner, piece = found.piece // pieces, found.piece % pieces
-    return {int(k): Angles(found.theta[owner == k], piece[owner == k]) for k in np.unique(owner)}
+    changes = crossings(values_at, every, values.transpose(1, 0, 2).reshape(len(names), -1))
+    owner, piece = changes.piece // pieces, changes.piece % pieces
+    return {int(k): Angles(changes.theta[owner == k], piece[owner == k]) for k in np.unique(owner)}
 
 
-def _resolved(torque: np.ndarray) -> bool:
+def _is_resolved(torque: np.ndarray) -> bool:
     _, to_chebyshev = nodes()
     c = np.abs(to_chebyshev @ torque.reshape(-1, NODES).T)
     return not c[-2:].max() > RESOLVED * c.max()
 
 
-def _curve(one: Together, k: int, place: Places, values: np.ndarray) -> LoadCurve | None:
+def _load_curve(block: DesignBlock, k: int, panels: Panels, values: np.ndarray) -> LoadCurve | None:
+    """Load of design k from torque and inertia (2, n) at the nodes of its panels."""
     if not np.isfinite(values).all():
         return None
-    start, width, angles = place
-    if one.motions is not None:
+    start, width, angles = panels
+    if block.motions is not None:
         owner, piece = np.full(start.size, k), angles.piece[::NODES]
-        ends = one.motions.own(start + width, piece, owner)
-        start = one.motions.own(start, piece, owner)
+        ends = block.motions.cam_angles(start + width, piece, owner)
+        start = block.motions.cam_angles(start, piece, owner)
         width = ends - start
     torque, inertia = (row.reshape(-1, NODES) for row in values)
     curve = fitted(start, width, torque, inertia)
-    turning = Study(one.plain).turn_sign
-    return curve if turning > 0.0 else combined([(curve, ShaftPosition(0.0, turning))])
+    sign = Study(block.plain).turn_sign
+    return curve if sign > 0.0 else combined_load([(curve, ShaftPosition(0.0, sign))])
 
 
-# -- what is asked of it -----------------------------------------------------------------------------------
-
-
-def asked_of_loads(
-    asked: Sequence[QuantityRequest], curves: Sequence[LoadCurve | None], shafts: Sequence[Shaft]
+def load_figures(
+    requests: Sequence[QuantityRequest], curves: Sequence[LoadCurve | None], shafts: Sequence[Shaft]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """What is asked of m loads on their shafts, and its angle [rad], both (k, m)."""
-    value_, theta = np.full((2, len(asked), len(curves)), np.nan)
-    good = [k for k, curve in enumerate(curves) if curve is not None]
-    there = [(k, curve, shafts[k]) for k, curve in enumerate(curves) if curve is not None]
-    for i, each in enumerate(asked):
-        if each.statistic == ENERGY and good:
-            low, high = energy_ranges([curve for _, curve, _ in there])
-            value_[i, good] = high - low
-        for k, curve, shaft in there if each.statistic in OF_LOAD else ():
-            value_[i, k], theta[i, k] = OF_LOAD[each.statistic](curve, shaft)
-    return value_, theta
+    """Figures of m loads on their shafts.
+
+    Parameters
+    ----------
+    requests : sequence of QuantityRequest
+        k totals, or statistics of the shaft's torque.
+    curves : sequence of LoadCurve or None
+        The loads; None where a design has none.
+    shafts : sequence of Shaft
+
+    Returns
+    -------
+    value : ndarray (k, m) [SI unit of the figure]
+        NaN where a design has no load.
+    theta : ndarray (k, m) [rad]
+        Cam angles of extremes, else NaN.
+    """
+    values, thetas = np.full((2, len(requests), len(curves)), np.nan)
+    loads = [(k, curve, shafts[k]) for k, curve in enumerate(curves) if curve is not None]
+    for i, request in enumerate(requests):
+        if request.statistic == ENERGY and loads:
+            low, high = energy_ranges([curve for _, curve, _ in loads])
+            values[i, [k for k, _, _ in loads]] = high - low
+        for k, curve, shaft in loads if request.statistic in LOAD_FIGURES else ():
+            values[i, k], thetas[i, k] = LOAD_FIGURES[request.statistic](curve, shaft)
+    return values, thetas
 
 
-def _end(of: str, curve: LoadCurve, shaft: Shaft) -> tuple[float, float]:
-    found = peaks(curve)
-    return extreme_statistic(of, *((end.value, end.theta) for end in (found.low, found.high)))
+def _torque_extreme(statistic: str, curve: LoadCurve, shaft: Shaft) -> tuple[float, float]:
+    extremes = peaks(curve)
+    return extreme_statistic(statistic, *((end.value, end.theta) for end in (extremes.low, extremes.high)))
 
 
-def _flywheel(curve: LoadCurve, shaft: Shaft) -> tuple[float, float]:
-    wheel = Flywheel(lambda angles: value(curve, angles.theta), curve, shaft)
-    return wheel.needed_inertia, np.nan
+def _flywheel_inertia(curve: LoadCurve, shaft: Shaft) -> tuple[float, float]:
+    return Flywheel(lambda angles: torque_at(curve, angles.theta), curve, shaft).needed_inertia, np.nan
 
 
-OF_LOAD: dict[str, Callable[[LoadCurve, Shaft], tuple[float, float]]] = {
-    "flywheel_inertia_kg_m2": _flywheel,
+LOAD_FIGURES: dict[str, Callable[[LoadCurve, Shaft], tuple[float, float]]] = {
+    "flywheel_inertia_kg_m2": _flywheel_inertia,
     "mean": lambda curve, shaft: (curve.mean, np.nan),
     "rms": lambda curve, shaft: (rms(curve), np.nan),
-    **{of: partial(_end, of) for of in ("max", "min", "abs", "range")},
+    **{statistic: partial(_torque_extreme, statistic) for statistic in ("max", "min", "abs", "range")},
 }
+"""Figure -> function of load and shaft: value in SI units and cam angle [rad]."""
 
 
-# -- rollers -----------------------------------------------------------------------------------------------
+def shortest_lives(block: DesignBlock) -> np.ndarray:
+    """Life of the roller with the shortest life, of designs with an open cam, as by ``roller_lives``.
 
-
-def lives(one: Together) -> np.ndarray:
-    """L10 [h] of the shortest-lived roller of each design (m,), as ``roller_lives`` has them, of an open cam; NaN where none is rated."""
-    rated = {} if one.loading.is_empty else load_ratings(Study(one.design))
-    if not rated:
-        return np.full(one.count, np.nan)
+    Returns
+    -------
+    ndarray (m,) [h]
+        NaN where no roller has a load rating.
+    """
+    ratings = {} if block.loading.is_empty else load_ratings(Study(block.design))
+    if not ratings:
+        return np.full(block.count, np.nan)
 
     names = []
-    for roller in rated:
-        names.append(one.reader(f"force {roller}", partial(roller_force, roller=roller)))
-        names.append(one.reader(f"speed {roller}", partial(_speed, roller)))
-    angles, weight = stress.turn_quadrature(one.program, (), LIFE_PANEL)
-    values = np.array(_values(one, names, [(k, angles) for k in range(one.count)]))
-    if one.motions is not None:
-        weight = weight * one.motions.stretched()[:, angles.piece]
-    omega = np.broadcast_to(np.asarray(Study(one.design).omega), one.count)
-    least = np.full(one.count, inf)
-    for i, rating in enumerate(rated.values()):
+    for roller in ratings:
+        names.append(block.add_reader(f"force {roller}", partial(roller_force, roller=roller)))
+        names.append(block.add_reader(f"speed {roller}", partial(_speed_ratio, roller)))
+    angles, weight = stress.turn_quadrature(block.program, (), LIFE_PANEL)
+    values = np.array(_values(block, names, [(k, angles) for k in range(block.count)]))
+    if block.motions is not None:
+        weight = weight * block.motions.span_ratios()[:, angles.piece]
+    omega = np.broadcast_to(np.asarray(Study(block.design).omega), block.count)
+    shortest = np.full(block.count, inf)
+    for i, rating in enumerate(ratings.values()):
         *_, hours = stress.rolling_life(np.asarray(rating), values[:, 2 * i], values[:, 2 * i + 1], weight, omega)
-        least = np.minimum(least, hours)
-    return least
+        shortest = np.minimum(shortest, hours)
+    return shortest
 
 
-def _speed(roller: str, there: Study) -> np.ndarray:
-    """Of a roller by cam angle (n,)."""
-    return roller_speed(there, roller) / there.omega
+def _speed_ratio(roller: str, study: Study) -> np.ndarray:
+    """Speed ω_r/ω (n,) of a roller about its own axis."""
+    return roller_speed(study, roller) / study.omega

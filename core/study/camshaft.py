@@ -19,7 +19,7 @@ from core.mechanism.kinematics import Kinematics
 from core.motion import TURN, Angles, degrees
 from core.motion.extremes import Extreme, Extremes, find_extremes
 from core.motion.program import MachineTurn, ShaftPosition
-from core.shaft import Flywheel, LoadCurve, combined, levels, peaks, rms
+from core.shaft import Flywheel, LoadCurve, combined_load, has_flywheel, peaks, rms
 from core.study.drive_forces import DriveForces
 from core.study.stages import evaluations, memory
 
@@ -193,7 +193,7 @@ class Camshaft(Generic[D]):
         if name in self.failures:
             raise self.failures[name]
         parts = self.drives[name].depends_on("dynamics"), self.positions[name]
-        curve: LoadCurve = memory.get("load on shaft", parts, lambda: combined([self._positioned_load(name)]))
+        curve: LoadCurve = memory.get("load on shaft", parts, lambda: combined_load([self._positioned_load(name)]))
         return curve
 
     def _positioned_load(self, name: str) -> tuple[LoadCurve, ShaftPosition]:
@@ -228,7 +228,7 @@ class Camshaft(Generic[D]):
 
         def compute() -> LoadCurve:
             evaluations["shaft load"] += 1
-            return combined([self._positioned_load(name) for name in self.loading_drives])
+            return combined_load([self._positioned_load(name) for name in self.loading_drives])
 
         curve: LoadCurve = memory.get("shaft load", self._key, compute)
         return curve
@@ -241,7 +241,7 @@ class Camshaft(Generic[D]):
             return self.cams_load
         key = self._key, self.design.balancer, self.omega
         loads = [(self.cams_load, ShaftPosition()), (balance[0].load_curve, balance[1])]
-        curve: LoadCurve = memory.get("balanced load", key, lambda: combined(loads))
+        curve: LoadCurve = memory.get("balanced load", key, lambda: combined_load(loads))
         return curve
 
     @cached_property
@@ -313,7 +313,7 @@ class Camshaft(Generic[D]):
     @property
     def levels_torque(self) -> bool:
         """Whether flywheel and motor make the torque of the motor differ from that of the shaft."""
-        return self.design.shaft is not None and levels(self.design.shaft)
+        return self.design.shaft is not None and has_flywheel(self.design.shaft)
 
     @property
     def flywheel(self) -> Flywheel:

@@ -14,7 +14,7 @@ from core.errors import NoStability
 from core.findings import LEAST_BOUND, Residual
 from core.instant_centres import moving_collinearity
 from core.mechanism import unit_speed_kinematics
-from core.mechanism.groups import AGREES
+from core.mechanism.groups import CONSISTENT
 from core.motion import EPS
 from core.study.camshaft import Camshaft
 from core.study.extremes import undercut_on
@@ -51,7 +51,7 @@ def _drive_certificate(study: Study, stages: Sequence[str]) -> dict[str, Residua
         stroke = float(np.ptp(study.motion.displacement[0])) or 1.0
         proof["motion_closure"] = Residual(abs(float(last.jump[0])) / stroke, 1e-9 * max(1.0, 1.0 / stroke))
     if "linkage" in stages:
-        agrees = AGREES if study.mechanism.plan.redundant else 0.0  # by which redundant pairs may be open
+        agrees = CONSISTENT if study.mechanism.plan.redundant else 0.0  # by which redundant pairs may be open
         proof["loop_closure"] = _worst(study.linkage.residual, np.maximum(agrees, EPS * study.linkage.condition))
         if study.mechanism.ranged:
             proof["three_centres"] = _three_centres(study)
@@ -125,6 +125,6 @@ def _power_balance(camshaft: Camshaft[Study], proof: Mapping[str, Residual]) -> 
         study, residual = camshaft.drive_study(name), proof.get(f"{camshaft.slugs[name]}.power_balance")
         terms += dynamics.power_terms(study.linkage, study.dynamics, study.loading)
         derived += 0.0 if residual is None else residual.derived
-    shaft_power = shaft.value(camshaft.cams_load, camshaft.theta) * camshaft.omega
+    shaft_power = shaft.torque_at(camshaft.cams_load, camshaft.theta) * camshaft.omega
     peak = max(float(np.abs(term).max(initial=0.0)) for term in [*terms, shaft_power]) or 1.0
     return Residual(float(np.abs(shaft_power - sum(terms)).max()) / peak, derived)

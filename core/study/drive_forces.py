@@ -18,15 +18,15 @@ from core.design.parts import Servo
 from core.dynamics import FlankChange, Forces, Friction, kinetic_energy
 from core.errors import NoPosition, NoSolution
 from core.frozen import frozen
-from core.mechanism import swept
+from core.mechanism import motion_extent
 from core.mechanism.kinematics import SLIDING, Kinematics
 from core.motion import TURN, Angles, program
 from core.motion.extremes import Extreme, crossings, find_above, piecewise_angles
 from core.motion.program import ShaftPosition
 from core.numerics.derivatives import spread
 from core.numerics.roots import gauss
-from core.shaft import LoadCurve, combined
-from core.shaft.speed import MotorLoad, best_ratio, lever, motor_load, motor_torque, moved
+from core.shaft import LoadCurve, combined_load
+from core.shaft.speed import MotorLoad, best_ratio, lever, motor_load, motor_torque, moved_mass
 from core.stress import ContactStress, Pairing, RollerLife, contact_stress
 from core.study.drive_study import DriveStudy
 from core.study.stages import fit_load_curve, memory
@@ -150,7 +150,7 @@ class DriveForces(DriveStudy):
 
         def compute() -> Flights:
             lever = self.at_theta(np.zeros(1)).dynamics.contacts[0].lever[0]
-            away = -float(np.sign(lever * self.mechanism.sense))
+            away = -float(np.sign(lever * self.mechanism.driver_sign))
             restitution = getattr(loads, "restitution", None) or 0.0
             return dynamics.flights(
                 lambda angles: contact.at_speed(angles, self.omega),
@@ -182,7 +182,7 @@ class DriveForces(DriveStudy):
         if not self.is_elastic:
             raise NoSolution("the follower is rigid", "loads.follower_stiffness_n_per_mm", "enter its stiffness")
         drive, driver_ranges, loading = self.design.drive, self.driver_ranges, self.loading
-        loads, stroke = si(drive.loads), swept(program(drive.motion))
+        loads, stroke = si(drive.loads), motion_extent(program(drive.motion))
         parts = (
             self.mechanism, driver_ranges, loading, drive.face, drive.bare_cam, self.sense, stroke, loads.follower_stiffness,
             loads.follower_damping_ratio or 0.0,
@@ -262,7 +262,7 @@ class DriveForces(DriveStudy):
             + own_damping * self.omega * self.motion.displacement[1]
             + model.closing * e
         )
-        return np.asarray(forces.contact - self.mechanism.sense * difference / forces.lever)
+        return np.asarray(forces.contact - self.mechanism.driver_sign * difference / forces.lever)
 
     @property
     def jamming_pair(self) -> Friction | None:
@@ -352,7 +352,7 @@ class DriveForces(DriveStudy):
                 "linkage.drivers" if self.design.drive.linkage.drivers else "linkage.links",
                 "choose ratios and lengths with which it returns after one turn",
             )
-        if self.by_crank and not (len(self.driver_ranges.ranges) == 1 and self.driver_ranges.ranges[0].free):
+        if self.by_crank and not (len(self.driver_ranges.ranges) == 1 and self.driver_ranges.ranges[0].is_free):
             raise NoPosition(
                 "the crank cannot turn fully, so that no shaft can drive it", "linkage.links", "change their lengths"
             )
@@ -372,7 +372,7 @@ class DriveForces(DriveStudy):
         curve = fit_load_curve(
             self._forces_at, self._torque_of, self.loading, self.program, slides, self.is_form_closed
         )
-        return curve if self.turn_sign > 0.0 else combined([(curve, ShaftPosition(0.0, self.turn_sign))])
+        return curve if self.turn_sign > 0.0 else combined_load([(curve, ShaftPosition(0.0, self.turn_sign))])
 
 
 # -- the servo of a drive ---------------------------------------------------------------------------------------
@@ -401,7 +401,7 @@ def servo_load(study: DriveForces) -> MotorLoad:
     """Load of the motor at the angles of the study."""
     n = study.theta.size
     forces = dynamics.newton_euler(study.linkage, None, study.loading, study.omega)
-    force = study.mechanism.sense * spread(forces.driver, n)
+    force = study.mechanism.driver_sign * spread(forces.driver, n)
     y = study.motion.displacement
     v, a = (spread(y[k], n) * study.omega**k for k in (1, 2))
     return motor_load(servo_part(study), v, a, force, np.sign(study.omega) * study.motion.velocity_sign)
@@ -561,7 +561,7 @@ def _inertia_ratio(servo: Servo, study: DriveForces) -> float | None:
     v = spread(study.motion.displacement[1], study.theta.size) * study.omega
     moving = np.abs(v) > MIN_VELOCITY * max(float(np.abs(v).max()), 1e-300)
     energy = spread(kinetic_energy(study.linkage, study.loading, study.omega), study.theta.size)
-    mass = float((2.0 * energy[moving] / v[moving] ** 2).max(initial=0.0)) + moved(servo)
+    mass = float((2.0 * energy[moving] / v[moving] ** 2).max(initial=0.0)) + moved_mass(servo)
     return mass / lever(servo) ** 2 / servo.rotor_inertia_kg_m2
 
 

@@ -17,12 +17,12 @@ from core.dynamics import Loading
 from core.errors import KindynaError, NoPosition, NoSolution, NoSuchStage, angle_list, at_angles
 from core.instant_centres import CentreTable, all_centres, cam_centres
 from core.mechanism import (
-    CrankProgram,
+    CrankMotion,
     DriverRanges,
     Mechanism,
     body_name,
+    motion_extent,
     solve_mechanism,
-    swept,
     unit_speed_kinematics,
 )
 from core.mechanism.kinematics import FRAME, REVOLUTE, Kinematics
@@ -46,7 +46,9 @@ SAMPLES = 3600
 @lru_cache(maxsize=64)
 def _driver_ranges(solved: Mechanism, motion: Motion | None) -> DriverRanges:
     """Ranges of the driver over the positions of a motion, or over the full turn of a crank."""
-    return mechanism.driver_ranges_for(solved, lambda: (0.0, TURN) if motion is None else swept(program(motion)))
+    return mechanism.driver_ranges_for(
+        solved, lambda: (0.0, TURN) if motion is None else motion_extent(program(motion))
+    )
 
 
 def _require_agreement(driver_ranges: DriverRanges) -> None:
@@ -56,9 +58,9 @@ def _require_agreement(driver_ranges: DriverRanges) -> None:
     locked_by = {joint for r in driver_ranges.ranges for joint in (r.low_joint, r.high_joint)}
     if driver_ranges.ranges and not groups & locked_by:
         return
-    from core.mechanism.unfinished import unfinished
+    from core.mechanism.unfinished import mobility
 
-    sentences = unfinished(plan.linkage).sentences
+    sentences = mobility(plan.linkage).sentences
     links = ", ".join(map(str, plan.redundant))
     problem = "; ".join(sentences) or f"link {links} has redundant pairs, which do not agree over the full turn"
     raise NoPosition(problem, "linkage", "make their lengths agree, or remove one")
@@ -135,7 +137,7 @@ class DriveStudy:
     @property
     def swings(self) -> bool:
         """Whether a crank that cannot turn fully swings in the range in which it is drawn."""
-        return self._crank is not None and self._crank.swings
+        return self._crank is not None and self._crank.is_swinging
 
     @property
     def turns(self) -> int:
@@ -166,7 +168,7 @@ class DriveStudy:
 
     @cached_property
     def program(self) -> Any:
-        """Pieces and joins of the driver over one turn, a CompiledMotion or a CrankProgram.
+        """Pieces and joins of the driver over one turn, a CompiledMotion or a CrankMotion.
 
         Pieces also end where a process force switches and where the friction in a pin reverses.
         """
@@ -190,7 +192,7 @@ class DriveStudy:
     @property
     def uncut(self) -> Any:
         """The program of the driver in the pieces of its motion only."""
-        return CrankProgram(self.driver_ranges) if self.by_crank else program(self.design.drive.motion)
+        return CrankMotion(self.driver_ranges) if self.by_crank else program(self.design.drive.motion)
 
     @cached_property
     def angles(self) -> Angles:
@@ -214,7 +216,7 @@ class DriveStudy:
     @property
     def angle_degrees(self) -> np.ndarray:
         """Equally spaced angles of the tables (n,) [deg], each rounded once."""
-        return CrankProgram(self.driver_ranges).degrees(self.samples) if self.by_crank else degrees(self.samples)
+        return CrankMotion(self.driver_ranges).degrees(self.samples) if self.by_crank else degrees(self.samples)
 
     def at(self, angles: Angles) -> Self:
         """Study of the same design at other angles; its results are not cached."""
@@ -285,7 +287,7 @@ class DriveStudy:
                 "linkage.links",
                 "change their lengths, or linkage.branch",
             )
-        if self.by_crank and not CrankProgram(result).degrees(self.samples).size:
+        if self.by_crank and not CrankMotion(result).degrees(self.samples).size:
             ranges = angle_list([(float(np.rad2deg(r.low)), float(np.rad2deg(r.high))) for r in result.ranges])
             raise NoPosition(
                 f"its links can be put together with the crank within {ranges} only, which contains none of the "
@@ -302,7 +304,7 @@ class DriveStudy:
         Raises NoPosition where the linkage cannot be assembled anywhere.
         """
         ranges = self.driver_ranges.ranges if self.by_crank and not self.swings else ()
-        return () if len(ranges) == 1 and ranges[0].free else tuple((r.low, r.high) for r in ranges)
+        return () if len(ranges) == 1 and ranges[0].is_free else tuple((r.low, r.high) for r in ranges)
 
     @cached_property
     def drive(self) -> MotionState:
@@ -442,4 +444,4 @@ class DriveStudy:
         kinematics, links = self.linkage, self.design.drive.linkage.by_number
         names = dict.fromkeys(name for n in sorted(links) for name in links[n].places)
         poses = {name: kinematics.bodies[kinematics.body_of(name)] for name in names}
-        return {name: (pose.place(name), pose.place(name, 1) * self.omega) for name, pose in poses.items()}
+        return {name: (pose.position(name), pose.position(name, 1) * self.omega) for name, pose in poses.items()}

@@ -66,7 +66,7 @@ _LINKAGE: tuple[Formula, ...] = (
     Formula("slide.{}", "Angles of the links", ("Σ r_k e^(i θ_k) = 0",), "r_k θ_k", "closed loops, dyad by dyad", _COORDINATE,
             working="s = s_0", values="s_0"),
     Formula("driver_angle", "Angle of the crank", ("φ = φ_0 + r (θ - θ_0)",), "φ.driver φ_0 r.cycle θ.cycle θ_0.cycle",
-            "ends of the drawn circuit, ratios", "core.mechanism.drivers.CrankProgram.state"),
+            "ends of the drawn circuit, ratios", "core.mechanism.drivers.CrankMotion.state"),
     Formula("link.{}_velocity", "Velocities of links and slides", ("θ̇ = ω θ′",), "θ̇ ω θ′", "Velocity 6.4", _COORDINATE),
     Formula("slide.{}_velocity", "Velocities of links and slides", ("ṡ = ω s′",), "ṡ ω s′", "Velocity 6.4", _COORDINATE),
     Formula("link.{}_acceleration", "Accelerations of links and slides", ("θ̈ = ω² θ″",), "θ̈ ω θ″", "loop equations", _COORDINATE),

@@ -19,7 +19,7 @@ from core.mechanism.kinematics import REVOLUTE
 from core.motion import TURN
 from core.numerics.derivatives import cross
 from core.shaft.flywheel import Flywheel, energy_range, motor_inertia
-from core.shaft.speed import lever, moved
+from core.shaft.speed import lever, moved_mass
 from core.stress import Pairing, RollerLife, pairings, relative_curvature
 from core.study.drive_forces import load_ratings, roller_lives, roller_speed, servo_load, servo_part, servo_torque
 from core.study.member_quantities import (
@@ -100,7 +100,7 @@ def _travel(second: bool) -> Point:
         if pair.kind != REVOLUTE:
             return first_complex(kinematics.line(pair))
         at = flank.contact if flank.straight else flank.reference
-        arm = first_complex(at - kinematics.bodies[pair.body].place(pair.point))
+        arm = first_complex(at - kinematics.bodies[pair.body].position(pair.point))
         return 1j * arm / abs(arm)
 
     return value
@@ -140,12 +140,12 @@ def _stress(part: str) -> Callable[[Study, str], float]:
 def _triangle_side(study: Study) -> complex:
     """From the pivot to the slider's pin."""
     bodies = study.linkage.bodies
-    return first_complex(bodies["slider"].place("slider_pin")) - first_complex(bodies["arm"].place("pivot"))
+    return first_complex(bodies["slider"].position("slider_pin")) - first_complex(bodies["arm"].position("pivot"))
 
 
 def _layout_sign(study: Study) -> float:
     bodies = study.linkage.bodies
-    joint = first_complex(bodies["arm"].place("arm_pin")) - first_complex(bodies["arm"].place("pivot"))
+    joint = first_complex(bodies["arm"].position("arm_pin")) - first_complex(bodies["arm"].position("pivot"))
     return float(np.sign(cross(np.array([_triangle_side(study)]), np.array([joint]))[0]))
 
 
@@ -156,7 +156,7 @@ def _ground_line(study: Study, _: str) -> complex:
 
 def _ground_pivot(study: Study, _: str) -> complex:
     pair = study.linkage.pairs[study.linkage.ground]
-    return first_complex(study.linkage.bodies[pair.body].place(pair.point))
+    return first_complex(study.linkage.bodies[pair.body].position(pair.point))
 
 
 def _centre_sign(study: Study) -> float:
@@ -166,7 +166,7 @@ def _centre_sign(study: Study) -> float:
 
 def _point(order: int) -> Point:
     """Position of a point of a link, or its derivative by the angle of cam or crank [m]."""
-    return lambda study, point: first_complex(study.linkage.bodies[study.linkage.body_of(point)].place(point, order))
+    return lambda study, point: first_complex(study.linkage.bodies[study.linkage.body_of(point)].position(point, order))
 
 
 def _in_link(study: Study, point: str) -> complex:
@@ -504,7 +504,8 @@ _SERVO: Mapping[str, SymbolSource] = {
     "F_s": SymbolSource("force of the servo"),
     "F.load": SymbolSource("force or torque of loads and masses on the motion", _by("n", "nm"), lambda s, _: first(servo_load(s).load),
                            DYNAMICS),
-    "m.servo": SymbolSource("mass or inertia that the servo moves besides", _by("kg", "kg_m2"), lambda s, _: moved(servo_part(s)), "servo"),
+    "m.servo": SymbolSource("mass or inertia that the servo moves besides", _by("kg", "kg_m2"),
+                            lambda s, _: moved_mass(servo_part(s)), "servo"),
     "F_r.servo": SymbolSource("friction of the servo", _by("n", "nm"), lambda s, _: first(servo_load(s).friction), "servo"),
     "k.losses": SymbolSource("losses of the gear: 1/η where it drives the load, η where the load drives it", "",
                              lambda s, _: first(servo_load(s).losses), "servo.efficiency"),

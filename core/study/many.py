@@ -66,7 +66,7 @@ def many(
     ValueError
         Where the design lacks a path or a quantity, or the numbers have no common shape (m,).
     """
-    from core.study.batch import block, block_size  # imported with all it needs on the first call
+    from core.study.batch import block_results, block_size  # imported with all it needs on the first call
 
     infos = number_fields(design, values)
     columns, requests = _columns(values), [quantity_request(design, key) for key in quantities]
@@ -76,7 +76,7 @@ def many(
     evaluations["many"] += rows.shape[1]
     size = block_size(design)
     parts = [rows[:, first : first + size] for first in range(0, rows.shape[1], size)]
-    work = partial(block, design, infos, tuple(requests), polish)
+    work = partial(block_results, design, infos, tuple(requests), polish)
     if executor is None:
         results = []
         for part in parts:

@@ -183,7 +183,7 @@ def point_component(study: Study, point: str, component: str) -> np.ndarray:
     """
     order, part = POINT_COMPONENTS[component]
     pose = study.linkage.bodies[study.linkage.body_of(point)]
-    return part(pose.place(point, order) * study.omega**order)
+    return part(pose.position(point, order) * study.omega**order)
 
 
 # -- forces and torques ---------------------------------------------------------------------------------------
@@ -350,7 +350,7 @@ def line_of_centres(study: Study) -> np.ndarray:
     pair = kinematics.pairs[kinematics.ground]
     if pair.kind == SLIDING:
         return -1j * study.sense * kinematics.line(pair)
-    pivot = kinematics.bodies[pair.body].place(pair.point)[:1]
+    pivot = kinematics.bodies[pair.body].position(pair.point)[:1]
     return np.asarray(pivot / np.abs(pivot))
 
 
@@ -416,7 +416,7 @@ def reference_velocity(study: Study) -> np.ndarray:
     pair = kinematics.pairs[kinematics.ground]
     if pair.kind == SLIDING:
         return np.asarray((np.conj(kinematics.line(pair)) * velocity).real)
-    arm = kinematics.follower.origin[0] - kinematics.bodies[pair.body].place(pair.point)
+    arm = kinematics.follower.origin[0] - kinematics.bodies[pair.body].position(pair.point)
     return np.asarray((np.conj(-1j * study.sense * arm / np.abs(arm)) * velocity).real)
 
 

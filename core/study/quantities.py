@@ -584,9 +584,9 @@ def quantities_of(study: Study, stage: str | None = None) -> Mapping[str, Quanti
     """Quantities of a study, of one stage or of all."""
     rows = dict(_rows_of(names_of(study.design), stage))
     if stage in (None, "linkage") and study.mechanism.ranged:
-        for link, turning in study.driver_ranges.turning.items():
+        for link, turning in study.driver_ranges.angles.items():
             name = f"link.{link}"
-            if turning.turns and name in rows:
+            if turning.rotates and name in rows:
                 rows[name] = replace(rows[name], is_periodic=True)
     return rows
 

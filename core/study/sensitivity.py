@@ -50,7 +50,7 @@ def sensitivity(study: Study, paths: Sequence[str], quantities: Sequence[str]) -
     NoSolution
         Where a stage has no solution.
     """
-    from core.study.batch import block
+    from core.study.batch import block_results
 
     design, infos = study.design, number_fields(study.design, paths)
     requests = [quantity_request(design, key) for key in quantities]
@@ -66,7 +66,7 @@ def sensitivity(study: Study, paths: Sequence[str], quantities: Sequence[str]) -
         result, rest = _slopes(values, steps), [i for i, row in enumerate(values) if row is None]
     if rest:
         steps, rows = _neighbours(study, infos, SEARCH_STEP)
-        compared = block(design, infos, tuple(requests[i] for i in rest), True, rows)
+        compared = block_results(design, infos, tuple(requests[i] for i in rest), True, rows)
         result[:, rest] = _slopes(compared.value, steps)
     return np.asarray(result / [request.unit for request in requests])
 
@@ -120,13 +120,13 @@ def _values_at_extremes(
     study: Study, paths: tuple[str, ...], rows: np.ndarray, requests: Sequence[QuantityRequest]
 ) -> list[np.ndarray | None]:
     """Figures (m,) of the designs with numbers (k, m) at the extremes of the first one; None where they must be compared."""
-    from core.study.batch import at_once, together
+    from core.study.batch import design_block, is_batchable
 
     result: list[np.ndarray | None] = [None] * len(requests)
-    chosen = [i for i, r in enumerate(requests) if r.statistic in _SIDES and together(study.design, paths, r)]
+    chosen = [i for i, r in enumerate(requests) if r.statistic in _SIDES and is_batchable(study.design, paths, r)]
     if not chosen:
         return result
-    designs = at_once(study.design, paths, rows)
+    designs = design_block(study.design, paths, rows)
     if designs.program.starts.size != study.program.starts.size:  # a law of a neighbour has one more piece
         return result
     positions: dict[tuple[str, float], tuple[float, int] | None] = {}
@@ -148,7 +148,7 @@ def _values_at_extremes(
         owner, names = np.repeat(np.arange(designs.count), theta.size), list(dict.fromkeys(name for name, _ in smooth))
         state = designs.state(np.tile(theta, designs.count), np.tile(piece, designs.count), owner)
         values = {name: v.reshape(designs.count, -1) for name, v in designs.values(names, state, owner).items()}
-        if designs.apart.any():  # then every design has its own cuts of the turn
+        if designs.separate.any():  # then every design has its own cuts of the turn
             return result
     column = {key: i for i, key in enumerate(smooth)}
     for i, ends in keys.items():

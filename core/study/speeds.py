@@ -9,7 +9,7 @@ import numpy as np
 
 from core.design import Design
 from core.motion.program import ShaftPosition
-from core.shaft import AgainstSpeed, LoadCurve, against_speed, combined, separated
+from core.shaft import AgainstSpeed, LoadCurve, against_speed, combined_load, load_by_speed
 from core.study.stages import evaluations
 from core.study.study import Study
 
@@ -45,9 +45,9 @@ def at_speeds(design: Design, rpm: np.ndarray) -> AgainstSpeed:
         return Study(at_speed).camshaft.cams_load
 
     has_friction = any(drive.loading.has_friction for drive in study.drives.values())
-    load_at = cams_load if has_friction else separated(cams_load, shaft.speed_rpm * pi / 30.0)
+    load_at = cams_load if has_friction else load_by_speed(cams_load, shaft.speed_rpm * pi / 30.0)
     if balance is None:
         return against_speed(load_at, shaft, rpm)
     phase = 0.0 if design.balancer is None else float(np.deg2rad(design.balancer.phase_deg % 360.0))
     balance_load = balance.load_curve, ShaftPosition(phase)
-    return against_speed(lambda omega: combined([(load_at(omega), ShaftPosition()), balance_load]), shaft, rpm)
+    return against_speed(lambda omega: combined_load([(load_at(omega), ShaftPosition()), balance_load]), shaft, rpm)

@@ -13,7 +13,7 @@ import numpy as np
 from core import dynamics
 from core.dynamics import Forces, Friction, Loading
 from core.errors import NoSolution
-from core.mechanism import CrankProgram, DriverRanges, Mechanism, solve_mechanism
+from core.mechanism import CrankMotion, DriverRanges, Mechanism, solve_mechanism
 from core.mechanism.kinematics import Kinematics
 from core.motion import Angles, CompiledMotion, MotionState, program
 from core.motion import degrees as motion_degrees
@@ -46,7 +46,7 @@ def fit_load_curve(
     torque : callable
         Torque on the shaft, ndarray (n,) [N m], of these forces.
     loading : Loading
-    program : CompiledMotion or CrankProgram
+    program : CompiledMotion or CrankMotion
         Pieces of the turn.
     slides : sequence of Friction
         Friction of the sliding pairs.
@@ -161,7 +161,7 @@ def grid(motion: Any, samples: int) -> Angles:
 
 def crank_grid(driver_ranges: DriverRanges, samples: int) -> Angles:
     """Equally spaced driver angles over one turn, as far as the linkage can be assembled; cached as by `grid`."""
-    crank = CrankProgram(driver_ranges)
+    crank = CrankMotion(driver_ranges)
     return memory.get(
         "grid", (driver_ranges, samples), lambda: crank.angles(np.deg2rad(crank.degrees(samples)), cached=True)
     )
@@ -187,7 +187,7 @@ def crank_state(driver_ranges: DriverRanges, angles: Angles) -> MotionState:
     """State of the driver where a crank drives: its angle takes the role of the motion."""
 
     def compute() -> MotionState:
-        return CrankProgram(driver_ranges).state(angles)
+        return CrankMotion(driver_ranges).state(angles)
 
     return memory.get("crank", (driver_ranges, angles), compute) if angles.cached else compute()
 
@@ -205,7 +205,7 @@ def torque_breaks(
     loading : Loading
     driver : Motion or DriverRanges
         The motion, or the ranges of a crank: key of the cache.
-    uncut : CompiledMotion or CrankProgram
+    uncut : CompiledMotion or CrankMotion
         The program of the driver without these angles.
     mechanism : Mechanism
     driver_ranges : callable

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from core.design import drive_names, only
 from core.errors import NoStability
-from core.shaft import Flywheel, levels
+from core.shaft import Flywheel, has_flywheel
 from core.study.camshaft import Camshaft, is_complete
 from core.study.drive_forces import DriveForces
 
@@ -54,7 +54,7 @@ class Study(DriveForces):
     @property
     def levels_torque(self) -> bool:
         """Whether flywheel and motor make the torque of the motor differ from that of cam or crank."""
-        return self.design.shaft is not None and levels(self.design.shaft)
+        return self.design.shaft is not None and has_flywheel(self.design.shaft)
 
     @cached_property
     def flywheel(self) -> Flywheel:

@@ -1,14 +1,14 @@
-"""Studies of many designs: STUDY.toml, the designs that it asks for, their table."""
+"""Studies of many designs: STUDY.toml, surveys, tolerances, the best design, and tables of results."""
 
-from core.varying.bands import READY, drive_bands, motor_bands, ready_study, shaft_bands, words_that_go
+from core.varying.bands import READY, drive_bands, motor_bands, ready_study, shaft_bands, valid_words
 from core.varying.optimum import Binding, Optimum, optimise, remarks
 from core.varying.request import (
-    AskedFor,
-    Bounded,
     Goal,
     StudyFile,
+    StudyLimit,
     StudyOfMany,
-    Vary,
+    StudyQuantity,
+    VariedField,
     field_info,
     file_of,
     load_study,
@@ -21,40 +21,42 @@ from core.varying.space import (
     Space,
     cache_folder,
     duration,
-    evaluated,
-    none_built,
+    none_built_text,
     sobol,
+    study_values,
     with_words,
     workers,
     write_table,
 )
 from core.varying.surveys import (
     Limits,
-    Made,
     Question,
     Span,
     Survey,
-    askable,
+    ToleranceResult,
     can_be_varied,
+    current_figures,
+    default_span,
+    default_tolerance,
     file_of_question,
-    made_of,
-    present,
     question_of_file,
-    refined,
-    suggested,
+    refined_survey,
+    request_keys,
+    suggested_figures,
     survey,
-    usual_span,
-    usual_tolerance,
+    tolerance_result,
     whole_numbers,
     with_values,
 )
-from core.varying.tolerances import Corner, Scatter, Share, Tightened, tolerance_study, waves_of
+from core.varying.tolerances import Corner, Scatter, Share, TightenedTolerances, tolerance_study, waves_of
 
 __all__ = [
-    "READY", "AskedFor", "Binding", "BlockOfDesigns", "Bounded", "Corner", "Goal", "Limits", "Made", "Optimum", "Question", "Run",
-    "Scatter", "Share", "Space", "Span", "StudyFile", "StudyOfMany", "Survey", "Tightened", "Vary", "askable", "cache_folder",
-    "can_be_varied", "drive_bands", "duration", "evaluated", "field_info", "file_of", "file_of_question", "load_study", "made_of",
-    "motor_bands", "none_built", "optimise", "present", "question_of_file", "ready_study", "refined", "remarks", "save_study",
-    "shaft_bands", "sobol", "study_of", "suggested", "survey", "tolerance_study", "usual_span", "usual_tolerance", "waves_of",
-    "whole_numbers", "with_values", "with_words", "words_that_go", "workers", "write_table",
+    "READY", "Binding", "BlockOfDesigns", "Corner", "Goal", "Limits", "Optimum", "Question", "Run", "Scatter", "Share",
+    "Space", "Span", "StudyFile", "StudyLimit", "StudyOfMany", "StudyQuantity", "Survey", "TightenedTolerances",
+    "ToleranceResult", "VariedField", "cache_folder", "can_be_varied", "current_figures", "default_span",
+    "default_tolerance", "drive_bands", "duration", "field_info", "file_of", "file_of_question", "load_study",
+    "motor_bands", "none_built_text", "optimise", "question_of_file", "ready_study", "refined_survey", "remarks",
+    "request_keys", "save_study", "shaft_bands", "sobol", "study_of", "study_values", "suggested_figures", "survey",
+    "tolerance_result", "tolerance_study", "valid_words", "waves_of", "whole_numbers", "with_values", "with_words",
+    "workers", "write_table",
 ]  # fmt: skip

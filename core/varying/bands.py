@@ -15,14 +15,14 @@ from core.frozen import frozen
 from core.motion import degrees
 from core.motion.program import ShaftPosition
 from core.numerics.lazy import checkpoint
-from core.shaft import Flywheel, combined
+from core.shaft import Flywheel, combined_load
 from core.study import Camshaft, Study
 from core.study.batch import with_numbers
 from core.study.limits import SPEEDS
 from core.study.quantity_requests import TORQUE, quantity_request, request_columns
-from core.varying.request import AskedFor, Bounded, Goal, StudyFile, Vary, study_of
+from core.varying.request import Goal, StudyFile, StudyLimit, StudyQuantity, VariedField, study_of
 from core.varying.space import with_words
-from core.varying.surveys import PART, SEED, askable, can_be_varied, usual_limit
+from core.varying.surveys import PART, SEED, can_be_varied, request_keys, typical_limit
 from core.varying.tolerances import DRIVE_TORQUE, MACHINES, PERCENTILES, AllWaves, Scatter
 
 # -- between which values machines lie at each angle of the turn ------------------------------------------------
@@ -54,7 +54,7 @@ def drive_bands(whole: Design, drive: int, slugs: Sequence[str], quick: bool) ->
                 rows.append((slug, quantity_request(design, f"{slug}:max")))
     if not rows or not (design.tolerances or design.waviness):
         return {}
-    asked_for = tuple(AskedFor(slug, "max") for slug, _ in rows)
+    asked_for = tuple(StudyQuantity(slug, "max") for slug, _ in rows)
     scatter = Scatter(study_of(StudyFile(design="", quantities=asked_for), design))
     mine = [slug for slug, asked in rows if scatter.quick(asked) == quick]
     return scatter.bands(MACHINES if quick else FEW_MACHINES, SEED, only=mine) if mine else {}
@@ -106,7 +106,7 @@ def motor_bands(design: Design, samples: int = 360, machines: int = FEW_MACHINES
     found = {name: np.full((machines, samples), np.nan) for name in (MOTOR, SPEED)}
     for k, shaft in enumerate(_shafts(design, _drawn(design, machines), theta)):
         with suppress(NoSolution):
-            load = combined([(shaft.cams_load, ShaftPosition()), *balance])
+            load = combined_load([(shaft.cams_load, ShaftPosition()), *balance])
             wheel = Flywheel(lambda _, shaft=shaft: shaft.cams_torque, load, shaft.design.camshaft)  # type: ignore[misc]
             angles = shaft.turn.angles(theta)
             found[MOTOR][k], found[SPEED][k] = wheel.motor_torque(angles), wheel.speed(angles)
@@ -115,7 +115,7 @@ def motor_bands(design: Design, samples: int = 360, machines: int = FEW_MACHINES
 
 def _drawn(design: Design, machines: int) -> Mapping[str, np.ndarray]:
     """Field -> its numbers (machines,)."""
-    asked = StudyFile(design="", quantities=(AskedFor(TORQUE, "max"),))
+    asked = StudyFile(design="", quantities=(StudyQuantity(TORQUE, "max"),))
     return Scatter(study_of(asked, design)).machines(machines, SEED)
 
 
@@ -140,11 +140,11 @@ MOST_SETS = 128  # of laws
 OF_CAM = ("cam.base_radius_mm", "cam.roller_radius_mm")
 PLACE = ("cam.base_radius_mm", "follower.pivot_x_mm", "follower.offset_mm")
 """Lengths by which the size of a cam is traded for its pressure angle."""
-Rows = Callable[[Design], Iterator[Vary]]
+Rows = Callable[[Design], Iterator[VariedField]]
 
 
 @frozen
-class Ready:
+class ReadyStudy:
     """One study: its title; what of one drive it varies; quantities, of which the first that the design has is its goal, as column and
     what of it over the turn; limited: whether the pressure angle and the radii of the profile are."""
 
@@ -154,50 +154,50 @@ class Ready:
     limited: bool = True
 
 
-def _between(design: Design, paths: Sequence[str]) -> Iterator[Vary]:
+def _between(design: Design, paths: Sequence[str]) -> Iterator[VariedField]:
     """±20 % of these numbers, as far as the design has them and they are not 0."""
     for path in paths:
         value = get(design, path)
         if value:
             low, high = sorted(float(f"{value * (1.0 + side * PART):.6g}") for side in (-1.0, 1.0))
-            yield Vary(field=path, low=low, high=high)
+            yield VariedField(field=path, low=low, high=high)
 
 
-def _place(design: Design) -> Iterator[Vary]:
+def _place(design: Design) -> Iterator[VariedField]:
     there = set(can_be_varied(design))
     return _between(design, [path for path in PLACE if path in there])
 
 
-def _lengths(design: Design) -> Iterator[Vary]:
+def _lengths(design: Design) -> Iterator[VariedField]:
     return _between(
         design,
         [path for path in can_be_varied(design) if path.startswith(("follower.", "linkage.links")) or path in OF_CAM],
     )
 
 
-def _laws(design: Design) -> Iterator[Vary]:
+def _laws(design: Design) -> Iterator[VariedField]:
     motion = design.drive.motion
     moving = [] if motion is None else [i for i, segment in enumerate(motion.segments) if segment.rise]
     some = next((n for n in range(len(QUIET_LAWS), 1, -1) if n ** len(moving) <= MOST_SETS), 0)
     for i in moving if some else ():
         path = f"motion.segments[{i}].law"
-        words = words_that_go(design, path, QUIET_LAWS[:some])
+        words = valid_words(design, path, QUIET_LAWS[:some])
         if len(words) > 1:
-            yield Vary(field=path, choices=words)
+            yield VariedField(field=path, choices=words)
 
 
-def words_that_go(design: Design, path: str, words: Sequence[str]) -> tuple[str, ...]:
+def valid_words(design: Design, path: str, words: Sequence[str]) -> tuple[str, ...]:
     """Those of some words that make no fault at a path of the design."""
     return tuple(word for word in words if with_words(design, {path: word}) is not None)
 
 
-READY: Mapping[str, Ready] = MappingProxyType(
+READY: Mapping[str, ReadyStudy] = MappingProxyType(
     {
-        "smallest-cam": Ready("Smallest cam", _place, (("radius_mm", "max"),)),
-        "least-torque": Ready("Least peak torque", _lengths, (("drive_torque_nm", "abs"), ("driver_torque_nm", "abs"))),
-        "least-pressure": Ready("Least contact pressure", _lengths, (("contact_pressure_mpa", "max"),)),
-        "all-lengths": Ready("All lengths together: least contact force", _lengths, (("contact_force_n", "max"),)),
-        "quietest-law": Ready("Quietest law for this follower", _laws,
+        "smallest-cam": ReadyStudy("Smallest cam", _place, (("radius_mm", "max"),)),
+        "least-torque": ReadyStudy("Least peak torque", _lengths, (("drive_torque_nm", "abs"), ("driver_torque_nm", "abs"))),
+        "least-pressure": ReadyStudy("Least contact pressure", _lengths, (("contact_pressure_mpa", "max"),)),
+        "all-lengths": ReadyStudy("All lengths together: least contact force", _lengths, (("contact_force_n", "max"),)),
+        "quietest-law": ReadyStudy("Quietest law for this follower", _laws,
             (("jerk_mm_s3", "abs"), ("jerk_deg_s3", "abs")), limited=False),
     }
 )  # fmt: skip
@@ -207,13 +207,15 @@ READY: Mapping[str, Ready] = MappingProxyType(
 def ready_study(design: Design, name: str, drive: int = 0) -> StudyFile | None:
     """A study of one drive of a design; None where there is nothing in it to vary, or nothing that it could make small."""
     row, own = READY[name], only(design, drive)
-    there = set(askable(own))
+    there = set(request_keys(own))
     goal = next((each for each in row.goals if each[0] in there), None)
     varied = list(row.rows(own)) if goal is not None else []
     if goal is None or not varied:
         return None
     limits = list(_limits(own)) if row.limited else []
-    beside = [AskedFor(slug, of) for slug, of in (("drive_torque_nm", "abs"),) if slug in there and slug != goal[0]]
+    beside = [
+        StudyQuantity(slug, of) for slug, of in (("drive_torque_nm", "abs"),) if slug in there and slug != goal[0]
+    ]
 
     def at(path: str) -> str:
         return path_in(design, drive, path)
@@ -221,21 +223,23 @@ def ready_study(design: Design, name: str, drive: int = 0) -> StudyFile | None:
     return StudyFile(
         design="",
         seed=1,
-        vary=tuple(Vary(field=at(each.field), low=each.low, high=each.high, choices=each.choices) for each in varied),
-        quantities=tuple(AskedFor(at(each.quantity), each.of) for each in beside),
-        limits=tuple(Bounded(at(each.quantity), each.of, each.min, each.max) for each in limits),
+        vary=tuple(
+            VariedField(field=at(each.field), low=each.low, high=each.high, choices=each.choices) for each in varied
+        ),
+        quantities=tuple(StudyQuantity(at(each.quantity), each.of) for each in beside),
+        limits=tuple(StudyLimit(at(each.quantity), each.of, each.min, each.max) for each in limits),
         goals=(Goal(at(goal[0]), goal[1]),),
     )
 
 
-def _limits(design: Design) -> Iterator[Bounded]:
+def _limits(design: Design) -> Iterator[StudyLimit]:
     """Pressure angle and least convex radius: the design's own, else the usual ones, half the roller's radius."""
-    there, drive = set(askable(design)), design.drive
+    there, drive = set(request_keys(design)), design.drive
     if drive.cam is None:
         return
-    angle = usual_limit(Study(design), "pressure_angle_deg") if "pressure_angle_deg" in there else None
+    angle = typical_limit(Study(design), "pressure_angle_deg") if "pressure_angle_deg" in there else None
     if angle is not None:
-        yield Bounded("pressure_angle_deg", "max", max=angle)
+        yield StudyLimit("pressure_angle_deg", "max", max=angle)
     radius = drive.limits.convex_radius_mm or 0.5 * getattr(drive.face, "radius_mm", 0.0)
     if radius and "profile_curvature_per_mm" in there:
-        yield Bounded("profile_curvature_per_mm", "max", max=1.0 / radius)
+        yield StudyLimit("profile_curvature_per_mm", "max", max=1.0 / radius)

@@ -17,11 +17,11 @@ from core.design import Design, get
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.study import many
-from core.study.batch import at_once, together
-from core.study.highest import nodes_of
+from core.study.batch import design_block, is_batchable
+from core.study.highest import clenshaw_curtis_nodes
 from core.study.quantity_requests import QuantityRequest, quantity_request
-from core.varying.request import AskedFor, Goal, StudyOfMany
-from core.varying.space import Axis, as_it_is
+from core.varying.request import Goal, StudyOfMany, StudyQuantity
+from core.varying.space import Axis, constant_column
 from core.varying.tolerances import bounds_of
 
 # -- the least of the largest of several functions, below bounds of others --------------------------------------
@@ -90,7 +90,7 @@ INSET = 1e-9  # of a limit: answers lie on its safe side
 NEAR_TOP = 0.3  # of its range: peaks that low take part
 MOST_PEAKS = 8
 
-Tell = Callable[[Mapping[str, Any], float, int], None]
+ProgressCallback = Callable[[Mapping[str, Any], float, int], None]
 """A design on the way, by its fields, its goal, and the number of the start that it comes from. What it raises stops the search."""
 
 
@@ -101,7 +101,7 @@ class Term:
     peaks  signs of the quantity whose peaks over the turn all count; none where one extreme or a mean is taken as it is
     """
 
-    row: AskedFor
+    row: StudyQuantity
     asked: QuantityRequest
     side: float
     bound: float | None
@@ -126,7 +126,7 @@ class Descent:
 
     def __init__(
         self, study: StudyOfMany, design: Design, words: Mapping[str, Any], numbers: Sequence[Axis],
-        margins: Mapping[str, float], tell: Tell | None, starts: int,
+        margins: Mapping[str, float], tell: ProgressCallback | None, starts: int,
     ) -> None:  # fmt: skip
         self.study, self.design, self.words, self.tell, self.most_starts = study, design, words, tell, starts
         self._started = 0
@@ -135,21 +135,24 @@ class Descent:
         self.low, self.high = (np.array([end[i] for end in ends], dtype=float) for i in (0, 1))
         self.terms = [self._term(row, side, bound) for row, side, bound in self._limits(margins)]
         goals = study.file.goals
-        self.goals = [self._term(goal, side_of(goal), None) for goal in goals]
+        self.goals = [self._term(goal, goal_sign(goal), None) for goal in goals]
         self.own = (np.array([float(get(design, path)) for path in self.paths]) - self.low) / (self.high - self.low)
 
-    def _limits(self, margins: Mapping[str, float]) -> Iterator[tuple[AskedFor, float, float]]:
+    def _limits(self, margins: Mapping[str, float]) -> Iterator[tuple[StudyQuantity, float, float]]:
         for limit, side, bound in bounds_of(self.study.file.limits):
             yield limit, side, side * bound - margins.get(limit.key, 0.0)
 
-    def _term(self, row: AskedFor, side: float, bound: float | None) -> Term:
+    def _term(self, row: StudyQuantity, side: float, bound: float | None) -> Term:
         asked = quantity_request(self.design, row.key)
         signs = {("max", 1.0): (1.0,), ("min", -1.0): (-1.0,), ("abs", 1.0): (1.0, -1.0)}.get(
             (asked.statistic, side), ()
         )
-        if signs and (asked.drive is not None or not asked.name or not together(self.design, self.paths, asked)):
+        if signs and (asked.drive is not None or not asked.name or not is_batchable(self.design, self.paths, asked)):
             signs = ()
-        if signs and at_once(self.design, self.paths, self._numbers(np.full((len(self.paths), 1), 0.5))).apart.any():
+        if (
+            signs
+            and design_block(self.design, self.paths, self._numbers(np.full((len(self.paths), 1), 0.5))).separate.any()
+        ):
             signs = ()
         face = self.design.drives[asked.drive or 0].face if asked.name == "profile_curvature" else None
         roller = float(getattr(face, "radius_mm", 0.0))
@@ -164,7 +167,7 @@ class Descent:
     def values(self, u: np.ndarray, polish: bool = True) -> tuple[np.ndarray, np.ndarray]:
         """side times what each term asks (t, m) of designs u (k, m), the limits first; and which can be built (m,)."""
         keys = list(dict.fromkeys(term.row.key for term in [*self.terms, *self.goals]))
-        numbers = dict(zip(self.paths, self._numbers(u), strict=True)) or as_it_is(self.design, u.shape[1])
+        numbers = dict(zip(self.paths, self._numbers(u), strict=True)) or constant_column(self.design, u.shape[1])
         found = many(self.design, numbers, keys, polish=polish)
         rows = np.array([term.side * found.value[term.row.key] for term in [*self.terms, *self.goals]])
         return rows, np.asarray(found.reason == "")
@@ -191,14 +194,14 @@ class Descent:
         self, u: np.ndarray, angles: Sequence[tuple[np.ndarray, np.ndarray]], terms: Sequence[Term]
     ) -> list[np.ndarray]:
         """Quantities of terms (m, n) at angles of each (theta, piece), of designs u (k, m); NaN where there is none."""
-        one = at_once(self.design, self.paths, self._numbers(u))
+        one = design_block(self.design, self.paths, self._numbers(u))
         theta, piece = (np.concatenate([each[i] for each in angles]) for i in (0, 1))
         n, m = theta.size, one.count
         owner = np.repeat(np.arange(m), n)
         names = list(dict.fromkeys(term.asked.name for term in terms))
         state = one.state(np.tile(theta, m), np.tile(piece, m), owner)
         found = one.values(names, state, owner)
-        lost = one.lost_at("dynamics") if any(_of_forces(term) for term in terms) else one.lost_at("cam")
+        lost = one.failed_at("dynamics") if any(_of_forces(term) for term in terms) else one.failed_at("cam")
         rows, first = [], 0
         for term, (own, _) in zip(terms, angles, strict=True):
             row = found[term.asked.name].reshape(m, n)[:, first : first + own.size] / term.asked.unit
@@ -208,8 +211,8 @@ class Descent:
 
     def peaks(self, u: np.ndarray, terms: Sequence[Term]) -> list[list[tuple[float, int, float]]]:
         """Of each term its highest local maxima at a design (k,): cam angle, piece, sign."""
-        one = at_once(self.design, self.paths, self._numbers(u[:, None]))
-        nodes, _ = nodes_of(one.program)
+        one = design_block(self.design, self.paths, self._numbers(u[:, None]))
+        nodes, _ = clenshaw_curtis_nodes(one.program)
         theta, piece = nodes.theta, nodes.piece
         every = self._at(u[:, None], [(theta, piece)] * len(terms), terms)
         first = np.append(True, np.diff(piece) != 0)
@@ -332,7 +335,7 @@ class Descent:
         return {field: found[field] for field in order}
 
 
-def side_of(goal: Goal) -> float:
+def goal_sign(goal: Goal) -> float:
     return 1.0 if goal.minimise else -1.0
 
 

@@ -25,9 +25,9 @@ from core.study.limits import ANY_PRESSURE, CONVEX, LIMITS
 from core.study.quantities import quantity
 from core.study.quantity_requests import quantity_request
 from core.units import split_unit
-from core.varying.descent import Descent, Held, Tell, Term, side_of
+from core.varying.descent import Descent, Held, ProgressCallback, Term, goal_sign
 from core.varying.request import Goal, StudyFile, StudyOfMany
-from core.varying.space import Axis, Space, apart, as_it_is, none_built, sobol, with_words
+from core.varying.space import Axis, Space, constant_column, is_discrete, none_built_text, sobol, with_words
 from core.varying.tolerances import ONE_SIDED, Scatter, Share, bounds_of
 
 # -- the best design of a study ---------------------------------------------------------------------------------
@@ -45,7 +45,7 @@ ROBUST_MACHINES = 2000
 ROBUST_ROUNDS = 8
 
 
-class NoneBuilt(KindynaError):
+class NoDesignBuilt(KindynaError):
     """None of many designs can be built."""
 
 
@@ -79,7 +79,7 @@ class Optimum:
     taken: Mapping[str, float] = field(default_factory=dict)
 
 
-def optimise(study: StudyOfMany, tell: Tell | None = None, starts: int = STARTS) -> Optimum:
+def optimise(study: StudyOfMany, tell: ProgressCallback | None = None, starts: int = STARTS) -> Optimum:
     """The best design of a study within its limits, from so many starts for each combination of words.
 
     Raises KindynaError where nothing is asked that could be best.
@@ -87,7 +87,7 @@ def optimise(study: StudyOfMany, tell: Tell | None = None, starts: int = STARTS)
     if not study.file.goals:
         raise KindynaError("goals: none is stated; state one [[goals]], or two for a front")
     space = Space(study)
-    words = [axis for axis in space.axes if apart(axis.info)]
+    words = [axis for axis in space.axes if is_discrete(axis.info)]
     sets = list(product(*(_choices(axis) for axis in words)))
     if len(sets) > MOST_WORDS:
         raise KindynaError(
@@ -111,13 +111,13 @@ def _best(
     words: Sequence[Axis],
     sets: Sequence[Any],
     margins: Mapping[str, float],
-    tell: Tell | None,
+    tell: ProgressCallback | None,
     starts: int,
 ) -> Optimum:
     """Of all combinations of words. margins: limit -> by how much it is kept and more."""
     found: list[Optimum] = []
-    none: NoneBuilt | None = None
-    numbers = [axis for axis in space.axes if not apart(axis.info)]
+    none: NoDesignBuilt | None = None
+    numbers = [axis for axis in space.axes if not is_discrete(axis.info)]
     for chosen in sets:
         values = dict(zip((axis.field for axis in words), chosen, strict=True))
         design = with_words(study.base, values)
@@ -126,11 +126,11 @@ def _best(
         search = _Search(study, design, values, numbers, margins, tell, starts)
         try:
             found.append(search.front() if len(study.file.goals) == 2 else search.best())
-        except NoneBuilt as error:
+        except NoDesignBuilt as error:
             none = error
     if not found:
         raise none or KindynaError(f"vary: none of these words go together in this design ({FAULTY})")
-    side = side_of(study.file.goals[0])
+    side = goal_sign(study.file.goals[0])
     key = study.file.goals[0].key
     best = min(found, key=lambda each: (not each.kept, side * each.goals[key] if each.kept else 0.0))
     for each in found:  # the design as it is, which other words do not better
@@ -161,7 +161,7 @@ class _Search(Descent):
         rows, good = self.values(u, polish=False)
         over, goal = self.excess(rows, good), rows[-len(self.goals)]
         if not (good & np.isfinite(over)).any() and not (chosen and self.values(self.own[:, None])[1].any()):
-            raise NoneBuilt(self._why_none(u))
+            raise NoDesignBuilt(self._why_none(u))
         order = np.lexsort((goal, np.maximum(over, 0.0)))
         for i in order:
             if len(chosen) >= self.most_starts or not np.isfinite(over[i]):
@@ -182,7 +182,7 @@ class _Search(Descent):
         keys = [goal.row.key for goal in self.goals]
         numbers = dict(zip(self.paths, self._numbers(u), strict=True))
         (code, often), *_ = Counter(many(self.design, numbers, keys, polish=False).reason.tolist()).most_common(1)
-        return none_built(u.shape[1], code or "no value", often)
+        return none_built_text(u.shape[1], code or "no value", often)
 
     def _chosen(self, places: Sequence[np.ndarray], goal: Term) -> Optimum:
         """The best place that keeps the limits and brings no new finding."""
@@ -364,13 +364,13 @@ def with_flywheel(design: Design, before: Design) -> tuple[Design, Mapping[str, 
 
 def _own_goals(study: StudyOfMany) -> dict[str, float]:
     """Of the design as it is; NaN where it has none."""
-    found = many(study.base, as_it_is(study.base, 1), [goal.key for goal in study.file.goals])
+    found = many(study.base, constant_column(study.base, 1), [goal.key for goal in study.file.goals])
     return {goal.key: float(found.value[goal.key][0]) for goal in study.file.goals}
 
 
 def _undominated(points: Sequence[Mapping[str, Any]], goals: Sequence[Goal]) -> list[Mapping[str, Any]]:
     """Points than which none is as good in both goals and better in one, by the first goal."""
-    worth = np.array([[side_of(goal) * point[goal.column] for goal in goals] for point in points]).reshape(
+    worth = np.array([[goal_sign(goal) * point[goal.column] for goal in goals] for point in points]).reshape(
         -1, len(goals)
     )
     kept = [
@@ -381,7 +381,12 @@ def _undominated(points: Sequence[Mapping[str, Any]], goals: Sequence[Goal]) -> 
 
 
 def _robust(
-    study: StudyOfMany, space: Space, words: Sequence[Axis], sets: Sequence[Any], tell: Tell | None, starts: int
+    study: StudyOfMany,
+    space: Space,
+    words: Sequence[Axis],
+    sets: Sequence[Any],
+    tell: ProgressCallback | None,
+    starts: int,
 ) -> Optimum:
     """With limits narrowed by z times the deviation that the tolerances make, by the sensitivities at the answer before; then random
     machines; z grows until the lower end of Wilson's interval is at the share that is asked for."""
@@ -429,7 +434,7 @@ def remarks(study: StudyOfMany, found: Optimum) -> tuple[str, ...]:
 def _missed(study: StudyOfMany, found: Optimum) -> Iterator[str]:
     """What the design reaches of each limit that it does not keep."""
     bounds = list(bounds_of(study.file.limits))
-    reached = many(found.design, as_it_is(found.design, 1), [limit.key for limit, _, _ in bounds]).value
+    reached = many(found.design, constant_column(found.design, 1), [limit.key for limit, _, _ in bounds]).value
     for limit, side, bound in bounds:
         value = float(reached[limit.key][0])
         if not side * value <= side * bound:
@@ -442,7 +447,7 @@ def _fixed(found: Optimum, goal: Goal) -> str:
     if asked.name != TORQUE or asked.statistic not in PEAKS or not goal.minimise:
         return ""
     design = found.design if asked.drive is None else only(found.design, asked.drive)
-    peak = many(found.design, as_it_is(found.design, 1), [goal.key])
+    peak = many(found.design, constant_column(found.design, 1), [goal.key])
     there = Study(design).at_theta(np.deg2rad(peak.angle_deg[goal.key]))
     torque, power = (float(quantity(name).value(there)[0]) for name in (TORQUE, POWER))
     held = -power / there.omega
@@ -483,12 +488,12 @@ def _law(study: StudyOfMany, found: Optimum) -> str:
 
 def _others(study: StudyOfMany, design: Design, paths: Sequence[str]) -> Iterator[tuple[float, str, Design]]:
     """The first goal with each law that keeps the limits, the law, and the design."""
-    keys = [row.key for row in study.asked]
+    keys = [row.key for row in study.quantities]
     for law in LAWS:
         made = with_words(design, dict.fromkeys(paths, law)) if law != DWELL else None
         if made is None:
             continue
-        value = many(made, as_it_is(made, 1), keys).value
+        value = many(made, constant_column(made, 1), keys).value
         if all(side * value[limit.key][0] <= side * bound for limit, side, bound in bounds_of(study.file.limits)):
             goal = float(value[study.file.goals[0].key][0])
             if math.isfinite(goal):

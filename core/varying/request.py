@@ -1,4 +1,4 @@
-"""What a study of many designs asks, as its file has it: STUDY.toml, with all faults of the file reported at once."""
+"""Study of many designs as a file, STUDY.toml; all faults of the file are reported at once."""
 
 from __future__ import annotations
 
@@ -22,45 +22,47 @@ from core.study.quantity_requests import STATISTICS, TOTALS, quantity_request
 from core.units import split_unit
 
 GRID, CURVE = 64, 64
-"""Steps of a field of which bounds alone are given, where there are two, and where it is the only one."""
+"""Steps of a field with bounds only: of two such fields, and of a single one."""
 POINTS = 4096
-"""Sobol points of three such fields or more."""
+"""Sobol points of three or more such fields."""
 
 
 @frozen
-class Vary:
-    """A field that is varied: a number between bounds, in even steps or by Sobol's points, or of listed values; or a word of choices."""
+class VariedField:
+    """A varied field: a number between bounds, in even steps or by Sobol's points, listed values, or a choice of words."""
 
     field: str = placed(FileLayout(missing="the path of a number or word of the design, as cam.base_radius_mm"))
     low: float | None = number("Lowest value", default=None)
     high: float | None = number("Highest value", default=None)
-    steps: int | None = whole("Values", 2, 10**12, default=None, help="so many, evenly spaced from low to high")
-    points: int | None = whole("Points", 1, 10**12, default=None, help="so many, of Sobol's sequence")
+    steps: int | None = whole(
+        "Values", 2, 10**12, default=None, help="number of values, evenly spaced from low to high"
+    )
+    points: int | None = whole("Points", 1, 10**12, default=None, help="number of points of Sobol's sequence")
     values: tuple[float, ...] = placed(FileLayout(each=float), ())
     choices: tuple[str, ...] = placed(FileLayout(each=str), ())
 
 
 @frozen
-class AskedFor:
-    """What is asked of each design: of a quantity over the turn, by its column, or a total, which has no ``of``."""
+class StudyQuantity:
+    """A requested figure: a statistic ``of`` a quantity over the turn, by its column, or a total, without ``of``."""
 
     quantity: str = placed(FileLayout(missing="a column, as pressure_angle_deg, or a total"))
     of: str | None = choice("Of the turn", STATISTICS, default=None)
 
     @property
     def key(self) -> str:
-        """As ``core.study.many`` is asked."""
+        """Key of the figure for ``core.study.many``."""
         return self.quantity if self.of is None else f"{self.quantity}:{self.of}"
 
     @property
     def column(self) -> str:
-        """Heading in tables."""
+        """Column of the figure in tables."""
         return self.quantity if self.of is None else f"{self.quantity}_{self.of}"
 
 
 @frozen
-class Bounded(AskedFor):
-    """A limit: what it is of, and between which values that must lie."""
+class StudyLimit(StudyQuantity):
+    """A limit of a figure: its least and greatest allowed value."""
 
     FILE_ORDER = ("quantity", "of", "min", "max")
 
@@ -69,8 +71,8 @@ class Bounded(AskedFor):
 
 
 @frozen
-class Goal(AskedFor):
-    """What is made as small as can be, or as large."""
+class Goal(StudyQuantity):
+    """A figure to be minimised or maximised."""
 
     FILE_ORDER = ("quantity", "of", "minimise")
 
@@ -79,35 +81,42 @@ class Goal(AskedFor):
 
 @frozen(kw_only=True)
 class StudyFile:
-    """A study as typed. design: its file, relative to the study's; robust: share of machines within the limits, by the tolerances
-    of the design."""
+    """A study as typed.
+
+    Attributes
+    ----------
+    design : str
+        File of the design, relative to that of the study.
+    robust : float or None
+        Share of machines that must keep the limits, by the tolerances of the design.
+    """
 
     design: str = placed(FileLayout(missing="a design file, relative to this one"))
     seed: int = whole("Seed", 0, 2**32 - 1, default=0)
     robust: float | None = number("Share within limits", 0.0, 0.99999, open_low=True, default=None)
-    vary: tuple[Vary, ...] = placed(FileLayout(Vary), ())
-    quantities: tuple[AskedFor, ...] = placed(FileLayout(AskedFor), ())
-    limits: tuple[Bounded, ...] = placed(FileLayout(Bounded), ())
+    vary: tuple[VariedField, ...] = placed(FileLayout(VariedField), ())
+    quantities: tuple[StudyQuantity, ...] = placed(FileLayout(StudyQuantity), ())
+    limits: tuple[StudyLimit, ...] = placed(FileLayout(StudyLimit), ())
     goals: tuple[Goal, ...] = placed(FileLayout(Goal), ())
 
 
 @frozen(eq=False)
 class StudyOfMany:
-    """A study with the design whose numbers it varies. folder: where results that are kept stand."""
+    """A study with the design whose fields it varies; ``folder`` holds its saved results."""
 
     base: Design
     file: StudyFile
     folder: Path
 
     @cached_property
-    def asked(self) -> tuple[AskedFor, ...]:
-        """What is asked of each design: the quantities, then those of limits and goals, each once."""
+    def quantities(self) -> tuple[StudyQuantity, ...]:
+        """Figures of every design, without repetition: the quantities, then those of limits and goals."""
         rows = (*self.file.quantities, *self.file.limits, *self.file.goals)
         return tuple({row.key: row for row in reversed(rows)}[key] for key in dict.fromkeys(row.key for row in rows))
 
     @cached_property
     def infos(self) -> Mapping[str, Info]:
-        """Of each field that is varied, what it takes."""
+        """Varied field -> info of the field."""
         return {row.field: field_info(self.base, row.field) for row in self.file.vary}  # type: ignore[misc]
 
 
@@ -115,35 +124,37 @@ class StudyOfMany:
 
 
 def load_study(path: AnyPath) -> StudyOfMany:
-    """The study in a file. Raises FileError where it or its design cannot be read, DesignError with all faults of either."""
-    file, found = _read(parsed(read_text(path), str(path)))
-    if any(fault.path == "design" for fault in found):
-        raise DesignError(found)
-    beside = Path(path).parent / file.design
-    design = load(beside)
-    if found := [*found, *_unfit(file, design, found)]:
-        raise DesignError(found)
-    return StudyOfMany(design, file, beside.parent)
+    """Study in a file. Raises FileError where it or its design cannot be read, DesignError with all faults of either."""
+    file, faults = _read(parsed(read_text(path), str(path)))
+    if any(fault.path == "design" for fault in faults):
+        raise DesignError(faults)
+    design_path = Path(path).parent / file.design
+    design = load(design_path)
+    if faults := [*faults, *_design_faults(file, design, faults)]:
+        raise DesignError(faults)
+    return StudyOfMany(design, file, design_path.parent)
 
 
 def file_of(table: Mapping[str, Any]) -> StudyFile:
-    """The study in the tables of a file, as far as that can be told without its design. Raises DesignError with all faults."""
-    file, found = _read(table)
-    if found:
-        raise DesignError(found)
+    """Study in the tables of a file, checked without its design. Raises DesignError with all faults."""
+    file, faults = _read(table)
+    if faults:
+        raise DesignError(faults)
     return file
 
 
 def study_of(file: StudyFile, design: Design, folder: Path = Path()) -> StudyOfMany:
-    """The study of a design. Raises DesignError with all that does not fit it."""
-    if found := _unfit(file, design, ()):
-        raise DesignError(found)
+    """Study of a design. Raises DesignError with all faults of the file for this design."""
+    if faults := _design_faults(file, design, ()):
+        raise DesignError(faults)
     return StudyOfMany(design, file, folder)
 
 
 def save_study(file: StudyFile, path: AnyPath, *, in_place: bool = False) -> str:
-    """Write a study, whole or not at all; the text that the file holds now. Raises as ``file_of``, FileError where it cannot be
-    written."""
+    """Write a study to a file, completely or not at all, and return the text of the file.
+
+    Raises DesignError as ``file_of``, and FileError where the file cannot be written.
+    """
     text = dumps_table(file)
     file_of(parsed(text, str(path)))
     write(path, text, in_place=in_place)
@@ -151,38 +162,38 @@ def save_study(file: StudyFile, path: AnyPath, *, in_place: bool = False) -> str
 
 
 def _read(table: Mapping[str, Any]) -> tuple[StudyFile, list[Fault]]:
-    """A study as far as it can be read, and what is wrong with it by itself."""
+    """A study as far as it can be read, and its faults, without its design."""
     reader = Reader("")
     file: StudyFile = reader.part(StudyFile, table, "")
-    found = [replace(f, path=f.path.removeprefix(".")) for f in reader.with_rules(part_faults(file, ""), {})]
-    for path, row in _rows(file, found):
-        found += _OWN[type(row)](row, path)
-    return file, [*found, *_one_number_of_points(file)]
+    faults = [replace(f, path=f.path.removeprefix(".")) for f in reader.with_rules(part_faults(file, ""), {})]
+    for path, row in _rows(file, faults):
+        faults += _ROW_FAULTS[type(row)](row, path)
+    return file, [*faults, *_list_faults(file)]
 
 
-def _rows(file: StudyFile, found: Sequence[Fault]) -> Iterator[tuple[str, Any]]:
-    """The rows of its lists that have none of these faults, each with its path."""
+def _rows(file: StudyFile, faults: Sequence[Fault]) -> Iterator[tuple[str, Any]]:
+    """Path and row of all lists, of rows without these faults."""
     for name in ("vary", "quantities", "limits", "goals"):
         for i, row in enumerate(getattr(file, name)):
             path = f"{name}[{i}]"
-            if not any(fault.path == path or fault.path.startswith(f"{path}.") for fault in found):
+            if not any(fault.path == path or fault.path.startswith(f"{path}.") for fault in faults):
                 yield path, row
 
 
-def _unfit(file: StudyFile, design: Design, found: Sequence[Fault]) -> list[Fault]:
-    """What does not fit the design, of the rows that have no fault yet."""
+def _design_faults(file: StudyFile, design: Design, faults: Sequence[Fault]) -> list[Fault]:
+    """Faults of rows for a design, of rows without faults so far."""
     new: list[Fault] = []
     seen: set[str] = set()
-    for path, row in _rows(file, found):
-        if isinstance(row, Vary):
+    for path, row in _rows(file, faults):
+        if isinstance(row, VariedField):
             new += _field_faults(row, path, design)
             if row.field in seen:
-                new.append(Fault(f"{path}.field", row.field, "varied twice", "each field once"))
+                new.append(Fault(f"{path}.field", row.field, "varied twice", "every field once"))
             seen.add(row.field)
         else:
-            new += _asked_faults(row, path, design)
+            new += _quantity_faults(row, path, design)
     if file.robust is not None and not design.tolerances:
-        allowed = "a design with them, or leave it out"
+        allowed = "a design with tolerances, or leave it out"
         new.append(Fault("robust", file.robust, "its design has no [[tolerances]]", allowed))
     return new
 
@@ -190,21 +201,21 @@ def _unfit(file: StudyFile, design: Design, found: Sequence[Fault]) -> list[Faul
 # -- rules -------------------------------------------------------------------------------------------------
 
 
-def _nothing(row: Any, path: str) -> Iterator[Fault]:
+def _no_faults(row: Any, path: str) -> Iterator[Fault]:
     return iter(())
 
 
-_WAYS = "low and high | values | choices"
+_VALUES = "low and high | values | choices"
 
 
-def _one_way(row: Vary, path: str) -> Iterator[Fault]:
-    """What is said of a field fits together."""
-    between = row.low is not None or row.high is not None or row.steps is not None or row.points is not None
-    ways = [between, bool(row.values), bool(row.choices)]
-    if sum(ways) != 1:
-        yield Fault(path, MISSING, "takes exactly one of its ways" if any(ways) else "says no values", _WAYS)
+def _field_row_faults(row: VariedField, path: str) -> Iterator[Fault]:
+    """Keys of a varied field that are missing, or exclude each other."""
+    has_bounds = row.low is not None or row.high is not None or row.steps is not None or row.points is not None
+    given = [has_bounds, bool(row.values), bool(row.choices)]
+    if sum(given) != 1:
+        yield Fault(path, MISSING, "its values are given twice" if any(given) else "has no values", _VALUES)
         return
-    if not between:
+    if not has_bounds:
         return
     for name in ("low", "high"):
         if getattr(row, name) is None:
@@ -212,45 +223,50 @@ def _one_way(row: Vary, path: str) -> Iterator[Fault]:
     if row.low is not None and row.high is not None and not row.low < row.high:
         yield Fault(f"{path}.high", row.high, "bounds are reversed", f"> {row.low:g}")
     if row.steps is not None and row.points is not None:
-        yield Fault(f"{path}.points", row.points, "stands beside steps", "steps | points")
+        yield Fault(f"{path}.points", row.points, "cannot be combined with steps", "steps | points")
 
 
-def _two_bounds(row: Bounded, path: str) -> Iterator[Fault]:
+def _limit_faults(row: StudyLimit, path: str) -> Iterator[Fault]:
     if row.min is None and row.max is None:
         yield Fault(path, MISSING, "limits nothing", "min, max or both")
     elif row.min is not None and row.max is not None and row.min > row.max:
         yield Fault(f"{path}.max", row.max, "bounds are reversed", f">= {row.min:g}")
 
 
-def _one_number_of_points(file: StudyFile) -> Iterator[Fault]:
-    """The points of several fields are those of one sequence."""
+def _list_faults(file: StudyFile) -> Iterator[Fault]:
+    """Different numbers of points, since the fields share one sequence, and too many goals."""
     stated = [(i, row.points) for i, row in enumerate(file.vary) if row.points is not None]
     for i, points in stated[1:]:
         if points != stated[0][1]:
             first = f"as many as vary[{stated[0][0]}].points: {stated[0][1]}"
             yield Fault(f"vary[{i}].points", points, "the fields with points share one sequence", first)
     if len(file.goals) > 2:
-        yield Fault("goals", MISSING, f"{len(file.goals)} goals are too many", "one, or two, which give a front")
+        yield Fault("goals", MISSING, f"{len(file.goals)} goals are too many", "one goal, or two for a front")
 
 
-_OWN: Mapping[type, Any] = {Vary: _one_way, Bounded: _two_bounds, AskedFor: _nothing, Goal: _nothing}
+_ROW_FAULTS: Mapping[type, Any] = {
+    VariedField: _field_row_faults,
+    StudyLimit: _limit_faults,
+    StudyQuantity: _no_faults,
+    Goal: _no_faults,
+}
 
 
 def field_info(design: Design, path: str) -> Info | None:
-    """What a field takes that can be varied: a number, or a word of some; None where there is none at the path."""
+    """Info of a field that can be varied, a number or a choice of words; None where the path has none."""
     if path.endswith(".law") and path in set(all_paths(design)):
         return Info("Law", choices=tuple(LAWS))
     entry = entry_at(design, path)
     return None if entry is None or entry.info.flag else entry.info
 
 
-def _field_faults(row: Vary, path: str, design: Design) -> Iterator[Fault]:
-    """What a field does not take."""
+def _field_faults(row: VariedField, path: str, design: Design) -> Iterator[Fault]:
+    """Values that a field does not accept."""
     info = field_info(design, row.field)
     if info is None:
         known = ((path, field_info(design, path)) for path in all_paths(design))
         near = did_you_mean(
-            row.field, (path for path, each in known if each is not None and bool(each.choices) == bool(row.choices))
+            row.field, (path for path, other in known if other is not None and bool(other.choices) == bool(row.choices))
         )
         yield Fault(
             f"{path}.field", row.field, f"no number or word of this design{near}", "a path, as cam.base_radius_mm"
@@ -261,7 +277,7 @@ def _field_faults(row: Vary, path: str, design: Design) -> Iterator[Fault]:
         yield Fault(
             f"{path}.field",
             row.field,
-            f"takes {'words' if words else 'numbers'}",
+            f"requires {'words' if words else 'numbers'}",
             "choices" if words else "low and high | values",
         )
         return
@@ -276,8 +292,8 @@ def _field_faults(row: Vary, path: str, design: Design) -> Iterator[Fault]:
             yield Fault(at, value, info.problem, info.allowed(unit))
 
 
-def _asked_faults(row: AskedFor, path: str, design: Design) -> Iterator[Fault]:
-    """What a design lacks of which something is asked."""
+def _quantity_faults(row: StudyQuantity, path: str, design: Design) -> Iterator[Fault]:
+    """A statistic of a total, a quantity without a statistic, or a quantity that the design lacks."""
     if row.quantity in TOTALS and row.of is not None:
         yield Fault(f"{path}.of", row.of, f"{row.quantity} is a total of the turn", "leave it out")
         return

@@ -30,7 +30,7 @@ from core.project import dumps, dumps_table
 from core.project.files import OwnFolder, is_folder, write_all
 from core.study.batch import FAULTY
 from core.study.many import many
-from core.varying.request import CURVE, GRID, POINTS, StudyOfMany, Vary
+from core.varying.request import CURVE, GRID, POINTS, StudyOfMany, VariedField
 
 # -- the designs of a study -------------------------------------------------------------------------------------
 
@@ -121,33 +121,33 @@ def sobol(dimensions: int, seed: int, start: int, count: int) -> np.ndarray:
         return np.asarray(sequence.random(count))
 
 
-def none_built(count: int, code: str, often: int) -> str:
+def none_built_text(count: int, code: str, often: int) -> str:
     """That none of so many designs can be built, and the commonest reason."""
     return f"vary: none of the {count:,} designs can be built, most ({often:,}) for {code}; vary other fields, or other bounds"
 
 
-def evaluated(
+def study_values(
     study: StudyOfMany, columns: Mapping[str, Column], *, polish: bool = True, executor: Any = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """What is asked (q, m) of designs with these values of fields, and why one has none (m,)."""
-    keys = [row.key for row in study.asked]
+    keys = [row.key for row in study.quantities]
     m = len(next(iter(columns.values())))
     value, reason = np.full((len(keys), m), np.nan), np.full(m, "", dtype=object)
-    by_hand = {path: column for path, column in columns.items() if apart(study.infos[path])}
+    by_hand = {path: column for path, column in columns.items() if is_discrete(study.infos[path])}
     numbers = {path: column for path, column in columns.items() if path not in by_hand}
     for words, which in _groups(by_hand, m):
         design = with_words(study.base, words)
         if design is None:
             reason[which] = FAULTY
             continue
-        rows = {path: column[which] for path, column in numbers.items()} or as_it_is(design, len(which))
+        rows = {path: column[which] for path, column in numbers.items()} or constant_column(design, len(which))
         found = many(design, rows, keys, polish=polish, executor=executor)
         value[:, which] = [found.value[key] for key in keys]
         reason[which] = found.reason
     return value, reason
 
 
-def apart(info: Info) -> bool:
+def is_discrete(info: Info) -> bool:
     """Whether a field is put into the design, rather than varied with it: a word, or a whole number."""
     return bool(info.choices) or info.whole
 
@@ -176,7 +176,7 @@ def _plain(column: Column) -> Sequence[Any]:
     return [value if isinstance(value, str) else int(value) for value in column.tolist()]
 
 
-def as_it_is(design: Design, m: int) -> dict[str, np.ndarray]:
+def constant_column(design: Design, m: int) -> dict[str, np.ndarray]:
     """A number of the design, m times: something is varied in ``many``."""
     from core.design.paths import entries
 
@@ -188,7 +188,7 @@ def as_it_is(design: Design, m: int) -> dict[str, np.ndarray]:
     raise KindynaError("vary: this design has no number")
 
 
-def _axis(row: Vary, info: Info, bare: int) -> Axis:
+def _axis(row: VariedField, info: Info, bare: int) -> Axis:
     if row.values or row.choices:
         listed = row.values or row.choices
         return Axis(row.field, info, len(listed), listed)
@@ -212,7 +212,7 @@ CACHE = ".kindyna-studies"
 MOST_RUNS = 8  # kept beside a design
 TRIES = 3  # of a block whose process died
 
-Tell = Callable[[int, int], None]
+ProgressCallback = Callable[[int, int], None]
 """Designs that are done, and all. What it raises stops the run; what is done is kept."""
 
 
@@ -230,7 +230,7 @@ class Run:
 
     def __init__(self, study: StudyOfMany, folder: Path | None = None) -> None:
         """folder: where results are kept; as ``cache_folder`` where it is None. Raises FileError where they cannot be kept."""
-        if not study.asked:
+        if not study.quantities:
             raise KindynaError(
                 "quantities: none is asked for; state at least one [[quantities]], [[limits]] or [[goals]]"
             )
@@ -248,9 +248,11 @@ class Run:
 
     def _too_many(self) -> str:
         columns = self.space.columns(0, PROBE)
-        evaluated(self.study, {path: column[:1] for path, column in columns.items()})  # with all that is loaded for it
+        study_values(
+            self.study, {path: column[:1] for path, column in columns.items()}
+        )  # with all that is loaded for it
         start = time.perf_counter()
-        evaluated(self.study, columns)
+        study_values(self.study, columns)
         rate = PROBE / (time.perf_counter() - start)
         grid = " x ".join(str(each.count) for each in self.space.grid)
         made = f"{grid} values" if self.space.points == 1 else f"{grid}{' x ' * bool(grid)}{self.space.points} points"
@@ -262,7 +264,12 @@ class Run:
         )
 
     def compute(
-        self, *, resume: bool = False, executor: Executor | None = None, ahead: int = 1, tell: Tell | None = None
+        self,
+        *,
+        resume: bool = False,
+        executor: Executor | None = None,
+        ahead: int = 1,
+        tell: ProgressCallback | None = None,
     ) -> None:
         """Compute the blocks that are not kept, or all of them unless it is to resume; ahead: blocks handed out at a time.
 
@@ -280,11 +287,11 @@ class Run:
                 tell(done, self.count)
             if executor is None:
                 i = todo.popleft()
-                self._keep(i, computed(self.study, i))
+                self._keep(i, block_data(self.study, i))
                 done += self._size(i)
                 continue
             while todo and len(at_work) < ahead:
-                at_work[executor.submit(computed, self.study, todo[0])] = todo[0]
+                at_work[executor.submit(block_data, self.study, todo[0])] = todo[0]
                 todo.popleft()
             for future in wait(at_work, return_when=FIRST_COMPLETED).done:
                 i = at_work.pop(future)
@@ -328,7 +335,7 @@ class Run:
                 value, reason = arrays["value"], arrays["reason"]
         except (ValueError, OSError, KeyError, EOFError, MemoryError, zipfile.BadZipFile):
             return None
-        right = value.shape == (len(self.study.asked), self._size(i)) and reason.shape == (self._size(i),)
+        right = value.shape == (len(self.study.quantities), self._size(i)) and reason.shape == (self._size(i),)
         return (value, reason) if right else None
 
 
@@ -336,10 +343,10 @@ def _name(i: int) -> str:
     return f"{i:05d}.npz"
 
 
-def computed(study: StudyOfMany, i: int) -> bytes:
+def block_data(study: StudyOfMany, i: int) -> bytes:
     """One block of a study, as it is kept."""
     space = _space(study)
-    value, reason = evaluated(study, space.columns(i * BLOCK, min((i + 1) * BLOCK, space.count)))
+    value, reason = study_values(study, space.columns(i * BLOCK, min((i + 1) * BLOCK, space.count)))
     data = io.BytesIO()
     np.savez(data, value=value, reason=reason.astype(str))
     return data.getvalue()
@@ -350,9 +357,9 @@ def _space(study: StudyOfMany) -> Space:
     return Space(study)
 
 
-def key_of(study: StudyOfMany) -> str:
+def study_key(study: StudyOfMany) -> str:
     """What the results depend on, as the name of a folder: the design, what is varied and asked, and the version of the program."""
-    asked = "\n".join(row.key for row in study.asked)
+    asked = "\n".join(row.key for row in study.quantities)
     varied = "\n".join(dumps_table(row) for row in study.file.vary)
     text = "\n\n".join([__version__, dumps(study.base), varied, asked, str(study.file.seed), str(BLOCK)])
     return hashlib.sha256(text.encode()).hexdigest()[:24]
@@ -388,7 +395,7 @@ def user_cache() -> Path:
 
 def _run_folder(study: StudyOfMany, folder: Path | None) -> OwnFolder:
     """The folder of a run; in the user's cache where another of its name is in that place. Raises FileError."""
-    key = key_of(study)
+    key = study_key(study)
     for base in (cache_folder(study) if folder is None else folder, user_cache()):
         run = OwnFolder(base / key)
         if run.is_usable():
@@ -417,14 +424,14 @@ def workers(count: int, scheduler: str = "") -> Iterator[tuple[Executor | None, 
     elif count < 2:
         yield None, 1
     else:
-        pool = ProcessesThatMayDie(count)
+        pool = RestartingProcessPool(count)
         try:
             yield pool, 2 * count
         finally:
             pool.shutdown(wait=False, cancel_futures=True)
 
 
-class ProcessesThatMayDie(Executor):
+class RestartingProcessPool(Executor):
     """Processes of this machine (spawned); where one of them dies, others take their places for what comes then."""
 
     def __init__(self, count: int) -> None:
@@ -498,7 +505,7 @@ def write_table(run: Run, out: Path) -> None:
 
 def headings(run: Run) -> list[str]:
     """The columns: fields, what is asked, reason."""
-    return [*(axis.field for axis in run.space.axes), *(row.column for row in run.study.asked), REASON]
+    return [*(axis.field for axis in run.space.axes), *(row.column for row in run.study.quantities), REASON]
 
 
 def _csv(run: Run) -> Iterator[bytes]:
@@ -527,7 +534,7 @@ def _parquet(run: Run) -> Iterator[bytes]:
         ) from None
     names = headings(run)
     words = [pa.string() if axis.info.choices else pa.float64() for axis in run.space.axes]
-    schema = pa.schema(zip(names, [*words, *(pa.float64() for _ in run.study.asked), pa.string()], strict=True))
+    schema = pa.schema(zip(names, [*words, *(pa.float64() for _ in run.study.quantities), pa.string()], strict=True))
     sink = _Sink()
     with parquet.ParquetWriter(sink, schema) as writer:
         for block in run.blocks():

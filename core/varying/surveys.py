@@ -15,9 +15,18 @@ from core.study.limits import LIMITS
 from core.study.quantity_requests import TORQUE, TOTALS, quantity_request, request_columns
 from core.study.study import Study
 from core.units import split_unit
-from core.varying.request import AskedFor, Bounded, Goal, StudyFile, StudyOfMany, Vary, field_info, study_of
-from core.varying.space import evaluated, sobol
-from core.varying.tolerances import MACHINES, SHARE, Corner, Scatter, Share, Tightened
+from core.varying.request import (
+    Goal,
+    StudyFile,
+    StudyLimit,
+    StudyOfMany,
+    StudyQuantity,
+    VariedField,
+    field_info,
+    study_of,
+)
+from core.varying.space import sobol, study_values
+from core.varying.tolerances import MACHINES, SHARE, Corner, Scatter, Share, TightenedTolerances
 
 PART = 0.2  # of a number on either side of it, between which it is varied where nobody says
 PART_OF_LARGEST = (
@@ -87,7 +96,7 @@ class Survey:
         return int(np.argmin((away * away).sum(axis=0)))
 
 
-def usual_span(design: Design, path: str) -> Span:
+def default_span(design: Design, path: str) -> Span:
     """Bounds about the number of the design, inside of the range of its field. Raises ValueError where it cannot be varied."""
     info, value = _info(design, path), get(design, path)
     if value is None:
@@ -127,7 +136,7 @@ def _stepped(info: Info, values: np.ndarray) -> np.ndarray:
     return np.asarray(each[np.abs(values[:, None] - each).argmin(axis=1)])
 
 
-def usual_tolerance(design: Design, path: str) -> float:
+def default_tolerance(design: Design, path: str) -> float:
     """± of a number of which nobody says it: 0.05 mm or °, else 1 % of it."""
     if split_unit(path)[1].symbol in ("mm", "°"):
         return 0.05
@@ -159,7 +168,7 @@ def can_be_varied(design: Design) -> Iterator[str]:
                 yield each.path
 
 
-def askable(design: Design) -> Iterator[str]:
+def request_keys(design: Design) -> Iterator[str]:
     """Keys of what can be asked over the turn, without what of it (``pressure_angle_deg``, ``drives[0].…``), and totals."""
     yield from request_columns(design)
     for total in TOTALS:
@@ -170,7 +179,7 @@ def askable(design: Design) -> Iterator[str]:
         yield total
 
 
-def suggested(study: Study, path: str) -> Mapping[str, Limits]:
+def suggested_figures(study: Study, path: str) -> Mapping[str, Limits]:
     """Keys of what is asked first where a number at a path is varied, with the least and greatest values that are usual."""
     design, own = study.design, drive_at(path) if study.design.listed else None
     number = own[0] if own else 0
@@ -178,7 +187,7 @@ def suggested(study: Study, path: str) -> Mapping[str, Limits]:
     there, found = set(request_columns(only(design, number))), {}
     rows = SUGGESTED[:1] if drive.loading.is_empty else SUGGESTED  # no forces
     for key in (key for key in rows if key.partition(":")[0] in there):
-        found[path_of(number, key) if design.listed else key] = (None, usual_limit(drive, key))
+        found[path_of(number, key) if design.listed else key] = (None, typical_limit(drive, key))
     if design.listed and any(each.loads_shaft for each in study.drives.values()):
         found[f"{TORQUE}:abs"] = (None, None)
     if found:
@@ -188,7 +197,7 @@ def suggested(study: Study, path: str) -> Mapping[str, Limits]:
     return {f"{turned}:min" if turned else f"{columns[0]}:abs": (None, None)}
 
 
-def usual_limit(drive: Study, key: str) -> float | None:
+def typical_limit(drive: Study, key: str) -> float | None:
     """The greatest value of what is asked of a drive that its design states, or that is usual; None where there is none."""
     if not key.startswith("pressure_angle"):
         return None
@@ -197,7 +206,7 @@ def usual_limit(drive: Study, key: str) -> float | None:
     return stated if stated is not None else None if usual is None else usual.value
 
 
-def points_of(spans: Sequence[Span], count: int, seed: int = SEED) -> np.ndarray:
+def survey_points(spans: Sequence[Span], count: int, seed: int = SEED) -> np.ndarray:
     """Numbers (p, m): evenly along one span, at a grid over two, count designs along each; of more Sobol's points, the next power of two
     from count² on."""
     low, high = (np.array([getattr(span, end) for span in spans])[:, None] for end in ("low", "high"))
@@ -220,15 +229,15 @@ def survey(design: Design, spans: Sequence[Span], quantities: Sequence[str], cou
             raise ValueError(f"{path}: bounds are reversed: {span.low:g} is not below {span.high:g}")
         if not all(info.admits(round(end) if info.whole else end) for end in (span.low, span.high)):
             raise ValueError(f"{path}: bounds {span.low:g} ... {span.high:g} outside the range of the field")
-    return Survey(tuple(spans), count, *_asked(design, spans, points_of(spans, count, seed), quantities))
+    return Survey(tuple(spans), count, *_asked(design, spans, survey_points(spans, count, seed), quantities))
 
 
 def _asked(
     design: Design, spans: Sequence[Span], points: np.ndarray, quantities: Sequence[str]
 ) -> tuple[np.ndarray, Mapping[str, np.ndarray], np.ndarray]:
     """Numbers (p, m), those that are whole next to these; what is asked of the designs, each computed once; why one has none (m,)."""
-    rows = tuple(Vary(field=span.path, low=span.low, high=span.high) for span in spans)
-    wanted = tuple(AskedFor(*_parted(key)) for key in quantities)
+    rows = tuple(VariedField(field=span.path, low=span.low, high=span.high) for span in spans)
+    wanted = tuple(StudyQuantity(*_parted(key)) for key in quantities)
     study = StudyOfMany(design, StudyFile(design="", vary=rows, quantities=wanted), Path())
     once, back = points, np.arange(points.shape[1])
     if whole := whole_numbers(design, study.infos):
@@ -237,11 +246,11 @@ def _asked(
         ]
         points = np.array(stepped)
         once, back = np.unique(points, axis=1, return_inverse=True)
-    value, reason = evaluated(study, {span.path: row for span, row in zip(spans, once, strict=True)}, polish=False)
+    value, reason = study_values(study, {span.path: row for span, row in zip(spans, once, strict=True)}, polish=False)
     return points, dict(zip(quantities, value[:, back.ravel()], strict=True)), reason[back.ravel()]
 
 
-def refined(design: Design, found: Survey, limits: Mapping[str, Limits]) -> Survey:
+def refined_survey(design: Design, found: Survey, limits: Mapping[str, Limits]) -> Survey:
     """A map with finer cells where a limit runs, and at the edge of what can be built; the cells of limits first, where there are too
     many."""
     n = found.count
@@ -301,13 +310,13 @@ def with_values(design: Design, values: Mapping[str, float]) -> Design:
     return design
 
 
-def present(study: Study, quantities: Sequence[str]) -> tuple[Mapping[str, float], str]:
+def current_figures(study: Study, quantities: Sequence[str]) -> tuple[Mapping[str, float], str]:
     """What is asked (keys of ``many``) of one design, extremes refined; and the code of why something of it has no value, else empty.
     Raises ValueError as ``many``."""
-    from core.study.batch import asked_of_study
+    from core.study.batch import study_figures
 
     asked = [quantity_request(study.design, key) for key in quantities]
-    values, _, reason = asked_of_study(study, asked)
+    values, _, reason = study_figures(study, asked)
     return {each.key: value / each.unit for each, value in zip(asked, values, strict=True)}, reason
 
 
@@ -322,16 +331,16 @@ class Question:
     asked: Mapping[str, Limits] = field(default_factory=dict)
     goals: Mapping[str, bool] = field(default_factory=dict)
     robust: float | None = None
-    typed: Mapping[str, Vary] = field(default_factory=dict)
+    typed: Mapping[str, VariedField] = field(default_factory=dict)
     seed: int = SEED
 
-    def row(self, span: Span) -> Vary:
+    def row(self, span: Span) -> VariedField:
         """As a file has it."""
         typed = self.typed.get(span.path)
-        return typed if typed is not None and span_of(typed) == span else Vary(span.path, span.low, span.high)
+        return typed if typed is not None and span_of(typed) == span else VariedField(span.path, span.low, span.high)
 
 
-def span_of(row: Vary) -> Span:
+def span_of(row: VariedField) -> Span:
     """The bounds of a number, of values that are listed the least and the greatest."""
     ends = row.values or (row.low, row.high)
     return Span(row.field, min(ends), max(ends))  # type: ignore[type-var, arg-type]
@@ -345,9 +354,9 @@ def file_of_question(question: Question, design: str = "") -> StudyFile:
         robust=question.robust,
         vary=(
             *(question.row(span) for span in question.spans),
-            *(Vary(field=path, choices=words) for path, words in question.words.items()),
+            *(VariedField(field=path, choices=words) for path, words in question.words.items()),
         ),
-        quantities=tuple(AskedFor(*_parted(key)) for key in question.asked),
+        quantities=tuple(StudyQuantity(*_parted(key)) for key in question.asked),
         limits=_bounded(question.asked),
         goals=tuple(Goal(*_parted(key), minimise=small) for key, small in question.goals.items()),
     )
@@ -383,12 +392,12 @@ def _parted(key: str) -> tuple[str, str | None]:
     return slug, of or None
 
 
-def _bounded(limits: Mapping[str, Limits]) -> tuple[Bounded, ...]:
-    return tuple(Bounded(*_parted(key), *ends) for key, ends in limits.items() if ends != (None, None))
+def _bounded(limits: Mapping[str, Limits]) -> tuple[StudyLimit, ...]:
+    return tuple(StudyLimit(*_parted(key), *ends) for key, ends in limits.items() if ends != (None, None))
 
 
 @frozen(eq=False)
-class Made:
+class ToleranceResult:
     """What the tolerances of a design do: how many machines keep the limits; the worst case of each limit; what is asked -> field ->
     (change of it per unit of the field, part of its variance that comes from there), the largest part first; and the cheapest tolerances
     to halve where fewer than 99.73 % keep the limits, None where they do, or no such set is found, or sought."""
@@ -396,12 +405,12 @@ class Made:
     share: Share | None
     corners: Sequence[Corner]
     parts: Mapping[str, Mapping[str, tuple[float, float]]]
-    tighter: Tightened | None = None
+    tighter: TightenedTolerances | None = None
 
 
-def made_of(
+def tolerance_result(
     design: Design, asked: Mapping[str, Limits], tighten: bool = True, machines: int = MACHINES, seed: int = SEED
-) -> Made:
+) -> ToleranceResult:
     """The machines that are made of a design, and of what is asked of them (keys of ``many`` -> least and greatest value); no share where
     nothing is limited. tighten: whether the tolerances to halve are sought, too.
 
@@ -416,31 +425,31 @@ def made_of(
         for q, key in enumerate(scatter.keys)
     }
     if not scatter.study.file.limits:
-        return Made(None, (), by_key)
+        return ToleranceResult(None, (), by_key)
     share = scatter.share(machines, seed)
     tighter = scatter.tightened(machines, seed, slopes) if tighten and share.value < SHARE else None
-    return Made(share, scatter.corners(slopes), by_key, tighter)
+    return ToleranceResult(share, scatter.corners(slopes), by_key, tighter)
 
 
 __all__ = [
     "Limits",
-    "Made",
     "Question",
     "Span",
     "Survey",
-    "askable",
+    "ToleranceResult",
     "can_be_varied",
+    "current_figures",
+    "default_span",
+    "default_tolerance",
     "file_of_question",
-    "made_of",
-    "points_of",
-    "present",
     "question_of_file",
-    "refined",
-    "suggested",
+    "refined_survey",
+    "request_keys",
+    "suggested_figures",
     "survey",
-    "usual_limit",
-    "usual_span",
-    "usual_tolerance",
+    "survey_points",
+    "tolerance_result",
+    "typical_limit",
     "whole_numbers",
     "with_values",
 ]

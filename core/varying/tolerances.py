@@ -20,11 +20,11 @@ from core.mechanism.kinematics import Kinematics
 from core.motion import TURN, degrees
 from core.numerics.lazy import checkpoint
 from core.study import Study, many, sensitivity
-from core.study.batch import at_once, together
+from core.study.batch import design_block, is_batchable
 from core.study.quantities import quantity
 from core.study.quantity_requests import TORQUE, QuantityRequest, quantity_request
-from core.varying.request import AskedFor, Bounded, StudyFile, StudyOfMany, study_of
-from core.varying.space import as_it_is
+from core.varying.request import StudyFile, StudyLimit, StudyOfMany, StudyQuantity, study_of
+from core.varying.space import constant_column
 
 # -- what waves of the profile do at the follower, to first order -----------------------------------------------
 
@@ -285,7 +285,7 @@ class Corner:
     """The worst case of one bound of a limit: the fields there, the value by the sensitivities and as computed, None where it cannot
     be built; whether it keeps the limit."""
 
-    limit: Bounded
+    limit: StudyLimit
     at: Mapping[str, float]
     linear: float
     value: float | None
@@ -293,7 +293,7 @@ class Corner:
 
 
 @frozen
-class Tightened:
+class TightenedTolerances:
     """Field -> how often its tolerance is halved; what that costs; the share of machines then."""
 
     halved: Mapping[str, int]
@@ -303,8 +303,8 @@ class Tightened:
 
 def tolerance_study(design: Design) -> StudyOfMany:
     """A design with what is asked of it where no study says: usual quantities, and its own limits, or the usual pressure angle."""
-    asked = [AskedFor(slug, of) for slug, of in USUAL if _has(design, f"{slug}:{of}")]
-    asked += [AskedFor(f"drives[{i}].{slug}", of) for i in range(len(design.drives)) for slug, of in USUAL
+    asked = [StudyQuantity(slug, of) for slug, of in USUAL if _has(design, f"{slug}:{of}")]
+    asked += [StudyQuantity(f"drives[{i}].{slug}", of) for i in range(len(design.drives)) for slug, of in USUAL
               if design.listed and _has(design, f"drives[{i}].{slug}:{of}")]  # fmt: skip
     limits = tuple(_own_limits(design))
     return study_of(StudyFile(design="", quantities=tuple(asked), limits=limits), design)
@@ -318,7 +318,7 @@ def _has(design: Design, key: str) -> bool:
     return True
 
 
-def _own_limits(design: Design) -> Iterator[Bounded]:
+def _own_limits(design: Design) -> Iterator[StudyLimit]:
     """The limits that its file states, as those of quantities; where it states none of the pressure angle, the usual one."""
     from core.study.limits import LIMITS
 
@@ -329,15 +329,15 @@ def _own_limits(design: Design) -> Iterator[Bounded]:
     angles = [each for each in (own.pressure_angle_rise_deg, own.pressure_angle_return_deg) if each is not None]
     steepest = min(angles) if angles else None if usual is None else usual.value
     if steepest is not None:
-        yield Bounded("pressure_angle_deg", "max", max=steepest)
+        yield StudyLimit("pressure_angle_deg", "max", max=steepest)
     if own.convex_radius_mm is not None and _has(design, "profile_curvature_per_mm:max"):
-        yield Bounded("profile_curvature_per_mm", "max", max=1.0 / own.convex_radius_mm)
+        yield StudyLimit("profile_curvature_per_mm", "max", max=1.0 / own.convex_radius_mm)
     for name in ("contact_force_n", "contact_pressure_mpa"):
         if getattr(own, name) is not None and _has(design, f"{name}:max"):
-            yield Bounded(name, "max", max=getattr(own, name))
+            yield StudyLimit(name, "max", max=getattr(own, name))
 
 
-def bounds_of(limits: Sequence[Bounded]) -> Iterator[tuple[Bounded, float, float]]:
+def bounds_of(limits: Sequence[StudyLimit]) -> Iterator[tuple[StudyLimit, float, float]]:
     """Each limit with the side of one of its bounds, +1 for the greatest value, and that bound."""
     for limit in limits:
         for side, bound in ((-1.0, limit.min), (1.0, limit.max)):
@@ -354,10 +354,10 @@ class Scatter:
         self.tolerances = tuple(self.design.tolerances if tolerances is None else tolerances)
         if not self.tolerances and self.design.waviness is None:
             raise KindynaError("tolerances: this design has none; state at least one [[tolerances]], or [waviness]")
-        if not study.asked:
+        if not study.quantities:
             raise KindynaError("quantities: none is asked for; state at least one [[quantities]] or [[limits]]")
         self.own = {row.field: float(get(self.design, row.field)) for row in self.tolerances}
-        self.keys = [row.key for row in study.asked]
+        self.keys = [row.key for row in study.quantities]
 
     # -- by the sensitivities ------------------------------------------------------------------------------
 
@@ -372,8 +372,8 @@ class Scatter:
 
     def _largest(self) -> np.ndarray:
         """(q,) the largest size over the turn of what is asked, of the design itself."""
-        keys = [row.key if row.of is None else f"{row.quantity}:abs" for row in self.study.asked]
-        found = many(self.design, as_it_is(self.design, 1), keys)
+        keys = [row.key if row.of is None else f"{row.quantity}:abs" for row in self.study.quantities]
+        found = many(self.design, constant_column(self.design, 1), keys)
         return np.array([abs(float(found.value[key][0])) for key in keys])
 
     def parts(self, slopes: np.ndarray) -> np.ndarray:
@@ -400,7 +400,7 @@ class Scatter:
             found.append(Corner(limit, at, linear, None if np.isnan(value) else value, within))
         return found
 
-    def bounds(self) -> Iterator[tuple[Bounded, float, float]]:
+    def bounds(self) -> Iterator[tuple[StudyLimit, float, float]]:
         """Those of the study."""
         return bounds_of(self.study.file.limits)
 
@@ -409,7 +409,7 @@ class Scatter:
     def machines(self, count: int, seed: int) -> dict[str, np.ndarray]:
         """Field -> its numbers (count,) in machines drawn by chance."""
         if not self.tolerances:
-            return as_it_is(self.design, count)
+            return constant_column(self.design, count)
         rng = np.random.default_rng(seed)
         return {row.field: self.own[row.field] + _drawn(row, rng, count) for row in self.tolerances}
 
@@ -419,9 +419,9 @@ class Scatter:
 
     def _one(self, numbers: Mapping[str, float]) -> np.ndarray:
         """What is asked (q,) of the design with these numbers."""
-        return self._values({path: np.array([each]) for path, each in numbers.items()} or as_it_is(self.design, 1))[
-            :, 0
-        ]
+        return self._values(
+            {path: np.array([each]) for path, each in numbers.items()} or constant_column(self.design, 1)
+        )[:, 0]
 
     def values(self, count: int, seed: int) -> np.ndarray:
         """What is asked (q, count) of machines drawn by chance, each with a wave of its own; NaN of one that cannot be built."""
@@ -450,7 +450,7 @@ class Scatter:
         self, count: int, seed: int, samples: int = 360, only: Sequence[str] | None = None
     ) -> dict[str, np.ndarray]:
         """Column -> percentiles (p, samples) over the cam angle of what machines drawn by chance have there; of these columns only."""
-        asked = (row.key.partition(":")[0] for row in self.study.asked if row.of is not None)
+        asked = (row.key.partition(":")[0] for row in self.study.quantities if row.of is not None)
         columns = [slug for slug in dict.fromkeys(asked) if only is None or slug in only]
         names = {slug: quantity_request(self.design, f"{slug}:max") for slug in columns}
         names = {slug: each for slug, each in names.items() if each.name and each.drive is None}
@@ -481,7 +481,7 @@ class Scatter:
     def quick(self, asked: QuantityRequest) -> bool:
         """Whether a quantity is computed of many machines at once, at the same angles of all."""
         moved = any(path.startswith("motion.") for path in self.own)
-        return not moved and together(self.design, list(self.machines(1, 0)), asked)
+        return not moved and is_batchable(self.design, list(self.machines(1, 0)), asked)
 
     def _at_once(
         self, names: Mapping[str, QuantityRequest], rows: np.ndarray, theta: np.ndarray, into: Mapping[str, np.ndarray]
@@ -490,15 +490,15 @@ class Scatter:
         themselves instead."""
         if not names:
             return np.zeros(rows.shape[1], dtype=bool)
-        one = at_once(self.design, list(self.machines(1, 0)), rows)
+        one = design_block(self.design, list(self.machines(1, 0)), rows)
         m, angles = one.count, one.program.angles(theta)
         owner = np.repeat(np.arange(m), theta.size)
         state = one.state(np.tile(angles.theta, m), np.tile(angles.piece, m), owner)
         values = one.values([each.name for each in names.values()], state, owner)
         for slug, each in names.items():
-            lost = one.lost_at(quantity(each.name).stage)
+            lost = one.failed_at(quantity(each.name).stage)
             into[slug][~lost] = (values[each.name].reshape(m, theta.size) / each.unit)[~lost]
-        return one.apart
+        return one.separate
 
     def _by_itself(
         self,
@@ -522,7 +522,7 @@ class Scatter:
 
     # -- which to tighten ----------------------------------------------------------------------------------
 
-    def tightened(self, count: int, seed: int, slopes: np.ndarray, share: float = SHARE) -> Tightened | None:
+    def tightened(self, count: int, seed: int, slopes: np.ndarray, share: float = SHARE) -> TightenedTolerances | None:
         """The cheapest tolerances to halve, once or twice, with which the limits are kept by that share of random machines: sets in the
         order of their cost that do by the sensitivities, the first of them that does in fact. None where there is none."""
         if not self.tolerances:  # waves alone
@@ -545,7 +545,7 @@ class Scatter:
             checked += 1
             if found.value >= share:
                 halved = {row.field: int(n) for row, n in zip(self.tolerances, times, strict=True) if n}
-                return Tightened(halved, float(worth @ times), found)
+                return TightenedTolerances(halved, float(worth @ times), found)
             if checked == CHECKED:
                 break
         return None

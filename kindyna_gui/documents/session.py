@@ -34,7 +34,7 @@ from core.design import (
 from core.design.linkage_rules import only_unfinished
 from core.errors import DesignError, Fault, KindynaError
 from core.followers.cam_slider import LAYOUT, in_layout
-from core.mechanism.unfinished import holds_itself
+from core.mechanism.unfinished import is_overconstrained
 from core.motion.program import ShaftPosition
 from core.project import dumps, loads
 from core.project.on_disk import DesignFiles, OnDisk
@@ -270,7 +270,7 @@ class Session(QObject):
             return False
         if wrong := faults(whole):
             return only_unfinished(whole.drive, wrong)
-        return holds_itself(whole.drive.linkage)
+        return is_overconstrained(whole.drive.linkage)
 
     @property
     def misfit(self) -> Refusal:

@@ -122,9 +122,9 @@ NO_MECHANISM = "Not a mechanism yet"
 def misses(session: Session) -> list[str]:
     """A sentence for each thing that does not fit together, what the motion of the chosen drive lacks first; none where all does."""
     if session.draft is not None and session.unfinished:
-        from core.mechanism.unfinished import unfinished
+        from core.mechanism.unfinished import mobility
 
-        return [sentence(row) for row in unfinished(session.typed.drive.linkage).sentences] or [NO_MECHANISM]
+        return [sentence(row) for row in mobility(session.typed.drive.linkage).sentences] or [NO_MECHANISM]
     typed, misfit, motion = session.typed, session.misfit, motion_of(session.typed)
     rows = [] if motion is None or not misfit.reasons else _gaps(motion)
     rows += [f"{name}: {text}" for path, name, text in misfit.reasons if not (rows and path == WHOLE)]

@@ -46,7 +46,7 @@ from core.findings import ERROR
 from core.linkage_programs import Made, read_linkage
 from core.linkage_programs.design import UNITS, decoded
 from core.mechanism.drawing_edits import empty_linkage
-from core.mechanism.unfinished import unfinished
+from core.mechanism.unfinished import mobility
 from core.project import load
 from core.requests import command_words
 from core.stress import is_line_contact
@@ -282,7 +282,7 @@ class LinkageDialog(QDialog):
             lines.append(f"and {more} more that are left out")
         picture = QPixmap()
         if faults(made.design):
-            lines += [sentence(text) for text in unfinished(made.design.drive.linkage).sentences]
+            lines += [sentence(text) for text in mobility(made.design.drive.linkage).sentences]
         else:
             ratio = self.devicePixelRatioF()
             picture = QPixmap.fromImage(thumbnail(made.design, PICTURE.width(), PICTURE.height(), ratio))

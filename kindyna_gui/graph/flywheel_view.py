@@ -15,8 +15,14 @@ from core.design import UNITS, Design, is_assumed, require_motion
 from core.dynamics import ContactMap, Flights
 from core.elastic import ResidualVibration, Spectrum
 from core.errors import KindynaError
-from core.output.subject_files import SPECTRUM_SPEEDS, lift_off_lines, map_of, speeds_of, units_of
-from core.shaft import Flywheel, levels, rounded_up
+from core.output.subject_files import (
+    SPECTRUM_SPEEDS,
+    contact_force_map,
+    lift_off_lines,
+    spectrum_speeds,
+    vibration_units,
+)
+from core.shaft import Flywheel, has_flywheel, rounded_up
 from core.study import Camshaft, Study, extremes_of, quantities_of
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import fill_choices
@@ -136,7 +142,7 @@ class FlywheelView(View):
 
     def _reached(self, wheel: Flywheel) -> list[TableRow]:
         """What the flywheel fitted makes of the speed."""
-        if not levels(wheel.shaft):
+        if not has_flywheel(wheel.shaft):
             return [TableRow(("Speed taken as constant", "", ""), tip="no flywheel is fitted")]
         if not wheel.runs:
             tip = "the true motion with this flywheel comes to a standstill; enlarge it, or the motor's slope"
@@ -260,7 +266,7 @@ class ContactView(BackgroundView):
 
 def _map(design: Design) -> tuple[list[str], ContactMap]:
     study = Study(design)
-    return lift_off_lines(study), map_of(study, np.linspace(0.0, 2.0 * math.pi, ANGLES)[:-1], None, SPEEDS)
+    return lift_off_lines(study), contact_force_map(study, np.linspace(0.0, 2.0 * math.pi, ANGLES)[:-1], None, SPEEDS)
 
 
 def _flights(design: Design) -> tuple[list[str], Flights]:
@@ -379,7 +385,7 @@ class VibrationView(BackgroundView):
 
     def _draw(self, study: Study, page: str, residuals: tuple[ResidualVibration, ...], found: Spectrum) -> None:
         rpm = found.omega / RPM
-        (_, size), *_ = units_of(study)
+        (_, size), *_ = vibration_units(study)
         if page == ACCELERATION:
             names: tuple[str, ...] = ("from rest", "steady")
             title, symbol = "Acceleration", UNITS["mm_s2"].symbol
@@ -454,7 +460,7 @@ def _in_mm(value: float) -> str:
 def _residual_row(study: Study, residual: ResidualVibration) -> TableRow:
     """Both amplitudes, in millimetres, and in degrees where the motion turns."""
     rows = (("from rest", residual.from_rest), ("steady", residual.steady))
-    (_, size), *swings = units_of(study)
+    (_, size), *swings = vibration_units(study)
     cells = [_span(residual)]
     for _, value in rows:
         cells.append(_in_mm(value * size))
@@ -468,5 +474,5 @@ def _residual_row(study: Study, residual: ResidualVibration) -> TableRow:
 def _found(design: Design, page: str) -> tuple[tuple[ResidualVibration, ...], Spectrum]:
     study = Study(design)
     return study.follower_response.residuals, study.vibration(
-        speeds_of(study, count=SPECTRUM_SPEEDS), page == ACCELERATION
+        spectrum_speeds(study, count=SPECTRUM_SPEEDS), page == ACCELERATION
     )

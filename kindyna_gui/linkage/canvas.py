@@ -367,7 +367,9 @@ class Ghost:
             return path
         at = nearest(self.study.theta, theta)
         for name, pose in kinematics.bodies.items():
-            points = [complex(np.broadcast_to(pose.place(point), self.study.theta.shape)[at]) for point in pose.points]
+            points = [
+                complex(np.broadcast_to(pose.position(point), self.study.theta.shape)[at]) for point in pose.points
+            ]
             if name != FRAME and len(points) > 1:
                 path.addPolygon(_polygon(points + points[:1]))
         if shape is not None:

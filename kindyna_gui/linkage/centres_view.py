@@ -98,8 +98,8 @@ def _rising(a: Link, b: Link) -> Links:
 
 
 def _centre(row: CentreRow) -> TableRow:
-    if row.place is not None:
-        x, y = plain(row.place.real * MM, "mm"), plain(row.place.imag * MM, "mm")
+    if row.point is not None:
+        x, y = plain(row.point.real * MM, "mm"), plain(row.point.imag * MM, "mm")
     elif row.direction is not None:
         x, y = "at infinity", f"{plain(math.degrees(row.direction))}°"
     else:
@@ -123,7 +123,7 @@ def _speeds(v: complex) -> tuple[str, ...]:
 
 
 def _point(row: PointRow) -> TableRow:
-    z, v = row.place * MM, row.velocity * MM
+    z, v = row.position * MM, row.velocity * MM
     return TableRow((row.name, *(plain(part, "mm") for part in (z.real, z.imag)), *_speeds(v), ""))
 
 

@@ -12,7 +12,7 @@ from core.design import Design, put
 from core.design.linkage import FRAME_LINK
 from core.errors import DesignError, Fault
 from core.mechanism.drawing_edits import with_moved
-from core.mechanism.drawn import Places, pose_of
+from core.mechanism.drawn import PointPositions, link_pose
 from kindyna_gui.linkage.draw_tools import CHOOSE, TOOLS, Drawing, DrawTool, Snap, grid_step, point_at, snapped
 from kindyna_gui.linkage.drawn_linkage import DrawnLinkage
 
@@ -127,7 +127,7 @@ class Choosing:
         self._drags = ""  # "", "move", "row", "length", "box"
         self._pixel = QPointF()
         self._grabbed = 0j
-        self._moved_from: tuple[Design, Places] | None = None
+        self._moved_from: tuple[Design, PointPositions] | None = None
         self._before: tuple[object, float] = None, 0.0  # the session's work and the angle before anything was moved
 
     @property
@@ -247,7 +247,7 @@ class Choosing:
         linkage = design.drive.linkage
         return self.drawn.points | {name for n in self.drawn.links for name in linkage.by_number[n].places}
 
-    def _moved(self, design: Design, to: Places) -> Design:
+    def _moved(self, design: Design, to: PointPositions) -> Design:
         made = with_moved(design, to)
         for lock in (lock for lock in self.drawn.locked if ":" in lock):
             number, one, other = lock.split(":")
@@ -259,7 +259,7 @@ class Choosing:
                 raise DesignError([Fault("linkage", lock, f"{one}-{other} is locked", LOCK_OFF)])
         return made
 
-    def _drag_row(self, design: Design, places: Places, event: QMouseEvent) -> None:
+    def _drag_row(self, design: Design, places: PointPositions, event: QMouseEvent) -> None:
         """A centre of mass is moved on its link."""
         if not self.drawn.row.startswith("loads.masses"):
             return
@@ -267,7 +267,7 @@ class Choosing:
         at = snapped(
             design.drive.linkage, places, self.drawn.place_of(event.position()), self.drawn.canvas.scale_now
         ).at
-        origin, axis = pose_of(design.drive.linkage, mass.link, places)
+        origin, axis = link_pose(design.drive.linkage, mass.link, places)
         local = (at - origin) * axis.conjugate()
         centre = (round(local.real, 3) + 0.0, round(local.imag, 3) + 0.0)
         self.drawn.make(

@@ -22,7 +22,7 @@ from core.mechanism.drawing_edits import (
     with_slider,
     with_traced_point,
 )
-from core.mechanism.drawn import Places, Spot, frame_of, line_of_slider, places_of, pose_of
+from core.mechanism.drawn import DrawingTarget, PointPositions, frame_link, link_pose, point_positions, slider_line
 from kindyna_gui.linkage.picking import foot
 
 # -- snapping --------------------------------------------------------------------------------------------
@@ -45,8 +45,8 @@ class Snap:
     link: int | None = None
 
     @property
-    def spot(self) -> Spot:
-        return Spot(self.at, self.point, self.link)
+    def spot(self) -> DrawingTarget:
+        return DrawingTarget(self.at, self.point, self.link)
 
 
 def grid_step(scale: float) -> float:
@@ -63,7 +63,7 @@ def on_grid(at: complex, scale: float) -> complex:
     return complex(round(round(at.real / step) * step, digits) + 0.0, round(round(at.imag / step) * step, digits) + 0.0)
 
 
-def outline(link: Link, places: Places) -> list[complex]:
+def outline(link: Link, places: PointPositions) -> list[complex]:
     """The corners of a link's face on the sheet: of a plate in order around it."""
     corners = [places[name] for name in link.places if name in places]
     if len(corners) < 3:
@@ -89,7 +89,7 @@ def inside(at: complex, corners: Sequence[complex]) -> bool:
     return odd
 
 
-def faces_at(linkage: Linkage, places: Places, at: complex, scale: float) -> list[int]:
+def faces_at(linkage: Linkage, places: PointPositions, at: complex, scale: float) -> list[int]:
     """The links whose face is at a place, uppermost first."""
     found = []
     for link in reversed(linkage.links):
@@ -100,7 +100,7 @@ def faces_at(linkage: Linkage, places: Places, at: complex, scale: float) -> lis
     return found
 
 
-def point_at(places: Places, at: complex, scale: float, without: Collection[str] = ()) -> str:
+def point_at(places: PointPositions, at: complex, scale: float, without: Collection[str] = ()) -> str:
     """The point that is meant by a place; empty where none is near."""
     near = {name: abs(place - at) * scale for name, place in places.items() if name not in without}
     best = min(near, key=lambda name: near[name], default="")
@@ -118,7 +118,7 @@ def nearest_mark(marks: Sequence[complex], at: complex, scale: float) -> complex
 
 def snapped(
     linkage: Linkage,
-    places: Places,
+    places: PointPositions,
     at: complex,
     scale: float,
     start: complex | None = None,
@@ -152,7 +152,7 @@ def snapped(
     face = _first([n for n in faces_at(linkage, places, at, scale) if n not in moved])
     for slider in linkage.sliders:
         if slider.on in linkage.by_number:
-            through, along = line_of_slider(linkage, slider, places)
+            through, along = slider_line(linkage, slider, places)
             on = through + along * ((at - through) * along.conjugate()).real
             if abs(at - on) * scale <= ALONG:
                 return Snap(on, LINE, "on the line", link=face)
@@ -196,7 +196,7 @@ class Drawing:
     pixels per mm."""
 
     design: Design
-    places: Places
+    places: PointPositions
     snaps: Sequence[Snap]
     length_mm: float | None = None
     scale: float = 1.0
@@ -207,7 +207,7 @@ class Drawing:
         return linkage
 
     @property
-    def spots(self) -> list[Spot]:
+    def spots(self) -> list[DrawingTarget]:
         return [snap.spot for snap in self.snaps]
 
 
@@ -240,18 +240,18 @@ def _refused(problem: str, allowed: str) -> DesignError:
 
 
 def _new_points(before: Design, after: Design) -> tuple[str, ...]:
-    old = places_of(before.drive.linkage)
-    return tuple(name for name in places_of(after.drive.linkage) if name not in old)
+    old = point_positions(before.drive.linkage)
+    return tuple(name for name in point_positions(after.drive.linkage) if name not in old)
 
 
 def _link(drawing: Drawing, what: str) -> Made:
     made = with_link(drawing.design, drawing.spots, drawing.length_mm)
     if drawing.length_mm is not None and drawing.snaps[-1].point:
-        from core.mechanism.drawn import settled
+        from core.mechanism.drawn import assembled
 
-        made = settled(made)
+        made = assembled(made)
     link = made.drive.linkage.links[-1]
-    if made.drive.linkage.driver == NO_DRIVER and set(link.places) & set(frame_of(drawing.linkage).places):
+    if made.drive.linkage.driver == NO_DRIVER and set(link.places) & set(frame_link(drawing.linkage).places):
         made = with_driving_link(made, link.number)  # the first link on a pivot, until another is chosen
     return Made(made, f"Draw {what} {'-'.join(link.places)}", links=(link.number,))
 
@@ -288,7 +288,7 @@ def _point(drawing: Drawing) -> Made:
 def _slider(drawing: Drawing) -> Made:
     """A block at the first place, which slides along the line to the second; through that, where it is a point of the frame."""
     first, second = drawing.snaps
-    fixed = frame_of(drawing.linkage).places
+    fixed = frame_link(drawing.linkage).places
     block, other = (second, first) if first.point in fixed and second.point not in fixed else (first, second)
     way = other.at - block.at if block is first else block.at - other.at
     if not way:
@@ -306,7 +306,7 @@ def _slider_on(drawing: Drawing) -> Made:
     on = second.link if second.link is not None else _owner(drawing, second.point)
     if on is None or on == FRAME_LINK:
         raise _refused("nothing carries the line", "a link, along which the block slides")
-    _, axis = pose_of(drawing.linkage, on, drawing.places)
+    _, axis = link_pose(drawing.linkage, on, drawing.places)
     spot = first.spot if first.point else replace(first.spot, link=None)
     through = first.at
     made = with_slider(drawing.design, spot, through, math.degrees(cmath.phase(axis)), on)
@@ -368,7 +368,7 @@ def _held(drawing: Drawing, snap: Snap, fixed: bool) -> Attachment:
     if snap.link is None and not fixed:
         raise _refused("no link there", "a link that moves")
     number = FRAME_LINK if snap.link is None else snap.link
-    origin, axis = pose_of(drawing.linkage, number, drawing.places)
+    origin, axis = link_pose(drawing.linkage, number, drawing.places)
     local = (snap.at - origin) * axis.conjugate()
     return Attachment(link=number, x_mm=round(local.real, 3) + 0.0, y_mm=round(local.imag, 3) + 0.0)
 

@@ -21,7 +21,7 @@ from core.mechanism.drawing_edits import (
     with_welded,
     without,
 )
-from core.mechanism.drawn import Spot
+from core.mechanism.drawn import DrawingTarget
 from core.project import dumps, loads
 from kindyna_gui.linkage.draw_tools import Made, grid_step
 from kindyna_gui.linkage.drawn_linkage import DrawnLinkage
@@ -132,7 +132,7 @@ class Deeds:
             def made() -> Design:
                 changed = design
                 for name in names:
-                    changed = with_ground(changed, Spot(0j, name))
+                    changed = with_ground(changed, DrawingTarget(0j, name))
                 return changed
 
             self.drawn.make(made, f"Ground {', '.join(names)}")

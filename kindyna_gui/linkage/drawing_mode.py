@@ -188,7 +188,7 @@ class DrawingMode(DrawnLinkage):
             self.links,
             self.row,
             wrong_points=wrong.points if wrong else (),
-            wrong_links=wrong.doubled if wrong else (),
+            wrong_links=wrong.overconstrained if wrong else (),
             locked=self.locked,
         )
 

@@ -10,9 +10,9 @@ from PySide6.QtWidgets import QWidget
 from core.design import Design
 from core.design.linkage import CRANK, FRAME_LINK
 from core.errors import DesignError, KindynaError
-from core.mechanism import CrankProgram, body_name
-from core.mechanism.drawn import Places, drawn_place, frame_of, places_of, with_places
-from core.mechanism.unfinished import LedPart, Unfinished, led_part_of, unfinished
+from core.mechanism import CrankMotion, body_name
+from core.mechanism.drawn import PointPositions, drawn_position, frame_link, point_positions, with_positions
+from core.mechanism.unfinished import DrivenPart, Mobility, driven_part_of, mobility
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import reason
 from kindyna_gui.linkage.canvas import Canvas
@@ -39,12 +39,12 @@ class DrawnLinkage(QObject):
         self.links: set[int] = set()
         self.row = ""
         self.locked: set[str] = set()
-        self._sheet: tuple[object, Design, Places] | None = None
-        self._lack: tuple[Design, Unfinished, LedPart | None] | None = None
+        self._sheet: tuple[object, Design, PointPositions] | None = None
+        self._lack: tuple[Design, Mobility, DrivenPart | None] | None = None
         self.lengths: dict[tuple[int, str, str], QRectF] = {}
 
     @property
-    def sheet(self) -> tuple[Design, Places]:
+    def sheet(self) -> tuple[Design, PointPositions]:
         """The design as typed, drawn as it stands now, and where its points are."""
         typed = self.session.typed
         key = (typed, self.player.theta)
@@ -56,29 +56,29 @@ class DrawnLinkage(QObject):
         """The sheet is laid out anew when it is next asked for."""
         self._sheet = None
 
-    def _as_it_stands(self, typed: Design) -> tuple[Design, Places]:
+    def _as_it_stands(self, typed: Design) -> tuple[Design, PointPositions]:
         linkage = typed.drive.linkage
         if self.session.draft is None:
             try:
                 kinematics = self.session.at(self.player.theta).linkage
-                fixed = frame_of(linkage).places
+                fixed = frame_link(linkage).places
                 places = {
-                    name: complex(kinematics.bodies[body_name(link.number)].place(name)[0]) * 1e3
+                    name: complex(kinematics.bodies[body_name(link.number)].position(name)[0]) * 1e3
                     for link in linkage.links
                     if link.number != FRAME_LINK
                     for name in link.places
                     if name not in fixed
                 }
-                return with_places(typed, {**places, **fixed}), {**places, **fixed}
+                return with_positions(typed, {**places, **fixed}), {**places, **fixed}
             except (KindynaError, KeyError):
                 pass
         if linkage.drawn is not None and (led := self._lacking()[1]) is not None:
             try:
-                moved = led.places(self.player.theta)
-                return with_places(typed, moved), moved
+                moved = led.positions(self.player.theta)
+                return with_positions(typed, moved), moved
             except KindynaError:
                 pass
-        return typed, places_of(linkage)
+        return typed, point_positions(linkage)
 
     @property
     def picture(self) -> SketchPicture:
@@ -96,27 +96,27 @@ class DrawnLinkage(QObject):
     # -- what it lacks --------------------------------------------------------------------------------------------
 
     @property
-    def lack(self) -> Unfinished:
+    def lack(self) -> Mobility:
         """What the drawing lacks to be a mechanism."""
         return self._lacking()[0]
 
-    def _lacking(self) -> tuple[Unfinished, LedPart | None]:
+    def _lacking(self) -> tuple[Mobility, DrivenPart | None]:
         """The same, and what the driver moves although it lacks something."""
         design = self.session.typed
         if design.drive.linkage.drawn is None:
             design = self.sheet[0]
         if self._lack is None or self._lack[0] is not design:
-            lack = unfinished(design.drive.linkage)
-            self._lack = (design, lack, None if lack.finished else led_part_of(design, lack))
+            lack = mobility(design.drive.linkage)
+            self._lack = (design, lack, None if lack.is_finished else driven_part_of(design, lack))
         return self._lack[1:]
 
     @property
     def still(self) -> frozenset[int]:
         """The links that do not move with the driver, where others do; all while nothing is drawn and nothing moves."""
         lack, led = self._lacking()
-        if lack.finished or (led is None and self.active):
+        if lack.is_finished or (led is None and self.active):
             return frozenset()
-        return frozenset(self.sheet[0].drive.linkage.by_number) - (frozenset(lack.led) if led else frozenset())
+        return frozenset(self.sheet[0].drive.linkage.by_number) - (frozenset(lack.driven) if led else frozenset())
 
     def state_text(self) -> str:
         """What the drawing lacks to be a mechanism, and what to do."""
@@ -184,7 +184,7 @@ class DrawnLinkage(QObject):
             return None
         if self.session.draft is None and not self.session.unfinished:
             try:
-                return CrankProgram(self.session.study.driver_ranges).theta(drawn_place(drawn))
+                return CrankMotion(self.session.study.driver_ranges).theta(drawn_position(drawn))
             except KindynaError:
                 return None
         led = self._lacking()[1]

@@ -363,7 +363,7 @@ def row_places(geometry: Geometry, path: str, index: int) -> list[complex]:
 def _output(geometry: Geometry, index: int) -> complex:
     """The point of the output that its motion moves."""
     kinematics = geometry.kinematics
-    return complex(kinematics.bodies[kinematics.output].place(kinematics.driver_pair.point)[index]) * MM
+    return complex(kinematics.bodies[kinematics.output].position(kinematics.driver_pair.point)[index]) * MM
 
 
 def row_paths(geometry: Geometry) -> Iterator[str]:

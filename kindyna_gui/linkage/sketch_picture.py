@@ -14,7 +14,7 @@ from core.design import Design
 from core.design.linkage import FRAME_LINK, Link
 from core.design.topology import driver_turns, input_slides
 from core.frozen import frozen
-from core.mechanism.drawn import Places, edges_of, frame_of, input_pin, line_of_slider, pose_of
+from core.mechanism.drawn import PointPositions, edges_of, frame_link, input_pin, link_pose, slider_line
 from core.mechanism.drivers import wheel_pairs
 from kindyna_gui.linkage.draw_tools import (
     ANGLE,
@@ -55,7 +55,7 @@ class SketchPicture:
     """A design with the places of its points, on a sheet that is ``scale`` pixels per mm large."""
 
     design: Design
-    places: Places
+    places: PointPositions
     to: To
     scale: float
     lengths: dict[tuple[int, str, str], QRectF] = field(default_factory=dict)
@@ -69,7 +69,7 @@ class SketchPicture:
         at = next((self.places[name] for name in link.places if name in self.places), None)
         if slider is None or at is None or slider.on not in self.design.drive.linkage.by_number:
             return path
-        _, along = line_of_slider(self.design.drive.linkage, slider, self.places)
+        _, along = slider_line(self.design.drive.linkage, slider, self.places)
         across = 1j * along
         half = [
             (a * BLOCK[0] * along + b * BLOCK[1] * across) / self.scale for a, b in ((1, 1), (-1, 1), (-1, -1), (1, -1))
@@ -83,7 +83,7 @@ class SketchPicture:
         linkage, loads = self.design.drive.linkage, self.design.drive.loads
         for i, mass in enumerate(loads.masses):
             if mass.link in linkage.by_number:
-                origin, axis = pose_of(linkage, mass.link, self.places)
+                origin, axis = link_pose(linkage, mass.link, self.places)
                 found[f"loads.masses[{i}]"] = origin + complex(mass.centre_x_mm, mass.centre_y_mm) * axis
         for i, force in enumerate(loads.forces):
             if force.point in self.places:
@@ -106,7 +106,7 @@ class SketchPicture:
             return self.places.get(point)
         if link not in self.design.drive.linkage.by_number:
             return None
-        origin, axis = pose_of(self.design.drive.linkage, link, self.places)
+        origin, axis = link_pose(self.design.drive.linkage, link, self.places)
         return origin + complex(getattr(end, "x_mm", 0.0) or 0.0, getattr(end, "y_mm", 0.0) or 0.0) * axis
 
     def link_at(self, pixel: QPointF) -> int | None:
@@ -168,7 +168,7 @@ class SketchPicture:
             painter.setPen(QPen(colour, width))
             painter.setBrush(QBrush(fill))
             painter.drawPath(self.block(link))
-        fixed = frame_of(linkage).places
+        fixed = frame_link(linkage).places
         for name in fixed:
             self._paint_pedestal(painter, self.to(self.places[name]))
         on: dict[str, int] = {}
@@ -212,7 +212,7 @@ class SketchPicture:
         for slider in linkage.sliders:
             if slider.on not in linkage.by_number or slider.link not in linkage.by_number:
                 continue
-            through, along = line_of_slider(linkage, slider, self.places)
+            through, along = slider_line(linkage, slider, self.places)
             block = next((self.places[n] for n in linkage.by_number[slider.link].places if n in self.places), through)
             reach = (abs(block - through) + 60.0 / self.scale) if slider.on == FRAME_LINK else 60.0 / self.scale
             middle = 0.5 * (block + through) if slider.on == FRAME_LINK else block
@@ -249,7 +249,7 @@ class SketchPicture:
             return
         painter.setPen(QPen(QColor(SCREEN.seen(BLUE)), 2.0))
         painter.setBrush(Qt.BrushStyle.NoBrush)
-        pivot = next((name for name in link.places if name in frame_of(linkage).places), None)
+        pivot = next((name for name in link.places if name in frame_link(linkage).places), None)
         sense = -1.0 if linkage.driver.speed_rpm < 0.0 else 1.0
         if pivot is not None and linkage.drawn.driver_deg is not None:
             centre = self.to(self.places[pivot])
@@ -263,7 +263,7 @@ class SketchPicture:
             slider = next((s for s in linkage.sliders if s.link == link.number), None)
             at = next((self.places[name] for name in link.places if name in self.places), None)
             if slider is not None and at is not None:
-                _, along = line_of_slider(linkage, slider, self.places)
+                _, along = slider_line(linkage, slider, self.places)
                 end_ = self.to(at + along * 34.0 / self.scale)
                 painter.drawLine(self.to(at), end_)
                 self._head(painter, end_, along)
@@ -329,10 +329,10 @@ class SketchPicture:
         painter.setBrush(Qt.BrushStyle.NoBrush)
         for pair in wheel_pairs(linkage) if linkage.drivers else ():
             if pair.along and pair.first.point in self.places:
-                along = pair.along * pose_of(linkage, pair.carrier, self.places)[1]
+                along = pair.along * link_pose(linkage, pair.carrier, self.places)[1]
                 at = self.places[pair.first.point] - 1j * along * pair.first.radius
                 painter.drawLine(*(self.to(at + s * along * pair.first.radius) for s in (-1.5, 1.5)))
-            for wheel in pair.round:
+            for wheel in pair.circles:
                 if wheel.point in self.places:
                     painter.drawEllipse(self.to(self.places[wheel.point]), *[wheel.radius * self.scale] * 2)
 
@@ -348,7 +348,7 @@ class SketchPicture:
 
     def _paint_names(self, painter: QPainter) -> None:
         painter.setPen(QColor(SCREEN.ink))
-        fixed = frame_of(self.design.drive.linkage).places
+        fixed = frame_link(self.design.drive.linkage).places
         for name, at in self.places.items():
             around = [
                 other

@@ -20,7 +20,7 @@ from core.design.topology import input_slides
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.mechanism.drawing_edits import with_length, with_moved, with_name
-from core.mechanism.drawn import places_of, settled, with_input_values, with_places
+from core.mechanism.drawn import assembled, point_positions, with_input_values, with_positions
 from core.output.lines import shortest
 from kindyna_gui.forms.number_box import parsed
 from kindyna_gui.linkage.choosing import Stroke
@@ -330,7 +330,7 @@ class TypedValues:
 
             def made() -> Design:
                 moved = edited(design, f"linkage.links[{at}].points.{name}", (x, y))
-                return with_places(moved, places_of(_undrawn(moved, name).drive.linkage))
+                return with_positions(moved, point_positions(_undrawn(moved, name).drive.linkage))
 
             self.drawn.make(made, text)
         else:
@@ -352,7 +352,7 @@ class TypedValues:
         if isinstance(value, float):
             design, _ = self.drawn.sheet
             text = f"Make {one}-{other} {shortest(value)} mm long"
-            self.drawn.make(lambda: settled(with_length(design, number, one, other, value)), text)
+            self.drawn.make(lambda: assembled(with_length(design, number, one, other, value)), text)
         return ""
 
     def rename(self) -> None:

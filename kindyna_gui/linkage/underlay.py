@@ -24,7 +24,7 @@ from PySide6.QtWidgets import (
 )
 
 from core.bounds import PIXELS
-from core.contour.underlay import DXF, ENDINGS, Underlay, keep_underlay, read_lines, read_underlay
+from core.contour.underlay import DXF, ENDINGS, Underlay, read_lines, read_underlay, save_underlay
 from core.design import UNITS, Info, Unit
 from core.errors import FileError, KindynaError
 from core.frozen import frozen
@@ -58,7 +58,7 @@ class Sheet:
 
     def paint(self, painter: QPainter, underlay: Underlay, view: QTransform) -> None:
         """As it lies, seen through a view of the plane."""
-        origin, unit = underlay.placed(0.0), underlay.placed(1.0) - underlay.placed(0.0)
+        origin, unit = underlay.to_plane(0.0), underlay.to_plane(1.0) - underlay.to_plane(0.0)
         painter.setOpacity(underlay.opacity)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
@@ -125,7 +125,7 @@ class Way:
 WAYS = {
     "move": Way("&Move", "Drag the underlay to its place"),
     "scale": Way("&Scale", "Click two places of the underlay, then type how far they are apart", Box("distance", MM), Underlay.scaled),
-    "turn": Way("&Turn", "Click two places on a line of the underlay, then type its angle", Box("angle", DEG), Underlay.turned),
+    "turn": Way("&Turn", "Click two places on a line of the underlay, then type its angle", Box("angle", DEG), Underlay.rotated),
 }  # fmt: skip
 FIELDS: Sequence[tuple[str, str, Unit | None]] = (
     ("&x", "x_mm", MM),
@@ -199,7 +199,7 @@ class UnderlayDesk(QObject):
         sheet, underlay = self._sheet, self.underlay
         shown = sheet is not None and underlay is not None
         self.canvas.under = self._paint if shown else None
-        self.canvas.marks = [underlay.placed(z) for z in sheet.marks] if shown and sheet and underlay else ()
+        self.canvas.marks = [underlay.to_plane(z) for z in sheet.marks] if shown and sheet and underlay else ()
         if underlay is None or underlay.locked or not shown:
             self.take_way("")
         if self._panel is not None:
@@ -219,7 +219,7 @@ class UnderlayDesk(QObject):
     def _keep(self) -> None:
         if self._path is not None:
             try:
-                keep_underlay(self._path, self.underlay)
+                save_underlay(self._path, self.underlay)
             except (FileError, OSError) as error:
                 self.told.emit(f"The underlay is not kept: {error}")
 
@@ -297,7 +297,7 @@ class UnderlayDesk(QObject):
             if kind == QEvent.Type.MouseButtonPress and event.button() == left:
                 self._grip = at
             elif kind == QEvent.Type.MouseMove and self._grip is not None:
-                self.put(self.underlay.moved(at - self._grip), keep=False)
+                self.put(self.underlay.shifted(at - self._grip), keep=False)
                 self._grip = at
             elif kind == QEvent.Type.MouseButtonRelease and event.button() == left:
                 self._grip = None

@@ -27,7 +27,7 @@ from core.design import Info, require_motion
 from core.errors import KindynaError
 from core.measured import MotionFit, is_workbook, sheet_names, with_measured_motion
 from core.measured.columns import LETTERS
-from core.output.measured_text import figures
+from core.output.measured_text import fit_figures
 from core.project.files import read_bytes
 from kindyna_gui import dialogs
 from kindyna_gui.background import Background
@@ -400,7 +400,7 @@ class MeasuredDialog(PutDialog):
             if each.column.quantity in self.errors:
                 self.errors[each.column.quantity].show_value(each.error)
         self.lowest.show_value(float(f"{fit.lowest:.6g}") if self._request.lowest is None else fit.lowest)
-        self._show_figures(figures(fit))
+        self._show_figures(fit_figures(fit))
         self.segments.show_fit(fit, self._request.switches)
         self.entries.show_entries(fit_entries(fit))
         guesses = (

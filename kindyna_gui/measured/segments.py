@@ -18,10 +18,10 @@ from core.output.measured_text import (
     event_lines,
     notes,
     row_line,
-    rows_of,
-    segment_fit,
     segment_lines,
-    worst_first,
+    segment_residuals,
+    segment_rows,
+    wrong_rows,
 )
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
@@ -50,7 +50,7 @@ class TableNote:
 
 def fit_entries(fit: MotionFit) -> list[TableNote]:
     """Entries of a fit: wrong rows, the worst first, then the notes on what was assumed."""
-    rows = worst_first(fit)[:MOST]
+    rows = wrong_rows(fit)[:MOST]
     wrong = [TableNote(int(fit.table.lines[i]), _off(fit, i), WARNING, float(fit.table.angles[i])) for i in rows]
     open_ones = [
         TableNote(0, spelled(line), WARNING, found.start_deg)
@@ -262,7 +262,7 @@ class SegmentTable(RowsTable):
 
 
 def _row(fit: MotionFit, found: SegmentFit) -> TableRow:
-    rows, (most, _) = rows_of(fit, found), segment_fit(fit, found)
+    rows, (most, _) = segment_rows(fit, found), segment_residuals(fit, found)
     lines = f"{fit.table.lines[rows[0]]}-{fit.table.lines[rows[-1]]}" if rows.size else ""
     ends = (f"{digits(angle)}°" for angle in (found.start_deg, found.start_deg + found.span_deg))
     rise = f"{digits(found.rise)} {symbol(fit.motion.unit)}"

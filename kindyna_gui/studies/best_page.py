@@ -14,7 +14,7 @@ from PySide6.QtWidgets import QCheckBox, QGridLayout, QHBoxLayout, QLabel, QPush
 from core.design import Design
 from core.errors import KindynaError
 from core.numerics.lazy import Cancelled
-from core.varying import Made, Optimum, StudyOfMany, optimise, remarks
+from core.varying import Optimum, StudyOfMany, ToleranceResult, optimise, remarks
 from core.varying.tolerances import SHARE
 from kindyna_gui.background import Background
 from kindyna_gui.documents.pins import scatters
@@ -254,7 +254,7 @@ class MadePage(QWidget):
         self.waves.setVisible(any(drive.cam is not None for drive in design.drives))
         self.bands.setEnabled(scatters(design))
 
-    def show_made(self, design: Design, made: Made | None, sought: bool = False) -> None:
+    def show_made(self, design: Design, made: ToleranceResult | None, sought: bool = False) -> None:
         """What follows from them; None: nothing yet. sought: whether it is known which to tighten."""
         few = made is not None and made.share is not None and made.share.value < SHARE
         text = (

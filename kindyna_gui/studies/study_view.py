@@ -31,30 +31,30 @@ from core.errors import DesignError, KindynaError
 from core.study import TOTALS, Study
 from core.varying import (
     Limits,
-    Made,
     Question,
     Span,
     StudyFile,
     Survey,
-    Vary,
-    askable,
+    ToleranceResult,
+    VariedField,
     can_be_varied,
+    current_figures,
+    default_span,
+    default_tolerance,
     field_info,
     file_of_question,
     load_study,
-    made_of,
-    present,
     question_of_file,
-    refined,
+    refined_survey,
+    request_keys,
     save_study,
     study_of,
-    suggested,
+    suggested_figures,
     survey,
-    usual_span,
-    usual_tolerance,
+    tolerance_result,
+    valid_words,
     whole_numbers,
     with_values,
-    words_that_go,
 )
 from core.varying.bands import QUIET_LAWS
 from core.varying.surveys import SEED
@@ -119,7 +119,7 @@ class StudyView(BackgroundView):
         self.words: dict[str, tuple[str, ...]] = {}  # path -> those that are tried
         self.goals: dict[str, bool] = {}  # key -> whether it is made small
         self.robust: float | None = None
-        self._typed: Mapping[str, Vary] = {}  # of the file of the study that is asked
+        self._typed: Mapping[str, VariedField] = {}  # of the file of the study that is asked
         self.seed = SEED
         self._possible: dict[str, tuple[str, ...]] = {}  # path -> words that go there
         self._of: tuple[object, ...] = ()  # what ``found`` is of, or what is being computed
@@ -145,7 +145,7 @@ class StudyView(BackgroundView):
         self.share.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self._share_of: tuple[object, ...] = ()
         self._board_of = ""  # whose cards are on the board; empty: none are read yet
-        self._made: Made | None = None
+        self._made: ToleranceResult | None = None
         self.bands = Bands.of(session)
         self.open = StudyMenu(lambda: (self._whole, self.session.chosen))
         self.save = QPushButton("Save the study …")
@@ -222,7 +222,7 @@ class StudyView(BackgroundView):
         self.rows.spread.connect(self._spread)
         self.rows.chosen.connect(self._choose_words)
         self.made.rows.wanted.connect(
-            lambda path: self._set_tolerance(Tolerance(path, usual_tolerance(self._whole, path)))
+            lambda path: self._set_tolerance(Tolerance(path, default_tolerance(self._whole, path)))
         )
         self.made.rows.changed.connect(self._set_tolerance)
         self.made.rows.removed.connect(self._drop_tolerance)
@@ -275,7 +275,7 @@ class StudyView(BackgroundView):
             self._vary_word(path)
             return
         try:
-            self.spans[path] = usual_span(whole, path)
+            self.spans[path] = default_span(whole, path)
         except ValueError as error:
             self.status_message.emit(str(error))
             return
@@ -284,7 +284,7 @@ class StudyView(BackgroundView):
 
     def _ask_usual(self, path: str) -> None:
         if not self.asked:
-            self.asked = dict(suggested(self.session.whole_study, path))
+            self.asked = dict(suggested_figures(self.session.whole_study, path))
             self.shown = next(iter(self.asked), "")
 
     def _vary_word(self, path: str) -> None:
@@ -357,7 +357,7 @@ class StudyView(BackgroundView):
 
     def refresh(self, study: Study) -> None:
         whole = self._whole
-        there, columns = tuple(can_be_varied(whole)), set(askable(whole))
+        there, columns = tuple(can_be_varied(whole)), set(request_keys(whole))
         self.spans = {path: span for path, span in self.spans.items() if path in there}
         self.words = {path: words for path, words in self.words.items() if self._words_at(path)}
         self.asked = {key: held for key, held in self.asked.items() if key.partition(":")[0] in columns}
@@ -403,13 +403,13 @@ class StudyView(BackgroundView):
         if info is None or not info.choices:
             return ()
         if path not in self._possible:
-            self._possible[path] = words_that_go(self._whole, path, info.choices)
+            self._possible[path] = valid_words(self._whole, path, info.choices)
         return self._possible[path]
 
     def _offer(self, there: Sequence[str]) -> None:
         """What the menus have: it depends on the kind of design only."""
         whole = self._whole
-        kind = (there, tuple(askable(whole)))
+        kind = (there, tuple(request_keys(whole)))
         if kind == getattr(self, "_offered", None):
             return
         self._offered = kind
@@ -462,7 +462,7 @@ class StudyView(BackgroundView):
     def _refine(self, plain: Survey) -> None:
         """Finer cells where limits run."""
         self._plain, self._refined_by = plain, tuple(self.asked.items())
-        self._surveys.start([((self._of, REFINED), partial(refined, self._whole, plain, dict(self.asked)))])
+        self._surveys.start([((self._of, REFINED), partial(refined_survey, self._whole, plain, dict(self.asked)))])
 
     def _measured(self) -> list[Measured]:
         return [measured(self._whole, key, *held) for key, held in self.asked.items()]
@@ -517,7 +517,7 @@ class StudyView(BackgroundView):
                 near = found.nearest(self._numbers())
                 self._values = {key: float(found.value[key][near]) for key in self.asked}
             else:
-                self._values, _ = present(self.session.whole_study, tuple(self.asked))
+                self._values, _ = current_figures(self.session.whole_study, tuple(self.asked))
         except (KindynaError, ValueError):
             self._values = {}
         self.asks.show_values(self._values)
@@ -590,9 +590,11 @@ class StudyView(BackgroundView):
         if self.session.held is self:
             self._soon_share.start()
             return
-        self._shares.start([(self._share_of, partial(made_of, self._whole, dict(self.asked), False, seed=self.seed))])
+        self._shares.start(
+            [(self._share_of, partial(tolerance_result, self._whole, dict(self.asked), False, seed=self.seed))]
+        )
 
-    def _shared(self, key: tuple[object, ...], found: Made | KindynaError) -> None:
+    def _shared(self, key: tuple[object, ...], found: ToleranceResult | KindynaError) -> None:
         if key != self._share_of:
             return
         if isinstance(found, KindynaError):
@@ -602,14 +604,14 @@ class StudyView(BackgroundView):
         if found.share is not None:
             self.share.setText(share_html(self._whole, found))
             if found.share.value < SHARE and self._details_seen:
-                self._details.start([(key, partial(made_of, self._whole, dict(self.asked), seed=self.seed))])
+                self._details.start([(key, partial(tolerance_result, self._whole, dict(self.asked), seed=self.seed))])
         self._show_made(found)
 
-    def _told_more(self, key: tuple[object, ...], found: Made | KindynaError) -> None:
-        if key == self._share_of and isinstance(found, Made):
+    def _told_more(self, key: tuple[object, ...], found: ToleranceResult | KindynaError) -> None:
+        if key == self._share_of and isinstance(found, ToleranceResult):
             self._show_made(found, sought=True)
 
-    def _show_made(self, made: Made | None, sought: bool = False) -> None:
+    def _show_made(self, made: ToleranceResult | None, sought: bool = False) -> None:
         self._made = made
         self.made.show_made(self._whole, made, sought)
 

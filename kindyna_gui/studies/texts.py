@@ -10,7 +10,7 @@ from core.design import Design, Info, Unit, drive_at, entry_at, row_at, split_un
 from core.laws import LAWS
 from core.study import TOTALS, quantity
 from core.study.quantity_requests import quantity_request
-from core.varying import Made, Optimum, StudyOfMany
+from core.varying import Optimum, StudyOfMany, ToleranceResult
 from core.varying.tolerances import SHARE
 from kindyna_gui import labels
 from kindyna_gui.labels import SECTION_NAMES, in_sentence, sentence, thousands
@@ -145,7 +145,7 @@ def column_text(design: Design, column: str) -> str:
     return label_of(design, column) if column in TOTALS else name_of(design, column)
 
 
-def share_html(design: Design, made: Made) -> str:
+def share_html(design: Design, made: ToleranceResult) -> str:
     """How many machines keep the limits, and what each limit has in the worst case."""
     share = made.share
     assert share is not None, "of limits"
@@ -161,7 +161,7 @@ def share_html(design: Design, made: Made) -> str:
     return "<br>".join(lines)
 
 
-def tighter_html(design: Design, made: Made) -> str:
+def tighter_html(design: Design, made: ToleranceResult) -> str:
     """Which tolerances to tighten."""
     if made.tighter is None:
         return f"No tolerances that are halved twice at most bring {100.0 * SHARE:.2f} % of machines within the limits."
@@ -170,7 +170,7 @@ def tighter_html(design: Design, made: Made) -> str:
     return f"<b>Tighten {', '.join(names)}</b>: {100.0 * made.tighter.share.value:.2f} % keep the limits{cost}"
 
 
-def parts_html(design: Design, made: Made) -> str:
+def parts_html(design: Design, made: ToleranceResult) -> str:
     """How much of what each quantity scatters comes from which number, and how the quantity depends on that."""
     rows = []
     for key, fields in made.parts.items():

@@ -339,7 +339,7 @@ def _choice(number: int, circuit: Circuit) -> GalleryChoice:
     turns = driver_turns(circuit.design.drive.linkage)
     low, high = np.rad2deg(ends) if turns else 1e3 * ends
     span = f"driver {low:.4g} ... {high:.4g} {'°' if turns else 'mm'}"
-    own = " (as it is now)" if circuit.here else ""
+    own = " (as it is now)" if circuit.is_current else ""
     return GalleryChoice(f"{number}: {span}{own}", f"Circuit {number}: {span}{own}", lambda: circuit.design)
 
 
@@ -370,7 +370,7 @@ class CircuitsDialog(QDialog):
         rows = -(-len(found) // max(columns, 1))
         grid = THUMBS[0] + BESIDE
         self.resize(max(columns, 2) * grid.width() + 60, min(rows, 3) * grid.height() + BELOW.height())
-        self.pictures.setCurrentRow(next((i for i, circuit in enumerate(found) if circuit.here), 0))
+        self.pictures.setCurrentRow(next((i for i, circuit in enumerate(found) if circuit.is_current), 0))
 
     @property
     def chosen(self) -> Circuit:
@@ -384,4 +384,4 @@ def circuit_wanted(parent: QWidget, found: Sequence[Circuit]) -> Design | None:
     accepted = dialog.exec() == QDialog.DialogCode.Accepted
     chosen = dialog.chosen
     dialog.deleteLater()
-    return chosen.design if accepted and not chosen.here else None
+    return chosen.design if accepted and not chosen.is_current else None

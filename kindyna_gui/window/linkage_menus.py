@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QMenu
 
 from core.design import CRANK, AttachedEnd, Design, Driver, Held, get, holds_of, load_lists, with_new_row
 from core.errors import KindynaError
-from core.mechanism.drivers import driver_place, drivers, roller_places, with_driver, with_roller, without_roller
+from core.mechanism.drivers import driver_position, drivers, roller_points, with_driver, with_roller, without_roller
 from core.output.load_text import row_name
 from kindyna_gui.background import beside
 from kindyna_gui.forms.load_rows import put_held
@@ -78,7 +78,7 @@ def _drive(window: Window, driver: Driver, *_: object) -> None:
         if loses:
             window.status.show_message(f"{step}: the linkage has lost {loses}, Undo brings back what it had")
         player.set_theta(
-            driver_place(session.design.drive.mechanism, kinematics) % TURN if driver.kind == CRANK else 0.0
+            driver_position(session.design.drive.mechanism, kinematics) % TURN if driver.kind == CRANK else 0.0
         )
 
 
@@ -91,7 +91,7 @@ def fill_rollers(window: Window, menu: QMenu) -> None:
     none = _choice(menu, group, "No cam", cam is None)
     none.triggered.connect(partial(_change, window, without_roller(design), "Take the cam away"))
     menu.addSeparator()
-    for link, point in roller_places(design):
+    for link, point in roller_points(design):
         here = cam is not None and cam.point == point
         action = _choice(menu, group, f"{point} on link {link}", here)
         action.setEnabled(design.drive.motion is not None)

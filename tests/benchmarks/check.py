@@ -22,8 +22,8 @@ from benchmarks.timing import Fresh, measure
 from linkages import chain
 
 from core.design import Design, put
-from core.mechanism.drivers import redrawn
-from core.mechanism.unfinished import unfinished
+from core.mechanism.drivers import with_drawn_pose
+from core.mechanism.unfinished import mobility
 from core.process import keep_freed_memory
 from core.study import Study
 
@@ -80,12 +80,12 @@ def look(kernel: Kernel, seconds: float = SECONDS) -> float:
 def look_at_rank(seconds: float = SECONDS) -> float:
     """What a drawing of twelve links lacks to be a mechanism, by one solution of it at 3,600 angles; of other lengths each time."""
     design = chain(12)
-    drawn, lengths = redrawn(design, Study(design, 1).linkage), count(1)
+    drawn, lengths = with_drawn_pose(design, Study(design, 1).linkage), count(1)
 
     def another() -> Design:
         return put(drawn, "linkage.links[2].points.B1.x_mm", 102.0 + 1e-6 * next(lengths))
 
-    ours = Fresh(lambda: partial(unfinished, another().drive.linkage))
+    ours = Fresh(lambda: partial(mobility, another().drive.linkage))
     theirs = Fresh(lambda: partial(getattr, Study(another(), 3600), "linkage"))
     told = measure({"ours": ours, "rival": theirs}, seconds).seconds
     return told["ours"] / told["rival"]

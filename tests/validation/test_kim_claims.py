@@ -137,9 +137,9 @@ def test_the_follower_leaves_the_cam_above_a_tenth_only_where_it_does() -> None:
     claim = row("the follower stays")
     q, points = claim.numbers["q"], [(eta, each, None) for eta, each, _ in claim.numbers["later"]]
     assert claim.verdict == "differs"
-    assert turned(claim, lost=q > 0.1, later=points) == "agrees"
-    assert turned(claim, lost=q > 0.05, later=points) == "differs"
-    assert turned(claim, lost=q > 0.1) == "differs", "Figs. 11 and 12 leave it later"
+    assert turned(claim, is_lost=q > 0.1, later=points) == "agrees"
+    assert turned(claim, is_lost=q > 0.05, later=points) == "differs"
+    assert turned(claim, is_lost=q > 0.1) == "differs", "Figs. 11 and 12 leave it later"
 
 
 @pytest.mark.parametrize(("start", "stable", "state"), [

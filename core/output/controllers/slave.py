@@ -218,7 +218,7 @@ def _coordinate(name: str, study: Study, order: int) -> np.ndarray:
 
 def _point_part(point: str, part: str, study: Study, order: int) -> np.ndarray:
     pose = study.linkage.bodies[study.linkage.body_of(point)]
-    return np.asarray(getattr(pose.place(point, order), part))
+    return np.asarray(getattr(pose.position(point, order), part))
 
 
 _COORDINATES = {"slider_position": "slider_position", "phi": "phi", "beta": "beta"}

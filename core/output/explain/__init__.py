@@ -1,4 +1,4 @@
-"""Where a number comes from: its equation with the paper's number, and the letters with their values at that angle."""
+"""Explanation of a number: its formula with the number of the paper, and the symbols with their values at that angle."""
 
 from __future__ import annotations
 
@@ -23,26 +23,31 @@ from core.study.formulas import FORMULAS
 from core.study.letters import keys_of, letters_of
 from core.study.symbols import Letter, first
 
-# -- where a number comes from ----------------------------------------------------------------------------------
+# -- explanations ----------------------------------------------------------------------------------------------
 
 
-BESIDE = 1e-10  # rad from a jump, where its side is looked at
-APART = 1e-9  # of an extreme: the value at its angle is that of the other side
+JUMP_STEP = 1e-10  # rad from a jump, where the value on either side is computed
+SIDE_TOLERANCE = 1e-9  # of an extreme: a larger difference shows that its angle gives the value of the other side
 S = TypeVar("S")
 
 
 @frozen
 class Explanation:
-    """A number and what it follows from, or why it grows without limit.
+    """A number, its formula and the values of the symbols, or why it grows without limit.
 
-    quantity  column of its table, or name of a figure of the summary; label: in words
-    value     in the unit; infinite where it grows without limit
-    at_deg    cam or crank angle [deg]; None of a figure of the whole turn
-    law       the equation as the report prints it, with equations of symbols in it
-    lines     the form that is evaluated with the values of the letters
-    source    paper and number, or what it follows from
-    letters   with their values there; none where it grows without limit
-    residual  of the certificate, the one that comes nearest to its bound among those of its stage; None where none is known
+    Attributes
+    ----------
+    quantity : column of its table, or name of a figure of the summary
+    label : in words
+    value : in the unit; infinite where it grows without limit
+    unit : symbol of the unit
+    at_deg : angle of cam, crank or machine [deg]; None for a figure of the whole turn
+    law : the equation as the report prints it, with equations of symbols in it
+    lines : the form that is evaluated with the values of the symbols
+    source : author, year and number, or the principle
+    letters : symbols with their values; empty where the number grows without limit
+    residual : name and residual of the certificate that is nearest to its bound in the stage; None where there is none
+    why : why the number grows without limit; empty where it does not
     """
 
     quantity: str
@@ -59,11 +64,11 @@ class Explanation:
 
     @property
     def equations(self) -> tuple[str, ...]:
-        """The law, then the form that is evaluated where it is another."""
+        """The law, then the evaluated form where it is another line."""
         return tuple(dict.fromkeys((*self.law, *self.lines)))
 
     def headline(self, most: int) -> str:
-        """What it is, where and how much, with so many digits; and why it is infinite where it is."""
+        """Label, angle and value with at most this number of digits; why it is infinite, where it is."""
         at = "" if self.at_deg is None else f" at {self.at_deg:.6g}°"
         text = f"{self.label}{at}: {digits(self.value, most)} {self.unit if not self.why else ''}".rstrip()
         return f"{text}: {self.why}" if self.why else text
@@ -71,9 +76,26 @@ class Explanation:
 
 @np.errstate(all="ignore")  # where a crank locks, or a curve has a cusp
 def explained(study: Study, name: str, at_deg: float | None = None) -> Explanation:
-    """The quantity of a column, or a figure of the summary; at_deg: without, at the angle of its largest absolute value.
+    """Explain the quantity of a column, or a figure of the summary.
 
-    Raises KindynaError for what this design does not have, and an angle at which it does not stand; NoSolution as its stage does.
+    Parameters
+    ----------
+    study : Study
+    name : str
+        Column, or name in ``summary.json``.
+    at_deg : float, optional
+        Angle [deg]; by default the angle of the greatest absolute value.
+
+    Returns
+    -------
+    Explanation
+
+    Raises
+    ------
+    KindynaError
+        Where the design lacks the quantity, the angle is not in 0 to 360°, or the quantity has no value there.
+    NoSolution
+        Where a stage has no solution.
     """
     if has_figure(study, name):
         return _figure(study, name)
@@ -88,11 +110,11 @@ def explained(study: Study, name: str, at_deg: float | None = None) -> Explanati
     angle = at_deg if at_deg is not None else math.degrees(largest.theta if largest else study.theta[0]) % 360.0
     _require_angle(angle)
     if largest is None:
-        there = study.at_theta(np.array([math.radians(angle)]))
+        position = study.at_theta(np.array([math.radians(angle)]))
     else:
-        there = _standing(study.at_theta, row.values, largest.theta, largest.value / row.unit.factor)
-    calculation = calculation_of(there, row)
-    value = float(row.values(there)[0])
+        position = _study_at(study.at_theta, row.values, largest.theta, largest.value / row.unit.factor)
+    calculation = calculation_of(position, row)
+    value = float(row.values(position)[0])
     if largest is not None and not math.isfinite(largest.value):
         value = largest.value
     elif is_unlimited(study, row.name, math.radians(angle)):
@@ -100,7 +122,7 @@ def explained(study: Study, name: str, at_deg: float | None = None) -> Explanati
     letters, why = calculation.letters, ""
     if not math.isfinite(value):
         letters, why = (), _why_infinite(study, row)
-    elif not all(math.isfinite(each.value) for each in letters):
+    elif not all(math.isfinite(letter.value) for letter in letters):
         raise KindynaError(f"explain {name} --at {angle:g}: it has no value there; {_why_infinite(study, row)}")
     assert row.formula is not None, row.name
     return Explanation(
@@ -119,7 +141,7 @@ def explained(study: Study, name: str, at_deg: float | None = None) -> Explanati
 
 
 def explainable(study: Study) -> list[str]:
-    """The columns and figures that this design has."""
+    """Names of the columns and figures of a design that can be explained."""
     rows = (
         [*shaft_columns(study)]
         if study.design.listed
@@ -135,7 +157,7 @@ def labels_of(study: Study) -> dict[str, str]:
 
 
 def _shaft_column(study: Study, name: str, at_deg: float | None) -> Explanation:
-    """The torque of all that turns on one shaft by the machine's angle, and that of one drive."""
+    """The explanation of a column of a shaft with several drives, by machine angle."""
     columns = shaft_columns(study)
     if name not in columns:
         raise KindynaError(
@@ -145,15 +167,15 @@ def _shaft_column(study: Study, name: str, at_deg: float | None) -> Explanation:
     if at_deg is None:
         largest = column.largest(camshaft)
         angle = math.degrees(largest.theta) % 360.0
-        there = _standing(camshaft.at_theta, column.values, largest.theta, largest.value)
+        position = _study_at(camshaft.at_theta, column.values, largest.theta, largest.value)
     else:
         _require_angle(at_deg)
-        angle, there = at_deg, camshaft.at_theta(np.radians([at_deg]))
-    calculation, formula = column.calculation(there), FORMULAS["torque_nm"]
+        angle, position = at_deg, camshaft.at_theta(np.radians([at_deg]))
+    calculation, formula = column.calculation(position), FORMULAS["torque_nm"]
     return Explanation(
         name,
         column.label,
-        first(column.values(there)) / column.unit.factor,
+        first(column.values(position)) / column.unit.factor,
         column.unit.symbol,
         angle,
         formula.lines,
@@ -187,17 +209,17 @@ def _figure(study: Study, name: str) -> Explanation:
 
 
 def _largest(study: Study, row: Quantity) -> Extreme | None:
-    """Largest without regard to its sign; None of an angle that goes round."""
-    found = extremes_of(study, row.stage).get(row.name)
-    return None if found is None else max((found.low, found.high), key=lambda each: abs(each.value))
+    """Extreme of the greatest absolute value; None for an angle that wraps."""
+    extremes = extremes_of(study, row.stage).get(row.name)
+    return None if extremes is None else max((extremes.low, extremes.high), key=lambda extreme: abs(extreme.value))
 
 
-def _standing(at_theta: Callable[[np.ndarray], S], values: Callable[[S], np.ndarray], theta: float, value: float) -> S:
-    """The study or shaft at an extreme; where the quantity jumps there, on the side that the extreme is taken from."""
-    there = at_theta(np.array([theta]))
-    if abs(first(values(there)) - value) <= APART * abs(value) or not math.isfinite(value):
-        return there
-    sides = [there, *(at_theta(np.array([theta + by])) for by in (-BESIDE, BESIDE))]
+def _study_at(at_theta: Callable[[np.ndarray], S], values: Callable[[S], np.ndarray], theta: float, value: float) -> S:
+    """The study or shaft at an extreme; where the quantity jumps there, on the side with the extreme value."""
+    position = at_theta(np.array([theta]))
+    if abs(first(values(position)) - value) <= SIDE_TOLERANCE * abs(value) or not math.isfinite(value):
+        return position
+    sides = [position, *(at_theta(np.array([theta + step])) for step in (-JUMP_STEP, JUMP_STEP))]
     return min(sides, key=lambda side: abs(first(values(side)) - value))
 
 
@@ -210,14 +232,14 @@ def _why_infinite(study: Study, row: Quantity) -> str:
     if "curvature" in row.name:
         return "the curve has a cusp there, where its radius of curvature passes through 0"
     ranges = study.driver_ranges.ranges if study.by_crank else ()
-    joints = sorted({joint for each in ranges for joint in (each.low_joint, each.high_joint) if joint})
+    joints = sorted({joint for span in ranges for joint in (span.low_joint, span.high_joint) if joint})
     if not joints:
         return "the equation divides by 0 there"
-    return f"the crank locks at {' and '.join(joints)}; were it to turn on, the links would move infinitely fast there"
+    return f"the crank locks at {' and '.join(joints)}, towards which the links move infinitely fast"
 
 
 def _proof(study: Study, stage: str) -> tuple[str, Residual] | None:
-    """The residual of a stage that comes nearest to its bound."""
+    """The residual of a stage that is nearest to its bound."""
     try:
         rows = certificate_of(study, (stage,))
     except NoSolution:
@@ -225,51 +247,53 @@ def _proof(study: Study, stage: str) -> tuple[str, Residual] | None:
     return max(rows.items(), key=lambda row: row[1].value / (row[1].bound or 1.0), default=None)
 
 
-# -- as files and text -------------------------------------------------------------------------------------
+# -- as JSON and as text --------------------------------------------------------------------------------------
 
 
-def as_row(made: Explanation) -> Mapping[str, Any]:
-    """For JSON."""
+def as_row(explanation: Explanation) -> Mapping[str, Any]:
+    """An explanation for JSON."""
     return {
-        "quantity": made.quantity,
-        "value": made.value,
-        "unit": made.unit,
-        "at_deg": made.at_deg,
-        "law": list(made.law),
-        "equation": list(made.lines),
-        "source": made.source,
+        "quantity": explanation.quantity,
+        "value": explanation.value,
+        "unit": explanation.unit,
+        "at_deg": explanation.at_deg,
+        "law": list(explanation.law),
+        "equation": list(explanation.lines),
+        "source": explanation.source,
         "symbols": [
             {
-                "symbol": each.symbol,
-                "meaning": each.meaning,
-                "value": each.value,
-                "unit": each.unit,
-                "from": each.origin,
+                "symbol": letter.symbol,
+                "meaning": letter.meaning,
+                "value": letter.value,
+                "unit": letter.unit,
+                "from": letter.origin,
             }
-            for each in made.letters
+            for letter in explanation.letters
         ],
-        "why": made.why,
-        "residual": None if made.residual is None else made.residual[1].value,
-        "bound": None if made.residual is None else made.residual[1].bound,
+        "why": explanation.why,
+        "residual": None if explanation.residual is None else explanation.residual[1].value,
+        "bound": None if explanation.residual is None else explanation.residual[1].bound,
     }
 
 
-def as_text(made: Explanation) -> str:
-    """For the terminal."""
-    head = [made.headline(9), *(f"  {line}" for line in made.equations)]
-    rows = [(each.symbol, digits(each.value, 9), each.unit, each.meaning, each.origin) for each in made.letters]
-    proof = (
-        []
-        if made.residual is None
-        else [f"certificate: {made.residual[0]} = {made.residual[1].value:.3g}, bound {made.residual[1].bound:.3g}"]
-    )
-    return "\n".join((*head, f"  after {made.source}", *(columns(rows, left=1) if rows else ()), *proof)) + "\n"
+def as_text(explanation: Explanation) -> str:
+    """An explanation for the terminal."""
+    lines = [explanation.headline(9), *(f"  {line}" for line in explanation.equations), f"  after {explanation.source}"]
+    rows = [
+        (letter.symbol, digits(letter.value, 9), letter.unit, letter.meaning, letter.origin)
+        for letter in explanation.letters
+    ]
+    lines += columns(rows, left=1) if rows else ()
+    if explanation.residual is not None:
+        name, residual = explanation.residual
+        lines.append(f"certificate: {name} = {residual.value:.3g}, bound {residual.bound:.3g}")
+    return "\n".join(lines) + "\n"
 
 
-# -- which number a finding, or a residual of the certificate, is about -----------------------------------------
+# -- numbers of findings and residuals ------------------------------------------------------------------------
 
 
-OF_FINDINGS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+FINDING_NUMBERS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
         "pressure-angle": ("pressure_angle_deg",),
         "roller-pressure-angle": ("pressure_angle_deg",),
@@ -297,9 +321,9 @@ OF_FINDINGS: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "flywheel": ("fluctuation", "needed_inertia_kg_m2"),
     }
 )
-"""Code of a finding, or what it begins with -> columns or figures, the first that the design has."""
+"""Code of a finding, or the beginning of the code -> columns or figures; the first that the design has is explained."""
 
-OF_RESIDUALS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+RESIDUAL_NUMBERS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
         "motion_closure": ("displacement_mm", "displacement_deg"),
         "loop_closure": ("phi_deg", "link3_deg", "link2_deg", "pivot_x_n", "displacement_mm"),
@@ -311,20 +335,23 @@ OF_RESIDUALS: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "momentum_balance": ("contact_force_n", "driver_torque_nm", "driver_force_n"),
     }
 )
-"""Name of a residual, or what it ends with, likewise."""
+"""Name of a residual, or the end of the name -> columns or figures; the first that the design has is explained."""
 
 
 def number_of_finding(study: Study, finding: Finding) -> str:
-    """Empty where it is about none that can be explained."""
-    return _first(study, next((names for code, names in OF_FINDINGS.items() if finding.code.startswith(code)), ()))
+    """Name of the number that a finding judges; empty where it is not explained."""
+    return _first(study, next((names for code, names in FINDING_NUMBERS.items() if finding.code.startswith(code)), ()))
 
 
 def number_of_residual(study: Study, name: str) -> str:
-    """Likewise; name: with the drive's before it, of several."""
-    own = name.rpartition(".")[2]
-    return _first(study, next((names for end, names in OF_RESIDUALS.items() if own.endswith(end)), ()))
+    """Name of a number that a residual proves; empty where it is not explained.
+
+    With several drives the residual's name begins with its drive.
+    """
+    residual = name.rpartition(".")[2]
+    return _first(study, next((names for end, names in RESIDUAL_NUMBERS.items() if residual.endswith(end)), ()))
 
 
 def _first(study: Study, names: tuple[str, ...]) -> str:
-    there = set(explainable(study)) if names else set()
-    return next((name for name in names if name in there), "")
+    available = set(explainable(study)) if names else set()
+    return next((name for name in names if name in available), "")

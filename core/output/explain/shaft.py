@@ -73,7 +73,7 @@ FIGURES: Mapping[str, Figure] = MappingProxyType(
 
 @frozen
 class ShaftColumn:
-    """One column of ``shaft.csv``: its name in words, unit, values [SI], largest value and calculation."""
+    """A column of ``shaft.csv``: its label, unit, values in SI units, greatest value and calculation."""
 
     label: str
     unit: Unit
@@ -83,33 +83,37 @@ class ShaftColumn:
 
 
 def shaft_columns(study: Study) -> Mapping[str, ShaftColumn]:
-    """Name -> column, of those that this shaft has."""
+    """Name -> column of ``shaft.csv``."""
     camshaft, torque = study.camshaft, UNITS["nm"]
     drives = [name for name in camshaft.loading_drives if name not in camshaft.failures]
-    balanced = camshaft.design.balancer is not None
+    has_balancer = camshaft.design.balancer is not None
     rows: dict[str, ShaftColumn] = {}
     if is_complete(camshaft):
         rows["torque_nm"] = ShaftColumn(
             "Torque of the shaft",
             torque,
-            lambda there: there.torque,
+            lambda position: position.torque,
             lambda shaft: shaft.peak_torque,
-            _sum(drives, balanced),
+            _sum(drives, has_balancer),
         )
     for name in drives:
         rows[f"{camshaft.slugs[name]}_torque_nm"] = _drive(name)
-    if "torque_nm" in rows and balanced:
+    if "torque_nm" in rows and has_balancer:
         rows["balancer_torque_nm"] = ShaftColumn(
-            "Torque of the balance cam", torque, lambda there: there.balancer_torque, _balancer_peak, _sum([], True)
+            "Torque of the balance cam",
+            torque,
+            lambda position: position.balancer_torque,
+            _balancer_peak,
+            _sum([], True),
         )
     if has_speed(camshaft):
         rows["motor_torque_nm"] = ShaftColumn(
-            "Torque of the motor", torque, lambda there: there.motor_torque,
-            lambda shaft: _greatest(shaft.motor_range["motor_torque"]), lambda there: _motor(study, there)
+            "Torque of the motor", torque, lambda position: position.motor_torque,
+            lambda shaft: _greatest(shaft.motor_range["motor_torque"]), lambda position: _motor(study, position)
         )  # fmt: skip
         rows["speed_rpm"] = ShaftColumn(
-            "Speed of the shaft", UNITS["rpm"], lambda there: there.speed,
-            lambda shaft: _greatest(shaft.motor_range["speed"]), lambda there: _speed(study, there)
+            "Speed of the shaft", UNITS["rpm"], lambda position: position.speed,
+            lambda shaft: _greatest(shaft.motor_range["speed"]), lambda position: _speed(study, position)
         )  # fmt: skip
     return rows
 
@@ -127,35 +131,33 @@ def _drive(name: str) -> ShaftColumn:
     return ShaftColumn(
         f"Torque of {name}",
         UNITS["nm"],
-        lambda there: there.drive_torque(name),
+        lambda position: position.drive_torque(name),
         lambda shaft: shaft.drive_peak(name),
         _sum([name], False),
     )
 
 
-def _sum(drives: list[str], balanced: bool) -> Callable[[Camshaft[Study]], Calculation]:
-    """The torques of drives, and of the balance cam."""
+def _sum(drives: list[str], has_balancer: bool) -> Callable[[Camshaft[Study]], Calculation]:
+    """Calculation of a sum of torques of drives and of the balance cam."""
 
-    def calculation(there: Camshaft[Study]) -> Calculation:
+    def calculation(position: Camshaft[Study]) -> Calculation:
         parts = [
-            letter(f"T_{i}", f"torque of {name} there", first(there.drive_torque(name)), "nm")
+            letter(f"T_{i}", f"torque of {name}", first(position.drive_torque(name)), "nm")
             for i, name in enumerate(drives, 1)
         ]
-        if balanced:
-            parts.append(letter("T_b", "torque of the balance cam there", first(there.balancer_torque), "nm"))
+        if has_balancer:
+            parts.append(letter("T_b", "torque of the balance cam", first(position.balancer_torque), "nm"))
         return Calculation((f"T = {' + '.join(part.symbol for part in parts)}",), tuple(parts))
 
     return calculation
 
 
-def _motor(study: Study, there: Camshaft[Study]) -> Calculation:
-    if not there.levels_torque:
-        return Calculation(
-            ("T_m = T",), (letter("T", "torque of the shaft there", first(there.torque), "nm", DYNAMICS),)
-        )
-    return motor_torque(study, there.flywheel.mean_torque, first(there.speed))
+def _motor(study: Study, position: Camshaft[Study]) -> Calculation:
+    if not position.levels_torque:
+        return Calculation(("T_m = T",), (letter("T", "torque of the shaft", first(position.torque), "nm", DYNAMICS),))
+    return motor_torque(study, position.flywheel.mean_torque, first(position.speed))
 
 
-def _speed(study: Study, there: Camshaft[Study]) -> Calculation:
-    torques = (there.flywheel.mean_torque, first(there.motor_torque)) if there.levels_torque else None
-    return shaft_speed(study, first(there.speed), torques)
+def _speed(study: Study, position: Camshaft[Study]) -> Calculation:
+    torques = (position.flywheel.mean_torque, first(position.motor_torque)) if position.levels_torque else None
+    return shaft_speed(study, first(position.speed), torques)

@@ -86,20 +86,21 @@ def _displacement(study: Study, _: str) -> Calculation:
 
 def _link_angle(study: Study, number: str) -> Calculation:
     pose = study.linkage.bodies[f"link{number}"]
-    places = list(dict.fromkeys(pose.points.values()))
+    positions = list(dict.fromkeys(pose.points.values()))
     turn = first(np.broadcast_to(pose.turn[0], 1))
-    if len(places) < 2:
+    if len(positions) < 2:
         return Calculation(
-            ("θ = θ_s",), (letter("θ_s", "angle of what it slides on, with its own", turn, "deg", LINKAGE),)
+            ("θ = θ_s",),
+            (letter("θ_s", "angle of the link that it slides on, plus its fixed angle to that", turn, "deg", LINKAGE),),
         )
-    a, b = [name for name, at in pose.points.items() if at in places[:2]][:2]
-    one, other = (complex(np.atleast_1d(pose.place(name))[0]) for name in (a, b))
-    own = turn - np.angle(other - one)
+    a, b = [name for name, at in pose.points.items() if at in positions[:2]][:2]
+    at_a, at_b = (complex(np.atleast_1d(pose.position(name))[0]) for name in (a, b))
+    inside = turn - np.angle(at_b - at_a)
     rows = [letter(f"{axis}_{mark}", f"{name}, {axis}", getattr(at, part), "mm", LINKAGE)
-            for mark, name, at in (("A", a, one), ("B", b, other)) for axis, part in (("x", "real"), ("y", "imag"))]  # fmt: skip
+            for mark, name, at in (("A", a, at_a), ("B", b, at_b)) for axis, part in (("x", "real"), ("y", "imag"))]  # fmt: skip
     return Calculation(
         ("θ = atan2(y_B - y_A, x_B - x_A) - ζ",),
-        (*rows, letter("ζ", "angle of AB in the link's own frame, less whole turns", -own, "deg", "linkage.links")),
+        (*rows, letter("ζ", "angle of AB in the frame of the link, modulo 360°", -inside, "deg", "linkage.links")),
     )
 
 
@@ -107,12 +108,12 @@ def _link_angle(study: Study, number: str) -> Calculation:
 
 
 def _masses(study: Study, bodies: Iterable[str]) -> list[tuple[str, float, float, float, float]]:
-    """Body, mass, speed of its centre, inertia, angular velocity of all that moves on these bodies."""
+    """Body, mass, speed of its centre of mass, inertia and angular velocity of every mass on these bodies."""
     rows = []
     for mass in study.loading.masses:
         if mass.is_active and mass.body in bodies:
             pose, part = study.linkage.bodies[mass.body], mass.inertia
-            speed = abs(complex(np.atleast_1d(pose.carried(part.centre)[1])[0])) * study.omega
+            speed = abs(complex(np.atleast_1d(pose.fixed_point(part.centre)[1])[0])) * study.omega
             rows.append(
                 (mass.body, part.mass, speed, part.about_centre, first(np.broadcast_to(pose.turn[1], 1)) * study.omega)
             )
@@ -125,15 +126,15 @@ def _energy(study: Study, body: str) -> Calculation:
     for i, (name, mass, speed, inertia, turning) in enumerate(rows, 1):
         of = name.replace("_", " ")
         letters += [letter(f"m_{i}", f"mass of the {of}", mass, "kg", LOADS),
-                    letter(f"v_{i}", "speed of its centre of mass", speed, "mm_s", LINKAGE),
-                    letter(f"I_{i}", "inertia about that", inertia, "kg_m2", LOADS),
-                    letter(f"ω_{i}", "its angular velocity", turning, "rad_s", LINKAGE)]  # fmt: skip
+                    letter(f"v_{i}", "speed of the centre of mass", speed, "mm_s", LINKAGE),
+                    letter(f"I_{i}", "inertia about the centre of mass", inertia, "kg_m2", LOADS),
+                    letter(f"ω_{i}", "angular velocity", turning, "rad_s", LINKAGE)]  # fmt: skip
         parts.append(f"½ (m_{i} v_{i}² + I_{i} ω_{i}²)")
     return Calculation((f"E = {' + '.join(parts) or '0'}",), tuple(letters))
 
 
 def _velocity(study: Study, row: ForceOnBody) -> tuple[complex, float]:
-    """Of the body's point at which a force acts, and the body's angular velocity."""
+    """Velocity of the point at which a force acts, and angular velocity of its body."""
     if row.body == "cam":
         turn = study.sense * study.omega
         return 1j * turn * complex(row.at[0]), turn
@@ -149,43 +150,45 @@ def _acting(study: Study, chosen: Callable[[ForceOnBody], bool]) -> list[ForceOn
     return [row for rows in study.free_bodies.values() for row in rows if chosen(row)]
 
 
-def _work_rate(study: Study, rows: list[ForceOnBody]) -> Calculation:
-    """Power of forces and couples on the bodies that they act on."""
+def _power(study: Study, rows: list[ForceOnBody]) -> Calculation:
+    """Power of forces and couples on their bodies."""
     parts, letters = [], []
     for i, row in enumerate(rows, 1):
         (v, turn), force, couple = _velocity(study, row), complex(row.force[0]), float(row.couple[0])
-        words = f"{named_force(row)} on the {row.body.replace('_', ' ')}"
+        words = f"{force_words(row)} on the {row.body.replace('_', ' ')}"
         origin = LOADS if row.kind == WEIGHT else DYNAMICS
         if force or not couple:
             parts.append(f"F_{i}x v_{i}x + F_{i}y v_{i}y")
             for axis, of in (("x", "real"), ("y", "imag")):
                 letters += [letter(f"F_{i}{axis}", f"{words}, {axis}", getattr(force, of), "n", origin),
-                            letter(f"v_{i}{axis}", f"velocity where it acts, {axis}", getattr(v, of), "mm_s", LINKAGE)]  # fmt: skip
+                            letter(f"v_{i}{axis}", f"velocity of its point, {axis}", getattr(v, of), "mm_s", LINKAGE)]  # fmt: skip
         if couple:
             parts.append(f"M_{i} ω_{i}")
             letters += [letter(f"M_{i}", f"{words}, couple", couple, "nm", origin),
-                        letter(f"ω_{i}", "angular velocity there", turn, "rad_s", LINKAGE)]  # fmt: skip
+                        letter(f"ω_{i}", "angular velocity of the body", turn, "rad_s", LINKAGE)]  # fmt: skip
     if not parts:
-        parts, letters = ["P_0"], [letter("P_0", "nothing acts here", 0.0, "w", LOADS)]
+        parts, letters = ["P_0"], [letter("P_0", "no force acts", 0.0, "w", LOADS)]
     return Calculation((f"P = {' + '.join(parts)}",), tuple(letters))
 
 
-def _of_friction(study: Study, pair: str) -> Calculation:
+def _friction_power(study: Study, pair: str) -> Calculation:
     if pair == CAM_FACE:
-        return _work_rate(study, _acting(study, lambda row: row.kind == FRICTION and "cam" in (row.body, row.partner)))
-    return _work_rate(study, _acting(study, lambda row: row.kind == FRICTION and row.name == pair))
+        return _power(study, _acting(study, lambda row: row.kind == FRICTION and "cam" in (row.body, row.partner)))
+    return _power(study, _acting(study, lambda row: row.kind == FRICTION and row.name == pair))
 
 
-def _of_element(study: Study, name: str) -> Calculation:
+def _element_power(study: Study, name: str) -> Calculation:
     element = study.loading.named[name]
-    return _work_rate(study, list(element_forces(element, study.linkage, study.omega)))
+    return _power(study, list(element_forces(element, study.linkage, study.omega)))
 
 
-def _of_drive(study: Study, _: str) -> Calculation:
+def _drive_power(study: Study, _: str) -> Calculation:
     if "cam" in study.stages:
         return Calculation(("P = T ω",), (quantity_letter(study, "drive_torque", "T"), *letters_of(study, "ω")))
     linkage, omega = study.linkage, study.omega
-    driver = first(linkage.slip(linkage.driver_name)) * linkage.sense * first(linkage.motion.displacement[1]) * omega
+    driver = (
+        first(linkage.slip(linkage.driver_name)) * linkage.driver_sign * first(linkage.motion.displacement[1]) * omega
+    )
     if linkage.driver_pair.kind == REVOLUTE:
         parts = ["T ω_d"]
         letters = [quantity_letter(study, "driver_torque", "T"),
@@ -196,12 +199,12 @@ def _of_drive(study: Study, _: str) -> Calculation:
             quantity_letter(study, "driver_force", "F_d"),
             letter("v_d", "velocity of the driver", driver, "mm_s", LINKAGE),
         ]
-    for i, dyad in enumerate((each for each in linkage.dyads if each.by_motion), 1):
+    for i, dyad in enumerate((dyad for dyad in linkage.dyads if dyad.by_motion), 1):
         body, on = (linkage.bodies[name].turn[1] for name in (dyad.bodies[0], dyad.on))
         link = link_number(dyad.bodies[0])
         parts.append(f"T_{i} ω_{i}")
         letters += [quantity_letter(study, f"link{link}_input_torque", f"T_{i}"),
-                    letter(f"ω_{i}", f"angular velocity of link {link} against what carries its motor",
+                    letter(f"ω_{i}", f"angular velocity of link {link} against the link of its motor",
                            first(np.atleast_1d(body - on)) * omega, "rad_s", LINKAGE)]  # fmt: skip
     return Calculation((f"P = {' + '.join(parts)}",), tuple(letters))
 
@@ -209,8 +212,8 @@ def _of_drive(study: Study, _: str) -> Calculation:
 # -- forces by virtual power --------------------------------------------------------------------------------------
 
 
-def named_force(row: ForceOnBody) -> str:
-    """What acts, in words."""
+def force_words(row: ForceOnBody) -> str:
+    """A force in words."""
     body = row.body.replace("_", " ")
     words = {WEIGHT: "weight of", INERTIA: "inertia force of", REACTION: "force at", FRICTION: "friction at",
              CONTACT: "force of the cam, flank",
@@ -219,7 +222,7 @@ def named_force(row: ForceOnBody) -> str:
     return f"{words[row.kind]} {name}" if row.kind in words else f"{row.kind} {name} on the {body}"
 
 
-def _moved(study: Study, row: ForceOnBody) -> float:
+def _virtual_power(study: Study, row: ForceOnBody) -> float:
     """Virtual power of a force: F · ∂r/∂q + M ∂α/∂q."""
     pose = study.linkage.by_driver.get(row.body)
     if pose is None:
@@ -230,12 +233,12 @@ def _moved(study: Study, row: ForceOnBody) -> float:
 
 
 def _virtual(study: Study) -> list[tuple[str, str, float]]:
-    """Virtual power of everything but reactions, the cam and the driver: kind, in words, value; friction on both bodies as one.
+    """Virtual power of all forces but those of reactions, cam and driver: kind, words and value; friction on both bodies is one row.
 
-    A second input is included where its own motion leads it; by a ratio it gives what it requires of the driver.
+    A second input is included where a motion leads it; an input by a ratio acts on the driver through its loads.
     """
     motors = {input_of(dyad.bodies[0]) for dyad in study.linkage.dyads if dyad.by_motion}
-    found: dict[tuple[str, str], float] = {}
+    powers: dict[tuple[str, str], float] = {}
     for rows in study.free_bodies.values():
         for row in rows:
             if (
@@ -244,13 +247,13 @@ def _virtual(study: Study) -> list[tuple[str, str, float]]:
                 or "cam" in (row.body, row.partner)
             ):
                 continue
-            key = row.kind, named_force(row)
-            found[key] = found.get(key, 0.0) + _moved(study, row)
-    return [(kind, words, value) for (kind, words), value in found.items()]
+            key = row.kind, force_words(row)
+            powers[key] = powers.get(key, 0.0) + _virtual_power(study, row)
+    return [(kind, words, value) for (kind, words), value in powers.items()]
 
 
 def _powers(study: Study) -> tuple[str, list[Letter]]:
-    """The sum of virtual powers as letters Q_1 + Q_2 + ..., and them."""
+    """The sum of virtual powers Q_1 + Q_2 + …, and its symbols."""
     turns = study.linkage.driver_pair.kind == REVOLUTE
     shown = "N·m" if turns else "N"
     rows = [
@@ -272,18 +275,18 @@ def _contact_force(study: Study, _: str) -> Calculation:
     ):  # of a groove the other flank, drawn negative
         lever = -first(contacts[1].lever)
     pair = any(flank.name == SECOND for flank in study.cam.flanks)
-    return _pushed(study, f"max(({sums})/l, 0)" if pair else f"({sums})/l", symbol, rows, lever)
+    return _by_lever(study, f"max(({sums})/l, 0)" if pair else f"({sums})/l", symbol, rows, lever)
 
 
 def _second_contact(study: Study, _: str) -> Calculation:
     sums, rows = _powers(study)
-    return _pushed(study, f"max(({sums})/l, 0)", "F_c2", rows, first(study.dynamics.contacts[1].lever))
+    return _by_lever(study, f"max(({sums})/l, 0)", "F_c2", rows, first(study.dynamics.contacts[1].lever))
 
 
-def _pushed(study: Study, line: str, symbol: str, rows: list[Letter], lever: float) -> Calculation:
-    """A contact force by its lever l; of a conjugate pair the roller that would have to pull is idle."""
+def _by_lever(study: Study, line: str, symbol: str, rows: list[Letter], lever: float) -> Calculation:
+    """A contact force by its lever l; a roller of a conjugate pair that would have to pull has none."""
     turns = study.linkage.driver_pair.kind == REVOLUTE
-    meaning = "force or torque that one newton of contact force requires of the driver"
+    meaning = "lever: force or torque on the driver by one newton of contact force"
     return Calculation((f"{symbol} = {line}",), (*rows, letter("l", meaning, lever, "mm" if turns else "", CAM)))
 
 
@@ -293,7 +296,7 @@ def _driver(study: Study, _: str, symbol: str) -> Calculation:
 
 
 def _input(study: Study, number: str) -> Calculation:
-    """The torque of a second input about its pin, or its force along its line, by the balance of its link."""
+    """Torque of a second input about its pin, or its force along its line, by the balance of its link."""
     body = body_name(int(number))
     (name,) = next(dyad.pairs for dyad in study.linkage.dyads if dyad.on and dyad.bodies == (body,))
     rows = [
@@ -313,41 +316,41 @@ def _input(study: Study, number: str) -> Calculation:
 
 
 def _side(study: Study, name: str) -> tuple[float, list[ForceOnBody]]:
-    """The sign of a pair's force on one of its bodies that move, and the other forces on that, what drives there included."""
+    """Sign of a pair's force on one of its moving bodies, and all other forces on that body."""
     pair = study.linkage.pairs[name]
     body, sign = (pair.body, 1.0) if pair.body in study.free_bodies else (pair.on, -1.0)
-    own = (REACTION, FRICTION)
-    rows = [row for row in study.free_bodies.get(body, ()) if not (row.name == name and row.kind in own)]
+    in_pair = (REACTION, FRICTION)
+    rows = [row for row in study.free_bodies.get(body, ()) if not (row.name == name and row.kind in in_pair)]
     return sign, rows
 
 
 def _terms(
     rows: list[ForceOnBody], symbol: str, meaning: str, value: Callable[[ForceOnBody], np.ndarray], unit: str
 ) -> tuple[str, tuple[Letter, ...]]:
-    """A sum over forces on a body, and its letters."""
+    """A sum over forces on a body, and its symbols."""
     letters = tuple(
-        letter(symbol.format(i), meaning.format(named_force(row)), first(value(row)), unit,
+        letter(symbol.format(i), meaning.format(force_words(row)), first(value(row)), unit,
                LOADS if row.kind in (WEIGHT, INERTIA) else DYNAMICS)
         for i, row in enumerate(rows, 1)
     )  # fmt: skip
-    return " + ".join(each.symbol for each in letters), letters
+    return " + ".join(letter.symbol for letter in letters), letters
 
 
 def _moments(study: Study, pair: str, rows: list[ForceOnBody]) -> tuple[str, tuple[Letter, ...]]:
-    """The sum of moments about a pair's point."""
+    """Sum of moments about a pair's point."""
     joined = study.linkage.pairs[pair]
     bodies = study.linkage.bodies
-    at = bodies[joined.body if joined.body in bodies else joined.on].place(joined.point)
+    at = bodies[joined.body if joined.body in bodies else joined.on].position(joined.point)
     meaning = "moment of {} about the pair's point"
     return _terms(rows, "M_{}", meaning, lambda row: cross(row.at - at, row.force) + row.couple, "nm")
 
 
 def _bearing(study: Study, _: str, axis: str) -> Calculation:
     parts = []
-    for i, (flank, each) in enumerate(zip(study.cam.flanks, study.dynamics.contacts, strict=True), 1):
-        push = complex(np.atleast_1d(each.direction)[0])
+    for i, (flank, contact) in enumerate(zip(study.cam.flanks, study.dynamics.contacts, strict=True), 1):
+        push = complex(np.atleast_1d(contact.direction)[0])
         value = push.real if axis == "x" else push.imag
-        parts += [letter(f"F_{i}", f"contact force, flank {flank.name}", first(each.force), "n", DYNAMICS),
+        parts += [letter(f"F_{i}", f"contact force, flank {flank.name}", first(contact.force), "n", DYNAMICS),
                   letter(f"p_{i}{axis}", f"its direction on the cam, {axis}", value, "", CAM)]  # fmt: skip
     sums = " + ".join(f"F_{i} p_{i}{axis}" for i in range(1, len(parts) // 2 + 1))
     return Calculation((f"O_{axis} = -({sums})",), tuple(parts))
@@ -375,10 +378,10 @@ def _jam(study: Study, _: str) -> Calculation:
     jam = first(study.dynamics.jam)
     if len(frictions) == 1 and frictions[0].coefficient:
         mu = float(np.atleast_1d(frictions[0].coefficient)[0])
-        gain = letter("g", "how much one newton of friction adds to the normal force", jam / mu, "", LINKAGE)
+        gain = letter("g", "increase of the normal force by one newton of friction", jam / mu, "", LINKAGE)
         return Calculation(("j = μ g",), (letter("μ", "coefficient of friction", mu, "", frictions[0].field), gain))
     return Calculation(
-        ("j = λ",), (letter("λ", "spectral radius of μ ∂N/∂f over all pairs that rub", jam, "", DYNAMICS),)
+        ("j = λ",), (letter("λ", "spectral radius of μ ∂N/∂f over all pairs with friction", jam, "", DYNAMICS),)
     )
 
 
@@ -415,19 +418,18 @@ def _slope(study: Study) -> Letter:
 
 
 def motor_torque(study: Study, mean: float, speed: float) -> Calculation:
-    """The motor's line at a speed [rad/s]; mean: torque of the turn [N m]."""
+    """Torque of the motor's line at a speed [rad/s], with the mean torque of the turn [N m]."""
     letters = (
         letter("T̄", "mean torque of the turn", mean, "nm", DYNAMICS),
         _slope(study),
         letter("ω̄", "mean speed", study.omega, "rad_s", speed_field(study)),
-        letter("ω", "speed there", speed, "rad_s", DYNAMICS),
+        letter("ω", "speed of the shaft", speed, "rad_s", DYNAMICS),
     )
     return Calculation(("T_m = T̄ + k (ω̄ - ω)",), letters)
 
 
 def shaft_speed(study: Study, speed: float, torques: tuple[float, float] | None) -> Calculation:
-    """The speed [rad/s] by the motor's line, from the mean torque and the motor's [N m]; by the energy of the turn where the motor has no
-    slope, or no flywheel levels the speed."""
+    """Speed [rad/s] by the motor's line, from mean torque and motor torque [N m]; by energy without slope or flywheel."""
     mean = letter("n̄", "mean speed", study.omega, "rpm", speed_field(study))
     slope = _slope(study)
     if torques is None or not slope.value:
@@ -445,11 +447,11 @@ CALCULATIONS: Mapping[str, CalculationFunction] = MappingProxyType(
         "link.{}": _link_angle,
         "kinetic_energy": _energy,
         "kinetic_energy.{}": _energy,
-        "power.load": lambda s, _: _of_element(s, "load"),
-        "power.drive": _of_drive,
-        "power.gravity": lambda s, _: _work_rate(s, _acting(s, lambda row: row.kind == WEIGHT)),
-        "power.friction_{}": _of_friction,
-        "power.{}": _of_element,
+        "power.load": lambda s, _: _element_power(s, "load"),
+        "power.drive": _drive_power,
+        "power.gravity": lambda s, _: _power(s, _acting(s, lambda row: row.kind == WEIGHT)),
+        "power.friction_{}": _friction_power,
+        "power.{}": _element_power,
         "contact_force": _contact_force,
         "second_contact_force": _second_contact,
         "driver_torque": partial(_driver, symbol="T"),

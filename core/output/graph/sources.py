@@ -324,6 +324,7 @@ class TableSource:
         return self._headings
 
     def default_column(self, headings: Sequence[ColumnHeading]) -> int:
+        """The second column."""
         return 1
 
     def values(self, drive: str, names: Sequence[str]) -> tuple[np.ndarray, ...]:

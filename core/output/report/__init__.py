@@ -1,4 +1,4 @@
-"""The report of a study: one model of it, written as plain text, as HTML, or painted."""
+"""The report of a study: one model, written as plain text, HTML or PDF."""
 
 from __future__ import annotations
 
@@ -18,25 +18,24 @@ if TYPE_CHECKING:  # no design without a flexible shaft loads it
 
 
 def stability_text(study: Study) -> str:
-    """The report's section on the flexible shaft alone."""
+    """The section of the report on the flexible shaft."""
     return "\n".join(list(lines(sections.shaft_stability(study)))[1:]) + "\n"
 
 
 def point_text(shaft: Stability, eta: float, q: float, verdicts: Sequence[Verdict]) -> str:
-    """What every model says of any point of the chart."""
-    head = f"At η = {digits(eta)}, Q = {digits(q)}, {digits(shaft.machine.rpm(eta))} rpm"
-    return "\n".join(block_lines(sections.verdicts(head, verdict_rows(verdicts)))) + "\n"
+    """Verdicts of every model at a point of the chart."""
+    header = f"At η = {digits(eta)}, Q = {digits(q)}, {digits(shaft.machine.rpm(eta))} rpm"
+    return "\n".join(block_lines(sections.verdicts(header, verdict_rows(verdicts)))) + "\n"
 
 
 def report(study: Study) -> str:
-    """The whole report as plain text; of drives that are listed what they do together, then what is each drive's own. Raises NoSolution
-    where the design has none."""
-    whole = subject_of(study)
-    of_each = (whole, *whole.drives(SHAFT_QUANTITIES | _TORQUE))
-    return "\n\n".join(text(each.study.design.name, sections_of(TEXT, each)) for each in of_each)
+    """The report as plain text; of several drives first the shaft, then every drive. Raises NoSolution where the design has none."""
+    subject = subject_of(study)
+    subjects = (subject, *subject.drives(SHAFT_QUANTITIES | _TORQUE))
+    return "\n\n".join(text(part.study.design.name, sections_of(TEXT, part)) for part in subjects)
 
 
-_TORQUE = frozenset({"drive_torque"})  # stands beside the drives
+_TORQUE = frozenset({"drive_torque"})  # is in the table of drives
 
 
 __all__ = ["point_text", "report", "stability_text"]

@@ -1,4 +1,4 @@
-"""The report to hand on: a title block and chapters, some of which may be left out."""
+"""The HTML and PDF report: a title block and chapters, some of which are optional."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from core.frozen import frozen
 from core.output.files.cam_drawing import mechanism_text
 from core.output.files.sheet import Letterhead, Logo, read_logo
 from core.output.lines import printable
-from core.output.report import sections as of_study
+from core.output.report import sections as content
 from core.output.report.chapters import CHAPTERS, SHAFT, Subject, sections_of, subject_of
 from core.output.report.parts import Block, Number, ReportEquations, ReportPicture, ReportTable, Section, Sentences
 from core.process import resources
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from jinja2 import Template
 
 
-# -- the report to hand on --------------------------------------------------------------------------------------
+# -- document ---------------------------------------------------------------------------------------------------
 
 
 SENSES: Mapping[str, str] = MappingProxyType({"ccw": "counter-clockwise", "cw": "clockwise"})
@@ -44,25 +44,25 @@ PARTS: Mapping[str, str] = MappingProxyType(
         "conventions": "Conventions and sources",
     }
 )
-"""What may be left out of a report; the main figures, limits and findings always stand in it."""
+"""Optional parts of a report; main figures, limits and findings are in every report."""
 
 
 PAPERS: Mapping[str, tuple[float, float]] = MappingProxyType({"A4": (210.0, 297.0), "Letter": (215.9, 279.4)})
-"""Size of a page, mm."""
+"""Name of a paper -> width and height [mm]."""
 
 
 @frozen
 class Cover(Letterhead):
-    """What stands on the first page besides what is computed: for whom, by whom, which revision and which day, as text; the paper."""
+    """Texts on the first page: customer, author, company, revision and date; and the paper of a PDF."""
 
     customer: str = text_option("for whom, on the first page", default="", metavar="TEXT")
     revision: str = text_option("of the design, on the first page", default="", metavar="TEXT")
-    date: str = text_option("as it shall stand on the first page; without, none does", default="", metavar="TEXT")
+    date: str = text_option("on the first page, as text; without it the page has none", default="", metavar="TEXT")
     paper: str = choice("Paper", tuple(PAPERS), default="A4", help="of a PDF")
 
     @property
     def rows(self) -> tuple[tuple[str, str], ...]:
-        """Name and text of what is given."""
+        """Name and text of every entry that is given."""
         names = ("Customer", "Author", "Company", "Revision", "Date")
         texts = (self.customer, self.author, self.company, self.revision, self.date)
         return tuple((name, printable(text)) for name, text in zip(names, texts, strict=True) if text.strip())
@@ -70,8 +70,17 @@ class Cover(Letterhead):
 
 @frozen(eq=False)
 class Document:
-    """title: the design's name; rows: of the title block, name and text; sections: those of level 1 begin a chapter; paper: of pages;
-    logo: on the first; lacking: why it is not there, in a line."""
+    """A report as it is written to a file.
+
+    Attributes
+    ----------
+    title : name of the design
+    rows : name and text of the rows of the title block
+    sections : sections; one of level 1 begins a chapter
+    paper : name of the paper
+    logo : logo on the first page
+    lacking : why there is no logo, in one line
+    """
 
     title: str
     rows: tuple[tuple[str, str], ...]
@@ -82,13 +91,13 @@ class Document:
 
     @property
     def pictures(self) -> tuple[ReportPicture, ...]:
-        """Every picture of the document, in order."""
-        return tuple(block for each in self.sections for block in each.blocks if isinstance(block, ReportPicture))
+        """All pictures of the document, in order."""
+        return tuple(block for part in self.sections for block in part.blocks if isinstance(block, ReportPicture))
 
 
 @frozen(eq=False)
 class Printed:
-    """A document that is to be a file of this ending."""
+    """A document for a file with this ending."""
 
     document: Document
     ending: str
@@ -98,44 +107,44 @@ ENDINGS = (".html", ".pdf")
 
 
 def document(study: Study, parts: Collection[str] = tuple(PARTS), cover: Cover = Cover()) -> Document:  # noqa: B008, frozen
-    """The report of a design or of a shaft with several drives. Raises NoSolution where it has none."""
-    whole = subject_of(study, parts)
-    sections = sections_of(CHAPTERS, whole)
-    rows = (*cover.rows, *_title_rows(whole))
+    """The report of a design. Raises NoSolution where the design has none."""
+    subject = subject_of(study, parts)
+    sections = sections_of(CHAPTERS, subject)
+    rows = (*cover.rows, *_title_rows(subject))
     return Document(printable(study.design.name), rows, tuple(sections), cover.paper, *read_logo(cover))
 
 
 # -- title block --------------------------------------------------------------------------------------------
 
 
-def _title_rows(whole: Subject) -> tuple[tuple[str, str], ...]:
-    study, design = whole.study, whole.study.design
+def _title_rows(subject: Subject) -> tuple[tuple[str, str], ...]:
+    study, design = subject.study, subject.study.design
     findings, proof = findings_of(study, ()), certificate_of(study, ())
-    counts = Counter(each.severity for each in findings)
-    found = ", ".join(f"{counts[s]} {s}{'s' if counts[s] > 1 else ''}" for s in (ERROR, WARNING, NOTE) if counts[s])
-    kept = sum(each.kept for each in proof.values())
-    rows = [("Mechanism", _mechanism(whole)), ("Speed", f"{design.speed_rpm:.10g} rpm{_sense(study)}")]
+    counts = Counter(finding.severity for finding in findings)
+    words = ", ".join(f"{counts[s]} {s}{'s' if counts[s] > 1 else ''}" for s in (ERROR, WARNING, NOTE) if counts[s])
+    kept = sum(residual.kept for residual in proof.values())
+    rows = [("Mechanism", _mechanism(subject)), ("Speed", f"{design.speed_rpm:.10g} rpm{_sense(study)}")]
     assumed = len(design.assumed)
-    rows += [("Assumed", f"{assumed} of the inputs, marked {of_study.ASSUMED}" if assumed else "none of the inputs")]
-    rows += [("Findings", found or "none"), ("Certificate", f"{kept} of {len(proof)} residuals within their bounds")]
+    rows += [("Assumed", f"{assumed} of the inputs, marked {content.ASSUMED}" if assumed else "none of the inputs")]
+    rows += [("Findings", words or "none"), ("Certificate", f"{kept} of {len(proof)} residuals within their bounds")]
     return (*rows, ("Computed with", f"KINDYNA {__version__}"))
 
 
 def _sense(study: Study) -> str:
-    """The sense of the shaft, of a design that has one."""
+    """The sense of rotation of the shaft; empty without a shaft."""
     return "" if study.design.shaft is None else f", {SENSES[study.design.shaft.rotation]}"
 
 
-def _mechanism(whole: Subject) -> str:
-    study = whole.study
-    if whole.of == SHAFT:
-        balanced = " and a balance cam" if study.design.balancer is not None else ""
-        return f"{len(study.drives)} drives on one shaft{balanced}"
+def _mechanism(subject: Subject) -> str:
+    study = subject.study
+    if subject.scope == SHAFT:
+        balancer = " and a balance cam" if study.design.balancer is not None else ""
+        return f"{len(study.drives)} drives on one shaft{balancer}"
     drive = study.design.drive
     return mechanism_text(study) + ("" if drive.cam is None else f", {drive.face.noun}, {drive.cam.form.form} cam")
 
 
-# -- the report as one HTML file that opens anywhere without anything beside it ---------------------------------
+# -- HTML ---------------------------------------------------------------------------------------------------
 
 
 TEMPLATE = "report.html.jinja"
@@ -144,7 +153,7 @@ _IDS = re.compile(r'\bid="([^"]+)"')
 
 
 def html(document: Document, pictures: Mapping[ReportPicture, str]) -> str:
-    """The document with its pictures as SVG; a picture that is not there is left out, and the report says so."""
+    """The document as one HTML file with its pictures as SVG; the report says which pictures are missing."""
     drawn = {picture: inline_svg(text, f"p{number}-") for number, (picture, text) in enumerate(pictures.items(), 1)}
     chapters = numbered_chapters(document)
     missing = any(picture not in drawn for picture in document.pictures)
@@ -153,7 +162,7 @@ def html(document: Document, pictures: Mapping[ReportPicture, str]) -> str:
 
 
 def template_of(name: str) -> Template:
-    """A page's template of the resources."""
+    """The template of a page, from the resources."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined  # no other command needs it
 
     loader = FileSystemLoader(str(resources()))
@@ -165,7 +174,7 @@ def template_of(name: str) -> Template:
 
 
 def inline_svg(text: str, prefix: str) -> str:
-    """An SVG as it may stand inside HTML: no declarations, its size left to the page, and names that no other picture has."""
+    """An SVG for use inside HTML: without declarations and size, and with names that no other picture has."""
     text = _HEAD.sub("", text, count=1)
     for name in dict.fromkeys(_IDS.findall(text)):
         text = text.replace(f'id="{name}"', f'id="{prefix}{name}"').replace(f"url(#{name})", f"url(#{prefix}{name})")
@@ -176,25 +185,25 @@ def inline_svg(text: str, prefix: str) -> str:
 
 
 def numbered_chapters(document: Document) -> list[tuple[str, Section, list[Section]]]:
-    """Chapters with their numbers and the sections in them."""
+    """Number, heading and sections of every chapter."""
     chapters: list[tuple[str, Section, list[Section]]] = []
-    for each in document.sections:
-        if each.level == 1 or not chapters:
-            chapters.append((str(len(chapters) + 1), each, []))
+    for part in document.sections:
+        if part.level == 1 or not chapters:
+            chapters.append((str(len(chapters) + 1), part, []))
         else:
-            chapters[-1][2].append(each)
+            chapters[-1][2].append(part)
     return chapters
 
 
 def _kind(block: Block) -> str:
-    """How the template calls a block."""
+    """Name of a block in the template."""
     return {Sentences: "sentences", ReportTable: "table", ReportPicture: "picture", ReportEquations: "equations"}[
         type(block)
     ]
 
 
 def _number(cell: Any) -> str | None:
-    """The whole value of a computed number, as programs read it; None of any other cell."""
+    """Full value of a computed number, for programs; None for any other cell."""
     if not isinstance(cell, Number):
         return None
     return "" if cell.value is None else repr(float(cell.value) + 0.0)

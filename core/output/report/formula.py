@@ -1,8 +1,7 @@
-"""Equations written as one line of text, ``κ = κ_p/(1 - R_r κ_p)``, as MathML: what is printed and what is typeset cannot differ.
+"""MathML of equations that are written as a line of text, as ``κ = κ_p/(1 - R_r κ_p)``.
 
-A line is read as a mathematician reads it: what stands side by side is a product, ``/`` takes the product to its left and the one
-factor to its right, ``_`` and ``^`` take one name, number or bracket, accents and primes belong to their letter, and a function takes the
-factor that follows it.
+Neighbouring factors are a product, ``/`` divides the product on its left by the factor on its right, ``_`` and ``^`` apply to one name,
+number or bracket, accents and primes belong to their letter, and a function applies to the factor on its right.
 """
 
 from __future__ import annotations
@@ -44,21 +43,21 @@ _FUNCTION = re.compile("|".join(FUNCTIONS))
 
 
 class _Node(NamedTuple):
-    """MathML of a factor; of a bracket also that of its inside."""
+    """MathML of a factor; of a bracket also the MathML of its content."""
 
     xml: str
-    inside: str | None = None
-    named: bool = False  # a function, which stands apart from what is before it
+    content: str | None = None
+    is_function: bool = False  # it is separated from the factor on its left
 
     @property
     def bare(self) -> str:
-        """In a fraction or an index a bracket is not needed."""
-        return f"<mrow>{self.inside}</mrow>" if self.inside is not None else self.xml
+        """MathML without its bracket, as in a fraction or an index."""
+        return f"<mrow>{self.content}</mrow>" if self.content is not None else self.xml
 
 
 class _Reader:
     def __init__(self, line: str) -> None:
-        # letters with accents fall apart into letter and accent; indices stay what they are
+        # a letter with an accent becomes a letter and an accent; indices do not change
         self.text = "".join(unicodedata.normalize("NFD", c) for c in line.replace("-", "−"))
         self.at = 0
 
@@ -75,7 +74,7 @@ class _Reader:
         return self.text[self.at - 1]
 
     def row(self, closing: str = "") -> str:
-        """Up to the closing bracket, which is taken, or to the end."""
+        """A row up to the closing bracket, which is read too, or to the end."""
         parts: list[str] = []
         product: list[_Node] = []
         while True:
@@ -96,27 +95,27 @@ class _Reader:
             elif sign.isalnum() or sign in "∂∞√" or sign in CLOSING or sign in BIG:
                 node = self.factor()
                 if sign in BIG:  # of what follows, not a factor of it
-                    parts += [*(each.xml for each in product), node.xml]
+                    parts += [*(factor.xml for factor in product), node.xml]
                     product = []
                 else:
-                    product.append(_Node(THIN_SPACE + node.xml) if node.named and product else node)
+                    product.append(_Node(THIN_SPACE + node.xml) if node.is_function and product else node)
             elif sign in ")]}" or unicodedata.category(sign).startswith("M"):
-                raise ValueError(f"{self.text!r}: {sign!r} at {self.at} belongs to nothing")
+                raise ValueError(f"{self.text!r}: {sign!r} at {self.at} has no letter on its left")
             else:
-                parts += [*(each.xml for each in product), f"<mo>{escape(self.take())}</mo>"]
+                parts += [*(factor.xml for factor in product), f"<mo>{escape(self.take())}</mo>"]
                 product = []
-        return "".join([*parts, *(each.xml for each in product)])
+        return "".join([*parts, *(factor.xml for factor in product)])
 
     def factor(self) -> _Node:
-        """One name, number, bracket, root or function of a factor, with its indices and powers."""
+        """A name, number, bracket, root or function of a factor, with its indices and powers."""
         function = _FUNCTION.match(self.text, self.at)
         if function is not None and not self.text[function.end() : function.end() + 1].isalpha():
             self.at = function.end()
             name = self.scripts(_Node(f"<mi>{function[0]}</mi>"))
             self.spaces()
             argument = self.factor()
-            apart = "" if argument.inside is not None else THIN_SPACE
-            return _Node(f"<mrow>{name.xml}<mo>\u2061</mo>{apart}{argument.xml}</mrow>", named=True)
+            space = "" if argument.content is not None else THIN_SPACE
+            return _Node(f"<mrow>{name.xml}<mo>\u2061</mo>{space}{argument.xml}</mrow>", is_function=True)
         sign = self.next
         if sign == "√":
             self.take()
@@ -129,10 +128,10 @@ class _Reader:
     def atom(self) -> _Node:
         sign = self.take()
         if sign in CLOSING:
-            inside = self.row(CLOSING[sign])
-            fences = (f'<mo fence="true">{escape(each)}</mo>' for each in (sign, CLOSING[sign]))
+            content = self.row(CLOSING[sign])
+            fences = (f'<mo fence="true">{escape(fence)}</mo>' for fence in (sign, CLOSING[sign]))
             opening, closing = fences
-            return _Node(f"<mrow>{opening}{inside}{closing}</mrow>", inside if sign == "(" else None)
+            return _Node(f"<mrow>{opening}{content}{closing}</mrow>", content if sign == "(" else None)
         if sign.isdigit() and sign not in RAISED and sign not in LOWERED:
             while self.next.isascii() and (
                 self.next.isdigit() or (self.next == "." and self.text[self.at + 1 : self.at + 2].isdigit())
@@ -167,12 +166,12 @@ class _Reader:
                 below += self.index()
         if not (below or above):
             return node
-        below, above = (f"<mrow>{each}</mrow>" if each else "" for each in (below, above))
+        below, above = (f"<mrow>{script}</mrow>" if script else "" for script in (below, above))
         tag = "msubsup" if below and above else "msub" if below else "msup"
         return _Node(f"<{tag}>{node.xml}{below}{above}</{tag}>")
 
     def index(self) -> str:
-        """Letters and digits that stand together, or what a bracket holds."""
+        """An index: neighbouring letters and digits, or the content of a bracket."""
         if self.next == "(":
             return self.atom().bare
         text = ""

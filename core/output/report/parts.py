@@ -1,4 +1,4 @@
-"""What a report is made of: sections of sentences, tables, pictures and equations. Texts, HTML and PDF are written from the same."""
+"""Model of a report: sections of sentences, tables, pictures and equations, from which text, HTML and PDF are written."""
 
 from __future__ import annotations
 
@@ -14,17 +14,23 @@ if TYPE_CHECKING:
     from core.study import Study
 
 
-# -- what a report is made of -----------------------------------------------------------------------------------
+# -- blocks and sections ----------------------------------------------------------------------------------------
 
 
 ROUNDING = 1e-12
-"""Of the size of a channel: a smaller value is not certain."""
+"""Fraction of the size of a quantity below which a value is rounding."""
 
 
 @frozen
 class Number:
-    """A computed number: its value as in ``summary.json`` (None: infinite), of which so many digits are for reading; size: of the
-    channel that it belongs to, of which what is rounding counts as 0."""
+    """A computed number as it is printed.
+
+    Attributes
+    ----------
+    value : as in ``summary.json``; None where it is infinite
+    most : greatest number of digits
+    size : size of its quantity; a value that is rounding against it is printed as 0
+    """
 
     value: float | None
     most: int = 6
@@ -41,37 +47,42 @@ Cell: TypeAlias = "str | Number"
 
 @frozen
 class Sentences:
-    """Lines of text. mark: whether they are a remark to what stands above."""
+    """Lines of text; with ``is_remark`` a remark on the block above."""
 
     lines: tuple[str, ...]
-    mark: bool = False
+    is_remark: bool = False
 
 
 @frozen
 class ReportTable:
-    """Rows of cells, the first ``left`` columns flush left.
+    """Rows of cells.
 
-    head   of the columns, empty where they need none; title: a line above
-    slug   of what the rows are, for programs that read the report; keys: of each row
+    Attributes
+    ----------
+    rows : cells of every row
+    header : titles of the columns; empty where they need none
+    left : number of columns that are flush left, from the first one
+    title : line above the table
+    slug, keys : names of the table and of its rows, for programs that read the report
     """
 
     rows: tuple[tuple[Cell, ...], ...]
-    head: tuple[str, ...] = ()
+    header: tuple[str, ...] = ()
     left: int = 1
     title: str = ""
     slug: str = ""
     keys: tuple[str, ...] = ()
 
     @property
-    def filled(self) -> ReportTable:
-        """Without the columns in which nothing stands."""
-        keep = [i for i in range(len(self.rows[0]) if self.rows else 0) if any(str(row[i]) for row in self.rows)]
-        rows = tuple(tuple(row[i] for i in keep) for row in self.rows)
-        return replace(self, rows=rows, head=tuple(self.head[i] for i in keep) if self.head else ())
+    def without_empty_columns(self) -> ReportTable:
+        """The table without its empty columns."""
+        filled = [i for i in range(len(self.rows[0]) if self.rows else 0) if any(str(row[i]) for row in self.rows)]
+        rows = tuple(tuple(row[i] for i in filled) for row in self.rows)
+        return replace(self, rows=rows, header=tuple(self.header[i] for i in filled) if self.header else ())
 
     @property
-    def words(self) -> frozenset[int]:
-        """Columns of words, which stand flush left wherever words are laid out in columns: units, sources, remarks."""
+    def text_columns(self) -> frozenset[int]:
+        """Columns of words, which are flush left: units, sources, remarks."""
         if not self.rows:
             return frozenset()
         return frozenset(
@@ -87,16 +98,16 @@ def _is_number(text: str) -> bool:
 
 @frozen(eq=False)
 class ReportPicture:
-    """A picture of a study, by the name that who paints knows it by; with a caption."""
+    """A picture of a study, by the name that the painter knows; with a caption."""
 
     name: str
-    of: Study
+    study: Study
     caption: str
 
 
 @frozen
 class ReportEquations:
-    """Equations, each with its source."""
+    """Equations with their sources."""
 
     rows: tuple[Equation, ...]
 
@@ -106,7 +117,7 @@ Block: TypeAlias = "Sentences | ReportTable | ReportPicture | ReportEquations"
 
 @frozen(eq=False)
 class Section:
-    """Blocks below a title; level: 1 a chapter, 2 a section of one."""
+    """Blocks below a title; level 1 is a chapter, level 2 a section of a chapter."""
 
     title: str
     blocks: tuple[Block, ...]
@@ -114,50 +125,50 @@ class Section:
 
 
 def table(
-    head: Sequence[str],
+    header: Sequence[str],
     rows: Iterable[Sequence[Cell]],
     left: int = 1,
     title: str = "",
     slug: str = "",
     keys: Iterable[str] = (),
 ) -> ReportTable:
-    """A table of any rows."""
-    return ReportTable(tuple(tuple(row) for row in rows), tuple(head), left, title, slug, tuple(keys))
+    """A table of rows."""
+    return ReportTable(tuple(tuple(row) for row in rows), tuple(header), left, title, slug, tuple(keys))
 
 
 def section(title: str, *blocks: Block | None) -> list[Section]:
-    """A section of the blocks that there are; none where there is none, or where no table has rows."""
-    there = tuple(
+    """A section of the blocks that are not None and not tables without rows; an empty list where no block is left."""
+    filled = tuple(
         block for block in blocks if block is not None and not (isinstance(block, ReportTable) and not block.rows)
     )
-    return [Section(title, there)] if there else []
+    return [Section(title, filled)] if filled else []
 
 
-# -- A report as plain text -------------------------------------------------------------------------------------
+# -- plain text ------------------------------------------------------------------------------------------------
 
 
 def text(name: str, sections: Iterable[Section]) -> str:
-    """The sections below the design's name, lines ending with a newline; pictures and equations have no place in it."""
+    """The sections as plain text below the design's name, without pictures and equations."""
     name = printable(name)
     return "\n".join([name, "=" * len(name), *lines(sections)]) + "\n"
 
 
 def lines(sections: Iterable[Section]) -> Iterator[str]:
-    """Each section after an empty line."""
-    for each in sections:
-        yield from ("", each.title, "-" * len(each.title))
-        for number, block in enumerate(each.blocks):
+    """Lines of the sections, an empty line before every section."""
+    for part in sections:
+        yield from ("", part.title, "-" * len(part.title))
+        for number, block in enumerate(part.blocks):
             if number:
                 yield ""
             yield from block_lines(block)
 
 
 def block_lines(block: Block) -> Iterator[str]:
-    """The lines of a table or of sentences; of pictures and equations none."""
+    """Lines of a table or of sentences; a picture or an equation has none."""
     if isinstance(block, Sentences):
         yield from block.lines
     elif isinstance(block, ReportTable):
         if block.title:
             yield block.title
         rows = [[str(cell) for cell in row] for row in block.rows]
-        yield from columns([block.head, *rows] if block.head else rows, block.left)
+        yield from columns([block.header, *rows] if block.header else rows, block.left)

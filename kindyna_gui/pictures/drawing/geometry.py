@@ -317,7 +317,7 @@ class Geometry:
         rounds = (
             (self.reference, self.face_radius),
             *((track, radius) for _, track, radius in self.further_rollers),
-            *((self.centre_of(wheel), wheel.radius) for pair in self.wheels for wheel in pair.round),
+            *((self.centre_of(wheel), wheel.radius) for pair in self.wheels for wheel in pair.circles),
         )
         for z, r in rounds:
             boxes.append((z.real.min() - r, z.imag.min() - r, z.real.max() + r, z.imag.max() + r))

@@ -67,7 +67,7 @@ class DimensionLines(NamedTuple):
 def _length(row: Dimension, room: DimensionRoom) -> DimensionLines:
     """Between extension lines that go out from the farther end; a short one has its value beside it."""
     across, away, part, unit = room
-    one, other = (place * MM for place in row.places)
+    one, other = (place * MM for place in row.points)
     reach = max((one * across.conjugate()).real, (other * across.conjugate()).real) + away
     ends = [place + (reach - (place * across.conjugate()).real) * across for place in (one, other)]
     over = across * BEYOND * unit
@@ -84,7 +84,7 @@ def _length(row: Dimension, room: DimensionRoom) -> DimensionLines:
 def _radius(row: Dimension, room: DimensionRoom) -> DimensionLines:
     """From the centre to the circle; the value of a small one stands outside."""
     unit = room.unit
-    centre, edge = (place * MM for place in row.places)
+    centre, edge = (place * MM for place in row.points)
     size = abs(edge - centre)
     way = (edge - centre) / size
     inside = size > SHORT * unit
@@ -98,7 +98,7 @@ def _radius(row: Dimension, room: DimensionRoom) -> DimensionLines:
 
 def _angle(row: Dimension, room: DimensionRoom) -> DimensionLines:
     """An arc between the legs."""
-    vertex, first, other = (place * MM for place in row.places)
+    vertex, first, other = (place * MM for place in row.points)
     radius = ARC * min(abs(first - vertex), abs(other - vertex))
     start, span = cmath.phase(first - vertex), np.deg2rad(row.value)
     arc = [vertex + cmath.rect(radius, start + span * k / ARC_STEPS) for k in range(ARC_STEPS + 1)]
@@ -140,7 +140,7 @@ def laid(geometry: Geometry) -> Iterator[PlacedDimension]:
         body = geometry.bodies.get(row.body) if row.body != FRAME else None
         turn = np.ones(geometry.samples, dtype=complex) if body is None else body.turn
         origin = np.zeros(geometry.samples, dtype=complex) if body is None else body.z
-        outwards = complex(((origin + sum(row.places) * MM / len(row.places) * turn - middle) / turn).mean())
+        outwards = complex(((origin + sum(row.points) * MM / len(row.points) * turn - middle) / turn).mean())
         across = _across(row, outwards)
         direction = (row.body, round(DIRECTIONS * cmath.phase(across))) if row.kind == LENGTH else ("", -1)
         number, unit = levels[direction], geometry.unit
@@ -151,7 +151,7 @@ def laid(geometry: Geometry) -> Iterator[PlacedDimension]:
 
 def _across(row: Dimension, outwards: complex) -> complex:
     """The unit vector square to what is measured, on the outer side."""
-    along = row.along or row.places[1] - row.places[0]
+    along = row.along or row.points[1] - row.points[0]
     across = 1j * along / abs(along)
     return across if (across * outwards.conjugate()).real >= 0.0 else -across
 

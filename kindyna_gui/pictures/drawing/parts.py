@@ -446,7 +446,7 @@ Z_WHEELS = 0.6
 def wheels(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """Of a linkage with wheels whose radii are known."""
     for number, pair in enumerate(geometry.wheels, 1):
-        for name, wheel in zip(("first", "second"), pair.round, strict=False):
+        for name, wheel in zip(("first", "second"), pair.circles, strict=False):
             body = geometry.bodies[body_name(wheel.link)]
             item = Outline(_wheel(wheel, body.points[wheel.point]), theme.pen(theme.ink, THIN, CHAIN))
             key = f"wheel{number}.{name}"

@@ -106,7 +106,7 @@ def _beside(beside: MechanismRow, ending: str) -> bytes:
     grid = QWidget()
     cells = QGridLayout(grid)
     cells.setContentsMargins(0, 0, 0, 0)
-    for number, posed in enumerate(beside.posed):
+    for number, posed in enumerate(beside.mechanisms):
         scene = MechanismScene(None, theme, ENLARGED if ending == ".svg" else 1.0, still=True)
         for layer in WITHOUT:
             scene.set_layer(layer, False)

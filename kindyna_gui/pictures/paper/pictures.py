@@ -68,7 +68,7 @@ class Vector:
 def vector(picture: ReportPicture, scale: float = 1.0, part: float = 1.0) -> Vector:
     """A picture of a report, to be painted on a device of which so many dots are a pixel; part: of its usual height, its letters as
     large. Raises NoSolution where its design has none."""
-    return VECTORS[picture.name](picture.of, replace(LIGHT, ratio=scale), part)
+    return VECTORS[picture.name](picture.study, replace(LIGHT, ratio=scale), part)
 
 
 def svg(drawn: Vector, title: str) -> str:

@@ -254,7 +254,7 @@ def _lines(
 def _sentences(block: Sentences) -> list[Strip]:
     strips: list[Strip] = []
     for text in block.lines:
-        size, colour = (SMALL, QUIET) if block.mark else (BODY, INK)
+        size, colour = (SMALL, QUIET) if block.is_remark else (BODY, INK)
         strips += _lines([text], size, colour=colour, above=1.2 if strips else GAP)
     return strips
 
@@ -317,12 +317,12 @@ def _equations(block: ReportEquations) -> list[Strip]:
 def _table(block: ReportTable) -> list[Strip]:
     """Rows with their head repeated on every page; columns as wide as they need, text wrapped where that is too much."""
     cells = [[str(cell) for cell in row] for row in block.rows]
-    flush = [i < block.left or i in block.words for i in range(len(cells[0]))]
-    widths = _widths([block.head, *cells] if block.head else cells, flush)
+    flush = [i < block.left or i in block.text_columns for i in range(len(cells[0]))]
+    widths = _widths([block.header, *cells] if block.header else cells, flush)
     strips: list[Strip] = []
     if block.title:
         strips += _lines([block.title], SMALL, colour=QUIET, above=GAP, joined=True)
-    head = _row(block.head, widths, flush, QUIET, THIN) if block.head else None
+    head = _row(block.header, widths, flush, QUIET, THIN) if block.header else None
     above = 0.6 if block.title else GAP
     if head is not None:
         strips.append(Strip(head.height, head.paint, above, joined=True))
@@ -442,7 +442,7 @@ def _block(block: Block, drawn: Drawn) -> list[Strip]:
     if isinstance(block, Sentences):
         return _sentences(block)
     if isinstance(block, ReportTable):
-        return _table(block.filled)
+        return _table(block.without_empty_columns)
     if isinstance(block, ReportPicture):
         return _picture(block, drawn[block]) if block in drawn else []
     return _equations(block)
@@ -462,7 +462,7 @@ def strips_of(document: Document, drawn: Drawn) -> Iterator[Strip]:
         for place, block in enumerate(each.blocks):
             made = _block(block, drawn)
             follows = each.blocks[place + 1 : place + 2]  # a remark to it, or what a table shows
-            ahead = place == 0 and isinstance(block, Sentences) and (block.mark or _is_table(follows))
+            ahead = place == 0 and isinstance(block, Sentences) and (block.is_remark or _is_table(follows))
             yield from map(_joined, made) if ahead else made
 
 

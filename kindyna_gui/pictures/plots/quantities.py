@@ -326,7 +326,7 @@ def _names(study: Study) -> tuple[str, ...]:
     """The quantities of a linkage worth a curve: without angles that go round, and links that never turn."""
     try:
         rows = quantities_of(study)
-        turning = study.driver_ranges.turning
+        turning = study.driver_ranges.angles
     except KindynaError:  # no mechanism yet, or none that can be assembled
         return ()
     at_rest = {str(n) for n, turn in turning.items() if np.ptp(turn.angle) < NO_TURN}

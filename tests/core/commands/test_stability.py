@@ -108,9 +108,9 @@ def test_the_shaft_that_a_speed_needs_is_told(capsys: pytest.CaptureFixture[str]
     ]
     needed = found.stiffness_for(speeds[0])
     assert f"needs at least {needed.stiffer:.6g} N·m/rad or at most {needed.softer:.6g}; the present 85" in inside
-    assert inside.endswith("stands in a forbidden band.")
-    assert near.endswith("stands too near a forbidden band.")
-    assert clear == "At 6000 rpm the present 85 N·m/rad keeps clear of every forbidden band."
+    assert inside.endswith("is in a forbidden band.")
+    assert near.endswith("is too near a forbidden band.")
+    assert clear == "At 6000 rpm the present 85 N·m/rad is outside every forbidden band."
 
 
 @pytest.mark.stress
@@ -301,7 +301,7 @@ def test_a_speed_too_low_to_be_answered_is_refused_in_one_line(
 def test_claims_are_about_kims_cam_only(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = saved(tmp_path, with_elastic(KIM, spring_factor=1.6))
     assert main(["stability", str(path), "--claims"]) == 2
-    assert "take the example kim_1990.toml" in capsys.readouterr().err
+    assert "use the example kim_1990.toml" in capsys.readouterr().err
     assert coefficients(KIM).q == pytest.approx(0.05)
 
 

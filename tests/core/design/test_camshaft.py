@@ -46,7 +46,7 @@ from core.design import (
 from core.errors import DesignError, NoSolution
 from core.output.export import camshaft_columns
 from core.project import dumps, load, loads, save, to_table
-from core.shaft import value
+from core.shaft import torque_at
 from core.study import Study, certificate_of, evaluations, findings_of
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
@@ -273,7 +273,7 @@ def test_between_samples_too_a_drive_runs_by_the_machine_angle_less_its_phase(un
     alone = Study(only(UNIT, 2)).at_theta(own).dynamics.torque
     assert np.abs(study.camshaft.drive_torque("Lift") - alone).max() <= 1e-12 * np.abs(alone).max()
     assert (
-        np.abs(value(study.camshaft.load, study.camshaft.theta) - study.camshaft.torque).max()
+        np.abs(torque_at(study.camshaft.load, study.camshaft.theta) - study.camshaft.torque).max()
         <= 1e-12 * np.abs(study.camshaft.torque).max()
     )
 
@@ -286,7 +286,7 @@ def test_where_a_torque_jumps_the_sum_has_its_right_hand_limit_whatever_the_phas
         study = Study(with_phase(design, 1, phase), SAMPLES)
         assert certificate_of(study, ("dynamics",))["power_balance"].kept
         assert (
-            np.abs(value(study.camshaft.load, study.camshaft.theta) - study.camshaft.torque).max()
+            np.abs(torque_at(study.camshaft.load, study.camshaft.theta) - study.camshaft.torque).max()
             <= 1e-12 * np.abs(study.camshaft.torque).max()
         )
         own = (study.angle_degrees - phase) % 360.0
@@ -305,7 +305,7 @@ def test_a_crank_turns_with_a_shaft_that_runs_clockwise() -> None:
     there = Study(only(design, 0), 360)
     assert np.array_equal(study.camshaft.torque, there.shaft_torque[(40 - np.arange(360)) % 360])
     assert (
-        np.abs(value(study.camshaft.load, study.camshaft.theta) - study.camshaft.torque).max()
+        np.abs(torque_at(study.camshaft.load, study.camshaft.theta) - study.camshaft.torque).max()
         <= 1e-12 * np.abs(study.camshaft.torque).max()
     )
     assert certificate_of(study)["power_balance"].kept
@@ -345,7 +345,7 @@ def test_a_crank_alone_has_the_flexible_shaft_that_it_has_in_a_list_either_way_r
 
 def test_peak_and_root_mean_square_are_those_of_the_curve(unit: Study) -> None:
     theta = np.linspace(0.0, 2.0 * np.pi, 100_000, endpoint=False)
-    dense = value(unit.camshaft.load, theta)
+    dense = torque_at(unit.camshaft.load, theta)
     assert unit.camshaft.rms_torque == pytest.approx(np.sqrt((dense**2).mean()), rel=1e-7)
     assert unit.camshaft.mean_torque == pytest.approx(dense.mean(), abs=1e-6 * unit.camshaft.rms_torque)
     assert 0.0 <= unit.camshaft.peaks.high.value - dense.max() <= 1e-6 * dense.max()

@@ -208,7 +208,7 @@ def test_a_torsion_spring_about_the_pivot_is_the_closing_spring() -> None:
 
 def test_a_spring_of_points_along_the_guide_is_the_closing_spring() -> None:
     closing = Study(design("card_picker", spring_rate_n_per_mm=2.0, preload_n=30.0), SAMPLES)
-    roller = complex(closing.linkage.bodies["follower"].place("roller")[0])  # in the dwell at 0
+    roller = complex(closing.linkage.bodies["follower"].position("roller")[0])  # in the dwell at 0
     spring = {"from": {"link": 1, "at": [0.0, 1e3 * roller.imag - 85.0]}, "to": {"link": 2, "point": "roller"}}
     rows = [spring | {"rate_n_per_mm": 2.0, "free_length_mm": 70.0}]
     pulled = Study(design("card_picker", springs=rows, spring_rate_n_per_mm=0.0, preload_n=0.0), SAMPLES)

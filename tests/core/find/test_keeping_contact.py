@@ -187,7 +187,7 @@ def test_the_design_states_the_force_that_must_be_kept(tmp_path: Path) -> None:
     (low,) = [f for f in findings_of(Study(design), ("dynamics",)) if f.code == "contact-force-low"]
     assert (low.severity, low.field) == ("warning", FORCE)
     assert "limit" not in low.message
-    assert "31 N at least" in low.message
+    assert "at least 31 N" in low.message
     solution = find(design, "preload", {})
     assert dict(solution.limits) == {FORCE: 31.0}
     assert not [f for f in findings_of(Study(solution.design), ("dynamics",)) if f.code == "contact-force-low"]

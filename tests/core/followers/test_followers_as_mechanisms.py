@@ -308,8 +308,8 @@ def test_every_body_points_where_its_angle_says(name: str) -> None:
             assert (there - here) / abs(there - here) == pytest.approx(pose.unit, abs=8 * EPS)
         for point, local in pose.points.items():
             for k in range(4):
-                assert pose.carried(local)[k] == pytest.approx(pose.point(point)[k], rel=4 * EPS, abs=1e-300)
-            assert pose.place(point).tolist() == pose.carried(local)[0].tolist()
+                assert pose.fixed_point(local)[k] == pytest.approx(pose.point(point)[k], rel=4 * EPS, abs=1e-300)
+            assert pose.position(point).tolist() == pose.fixed_point(local)[0].tolist()
     if "roller" in kinematics.bodies:
         assert (kinematics.bodies["roller"].angle == kinematics.bodies["arm"].angle).all()  # fixed to the arm
 

@@ -25,7 +25,7 @@ def positions(made, names, times):
     turn = driver.speed_rpm * 2.0 * math.pi / 60.0 * times
     theta = turn if driver.kind == MOTION else (turn + math.radians(drawn.driver_deg or 0.0)) / study.turns
     kinematics = study.at_theta(np.mod(theta, 2.0 * math.pi)).linkage
-    return {name: kinematics.bodies[kinematics.body_of(name)].place(name) * 1e3 for name in names}
+    return {name: kinematics.bodies[kinematics.body_of(name)].position(name) * 1e3 for name in names}
 
 
 def compare(model, text, seconds, size, tolerance, named, steps=90):

@@ -55,7 +55,7 @@ def test_pyslvs_joints_stand_as_read_and_every_link_stays_rigid(name: str) -> No
     study = Study(made.design, 90)
     assert study.linkage.residual.max() < 1e-12
     kinematics = study.linkage
-    curves = {n: kinematics.bodies[kinematics.body_of(n)].place(n) * 1e3 for n in points}
+    curves = {n: kinematics.bodies[kinematics.body_of(n)].position(n) * 1e3 for n in points}
     on: dict[str, list[int]] = {}
     for i, (kind, _, links) in enumerate(joints):
         word, _, angle = kind.partition(":")
@@ -93,7 +93,7 @@ def test_wheels_of_linkage2_are_a_second_driver_that_stands_where_it_is_drawn() 
     study = Study(made.design, 36)
     assert study.turns == 2
     pose = study.at_theta(np.zeros(1)).linkage
-    at = {name: complex(pose.bodies[pose.body_of(name)].place(name)[0]) * 1e3 / PIXEL for name in ("C1", "C2", "C3")}
+    at = {name: complex(pose.bodies[pose.body_of(name)].position(name)[0]) * 1e3 / PIXEL for name in ("C1", "C2", "C3")}
     assert at == pytest.approx({"C1": 20 + 0j, "C2": 40 + 60j, "C3": 60 + 15j}, abs=1e-9)
 
 
@@ -175,8 +175,8 @@ def test_linkage2_with_a_slider_on_a_link_a_gear_and_an_actuator() -> None:
     ).replace('<Link id="2"><connector id="2"/><connector id="3"/></Link>', "")
     crank = read_linkage(slider)
     study = Study(crank.design, 36)
-    c2 = study.linkage.bodies[study.linkage.body_of("C2")].place("C2") * 1e3
-    a = study.linkage.bodies["link2"].place("C1") * 1e3
+    c2 = study.linkage.bodies[study.linkage.body_of("C2")].position("C2") * 1e3
+    a = study.linkage.bodies["link2"].position("C1") * 1e3
     assert np.abs(c2.imag).max() < 1e-12
     assert np.abs(np.abs(c2 - a) - 40.0 * PIXEL).max() < 1e-12
     curved = read_linkage(slider.replace('slider="true"', 'slider="true" slideradius="30"'))

@@ -39,7 +39,7 @@ from core.measured import (
 from core.motion import program
 from core.motion.curves import segment_shape
 from core.output.export import table as exported
-from core.output.measured_text import fit_data, fit_text, notes, suspicions
+from core.output.measured_text import fit_data, fit_text, notes, wrong_row_lines
 from core.study import Study
 from core.study.quantities import KINEMATICS
 
@@ -533,7 +533,8 @@ def test_velocities_and_accelerations_have_their_offset_taken_off() -> None:
             gained = ("0.72 mm,", "0.108 mm/deg,")[order - 1]
             assert any(f"over a turn the table gains {gained}" in note for note in notes(found)), notes(found)
             assert any(
-                "does not tell where the follower stands; its lowest position is 0 mm" in n for n in notes(found)
+                "does not determine the position of the follower; its lowest position is 0 mm" in n
+                for n in notes(found)
             )
 
 
@@ -559,7 +560,7 @@ def test_a_typing_error_is_named_and_left_out() -> None:
     assert found.rms == pytest.approx(0.01, rel=1e-6), "of the other rows"
     assert found.residuals[[50, 51, 200]] == pytest.approx([1.0, -2.0, 0.09], abs=0.02)
     assert compared(found, 0) < 0.01
-    assert suspicions(found)[0].startswith("line 53 (51 deg): ")
+    assert wrong_row_lines(found)[0].startswith("line 53 (51 deg): ")
     assert any(note.startswith("lines 52-53, 202: wrong, ") for note in notes(found))
     kept = spline(table, 0.01, keep_all=True)
     assert kept.left_out == ()
@@ -588,7 +589,7 @@ def test_a_finer_error_takes_more_points_and_a_coarser_one_fewer() -> None:
     assert [f.freedom for f in found] == sorted(f.freedom for f in found)
     assert all(f.rms == pytest.approx(f.error, rel=1e-6) for f in found)
     assert found[0].waves < 1.0
-    assert any("a smaller error would keep it" in note for note in notes(found[0]))
+    assert any("a smaller error would retain it" in note for note in notes(found[0]))
 
 
 @pytest.mark.stress
@@ -614,7 +615,9 @@ def test_rows_that_repeat_an_angle_and_disagree_are_told() -> None:
     values = moved(angles)
     values[-2] += 0.5
     found = spline(taken(written(angles, values)), 0.01, keep_all=True)
-    assert any("the table does not close: a turn later, line 74 is 0.5 mm off" in note for note in notes(found))
+    assert any(
+        "the table does not close: a turn later, the deviation of line 74 is 0.5 mm" in note for note in notes(found)
+    )
     assert found.rms == pytest.approx(0.5 / math.sqrt(2 * angles.size), rel=0.01)
     assert any("rows that repeat a cam angle leave 0.04" in note for note in notes(found))
 

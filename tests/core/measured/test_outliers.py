@@ -243,4 +243,4 @@ def test_rows_that_may_belong_to_a_wrong_run_are_left_out_and_told_apart() -> No
     assert set(found.outliers.wrong) <= set(range(63, 78))
     assert found.outliers.possible
     assert found.left_out == tuple(sorted(found.outliers.wrong + found.outliers.possible))
-    assert any("they may be wrong too" in note for note in notes(found))
+    assert any("possibly wrong too" in note for note in notes(found))

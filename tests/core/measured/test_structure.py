@@ -137,9 +137,9 @@ def test_a_velocity_that_is_no_derivative_is_named_with_its_rows_and_not_fitted(
     assert found.contradicted[0].factor == pytest.approx(0.5, rel=1e-3)
     told = [note for note in notes(found) if " contradicts " in note]
     assert told[0].startswith(
-        "column 3 (velocity_mm_s) contradicts column 2 (displacement_mm): in the whole it is 0.5 times"
+        "column 3 (velocity_mm_s) contradicts column 2 (displacement_mm): overall it is 0.5 times"
     )
-    assert "rows are off by more than their errors, lines 4" in told[0]
+    assert "rows deviate by more than their errors, lines 4" in told[0]
     assert {s.law for s in found.segments} == {"dwell", "3-4-5"}
 
 
@@ -167,7 +167,7 @@ def test_of_columns_that_contradict_each_other_the_user_chooses(
     assert [(c["quantity"], c["compared_only"]) for c in chosen["columns"]] == [
         ("velocity", False), ("displacement", True), ("acceleration", True),
     ]  # fmt: skip
-    assert any("the motion is made of velocity, as chosen; compared only: column 2" in n for n in chosen["notes"])
+    assert any("the motion is fitted to velocity, as chosen; compared only: column 2" in n for n in chosen["notes"])
     motion = project.load(made).drive.motion
     assert motion is not None
     at = np.arange(0.0, 360.0, 7.0)

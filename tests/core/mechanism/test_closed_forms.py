@@ -31,7 +31,7 @@ def test_oldhams_coupling_turns_both_shafts_alike() -> None:
     turned = bodies["link4"].angle - bodies["link2"].angle
     assert np.ptp(turned[0]) < 1e-12
     assert np.abs(turned[1:]).max() < 1e-11
-    middle = bodies["link3"].place("M")
+    middle = bodies["link3"].position("M")
     assert np.abs(middle - 10e-3 * (1.0 + np.exp(2j * theta))).max() < 1e-12 * 0.02
 
 
@@ -64,7 +64,7 @@ def test_jansens_leg_goes_where_its_circles_meet() -> None:
     study = Study(design, 360)
     assert not study.swings
     for name, wanted in (("B", at_b), ("C", at_c), ("D", at_d), ("E", at_e), ("F", foot)):
-        found = study.linkage.bodies[study.linkage.body_of(name)].place(name) * 1e3
+        found = study.linkage.bodies[study.linkage.body_of(name)].position(name) * 1e3
         assert np.abs(found - wanted).max() < 1e-12 * 150.0, name
     step = foot[foot.imag < foot.imag.min() + 3.0]
     assert foot.imag.min() < -80.0  # it walks below the crank,

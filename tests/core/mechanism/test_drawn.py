@@ -12,7 +12,7 @@ from linkages import SLIDING_GROUP, four_bar, link, slider_crank
 from core.__main__ import main
 from core.design import Design, Drawn, LinkPoint, get, put, with_drive
 from core.errors import DesignError, NoPosition
-from core.mechanism.drivers import redrawn, with_signs
+from core.mechanism.drivers import with_drawn_pose, with_signs
 from core.project import load, save
 from core.study import Study, findings_of
 
@@ -31,7 +31,7 @@ def test_examples_drawn_at_any_angle_run_as_by_their_signs_and_come_back_to_them
     design = load(EXAMPLES / f"{name}.toml")
     whole = Study(design, 36)
     for theta in whole.theta[[1, 17]]:
-        as_drawn = redrawn(design, whole.at_theta(np.array([theta])).linkage)
+        as_drawn = with_drawn_pose(design, whole.at_theta(np.array([theta])).linkage)
         assert as_drawn.drive.linkage.branch == ()
         study = Study(as_drawn, 36)
         for body, pose in whole.linkage.bodies.items():
@@ -50,7 +50,7 @@ def test_a_rough_pose_is_enough_and_the_other_side_is_the_other_assembly() -> No
 def test_a_group_is_assembled_as_drawn() -> None:
     whole = Study(SLIDING_GROUP, 24)
     pose = whole.at_theta(whole.theta[[5]]).linkage
-    made = Study(redrawn(SLIDING_GROUP, pose), 24)
+    made = Study(with_drawn_pose(SLIDING_GROUP, pose), 24)
     for body, each in whole.linkage.bodies.items():
         assert np.abs(made.linkage.bodies[body].z[0] - each.z[0]).max() <= 1e-9 * np.abs(each.z[0]).max()
 
@@ -91,11 +91,11 @@ def test_of_two_circuits_the_drawn_one_is_run_and_the_other_listed() -> None:
 def test_a_tie_is_refused_and_a_tracer_breaks_it() -> None:
     inverted = load(EXAMPLES / "inverted_slider_crank.toml")
     whole = Study(inverted, 36)
-    here = redrawn(inverted, whole.at_theta(whole.theta[[3]]).linkage)
+    here = with_drawn_pose(inverted, whole.at_theta(whole.theta[[3]]).linkage)
     frame = set(inverted.drive.linkage.by_number[1].places)
     shared = [p for p in here.drive.linkage.drawn.points if p.name == "A" or p.name in frame]
     tied = put(here, "linkage.drawn", replace(here.drive.linkage.drawn, points=tuple(shared)))
-    with pytest.raises(NoPosition, match="as near to what is drawn") as refused:
+    with pytest.raises(NoPosition, match="equally near to the drawing") as refused:
         _ = Study(tied).linkage
     assert "\n" not in str(refused.value)
     bar = four_bar(60.0, 20.0, 50.0, 40.0)
@@ -121,7 +121,7 @@ def test_what_is_drawn_is_read_and_written_and_its_faults_are_named(tmp_path: Pa
 def test_a_motion_is_drawn_at_cam_angle_0() -> None:
     design = load(EXAMPLES / "four_bar_coupler_cam.toml")
     study = Study(design, 36)
-    here = redrawn(design, study.at_theta(np.zeros(1)).linkage)
+    here = with_drawn_pose(design, study.at_theta(np.zeros(1)).linkage)
     unplaced = replace(here.drive.linkage.drawn, driver_deg=None, driver_mm=None)
     made = Study(put(here, "linkage.drawn", unplaced), 36)
     assert np.array_equal(made.linkage.follower.z, study.linkage.follower.z)

@@ -12,7 +12,7 @@ from sampled import spread, stressed
 
 from core.design import CRANK, MOTION, Design, Driver, Roller, faults, with_drive
 from core.errors import KindynaError, NoPosition
-from core.mechanism.drivers import driver_place, drivers, roller_places, with_driver, with_roller, without_roller
+from core.mechanism.drivers import driver_position, drivers, roller_points, with_driver, with_roller, without_roller
 from core.project import load
 from core.project.writing import to_table
 from core.study import Study
@@ -57,7 +57,9 @@ def test_whatever_leads_the_linkage_goes_on_from_where_it_stands(name: str) -> N
         assert faults(changed) == []
         assert (changed.drive.mechanism.driver.link, changed.drive.mechanism.driver.kind) == (driver.link, driver.kind)
         same = (driver.link, driver.kind) == (design.drive.mechanism.driver.link, design.drive.mechanism.driver.kind)
-        theta = driver_place(changed.drive.mechanism, before.linkage) % (2.0 * math.pi) if driver.kind == CRANK else 0.0
+        theta = (
+            driver_position(changed.drive.mechanism, before.linkage) % (2.0 * math.pi) if driver.kind == CRANK else 0.0
+        )
         size = Study(changed).driver_ranges.plan.size
         after = places(at(changed, 1.0 if same else theta))
         assert after == pytest.approx(places(before), abs=1e-6 * size), driver  # a motion starts at a rounded place
@@ -106,7 +108,7 @@ def test_what_cannot_lead_is_not_offered() -> None:
 
 def test_a_roller_comes_moves_and_goes() -> None:
     crank = example("four_bar")
-    assert roller_places(crank) == ((2, "A"), (3, "B"), (3, "C"))
+    assert roller_points(crank) == ((2, "A"), (3, "B"), (3, "C"))
     with pytest.raises(KindynaError, match=r"linkage\.driver\.kind: a cam needs a motion"):
         with_roller(crank, 3, "C")
     design = led("four_bar", 0.0, Driver(2, MOTION, 60.0))

@@ -31,7 +31,7 @@ from core.design import CRANK, Design, Drive, Driver, Linkage, LinkageLoads, Sli
 from core.design.topology import mobility, solving_order
 from core.errors import NoPosition
 from core.mechanism import (
-    CrankProgram,
+    CrankMotion,
     body_name,
     driver_ranges_of,
     mechanism_of,
@@ -317,7 +317,7 @@ def test_a_four_bar_turns_where_grashof_says_so(
     design = four_bar(ground, crank, coupler, rocker, side)
     ranges = driver_ranges_of(design.drive.mechanism).ranges
     turns = surplus < 0.0 and lengths[0] in (ground, crank)
-    assert (len(ranges) == 1 and ranges[0].free) == turns
+    assert (len(ranges) == 1 and ranges[0].is_free) == turns
     kind = four_bar_of(plan_of(design.drive.mechanism))
     assert kind is not None
     assert (kind.kind in ("crank-rocker", "double crank")) == turns
@@ -419,7 +419,7 @@ def test_a_parallelogram_stays_one_through_its_change_points() -> None:
     design = four_bar(100.0, 40.0, 100.0, 40.0)
     driver_ranges = driver_ranges_of(design.drive.mechanism)
     assert [c.at for c in driver_ranges.changes] == pytest.approx([0.0, math.pi], abs=1e-7)
-    assert [r.free for r in driver_ranges.ranges] == [True]
+    assert [r.is_free for r in driver_ranges.ranges] == [True]
     angles = np.linspace(0.0, TURN, 721)[:-1]
     kinematics = unit_speed_kinematics(design.drive.mechanism, angles, driver_ranges)
     rocker = kinematics.bodies["link4"].angle
@@ -458,9 +458,9 @@ def test_angles_do_not_jump_within_the_turn() -> None:
         kinematics = kinematics_at(design, *np.linspace(0.0, TURN, 2881)[:-1])
         for name, pose in kinematics.bodies.items():
             assert np.abs(np.diff(pose.angle[0])).max() < 0.1, name
-    turning = driver_ranges_of(double.drive.mechanism).turning
-    assert turning[3].turns
-    assert turning[4].turns
+    turning = driver_ranges_of(double.drive.mechanism).angles
+    assert turning[3].rotates
+    assert turning[4].rotates
 
 
 def test_an_angle_does_not_depend_on_what_is_asked_with_it() -> None:
@@ -491,10 +491,10 @@ def test_a_sliding_driver_pushes_the_slider_crank_backwards() -> None:
 
 
 def test_a_crank_program_has_a_piece_for_each_range() -> None:
-    run = CrankProgram(driver_ranges_of(four_bar(70.0, 60.0, 30.0, 55.0).drive.mechanism))
+    run = CrankMotion(driver_ranges_of(four_bar(70.0, 60.0, 30.0, 55.0).drive.mechanism))
     degrees = run.degrees(360)
     assert 0 < degrees.size < 360
-    assert run.within(np.deg2rad(degrees)).all()
+    assert run.is_assembled(np.deg2rad(degrees)).all()
     assert run.angles(np.deg2rad(degrees)).piece.max() == 1
     state = run.state(run.angles(np.array([1.0])))
     assert state.y[:, 0].tolist() == [1.0, 1.0, 0.0, 0.0]
@@ -510,7 +510,7 @@ STILL: dict[str, Callable[[], Design]] = {
 def test_every_link_is_a_body_and_every_pair_joins_two(design: str) -> None:
     linkage = STILL[design]().drive.linkage
     driver_ranges = driver_ranges_of(linkage)
-    run = CrankProgram(driver_ranges)
+    run = CrankMotion(driver_ranges)
     kinematics = solve_mechanism(mechanism_of(linkage), run.state(run.angles(np.arange(6.0))), driver_ranges)
     assert list(kinematics.bodies) == [FRAME, "link2", "link3", "link4"]
     for pair in kinematics.pairs.values():

@@ -34,8 +34,8 @@ from core.design import (
 from core.errors import NoPosition
 from core.linkage_programs import read_linkage
 from core.mechanism.drawing_edits import with_driving_link, without
-from core.mechanism.drivers import circuits, redrawn, with_signs
-from core.mechanism.unfinished import unfinished
+from core.mechanism.drivers import circuits, with_drawn_pose, with_signs
+from core.mechanism.unfinished import mobility
 from core.project import load, save
 from core.study import Study, certificate_of, extremes_of, findings_of, many
 
@@ -68,7 +68,7 @@ def boom() -> Design:
 def test_a_boom_is_where_the_cosine_rule_has_it_and_the_cylinder_does_its_work(tmp_path: Path) -> None:
     design = boom()
     assert faults(design) == []
-    assert unfinished(design.drive.linkage).finished
+    assert mobility(design.drive.linkage).is_finished
     save(design, tmp_path / "boom.toml")
     assert load(tmp_path / "boom.toml") == design
     assert "on = 3" in (tmp_path / "boom.toml").read_text("utf-8")
@@ -82,11 +82,11 @@ def test_a_boom_is_where_the_cosine_rule_has_it_and_the_cylinder_does_its_work(t
     omega, bodies, power = study.omega, study.linkage.bodies, np.zeros(180)
     for mass in design.drive.loads.masses:
         body = bodies[f"link{mass.link}"]
-        at = body.carried(complex(mass.centre_x_mm, mass.centre_y_mm) * 1e-3)
+        at = body.fixed_point(complex(mass.centre_x_mm, mass.centre_y_mm) * 1e-3)
         v, a = at[1] * omega, at[2] * omega**2
         power += (mass.mass_kg * (a + G * 1j).conj() * v).real
         power += mass.inertia_kg_m2 * body.turn[2] * body.turn[1] * omega**3
-    power += 1000.0 * (bodies["link2"].place("T", 1) * omega).imag
+    power += 1000.0 * (bodies["link2"].position("T", 1) * omega).imag
     given = study.dynamics.driver * study.linkage.motion.displacement[1] * omega
     assert np.abs(given - power).max() <= 1e-12 * np.abs(power).max()
     # in the dwell: moments about O2 of a boom that stands; the cylinder's own weight is carried by both its pins
@@ -174,7 +174,7 @@ def test_what_cannot_drive_is_named() -> None:
 
 def test_signs_and_circuits_of_a_boom() -> None:
     design = boom()
-    assert [c.here for c in circuits(design)] == [True, False]
+    assert [c.is_current for c in circuits(design)] == [True, False]
     signed = with_signs(design)
     assert signed.drive.linkage.drawn is None
     one, other = (Study(each, 24).linkage.bodies["link2"].z for each in (design, signed))
@@ -196,7 +196,7 @@ def test_an_actuator_of_linkage_drives_by_its_length() -> None:
     linkage = made.design.drive.linkage
     assert (linkage.driver.kind, linkage.driver.speed_rpm) == (MOTION, 6.0)
     study = Study(made.design, 36)
-    b = study.linkage.bodies[study.linkage.body_of("C1")].place("C1")
+    b = study.linkage.bodies[study.linkage.body_of("C1")].position("C1")
     pixel = 25.4e-3 / 96.0
     way = 1.0 - np.abs(1.0 - study.theta / np.pi)  # out and back at constant speed
     length = pixel * (abs(100 + 500j) + 120.0 * way)
@@ -208,7 +208,7 @@ def test_an_actuator_of_linkage_drives_by_its_length() -> None:
 
 def test_a_cylinder_is_drawn_made_the_driver_and_taken_away() -> None:
     """As the tools of Draw do it: the rod is chosen to drive, rests where it is drawn, and goes with its tube."""
-    drawn = redrawn(boom(), Study(boom(), 24).at_theta(np.zeros(1)).linkage)
+    drawn = with_drawn_pose(boom(), Study(boom(), 24).at_theta(np.zeros(1)).linkage)
     linkage = replace(drawn.drive.linkage, driver=NO_DRIVER)
     made = with_driving_link(with_drive(drawn, motion=None, mechanism=linkage), 4)
     driver = made.drive.linkage.driver

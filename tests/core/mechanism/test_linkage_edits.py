@@ -41,7 +41,7 @@ from core.mechanism.drawing_edits import (
     with_welded,
     without,
 )
-from core.mechanism.drawn import Spot, places_of, pose_of, settled, with_places
+from core.mechanism.drawn import DrawingTarget, assembled, link_pose, point_positions, with_positions
 from core.mechanism.drivers import with_roller
 from core.project import dumps, loads
 
@@ -50,10 +50,10 @@ SHEET = Design("sheet", None, (Drive(None, empty_linkage(), None, LinkageLoads()
 
 def drawn_four_bar() -> Design:
     """By four tools: two pivots, three bars, a driver; coordinates of a grid."""
-    design = with_ground(with_ground(SHEET, Spot(0j)), Spot(100 + 0j))
-    design = with_link(design, [Spot(0j, "O1"), Spot(0 + 30j)])
-    design = with_link(design, [Spot(0 + 30j, "A"), Spot(80 + 70j)])
-    design = with_link(design, [Spot(80 + 70j, "B"), Spot(100 + 0j, "O2")])
+    design = with_ground(with_ground(SHEET, DrawingTarget(0j)), DrawingTarget(100 + 0j))
+    design = with_link(design, [DrawingTarget(0j, "O1"), DrawingTarget(0 + 30j)])
+    design = with_link(design, [DrawingTarget(0 + 30j, "A"), DrawingTarget(80 + 70j)])
+    design = with_link(design, [DrawingTarget(80 + 70j, "B"), DrawingTarget(100 + 0j, "O2")])
     return with_driving_link(design, 2)
 
 
@@ -64,10 +64,10 @@ def shape(design: Design, number: int) -> dict[str, complex]:
 def open_by(design: Design) -> float:
     """How far any point is from where any of its links has it [mm]."""
     linkage = design.drive.linkage
-    places = places_of(linkage)
+    places = point_positions(linkage)
     worst = 0.0
     for each in linkage.links:
-        origin, axis = pose_of(linkage, each.number, places)
+        origin, axis = link_pose(linkage, each.number, places)
         worst = max([worst, *(abs(origin + at * axis - places[name]) for name, at in each.places.items())])
     return worst
 
@@ -87,43 +87,43 @@ def test_bars_between_clicks_are_the_links_of_a_file() -> None:
 
 def test_a_bar_of_a_typed_length_has_every_digit() -> None:
     typed = 68.97436047612022
-    design = with_link(SHEET, [Spot(0j), Spot(cmath.rect(typed, 0.3))], length_mm=typed)
+    design = with_link(SHEET, [DrawingTarget(0j), DrawingTarget(cmath.rect(typed, 0.3))], length_mm=typed)
     assert shape(design, 2) == {"A": 0j, "B": typed + 0j}
 
 
 def test_a_click_on_a_bar_makes_it_a_plate_with_a_pin() -> None:
     design = drawn_four_bar()
-    design = with_link(design, [Spot(40 + 50j, link=3), Spot(40 + 90j)])
+    design = with_link(design, [DrawingTarget(40 + 50j, link=3), DrawingTarget(40 + 90j)])
     assert shape(design, 3)["C"] == pytest.approx(math.hypot(40, 20), abs=1e-9)
     assert shape(design, 5) == {"C": 0j, "D": 40 + 0j}
 
 
 def test_two_pins_between_two_links_are_refused() -> None:
-    design = with_link(SHEET, [Spot(0j), Spot(50 + 0j)])
+    design = with_link(SHEET, [DrawingTarget(0j), DrawingTarget(50 + 0j)])
     with pytest.raises(DesignError, match="twice"):
-        with_link(design, [Spot(0j, "A"), Spot(50 + 0j, "B")])
-    with pytest.raises(DesignError, match="apart"):
-        with_link(design, [Spot(0j, "A"), Spot(0j)])
+        with_link(design, [DrawingTarget(0j, "A"), DrawingTarget(50 + 0j, "B")])
+    with pytest.raises(DesignError, match="coincide"):
+        with_link(design, [DrawingTarget(0j, "A"), DrawingTarget(0j)])
 
 
 def test_a_pin_that_waits_is_taken_up_by_the_link_that_comes() -> None:
-    design = with_pin(SHEET, Spot(10 + 10j))
+    design = with_pin(SHEET, DrawingTarget(10 + 10j))
     assert len(design.drive.linkage.links) == 2
-    design = with_link(design, [Spot(10 + 10j, "A"), Spot(50 + 10j)])
+    design = with_link(design, [DrawingTarget(10 + 10j, "A"), DrawingTarget(50 + 10j)])
     assert [each.number for each in design.drive.linkage.links] == [1, 3]
-    fixed = with_ground(with_pin(SHEET, Spot(10 + 10j)), Spot(10 + 10j, "A"))
+    fixed = with_ground(with_pin(SHEET, DrawingTarget(10 + 10j)), DrawingTarget(10 + 10j, "A"))
     assert [each.number for each in fixed.drive.linkage.links] == [1]
     assert shape(fixed, 1) == {"A": 10 + 10j}
 
 
 def test_a_block_slides_on_the_frame_or_on_a_link() -> None:
-    design = with_link(with_ground(SHEET, Spot(0j)), [Spot(0j, "O1"), Spot(30j)])
-    design = with_link(design, [Spot(30j, "A"), Spot(120 + 0j)])
-    on_frame = with_slider(design, Spot(120 + 0j, "B"), 0j, 0.0)
+    design = with_link(with_ground(SHEET, DrawingTarget(0j)), [DrawingTarget(0j, "O1"), DrawingTarget(30j)])
+    design = with_link(design, [DrawingTarget(30j, "A"), DrawingTarget(120 + 0j)])
+    on_frame = with_slider(design, DrawingTarget(120 + 0j, "B"), 0j, 0.0)
     assert on_frame.drive.linkage.sliders == (Slider(link=4, on=1, through_x_mm=0.0, through_y_mm=0.0, angle_deg=0.0),)
     assert shape(on_frame, 4) == {"B": 0j}
     axis = complex(120, -30) / abs(complex(120, -30))
-    on_rod = with_slider(design, Spot(60 + 15j), 60 + 15j, math.degrees(cmath.phase(axis)), on=3)
+    on_rod = with_slider(design, DrawingTarget(60 + 15j), 60 + 15j, math.degrees(cmath.phase(axis)), on=3)
     (slider,) = on_rod.drive.linkage.sliders
     assert (slider.link, slider.on, slider.angle_deg) == (4, 3, pytest.approx(0.0, abs=1e-9))
     assert slider.through_x_mm == pytest.approx(abs(complex(60, -15)), abs=1e-9)
@@ -143,14 +143,16 @@ def test_only_what_is_moved_changes_its_numbers() -> None:
 
 
 def test_what_slides_keeps_to_its_line_when_it_is_moved() -> None:
-    design = with_slider(with_link(SHEET, [Spot(0j), Spot(50 + 20j)]), Spot(50 + 20j, "B"), 0 + 20j, 0.0)
-    assert places_of(with_moved(design, {"B": 70 + 45j}).drive.linkage)["B"] == 70 + 20j
+    design = with_slider(
+        with_link(SHEET, [DrawingTarget(0j), DrawingTarget(50 + 20j)]), DrawingTarget(50 + 20j, "B"), 0 + 20j, 0.0
+    )
+    assert point_positions(with_moved(design, {"B": 70 + 45j}).drive.linkage)["B"] == 70 + 20j
 
 
 def test_a_typed_length_is_exact_and_the_drawing_is_put_together_again() -> None:
     design = drawn_four_bar()
     for number, one, other, value in ((3, "A", "B", 90.0), (4, "B", "O2", 70.0)):
-        design = settled(with_length(design, number, one, other, value))
+        design = assembled(with_length(design, number, one, other, value))
     assert shape(design, 3) == {"A": 0j, "B": 90 + 0j}
     assert abs(shape(design, 4)["O2"]) == 70.0
     assert shape(design, 2)["A"] == 30 + 0j
@@ -158,32 +160,35 @@ def test_a_typed_length_is_exact_and_the_drawing_is_put_together_again() -> None
     assert design.drive.linkage.drawn is not None
     assert design.drive.linkage.drawn.driver_deg == 90.0
     with pytest.raises(NoPosition, match="do not meet"):
-        settled(with_length(design, 3, "A", "B", 900.0))
+        assembled(with_length(design, 3, "A", "B", 900.0))
 
 
 def test_pins_are_joined_and_split() -> None:
-    design = with_ground(SHEET, Spot(0j))
-    design = with_link(design, [Spot(0j, "O1"), Spot(40 + 0j)])
-    design = with_link(design, [Spot(41 + 3j), Spot(90 + 0j)])
+    design = with_ground(SHEET, DrawingTarget(0j))
+    design = with_link(design, [DrawingTarget(0j, "O1"), DrawingTarget(40 + 0j)])
+    design = with_link(design, [DrawingTarget(41 + 3j), DrawingTarget(90 + 0j)])
     joined = with_joined(design, "A", "B")
-    assert places_of(joined.drive.linkage) == {"O1": 0j, "A": 40 + 0j, "C": 90 + 0j}
+    assert point_positions(joined.drive.linkage) == {"O1": 0j, "A": 40 + 0j, "C": 90 + 0j}
     assert list(shape(joined, 3)) == ["A", "C"]
     assert shape(joined, 3)["C"] == 50 + 0j
     apart = with_split(joined, "A")
-    assert places_of(apart.drive.linkage)["B"] == 40 + 0j
+    assert point_positions(apart.drive.linkage)["B"] == 40 + 0j
     assert (list(shape(apart, 2)), list(shape(apart, 3))) == (["O1", "A"], ["B", "C"])
     with pytest.raises(DesignError, match="both on link 2"):
         with_joined(design, "O1", "A")
 
 
 def test_welded_links_keep_their_places_and_their_mass() -> None:
-    design = with_link(with_link(SHEET, [Spot(0j), Spot(60 + 0j)]), [Spot(60 + 0j, "B"), Spot(60 + 80j)])
+    design = with_link(
+        with_link(SHEET, [DrawingTarget(0j), DrawingTarget(60 + 0j)]),
+        [DrawingTarget(60 + 0j, "B"), DrawingTarget(60 + 80j)],
+    )
     masses = (LinkMass(link=2, mass_kg=1.0, inertia_kg_m2=0.1), LinkMass(link=3, mass_kg=3.0, inertia_kg_m2=0.2))
     design = with_drive(design, loads=LinkageLoads(masses=masses))
-    before = places_of(design.drive.linkage)
+    before = point_positions(design.drive.linkage)
     welded = with_welded(design, 2, 3)
     assert shape(welded, 2) == pytest.approx({"A": 0j, "B": 60 + 0j, "C": 60 + 80j})
-    assert places_of(welded.drive.linkage) == pytest.approx(before)
+    assert point_positions(welded.drive.linkage) == pytest.approx(before)
     (mass,) = welded.drive.loads.masses
     assert (mass.mass_kg, mass.centre_x_mm, mass.centre_y_mm) == (4.0, 45.0, 0.0)
     # about the common centre, 45 mm from one mass and 15 mm from the other: both have theirs at their first point
@@ -282,7 +287,7 @@ def test_copies_stand_beside_with_numbers_and_names_of_their_own() -> None:
     design = with_new_row(drawn_four_bar(), "loads.masses", [Attachment(link=3, x_mm=1.0, y_mm=2.0)])
     twice, links = with_part(design, part_of(design, [2, 3, 4]), 200 + 50j)
     assert links == (5, 6, 7)
-    one, other = places_of(design.drive.linkage), places_of(twice.drive.linkage)
+    one, other = point_positions(design.drive.linkage), point_positions(twice.drive.linkage)
     assert {name: other[name] for name in one} == one
     assert sorted((at - (200 + 50j) for name, at in other.items() if name not in one), key=abs) == pytest.approx(
         sorted(one.values(), key=abs)
@@ -292,10 +297,10 @@ def test_copies_stand_beside_with_numbers_and_names_of_their_own() -> None:
 
 
 def test_mirrored_twice_is_what_it_was() -> None:
-    design = with_traced_point(drawn_four_bar(), Spot(40 + 80j, link=3))
+    design = with_traced_point(drawn_four_bar(), DrawingTarget(40 + 80j, link=3))
     once = with_mirrored(design, [2, 3, 4], 50 + 0j, 1j)
-    assert places_of(once.drive.linkage)["A"] == 100 + 30j
-    assert places_of(once.drive.linkage)["O1"] == 100 + 0j
+    assert point_positions(once.drive.linkage)["A"] == 100 + 30j
+    assert point_positions(once.drive.linkage)["O1"] == 100 + 0j
     assert open_by(once) < 1e-8
     again = with_mirrored(once, [2, 3, 4], 50 + 0j, 1j)
     assert again.drive.linkage.links == design.drive.linkage.links
@@ -308,16 +313,20 @@ def test_whatever_is_drawn_stands_where_it_was_clicked(steps: list[tuple[int, in
     design = SHEET
     for kind, x, y in steps:
         linkage, at = design.drive.linkage, complex(x, y)
-        places = places_of(linkage)
+        places = point_positions(linkage)
         names, links = sorted(places), [each.number for each in linkage.links if each.number != 1]
-        spot = Spot(places[names[x % len(names)]], names[x % len(names)]) if names and x % 2 else Spot(at)
+        spot = (
+            DrawingTarget(places[names[x % len(names)]], names[x % len(names)])
+            if names and x % 2
+            else DrawingTarget(at)
+        )
         try:
             if kind < 4:
-                design = with_link(design, [spot, Spot(spot.at + at)])
+                design = with_link(design, [spot, DrawingTarget(spot.at + at)])
             elif kind == 4:
                 design = with_ground(design, spot)
             elif kind == 5 and links:
-                design = with_traced_point(design, Spot(at, link=links[x % len(links)]))
+                design = with_traced_point(design, DrawingTarget(at, link=links[x % len(links)]))
             elif kind == 6 and names:
                 design = with_moved(design, {names[x % len(names)]: at})
             elif kind == 7 and names:
@@ -330,7 +339,7 @@ def test_whatever_is_drawn_stands_where_it_was_clicked(steps: list[tuple[int, in
 
 
 def test_a_design_with_signs_is_drawn_from_where_it_stands() -> None:
-    design = with_places(four_bar(100, 30, 90, 70), {"A": 30j, "B": 80 + 70j})
+    design = with_positions(four_bar(100, 30, 90, 70), {"A": 30j, "B": 80 + 70j})
     assert design.drive.linkage.branch == ()
     assert design.drive.linkage.links == four_bar(100, 30, 90, 70).drive.linkage.links
     assert link(3, A=(0, 0), B=(90, 0)) in design.drive.linkage.links

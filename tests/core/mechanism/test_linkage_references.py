@@ -152,7 +152,7 @@ def test_a_rod_that_is_just_long_enough_has_its_change_point_to_the_last_digits(
     """A slider-crank whose rod is as long as crank and offset: at 270 deg it is square to the slider's line, and passes over."""
     found = driver_ranges_of(slider_crank(crank, rod, rod - crank).drive.linkage)
     assert [math.degrees(change.at) for change in found.changes] == pytest.approx([270.0, 630.0], abs=1e-9)
-    assert [r.free for r in found.ranges] == [True]
+    assert [r.is_free for r in found.ranges] == [True]
 
 
 @pytest.mark.parametrize(("on_crank", "on_frame"), [(20.0, 65.0), (13.7, 65.1), (1.234, 147.9), (100.3, 31.7)])
@@ -170,5 +170,5 @@ def test_guides_that_turn_parallel_are_a_dead_centre_with_its_angle(on_crank: fl
 
 
 def test_a_slider_cranks_grashof_is_whether_its_crank_goes_round() -> None:
-    assert [r.free for r in driver_ranges_of(slider_crank(40.0, 140.0, 12.0).drive.linkage).ranges] == [True]
-    assert not any(r.free for r in driver_ranges_of(slider_crank(60.0, 45.0).drive.linkage).ranges)
+    assert [r.is_free for r in driver_ranges_of(slider_crank(40.0, 140.0, 12.0).drive.linkage).ranges] == [True]
+    assert not any(r.is_free for r in driver_ranges_of(slider_crank(60.0, 45.0).drive.linkage).ranges)

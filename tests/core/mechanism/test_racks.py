@@ -9,7 +9,7 @@ import pytest
 from core.design import Design, faults, get
 from core.errors import DesignError
 from core.mechanism.drivers import wheel_pairs
-from core.mechanism.unfinished import unfinished
+from core.mechanism.unfinished import mobility
 from core.project import dumps, load, loads, save
 from core.study import Study, certificate_of, extremes_of, findings_of, many, quantity
 
@@ -97,10 +97,10 @@ def balanced(design: Design) -> Study:
     assert faults(design) == []
     study = Study(design, 360)
     kinematics, omega = study.linkage, study.omega
-    power = -((10.0 + 20.0j) * kinematics.bodies["link5"].place("B", 1) * omega).real
+    power = -((10.0 + 20.0j) * kinematics.bodies["link5"].position("B", 1) * omega).real
     for mass in design.drive.loads.masses:
         body = kinematics.bodies[f"link{mass.link}"]
-        at = body.carried(complex(mass.centre_x_mm, mass.centre_y_mm) * 1e-3)
+        at = body.fixed_point(complex(mass.centre_x_mm, mass.centre_y_mm) * 1e-3)
         force = mass.mass_kg * (at[2] * omega**2 + 9.80665j)
         power += (force.conj() * at[1] * omega).real + mass.inertia_kg_m2 * body.turn[2] * body.turn[1] * omega**3
     given = study.dynamics.driver * kinematics.motion.displacement[1] * omega
@@ -122,16 +122,16 @@ def test_a_pinion_leads_a_rack_and_what_hangs_on_it(tmp_path: Path) -> None:
     assert np.abs(rack.origin[0] - (-0.02j + LINE * (0.02 * q[0] + 0.03))).max() < 1e-16
     assert np.abs(rack.origin[3] - 0.02 * LINE * q[3]).max() < 1e-15
     a = rack.origin[0] + (0.01 + 0.005j) * LINE
-    b = kinematics.bodies["link4"].place("B")
+    b = kinematics.bodies["link4"].position("B")
     assert np.abs(np.abs(b - a) - 0.12).max() < 1e-15
     # what pushes the rack is what its mass and the rod ask along the line
-    inertia = 2.0 * (rack.carried(0.004 + 0.003j)[2] * study.omega**2 + 9.80665j)
+    inertia = 2.0 * (rack.fixed_point(0.004 + 0.003j)[2] * study.omega**2 + 9.80665j)
     rod = study.dynamics.pairs["A"] * (1.0 if kinematics.pairs["A"].on == "link3" else -1.0)
     push = ((inertia + rod) * LINE.conjugate()).real
     given = quantity("link3_input_force").value(study)
     assert given == pytest.approx(push, abs=1e-12 * float(np.abs(push).max()))
     assert {f.code for f in findings_of(study)} == set()
-    assert unfinished(design.drive.linkage).finished
+    assert mobility(design.drive.linkage).is_finished
 
 
 def test_a_ratio_below_0_has_the_pinion_on_the_other_side_and_teeth_say_the_radius() -> None:

@@ -40,7 +40,7 @@ def test_a_rod_on_three_cranks_runs_and_its_torque_is_that_of_virtual_work(tmp_p
     study = Study(design, 360)
     bodies, theta = study.linkage.bodies, study.theta
     for name, pivot in (("link4", 60.0), ("link5", 30.0)):
-        pin = bodies[name].place("B" if name == "link4" else "C")
+        pin = bodies[name].position("B" if name == "link4" else "C")
         assert np.abs(pin - 1e-3 * (pivot + 20.0 * np.exp(1j * theta))).max() < 1e-12 * 0.06
     weights = G * np.cos(theta) * (0.01 * (0.2 + 0.4 + 0.5) + 0.02 * 0.3)
     torque = weights + 3.0 * 0.04 * np.sin(theta) - 0.2
@@ -135,7 +135,7 @@ def test_lengths_that_do_not_agree_are_refused_in_one_line(
     said = capsys.readouterr().err
     assert len(said.splitlines()) == 1
     if third == 22.0:
-        assert said.startswith("linkage: 1 too many: links 2, 3, 4 and 5 hold each other")
+        assert said.startswith("linkage: 1 too many: links 2, 3, 4 and 5 overconstrain each other")
     else:
         assert "do not agree" in said
 
@@ -143,7 +143,7 @@ def test_lengths_that_do_not_agree_are_refused_in_one_line(
 def test_friction_in_a_pin_that_statics_does_not_fix_is_refused() -> None:
     text = dumps(three_cranks()) + '\n[[loads.pair_friction]]\npair = "B"\ncoefficient = 0.1\nradius_mm = 5.0\n'
     rubs = loads(text)
-    with pytest.raises(NoSolution, match="statics does not fix"):
+    with pytest.raises(NoSolution, match="statics does not determine"):
         _ = Study(rubs, 36).dynamics
     assert math.isfinite(float(np.abs(Study(put(rubs, "loads.pair_friction", ()), 36).dynamics.driver).max()))
     assert findings_of(Study(three_cranks(), 36))

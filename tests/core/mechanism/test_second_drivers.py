@@ -34,7 +34,7 @@ from core.design import (
     with_drive,
 )
 from core.errors import NoPosition
-from core.mechanism.unfinished import unfinished
+from core.mechanism.unfinished import mobility
 from core.project import load, save
 from core.study import Study, certificate_of, extremes_of, findings_of, many, quantity
 
@@ -103,23 +103,23 @@ def test_the_driver_gives_what_masses_and_loads_take(ratio: float, offset: float
     power = np.zeros(360)
     for mass in LOADS.masses:
         body = kinematics.bodies[f"link{mass.link}"]
-        at = body.carried(complex(mass.centre_x_mm, mass.centre_y_mm) * 1e-3)
+        at = body.fixed_point(complex(mass.centre_x_mm, mass.centre_y_mm) * 1e-3)
         v, a = at[1] * omega, at[2] * omega**2
         force = mass.mass_kg * (a + 9.80665j)
         power += (force.conj() * v).real + mass.inertia_kg_m2 * body.turn[2] * omega**2 * body.turn[1] * omega
     coupler = kinematics.bodies["link4"]
-    power -= ((7.0 + 5.0j) * coupler.place("C", 1) * omega).real + 0.3 * coupler.turn[1] * omega
+    power -= ((7.0 + 5.0j) * coupler.position("C", 1) * omega).real + 0.3 * coupler.turn[1] * omega
     speed = 2.0 * math.pi
     torque = study.dynamics.driver
     assert np.abs(torque * speed - power).max() <= 1e-12 * np.abs(power).max()
-    body, pin = kinematics.bodies["link5"], kinematics.bodies["link5"].place("O5")
+    body, pin = kinematics.bodies["link5"], kinematics.bodies["link5"].position("O5")
     mass = LOADS.masses[-1]
-    at = body.carried(complex(mass.centre_x_mm, mass.centre_y_mm) * 1e-3)
+    at = body.fixed_point(complex(mass.centre_x_mm, mass.centre_y_mm) * 1e-3)
     inertia = mass.mass_kg * (at[2] * omega**2 + 9.80665j)
     rod = study.dynamics.pairs["B"]  # by link 5 on link 4
     turning = mass.inertia_kg_m2 * body.turn[2] * omega**2 + ((at[0] - pin).conj() * inertia).imag
     given = quantity("link5_input_torque").value(study)
-    turning += ((body.place("B") - pin).conj() * rod).imag * (1.0 if kinematics.pairs["B"].on == "link5" else -1.0)
+    turning += ((body.position("B") - pin).conj() * rod).imag * (1.0 if kinematics.pairs["B"].on == "link5" else -1.0)
     assert given == pytest.approx(turning, abs=1e-12 * float(np.abs(given).max()))
     for rows in study.free_bodies.values():
         moment = sum(row.couple + (row.at.conj() * row.force).imag for row in rows)
@@ -143,15 +143,15 @@ def test_a_link_led_by_a_motion_leads_another_by_a_ratio(tmp_path: Path) -> None
     kinematics, omega = study.linkage, study.omega
     q = kinematics.motion.displacement
     a, b = 0.02 * np.exp(1j * q[0]), 0.06 + 0.015 * np.exp(1j * (-0.5 * q[0] + math.radians(100.0)))
-    c = kinematics.bodies["link4"].place("C")
+    c = kinematics.bodies["link4"].position("C")
     assert np.abs(np.abs(c - a) - 0.05).max() < 1e-15
     assert np.abs(np.abs(c - b) - 0.045).max() < 1e-15
     assert c.imag.min() > 0.03
-    power = -((7.0 + 5.0j) * kinematics.bodies["link4"].place("C", 1) * omega).real
+    power = -((7.0 + 5.0j) * kinematics.bodies["link4"].position("C", 1) * omega).real
     power -= 0.3 * kinematics.bodies["link4"].turn[1] * omega
     for mass in LOADS.masses:
         body = kinematics.bodies[f"link{mass.link}"]
-        at = body.carried(complex(mass.centre_x_mm, mass.centre_y_mm) * 1e-3)
+        at = body.fixed_point(complex(mass.centre_x_mm, mass.centre_y_mm) * 1e-3)
         force = mass.mass_kg * (at[2] * omega**2 + 9.80665j)
         power += (force.conj() * at[1] * omega).real + mass.inertia_kg_m2 * body.turn[2] * body.turn[1] * omega**3
     given = study.dynamics.driver * q[1] * omega
@@ -164,7 +164,7 @@ def test_cardan_circles_draw_a_straight_line_and_the_wheels_say_the_ratio(tmp_pa
     save(rings, tmp_path / "rings.toml")
     assert "teeth = [48, 24]" in (tmp_path / "rings.toml").read_text("utf-8").replace("48.0", "48")
     for design in (planet(-2.0), load(tmp_path / "rings.toml")):
-        path = Study(design, 360).linkage.bodies["link3"].place("P")
+        path = Study(design, 360).linkage.bodies["link3"].position("P")
         assert np.abs(path.imag).max() < 1e-12 * 0.06
         assert np.abs(path.real - 0.06 * np.cos(np.deg2rad(np.arange(360.0)))).max() < 1e-12 * 0.06
     wrong = planet(-1.0, kind="internal", teeth_first=48, teeth_second=24)
@@ -210,7 +210,7 @@ def test_no_common_period_is_said_and_a_pin_too_few_is_a_fault() -> None:
     assert faults(over) == []
     with pytest.raises(NoPosition, match="too many"):
         _ = Study(over, 24).linkage
-    assert unfinished(five_bar(ratio=-1.0).drive.linkage).finished
+    assert mobility(five_bar(ratio=-1.0).drive.linkage).is_finished
     unsaid = five_bar()
     assert [fault.path for fault in faults(unsaid)] == ["linkage.drivers[0].ratio"]
 
@@ -263,14 +263,14 @@ def test_a_second_input_follows_its_own_motion_and_both_inputs_give_what_the_lin
              4.0 * np.pi**2 * np.cos(2.0 * np.pi * part) / span**3]  # fmt: skip
     for order, rate in enumerate(rates, 1):
         assert body.turn[order][rise] == pytest.approx(math.radians(60.0) * rate[rise], abs=1e-12)
-    c = kinematics.bodies["link4"].place("C")
+    c = kinematics.bodies["link4"].position("C")
     assert np.abs(np.abs(c - 0.02 * np.exp(1j * q)) - 0.05).max() < 1e-15
     assert np.abs(np.abs(c - 0.06 - 0.015 * np.exp(1j * arm)) - 0.045).max() < 1e-14
-    power = -((7.0 + 5.0j) * kinematics.bodies["link4"].place("C", 1) * omega).real
+    power = -((7.0 + 5.0j) * kinematics.bodies["link4"].position("C", 1) * omega).real
     power -= 0.3 * kinematics.bodies["link4"].turn[1] * omega
     for mass in LOADS.masses:
         each = kinematics.bodies[f"link{mass.link}"]
-        at = each.carried(complex(mass.centre_x_mm, mass.centre_y_mm) * 1e-3)
+        at = each.fixed_point(complex(mass.centre_x_mm, mass.centre_y_mm) * 1e-3)
         force = mass.mass_kg * (at[2] * omega**2 + 9.80665j)
         power += (force.conj() * at[1] * omega).real + mass.inertia_kg_m2 * each.turn[2] * each.turn[1] * omega**3
     arms = quantity("link5_input_torque").value(study) * body.turn[1] * omega

@@ -9,7 +9,7 @@ from linkages import four_bar, link, slider_crank
 from core.__main__ import main
 from core.design import NO_DRIVER, Drawn, Linkage, LinkPoint, Slider, with_drive
 from core.mechanism.driver_ranges import driver_ranges_of
-from core.mechanism.unfinished import led_part, unfinished
+from core.mechanism.unfinished import driven_part, mobility
 from core.project import load
 from core.project.writing import dumps
 from core.study import Study
@@ -39,17 +39,17 @@ def three_cranks(third: float) -> Linkage:
     "name", sorted(p.stem for p in EXAMPLES.glob("*.toml") if "\n[linkage]\n" in p.read_text("utf-8"))
 )
 def test_a_mechanism_lacks_nothing(name: str) -> None:
-    lack = unfinished(load(EXAMPLES / f"{name}.toml").drive.linkage)
-    assert lack.finished
+    lack = mobility(load(EXAMPLES / f"{name}.toml").drive.linkage)
+    assert lack.is_finished
     assert lack.sentences == ()
 
 
 def test_what_hangs_loose_is_named_by_its_free_end_and_the_rest_moves() -> None:
     opened = drawn(replace(LINKAGE, links=LINKAGE.links[:3]), 45.0, A=(14, 14), B=(40, 35))
-    lack = unfinished(opened)
+    lack = mobility(opened)
     assert lack.sentences == ("1 degree of freedom without a driver: B hangs loose: join it or ground it",)
-    assert (lack.led, lack.loose) == ((2,), (3,))
-    part = led_part(opened, lack)
+    assert (lack.driven, lack.loose) == ((2,), (3,))
+    part = driven_part(opened, lack)
     assert part is not None
     moved = Study(with_drive(BAR, mechanism=part), 8).linkage
     assert set(moved.bodies) >= {"link2"}
@@ -57,10 +57,10 @@ def test_what_hangs_loose_is_named_by_its_free_end_and_the_rest_moves() -> None:
 
 
 def test_without_a_driver_those_are_named_that_could_be() -> None:
-    assert unfinished(replace(LINKAGE, driver=NO_DRIVER)).sentences == (
+    assert mobility(replace(LINKAGE, driver=NO_DRIVER)).sentences == (
         "1 degree of freedom without a driver: let links 2 or 4 drive",
     )
-    assert unfinished(Linkage((link(1),), drawn=Drawn())).freedom == 0
+    assert mobility(Linkage((link(1),), drawn=Drawn())).freedom == 0
 
 
 @pytest.mark.parametrize("at", [0.0, 180.0])
@@ -76,13 +76,13 @@ def test_a_dead_centre_is_no_loose_part(at: float) -> None:
             None, 60.0 + sign * 20.0, (LinkPoint("A", sign * 20.0, 0.0), LinkPoint("B", 60.0 + sign * 20.0, 0.0))
         ),
     )
-    assert unfinished(along).finished
+    assert mobility(along).is_finished
 
 
 def test_a_doubled_part_is_named_and_one_that_agrees_is_not() -> None:
-    assert unfinished(three_cranks(22.0)).sentences == ("1 too many: links 2, 3, 4 and 5 hold each other",)
-    agreeing = unfinished(three_cranks(20.0))
-    assert agreeing.finished
+    assert mobility(three_cranks(22.0)).sentences == ("1 too many: links 2, 3, 4 and 5 overconstrain each other",)
+    agreeing = mobility(three_cranks(20.0))
+    assert agreeing.is_finished
     assert agreeing.redundant == (2, 3, 4, 5)
 
 
@@ -90,13 +90,13 @@ def test_a_slide_on_a_loose_link_is_solved_as_far_as_it_is_led() -> None:
     """Two links more, one pinned to the coupler, one sliding on it: two degrees of freedom, and the four-bar runs."""
     links = (*LINKAGE.links, link(5, B=(0, 0), E=(30, 0)), link(6, F=(0, 0)))
     more = replace(LINKAGE, links=links, sliders=(*LINKAGE.sliders, Slider(link=6, on=5)))
-    lack = unfinished(more)
+    lack = mobility(more)
     assert lack.freedom == 2
-    assert lack.led == (2, 3, 4)
-    part = led_part(more, lack)
+    assert lack.driven == (2, 3, 4)
+    part = driven_part(more, lack)
     assert part is not None
     whole = driver_ranges_of(part)
-    assert whole.ranges[0].free
+    assert whole.ranges[0].is_free
 
 
 def test_check_says_the_same_and_answers_2(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -73,7 +73,7 @@ def test_a_linkage_stands_an_advance_further_on_in_each_turn(assembled: str) -> 
         turned = np.exp(1j * (later.bodies["link2"].turn[0] - first.bodies["link2"].turn[0]))
         assert np.abs(turned - np.exp(1j * np.deg2rad(on))).max() < 1e-12
         a, b = (later.bodies[body].points[name] for body, name in (("link2", "A"), ("link4", "B")))
-        a, b = (later.bodies[body].carried(at)[0] for body, at in (("link2", a), ("link4", b)))
+        a, b = (later.bodies[body].fixed_point(at)[0] for body, at in (("link2", a), ("link4", b)))
         assert np.abs(np.abs(b - a) - 0.090).max() < 1e-12
         assert ((b - a).conj() * (0.1 - a)).imag.max() < 0.0  # on the side where it was assembled
     assert turns_on(loads(DEFAULT_CAM + FOUR_BAR), 5) == loads(DEFAULT_CAM + FOUR_BAR)

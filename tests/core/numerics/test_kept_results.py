@@ -115,7 +115,7 @@ def test_a_linkage_makes_no_derivative_that_nobody_reads() -> None:
     rocker = driver_ranges.solve(at_driver(np.linspace(0.1, 6.0, 24))).poses[4]
     assert rocker.turn.computed_orders == ()
     for order in range(3):
-        _ = rocker.carried(0.07)[order]
+        _ = rocker.fixed_point(0.07)[order]
         assert rocker.spin.computed_orders == tuple(range(order + 1))
         assert 0 not in rocker.turn.computed_orders, "the angle itself is not needed"
 

@@ -118,7 +118,7 @@ def test_an_archive_is_replaced_by_a_later_one_and_a_file_that_is_none_is_left_a
     made: Handover, tmp_path: Path
 ) -> None:
     (tmp_path / "mine.zip").write_bytes(b"my own")
-    with pytest.raises(KindynaError, match="is no hand-over; allowed: another name"):
+    with pytest.raises(KindynaError, match="is not, or not only, a hand-over; allowed: another name"):
         made.write(tmp_path / "mine.zip")
     assert (tmp_path / "mine.zip").read_bytes() == b"my own"
     made.with_files([HandoverFile("old.txt", "of before", b"")]).write(tmp_path / "x.zip")
@@ -182,7 +182,7 @@ def test_a_handover_that_was_changed_is_left_alone_as_archive_and_as_folder(tmp_
         archive.extractall(tmp_path / "out")
     before = content(tmp_path)
     for out in ("a.zip", "out"):
-        with pytest.raises(KindynaError, match="is no hand-over; allowed: "):
+        with pytest.raises(KindynaError, match="is not, or not only, a hand-over; allowed: "):
             LATER.write(tmp_path / out)
     assert content(tmp_path) == before
 
@@ -208,7 +208,7 @@ def test_an_archive_that_holds_anything_else_is_left_alone(tmp_path: Path, what:
     else:
         path.write_bytes({"in front": b"mine" + data, "behind": data + b"mine", "cut": data[:-30]}[what])
     before = content(tmp_path)
-    with pytest.raises(KindynaError, match="is no hand-over; allowed: another name"):
+    with pytest.raises(KindynaError, match="is not, or not only, a hand-over; allowed: another name"):
         LATER.write(path)
     assert content(tmp_path) == before
 
@@ -231,7 +231,7 @@ def test_a_folder_that_holds_anything_else_is_left_alone(tmp_path: Path, what: s
         out.rename(tmp_path / "elsewhere")
         out.symlink_to("elsewhere")
     before = content(tmp_path)
-    with pytest.raises(KindynaError, match="is no hand-over; allowed: an empty or new one"):
+    with pytest.raises(KindynaError, match="is not, or not only, a hand-over; allowed: an empty or new one"):
         LATER.write(out)
     assert content(tmp_path) == before
 

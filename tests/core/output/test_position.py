@@ -49,7 +49,7 @@ def test_a_sliders_centre_lies_at_infinity_across_its_guide() -> None:
     assert found.design.drive.is_linkage
     there = position(found, 0.7)
     row = next(row for row in there.centres if row.links == (1, 4))
-    assert row.place is None
+    assert row.point is None
     assert row.direction == pytest.approx(math.pi / 2.0, abs=1e-15)
     assert there.distance((1, 4), (1, 2)) == math.inf
     assert next(row for row in there.links if row.link == 4).ratio == 0.0

@@ -204,7 +204,7 @@ def test_chapters_stand_in_one_order_for_one_drive_all_and_each(lift: Study, uni
     order = (
         "At a glance", "Drives", "Main figures", "Inputs", "Inputs of the shaft", "Timing", "Motion", "Mechanism and cam", "Mechanism",
         "Forces and torque", "Torque of the shaft", "Drive Clamp", "Drive Lift", "Balance cam",
-        "Profile", "Extremes over one turn of all other quantities", "Certificate", "Equations used", "Held against the paper",
+        "Profile", "Extremes over one turn of all other quantities", "Certificate", "Equations used", "Comparison with the paper",
         "Conventions and sources",
     )  # fmt: skip
     of_one, of_all = ([each.title for each in document(study).sections if each.level == 1] for study in (lift, unit))
@@ -358,7 +358,7 @@ def test_an_example_of_a_paper_is_held_against_it(lift: Study) -> None:
     for (texts, _), each in zip(rows[:6], expected, strict=False):
         assert texts[2:] == [each.here, each.verdict]
     other = Study(put(lift.design, "cam.base_radius_mm", 410.0))
-    assert "Held against the paper" not in [each.title for each in document(other, ["papers"]).sections]
+    assert "Comparison with the paper" not in [each.title for each in document(other, ["papers"]).sections]
 
 
 @pytest.mark.parametrize(("unit", "symbol"), [("mm", "mm"), ("deg", "°")])
@@ -376,8 +376,10 @@ def test_a_motion_alone_has_no_follower_and_no_links(unit: str, symbol: str) -> 
     made = document(Study(design))
     words = " ".join([*Reader(html(made, {})).texts, *(picture.caption for picture in made.pictures)])
     assert not re.search(r"follower|\blinks?\b|machine,|linkage", words)
-    (head,) = (block.head for part in made.sections for block in part.blocks if getattr(block, "slug", "") == "joins")
-    assert head[1:] == tuple(
+    (header,) = (
+        block.header for part in made.sections for block in part.blocks if getattr(block, "slug", "") == "joins"
+    )
+    assert header[1:] == tuple(
         f"{letter} {symbol}{per}" for letter, per in zip("svaj", ("", "/rad", "/rad²", "/rad³"), strict=True)
     )
 

@@ -27,7 +27,7 @@ from scipy.optimize import bisect
 from core.design import Design, Shaft
 from core.motion import TURN, Angles, CompiledMotion
 from core.output.channels import channels, existing
-from core.shaft import Flywheel, LoadCurve, filtered, load_curve, panel_angles
+from core.shaft import Flywheel, LoadCurve, load_curve, panel_angles, periodic_response
 from core.shaft.flywheel import phi
 from core.study import Study
 from core.study.stages import evaluations
@@ -81,7 +81,7 @@ def test_a_wave_has_its_mean_and_swings_by_twice_its_integral(n: int, program: C
 
 
 def test_the_energy_is_the_integral_of_the_torque_above_its_mean() -> None:
-    energy = filtered(torque_curve(wave(3, 3.0, -4.0, level=11.0), UNEVEN), 0.0)
+    energy = periodic_response(torque_curve(wave(3, 3.0, -4.0, level=11.0), UNEVEN), 0.0)
     theta = np.linspace(0.0, TURN, 101)
     assert energy(theta) == pytest.approx(np.sin(3 * theta) - 4 / 3 * (1 - np.cos(3 * theta)), abs=PANEL * 16.0)
 
@@ -198,7 +198,7 @@ def test_a_kink_ends_a_panel_and_costs_nothing(place: float, shift: float) -> No
     for root in (place + first, place + math.pi - first):
         assert np.abs(curve.start - root % TURN).min() <= 4 * EPS * TURN / max(math.cos(first), 1e-3)
     assert curve.start.size == torque_curve(sine, EVEN).start.size + 2
-    energy = filtered(curve, 0.0)
+    energy = periodic_response(curve, 0.0)
     roots = sorted(r % TURN for r in (place + first, place + math.pi - first))
 
     def exact(theta: float) -> float:

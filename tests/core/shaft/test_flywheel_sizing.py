@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 
 from core.design import Shaft
 from core.motion import TURN, CompiledMotion
-from core.shaft import LoadCurve, against_speed, inertia_for, load_curve, reached_with, separated
+from core.shaft import LoadCurve, against_speed, fluctuation_with, inertia_for, load_by_speed, load_curve
 from core.study import Study
 
 HALVES = CompiledMotion(levels(0.0, (180.0, 10.0, "cycloidal"), (180.0, 0.0, "cycloidal")))
@@ -46,7 +46,7 @@ def test_the_flywheel_of_a_large_fluctuation_by_an_integrated_motor() -> None:
     assert found == pytest.approx(
         brentq(lambda i: fluctuation(i) - 0.3, 0.8 * found, 1.2 * found, xtol=1e-6 * found), rel=1e-5
     )
-    assert reached_with(sine(300.0), SHAFT, found) == pytest.approx(0.3, rel=1e-9)
+    assert fluctuation_with(sine(300.0), SHAFT, found) == pytest.approx(0.3, rel=1e-9)
 
 
 def test_no_flywheel_where_the_motor_alone_holds_the_speed() -> None:
@@ -67,7 +67,7 @@ def test_figures_against_speed_are_those_of_designs_at_these_speeds() -> None:
             return at(omega * 30.0 / math.pi).flywheel.load  # type: ignore[no-any-return]
 
         rpm = np.array([12.0, 40.0])
-        found = against_speed(load if rubs else separated(load, shaft.speed_rpm * math.pi / 30.0), shaft, rpm)
+        found = against_speed(load if rubs else load_by_speed(load, shaft.speed_rpm * math.pi / 30.0), shaft, rpm)
         for i, speed in enumerate(rpm):
             study = at(float(speed))
             torque, motor = study.shaft_torque, study.flywheel.motor_torque(study.angles)

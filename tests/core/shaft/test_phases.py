@@ -66,8 +66,8 @@ def test_two_drives_stand_best_of_all_phases(aim: str) -> None:
     found = best_phases([load(0), load(1)], [], aim)
     shifts = (np.arange(SAMPLES) - np.arange(SAMPLES)[:, None]) % SAMPLES
     scan = float(REACHED[aim](torque(0) + torque(1)[shifts]).min())
-    reached = float(REACHED[aim](at_phases(found.turned)))
-    assert reached == pytest.approx(found.reached, rel=SAMPLED)
+    reached = float(REACHED[aim](at_phases(found.rotations)))
+    assert reached == pytest.approx(found.value, rel=SAMPLED)
     assert reached <= scan * (1.0 + SAMPLED)
 
 
@@ -77,7 +77,7 @@ def test_three_drives_stand_best_of_all_phases_that_keep_their_timing(aim: str) 
     spacings = [Spacing(0, 1, math.radians(17.0)), Spacing(1, 2, math.radians(2.0))]
     found = best_phases([load(i) for i in range(3)], spacings, aim)
     spares = [
-        (math.degrees(s.spare + found.turned[s.second] - found.turned[s.first]) + 180.0) % 360.0 - 180.0
+        (math.degrees(s.spare + found.rotations[s.second] - found.rotations[s.first]) + 180.0) % 360.0 - 180.0
         for s in spacings
     ]
     assert min(spares) >= -1e-9
@@ -88,8 +88,8 @@ def test_three_drives_stand_best_of_all_phases_that_keep_their_timing(aim: str) 
         if (17.0 + k / 4.0) % 360.0 < 180.0:
             kept = ((2.0 + (steps - k) / 4.0) % 360.0) < 180.0
             scan = min(scan, float(REACHED[aim](torque(0) + np.roll(torque(1), k) + torque(2)[shifts[kept]]).min()))
-    reached = float(REACHED[aim](at_phases(found.turned)))
-    assert reached == pytest.approx(found.reached, rel=SAMPLED)
+    reached = float(REACHED[aim](at_phases(found.rotations)))
+    assert reached == pytest.approx(found.value, rel=SAMPLED)
     assert reached <= scan * (1.0 + SAMPLED)
 
 
@@ -97,21 +97,21 @@ def test_three_drives_stand_best_of_all_phases_that_keep_their_timing(aim: str) 
 def test_four_drives_stand_better_than_at_any_phases_nearby_or_tried_at_random() -> None:
     found = best_phases([load(i) for i in range(4)], [], "peak")
     random = np.random.default_rng(17).uniform(0.0, TURN, (3000, 4))
-    near = found.turned + np.random.default_rng(18).uniform(-0.02, 0.02, (1000, 4))
+    near = found.rotations + np.random.default_rng(18).uniform(-0.02, 0.02, (1000, 4))
     samples = np.array([torque(i) for i in range(4)])
     for phases in np.concatenate((random, near)):
         shift = np.rint((phases - phases[0]) * (SAMPLES / TURN)).astype(int)
-        assert np.abs(sum(np.roll(samples[i], shift[i]) for i in range(4))).max() >= found.reached * (1.0 - SAMPLED)
+        assert np.abs(sum(np.roll(samples[i], shift[i]) for i in range(4))).max() >= found.value * (1.0 - SAMPLED)
 
 
 def test_timing_that_no_phases_keep_is_refused() -> None:
     """Three half turns, a third of a turn apart: any two of them meet, all three do not."""
     rows = [Spacing(0, 1, math.radians(spare)) for spare in (0.0, 120.0, -120.0)]
-    with pytest.raises(KindynaError, match="no phases of the drives keep their timing"):
+    with pytest.raises(KindynaError, match="no phases of the drives satisfy their timing"):
         best_phases([load(0), load(1)], rows, "peak")
 
 
 def test_one_drive_stands_as_it_is() -> None:
     found = best_phases([load(0)], [], "peak")
-    assert found.turned.tolist() == [0.0]
-    assert found.reached == pytest.approx(float(np.abs(torque(0)).max()), rel=SAMPLED)
+    assert found.rotations.tolist() == [0.0]
+    assert found.value == pytest.approx(float(np.abs(torque(0)).max()), rel=SAMPLED)

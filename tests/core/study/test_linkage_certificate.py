@@ -11,7 +11,7 @@ from sampled import spread
 from core.design import CRANK, Design, Driver, LinkageLoads, LinkMass, with_drive
 from core.errors import NoCam, NoPosition
 from core.instant_centres import collinearity
-from core.mechanism.drivers import drivers, roller_places, with_driver, with_roller
+from core.mechanism.drivers import drivers, roller_points, with_driver, with_roller
 from core.project import load
 from core.study import Study, certificate_of
 
@@ -49,7 +49,7 @@ def test_whichever_link_leads_and_wherever_the_roller_is_the_bounds_hold(name: s
             changed = led(name, rng.uniform(0.0, 2.0 * math.pi), driver)
         except NoPosition:
             continue  # stood where it cannot lead
-        places = roller_places(changed) if driver.kind != CRANK else ()
+        places = roller_points(changed) if driver.kind != CRANK else ()
         if places:
             changed = with_roller(changed, *places[rng.integers(len(places))])
         try:

@@ -139,7 +139,7 @@ def test_a_motion_that_asks_too_much_names_its_angles() -> None:
     assert high == pytest.approx(360.0 - low, abs=1e-9)
     reached = 182.0 + 60.0 * (low / 180.0 - math.sin(math.tau * low / 180.0) / math.tau)
     assert f"at cam angle {low:.6g}...{high:.6g} deg" in str(caught.value)
-    assert f"within 182...{reached:.6g} deg, and the motion takes it to {reached:.6g}...242 deg" in str(caught.value)
+    assert f"within 182...{reached:.6g} deg, but the motion moves it to {reached:.6g}...242 deg" in str(caught.value)
 
 
 REFUSED = """

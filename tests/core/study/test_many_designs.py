@@ -20,7 +20,7 @@ from core.errors import NoSolution
 from core.output.channels import channels
 from core.project import load
 from core.study import Study, extremes_of, findings_of, many
-from core.study.batch import together
+from core.study.batch import is_batchable
 from core.study.quantity_requests import quantity_request
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
@@ -81,7 +81,7 @@ def test_every_quantity_of_linkages_of_dyads_is_that_of_each_design(name: str) -
     values = varied(design, 3, 0.005, 7)
     keys = ("linkage.links[1].points.A.x_mm", "linkage.driver.speed_rpm")
     assert all(
-        together(design, list(values), quantity_request(design, f"{row.slug}:max"))
+        is_batchable(design, list(values), quantity_request(design, f"{row.slug}:max"))
         for row in channels(design, ("dynamics",))[:3]
     )
     assert set(keys) <= values.keys()
@@ -133,7 +133,7 @@ def assert_as_one_by_one(design: Design, values: Mapping[str, np.ndarray]) -> No
 def test_lengths_speeds_masses_and_friction_of_a_follower_are_taken_at_once() -> None:
     design = example("transfer_lift")
     paths = list(varied(design, 1, 0.0, 0))
-    assert all(together(design, paths, quantity_request(design, key)) for key in ASKED)
+    assert all(is_batchable(design, paths, quantity_request(design, key)) for key in ASKED)
 
 
 @pytest.mark.parametrize("name", spread(["transfer_lift", "tappet_flat", "groove", "four_bar_coupler_cam"], 2))
@@ -270,7 +270,7 @@ def test_spans_and_rises_are_varied_as_they_are_typed(name: str) -> None:
     path = f"motion.segments[{segments[0]}].rise_{unit}"
     values[path] = rng.uniform(0.9, 1.0, 3) * design.drive.motion.segments[segments[0]].rise
     values["shaft.speed_rpm"] = rng.uniform(60.0, 90.0, 3)
-    assert all(together(design, list(values), quantity_request(design, key)) for key in ASKED)
+    assert all(is_batchable(design, list(values), quantity_request(design, key)) for key in ASKED)
     assert_as_one_by_one(design, values)
     found = many(design, values, ASKED)
     for k in range(3):

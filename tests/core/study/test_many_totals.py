@@ -14,7 +14,7 @@ from core.design import Design, edited, get, only, put, row_at, with_only
 from core.design.camshaft import drive_at
 from core.project import load
 from core.study import Study, extremes_of, many, roller_lives
-from core.study.batch import together
+from core.study.batch import is_batchable
 from core.study.quantity_requests import quantity_request
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
@@ -57,7 +57,7 @@ def test_energy_and_flywheel_are_those_of_each_study(name: str, paths: tuple[str
     if name == "dwell_rise_dwell":
         design = put(design, "loads.friction", 0.1)
     values = near(design, paths, 3, 4)
-    assert all(together(design, paths, quantity_request(design, key)) for key in TOTALS)
+    assert all(is_batchable(design, paths, quantity_request(design, key)) for key in TOTALS)
     found = many(design, values, TOTALS)
     assert set(found.reason) == {""}
     for k in range(3):
@@ -105,7 +105,7 @@ def test_drives_on_a_shaft_are_taken_at_once_and_summed() -> None:
         "energy_j",
         "drives[0].pressure_angle_deg:max",
     ]
-    assert all(together(design, paths, quantity_request(design, key)) for key in keys)
+    assert all(is_batchable(design, paths, quantity_request(design, key)) for key in keys)
     with ThreadPoolExecutor(2) as threads:
         found = many(design, values, keys, executor=threads)
     for k in range(3):

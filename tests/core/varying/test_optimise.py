@@ -16,7 +16,7 @@ from core.process import resources
 from core.project import load
 from core.study import Study, extremes_of, findings_of, many
 from core.study.quantities import quantity
-from core.varying import Bounded, Goal, StudyFile, Vary, load_study, optimise, remarks, study_of, with_words
+from core.varying import Goal, StudyFile, StudyLimit, VariedField, load_study, optimise, remarks, study_of, with_words
 from core.varying.descent import epigraph
 
 
@@ -49,8 +49,8 @@ def best(design, vary, limits, goal, **more):
 
 def smallest_cam(design):
     """Within a pressure angle of 30°."""
-    limits = (Bounded("pressure_angle_deg", "max", max=30.0),)
-    return best(design, (Vary("cam.base_radius_mm", 5.0, 120.0),), limits, Goal("radius_mm", "max"))
+    limits = (StudyLimit("pressure_angle_deg", "max", max=30.0),)
+    return best(design, (VariedField("cam.base_radius_mm", 5.0, 120.0),), limits, Goal("radius_mm", "max"))
 
 
 @pytest.mark.parametrize("offset", [stressed(0.0), 6.0])
@@ -82,8 +82,8 @@ def test_the_base_radius_for_a_pressure_angle_is_that_of_the_closed_form(offset)
 def test_of_several_drives_the_curvature_of_one_bounds_its_cam_as_if_it_were_alone():
     unit, answers = load(resources() / "examples" / "transfer_unit.toml"), []
     for design, at in ((unit, "drives[0]."), (only(unit, 0), "")):
-        vary = Vary(f"{at}cam.base_radius_mm", 300.0, 500.0)
-        limits = (Bounded(f"{at}profile_curvature_per_mm", "max", max=0.006),)
+        vary = VariedField(f"{at}cam.base_radius_mm", 300.0, 500.0)
+        limits = (StudyLimit(f"{at}profile_curvature_per_mm", "max", max=0.006),)
         goals = (Goal(f"{at}radius_mm", "max"),)
         study = study_of(StudyFile(design="", vary=(vary,), limits=limits, goals=goals), design)
         found = optimise(study, starts=1)
@@ -103,8 +103,8 @@ def test_the_spring_preload_is_that_of_the_closed_form():
     exact = (30.0 * cosine - 0.5 * s - 9.80665 - 1e-3 * omega**2 * second).max()
     found = best(
         design,
-        (Vary("loads.preload_n", 0.0, 400.0),),
-        (Bounded("contact_force_n", "min", min=30.0),),
+        (VariedField("loads.preload_n", 0.0, 400.0),),
+        (StudyLimit("contact_force_n", "min", min=30.0),),
         Goal("contact_force_n", "max"),
     )
     assert found.kept
@@ -117,7 +117,7 @@ def test_the_longest_crank_is_that_of_the_closed_form_close_to_the_edge_of_grash
     """(d + a)² = b² + c² + 2 b c cos μ stretched, (d - a)² = b² + c² - 2 b c cos μ folded; d + a = b + c is the edge of Grashof."""
     design, crank = load(resources() / "examples" / "four_bar.toml"), "linkage.links[1].points.A.x_mm"
     file = StudyFile(
-        design="", vary=(Vary(crank, 10.0, 90.0),), limits=(Bounded("transmission_B_deg", "min", min=least),),
+        design="", vary=(VariedField(crank, 10.0, 90.0),), limits=(StudyLimit("transmission_B_deg", "min", min=least),),
         goals=(Goal("link4_deg", "range", minimise=False),),
     )  # fmt: skip
     found = optimise(study_of(file, design), starts=1)
@@ -225,8 +225,8 @@ def test_a_small_torque_is_named_with_its_digits_and_a_limit_that_none_keeps_wit
     rocker = load(resources() / "examples" / "rocker_cam.toml")
     asked = StudyFile(
         design="",
-        vary=(Vary("cam.base_radius_mm", 44.0, 46.0),),
-        limits=(Bounded("pressure_angle_deg", "max", max=40.0),),
+        vary=(VariedField("cam.base_radius_mm", 44.0, 46.0),),
+        limits=(StudyLimit("pressure_angle_deg", "max", max=40.0),),
         goals=(Goal("drive_torque_nm", "abs"),),
     )
     study = study_of(asked, rocker)
@@ -247,7 +247,7 @@ def front_and_grid(count):
     design, keys = translating(), ["radius_mm:max", "pressure_angle_deg:max"]
     file = StudyFile(
         design="", goals=(Goal("radius_mm", "max"), Goal("pressure_angle_deg", "max")),
-        vary=(Vary("cam.base_radius_mm", 20.0, 100.0), Vary("follower.offset_mm", -10.0, 10.0)),
+        vary=(VariedField("cam.base_radius_mm", 20.0, 100.0), VariedField("follower.offset_mm", -10.0, 10.0)),
     )  # fmt: skip
     front = optimise(study_of(file, design), starts=2).front
     radius, offset = (
@@ -280,8 +280,8 @@ def test_no_point_of_a_grid_of_two_hundred_dominates_the_front():
 def test_no_pivot_of_a_grid_of_four_hundred_is_better_than_the_best():
     design, x, y = load(resources() / "examples" / "transfer_lift.toml"), "follower.pivot_x_mm", "follower.pivot_y_mm"
     pressure, torque = "pressure_angle_deg:max", "drive_torque_nm:abs"
-    vary = (Vary(x, 750.0, 1000.0), Vary(y, -150.0, 0.0))
-    found = best(design, vary, (Bounded("drive_torque_nm", "abs", max=7500.0),), Goal("pressure_angle_deg", "max"))
+    vary = (VariedField(x, 750.0, 1000.0), VariedField(y, -150.0, 0.0))
+    found = best(design, vary, (StudyLimit("drive_torque_nm", "abs", max=7500.0),), Goal("pressure_angle_deg", "max"))
     assert found.better
     across, along = (np.linspace(row.low, row.high, 400) for row in vary)
     rough, places = [], [dict(zip((x, y), each, strict=True)) for each in ((across, np.full(400, at)) for at in along)]
@@ -299,7 +299,10 @@ def test_a_robust_answer_keeps_its_limit_in_the_machines_that_are_made():
     design = replace(
         translating(), tolerances=(Tolerance("cam.base_radius_mm", 0.6), Tolerance("follower.offset_mm", 0.3))
     )
-    vary, limits = (Vary("cam.base_radius_mm", 5.0, 120.0),), (Bounded("pressure_angle_deg", "max", max=30.0),)
+    vary, limits = (
+        (VariedField("cam.base_radius_mm", 5.0, 120.0),),
+        (StudyLimit("pressure_angle_deg", "max", max=30.0),),
+    )
     plain = best(design, vary, limits, Goal("radius_mm", "max"))
     sure = best(design, vary, limits, Goal("radius_mm", "max"), robust=0.9973)
     assert sure.kept
@@ -315,7 +318,7 @@ def test_a_robust_answer_keeps_its_limit_in_the_machines_that_are_made():
 def test_side_face_and_sense_are_each_tried_and_what_is_no_better_changes_nothing():
     design = load(resources() / "examples" / "rocker_cam.toml")
     words = {"follower.side": ("left", "right"), "follower.face": ("roller", "knife"), "shaft.rotation": ("ccw", "cw")}
-    vary = tuple(Vary(path, choices=each) for path, each in words.items())
+    vary = tuple(VariedField(path, choices=each) for path, each in words.items())
     found = best(design, vary, (), Goal("contact_force_n", "max"))
     forces = {}
     for each in itertools.product(*words.values()):
@@ -329,7 +332,10 @@ def test_side_face_and_sense_are_each_tried_and_what_is_no_better_changes_nothin
     four_bar = load(
         resources() / "examples" / "four_bar.toml"
     )  # in its mirror image the transmission angle is the same
-    branch, goal = Vary("linkage.branch.B", low=-1.0, high=1.0), Goal("transmission_B_deg", "min", minimise=False)
+    branch, goal = (
+        VariedField("linkage.branch.B", low=-1.0, high=1.0),
+        Goal("transmission_B_deg", "min", minimise=False),
+    )
     same = best(four_bar, (branch,), (), goal)
     assert same.kept
     assert not same.better
@@ -397,7 +403,9 @@ def test_none_of_ten_thousand_neighbours_of_an_answer_is_better(name, tmp_path, 
     answer = np.array([told["answer"][row.field] for row in numbers])[:, None]
     reach = 10.0 ** rng.uniform(-6.0, -1.0, 10_000)  # of the bounds
     beside = np.clip(answer + (high - low) * reach * rng.normal(size=(len(numbers), 10_000)), low, high)
-    near = many(best, dict(zip((row.field for row in numbers), beside, strict=True)), [row.key for row in study.asked])
+    near = many(
+        best, dict(zip((row.field for row in numbers), beside, strict=True)), [row.key for row in study.quantities]
+    )
     within = np.all([near.value[each.key] <= each.max for each in study.file.limits], axis=0)
     assert within.sum() > 100
     goal = study.file.goals[0]

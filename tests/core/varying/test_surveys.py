@@ -14,28 +14,28 @@ from core.shaft import first_balancer
 from core.study import Study, extremes_of, many, quantity
 from core.varying import (
     READY,
-    AskedFor,
-    Bounded,
     Question,
     Scatter,
     Span,
     StudyFile,
-    Vary,
-    askable,
+    StudyLimit,
+    StudyQuantity,
+    VariedField,
     can_be_varied,
+    current_figures,
+    default_span,
     drive_bands,
     file_of_question,
-    made_of,
     motor_bands,
-    present,
     question_of_file,
     ready_study,
-    refined,
+    refined_survey,
+    request_keys,
     shaft_bands,
     study_of,
-    suggested,
+    suggested_figures,
     survey,
-    usual_span,
+    tolerance_result,
     with_values,
 )
 from kindyna_gui.places import example
@@ -64,7 +64,7 @@ def test_a_map_has_the_first_number_along_its_rows_and_each_design_has_its_own_v
     worst = extremes_of(Study(design), "cam", ("pressure_angle",))["pressure_angle"]
     exact = np.degrees(max(abs(worst.low.value), abs(worst.high.value)))
     assert found.value[PRESSURE][at] == pytest.approx(exact, rel=2e-3)
-    values, reason = present(Study(design), [PRESSURE, TORQUE])
+    values, reason = current_figures(Study(design), [PRESSURE, TORQUE])
     assert values[PRESSURE] == pytest.approx(exact, rel=1e-9)
     assert values[TORQUE] == pytest.approx(many(lift, {X: [820.0], Y: [-120.0]}, [TORQUE]).value[TORQUE][0], rel=1e-9)
     assert reason == ""
@@ -81,10 +81,10 @@ def test_more_than_two_numbers_fill_their_box_evenly_and_the_same_way_each_time(
 
 
 def test_usual_bounds_keep_to_the_range_and_what_cannot_be_is_refused(lift) -> None:  # type: ignore[no-untyped-def]
-    assert usual_span(lift, BASE) == Span(BASE, 320.0, 480.0)
-    around = usual_span(lift, Y)
+    assert default_span(lift, BASE) == Span(BASE, 320.0, 480.0)
+    around = default_span(lift, Y)
     assert (around.low, around.high) == (-130.0, 0.0), "a coordinate goes by the size of the machine"
-    friction = usual_span(edited(lift, "loads.friction", 0.0), "loads.friction")
+    friction = default_span(edited(lift, "loads.friction", 0.0), "loads.friction")
     assert 0.0 <= friction.low < friction.high <= 1.0
     for wrong, path, says in (
         ([Span(BASE, 420.0, 380.0)], BASE, "bounds are reversed"),
@@ -97,20 +97,20 @@ def test_usual_bounds_keep_to_the_range_and_what_cannot_be_is_refused(lift) -> N
 
 
 def test_what_is_asked_first_suits_the_design_and_its_drives(lift) -> None:  # type: ignore[no-untyped-def]
-    assert suggested(Study(lift), X) == {
+    assert suggested_figures(Study(lift), X) == {
         PRESSURE: (None, 45.0),
         TORQUE: (None, None),
         "contact_force_n:abs": (None, None),
     }
     stated = edited(lift, "limits.pressure_angle_rise_deg", 25.0)
-    assert suggested(Study(stated), X)[PRESSURE] == (None, 25.0)
+    assert suggested_figures(Study(stated), X)[PRESSURE] == (None, 25.0)
     unit = load(example("transfer_unit"))
-    keys = suggested(Study(unit), "drives[1].cam.base_radius_mm")
+    keys = suggested_figures(Study(unit), "drives[1].cam.base_radius_mm")
     assert all(key.startswith("drives[1].") or key == "torque_nm:abs" for key in keys)
     assert "torque_nm:abs" in keys
     for design in (lift, unit, load(example("four_bar"))):
-        key = next(iter(suggested(Study(design), "")))
-        assert key.partition(":")[0] in set(askable(design))
+        key = next(iter(suggested_figures(Study(design), "")))
+        assert key.partition(":")[0] in set(request_keys(design))
     assert key == "transmission_B_deg:min", "nothing loads this linkage"
 
 
@@ -127,10 +127,10 @@ def with_tolerances(design, **widths):  # type: ignore[no-untyped-def]
 
 
 def test_the_share_of_machines_within_limits_and_which_tolerance_counts_most(lift) -> None:  # type: ignore[no-untyped-def]
-    values, _ = present(Study(lift), [PRESSURE])
+    values, _ = current_figures(Study(lift), [PRESSURE])
     at = edited(lift, X, 950.0)  # where the pressure angle grows with the pivot
-    nominal = present(Study(at), [PRESSURE])[0][PRESSURE]
-    found = made_of(with_tolerances(at, x=0.5, y=0.01), {PRESSURE: (None, nominal), TORQUE: (None, None)})
+    nominal = current_figures(Study(at), [PRESSURE])[0][PRESSURE]
+    found = tolerance_result(with_tolerances(at, x=0.5, y=0.01), {PRESSURE: (None, nominal), TORQUE: (None, None)})
     assert found.share is not None
     assert abs(found.share.value - 0.5) < 4.0 * 0.5 / found.share.machines**0.5
     (corner,) = found.corners
@@ -138,29 +138,29 @@ def test_the_share_of_machines_within_limits_and_which_tolerance_counts_most(lif
     assert not corner.within
     assert list(found.parts) == [PRESSURE, TORQUE]
     assert list(found.parts[PRESSURE]) == [X, Y], "the largest part first"
-    ahead = present(Study(edited(at, X, 950.01)), [PRESSURE])[0][PRESSURE]
+    ahead = current_figures(Study(edited(at, X, 950.01)), [PRESSURE])[0][PRESSURE]
     slope, part = found.parts[PRESSURE][X]
     assert slope == pytest.approx((ahead - nominal) / 0.01, rel=1e-3)
     assert 0.99 < part < 1.0
     assert found.tighter is None, "no halving brings the middle off the limit"
-    wide = made_of(with_tolerances(lift, x=0.05, y=0.05), {PRESSURE: (None, values[PRESSURE] + 1.0)})
+    wide = tolerance_result(with_tolerances(lift, x=0.05, y=0.05), {PRESSURE: (None, values[PRESSURE] + 1.0)})
     assert wide.share is not None
     assert wide.share.value == 1.0
     assert wide.corners[0].within
-    assert made_of(with_tolerances(lift, x=0.05), {PRESSURE: (None, None)}).share is None, "nothing is limited"
-    waved = made_of(
+    assert tolerance_result(with_tolerances(lift, x=0.05), {PRESSURE: (None, None)}).share is None, "nothing is limited"
+    waved = tolerance_result(
         replace(lift, waviness=Waviness(0.02, 10, 40)), {"contact_force_n:max": (None, 45_800.0)}, machines=200
     )
     assert waved.share is not None
     assert 0.0 < waved.share.value < 1.0
     assert waved.tighter is None, "waves have no tolerance to tighten"
     with pytest.raises(KindynaError):
-        made_of(lift, {PRESSURE: (None, 30.0)})
+        tolerance_result(lift, {PRESSURE: (None, 30.0)})
 
 
 def test_bands_of_machines_at_once_are_those_of_each_by_itself(lift) -> None:  # type: ignore[no-untyped-def]
     made = with_tolerances(lift, x=0.5, base=1.0)
-    scatter = Scatter(study_of(StudyFile(design="", quantities=(AskedFor("contact_force_n", "max"),)), made))
+    scatter = Scatter(study_of(StudyFile(design="", quantities=(StudyQuantity("contact_force_n", "max"),)), made))
     bands = scatter.bands(40, 3, samples=24)["contact_force_n"]
     curves = []
     for values in zip(*scatter.machines(40, 3).values(), strict=True):
@@ -180,15 +180,15 @@ def test_a_question_is_the_same_after_its_file(lift) -> None:  # type: ignore[no
     )
     assert question_of_file(file_of_question(asked)) == asked
     stepped = (
-        Vary(X, 800.0, 900.0, steps=5),
-        Vary(BASE, values=(400.0, 380.0, 410.0)),
-        Vary(Y, -80.0, -50.0, points=64),
+        VariedField(X, 800.0, 900.0, steps=5),
+        VariedField(BASE, values=(400.0, 380.0, 410.0)),
+        VariedField(Y, -80.0, -50.0, points=64),
     )
     opened = question_of_file(StudyFile(design="", vary=stepped))
     assert [(span.low, span.high) for span in opened.spans] == [(800.0, 900.0), (380.0, 410.0), (-80.0, -50.0)]
     assert file_of_question(opened).vary == stepped, "steps, points and lists are kept"
     wider = replace(opened, spans=(Span(X, 800.0, 950.0), *opened.spans[1:]))
-    assert file_of_question(wider).vary == (Vary(X, 800.0, 950.0), *stepped[1:]), "other bounds take their place"
+    assert file_of_question(wider).vary == (VariedField(X, 800.0, 950.0), *stepped[1:]), "other bounds take their place"
 
 
 def test_studies_are_ready_for_each_kind_of_design(lift) -> None:  # type: ignore[no-untyped-def]
@@ -206,14 +206,14 @@ def test_studies_are_ready_for_each_kind_of_design(lift) -> None:  # type: ignor
     unit = load(example("transfer_unit"))
     of_third = ready_study(unit, "smallest-cam", 2)
     assert {row.field for row in of_third.vary} == {f"drives[2].{BASE}", f"drives[2].{X}"}
-    assert study_of(of_third, unit).asked[0].key == "drives[2].drive_torque_nm:abs"
+    assert study_of(of_third, unit).quantities[0].key == "drives[2].drive_torque_nm:abs"
     assert ready_study(load(example("four_bar")), "least-torque") is not None
 
 
 def test_a_map_is_finer_where_a_limit_runs_and_at_the_edge_of_what_can_be_built(lift) -> None:  # type: ignore[no-untyped-def]
     spans = [Span(X, 700.0, 1300.0), Span(Y, -300.0, 300.0)]
     plain = survey(lift, spans, [PRESSURE], 12)
-    found = refined(lift, plain, {PRESSURE: (None, 30.0)})
+    found = refined_survey(lift, plain, {PRESSURE: (None, 30.0)})
     assert 0 < found.finer.shape[1] < 0.5 * 45 * 45, "not everywhere"
     z = found.grid(np.where(found.reason == "", found.value[PRESSURE], np.nan), fine=True)
     x, y = found.axes(fine=True)
@@ -274,16 +274,16 @@ def test_each_cam_of_a_shaft_has_waves_of_its_own() -> None:
         assert alone.max() > 0.1
     expected = np.sqrt(sum(width[name] ** 2 for name in found if name))
     assert width[""] == pytest.approx(expected, abs=0.2 * expected.max())
-    of_all, one = AskedFor("torque_nm", "range"), AskedFor("drives[2].drive_torque_nm", "rms")
+    of_all, one = StudyQuantity("torque_nm", "range"), StudyQuantity("drives[2].drive_torque_nm", "rms")
     scatter = Scatter(study_of(StudyFile(design="", quantities=(of_all, one)), unit))
     values = scatter.values(400, 1)
     low, high = found[""][0], found[""][-1]
     assert np.ptp(values[0]) > 0.1
     assert (values[0] < np.max(high) - np.min(low) + 0.02 * np.ptp(low)).all()
     alone = replace(only(unit, 2), waviness=unit.waviness)
-    by_itself = Scatter(study_of(StudyFile(design="", quantities=(AskedFor("drive_torque_nm", "rms"),)), alone))
+    by_itself = Scatter(study_of(StudyFile(design="", quantities=(StudyQuantity("drive_torque_nm", "rms"),)), alone))
     assert values[1] == pytest.approx(by_itself.values(400, 3)[0], rel=1e-9), "the third drive draws its own waves"
-    limit = Bounded("torque_nm", "abs", max=1.0)
+    limit = StudyLimit("torque_nm", "abs", max=1.0)
     (corner,) = Scatter(study_of(StudyFile(design="", limits=(limit,)), unit)).corners(np.zeros((0, 1)))
     assert corner.value >= np.abs(found[""]).max() > np.abs(Study(unit).camshaft.torque).max()
 
@@ -317,19 +317,19 @@ def test_whole_numbers_are_varied_in_steps() -> None:
         "linkage.drivers[0].teeth_second",
         "linkage.branch.C",
     )
-    assert usual_span(design, teeth) == Span(teeth, 7, 17)
-    assert usual_span(design, side) == Span(side, -1, 1)
+    assert default_span(design, teeth) == Span(teeth, 7, 17)
+    assert default_span(design, side) == Span(side, -1, 1)
     assert {teeth, side} < set(can_be_varied(design))
     assert not [path for path in can_be_varied(design) if path.endswith(("link", "number"))], "what names a link stays"
     found = survey(design, [Span(teeth, 11, 13)], [TURNED], 9)
     assert found.points[0].tolist() == [11, 11, 12, 12, 12, 12, 12, 13, 13]
     for count, value in zip(found.points[0], found.value[TURNED], strict=True):
         alone = edited(design, teeth, int(count))
-        assert value == pytest.approx(present(Study(alone), [TURNED])[0][TURNED], abs=1e-2)
+        assert value == pytest.approx(current_figures(Study(alone), [TURNED])[0][TURNED], abs=1e-2)
     both = survey(design, [Span(side, -1, 1), Span(teeth, 12, 14)], [TURNED], 4)
     assert sorted(set(both.points[0])) == [-1.0, 1.0], "no side 0"
     assert (both.reason == "").all()
     made = with_values(design, {teeth: 13.4, side: -0.7, "linkage.drivers[0].offset_deg": 5.0})
     assert [get(made, path) for path in (teeth, side, "linkage.drivers[0].offset_deg")] == [13, -1, 5.0]
     with pytest.raises(ValueError, match="only a number"):
-        usual_span(design, "linkage.links[1].number")
+        default_span(design, "linkage.links[1].number")

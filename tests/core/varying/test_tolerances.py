@@ -15,7 +15,7 @@ from core.process import resources
 from core.project import dumps, load, save
 from core.study import Study, many
 from core.study.quantities import quantity
-from core.varying import Bounded, Scatter, Share, StudyFile, study_of, waves_of
+from core.varying import Scatter, Share, StudyFile, StudyLimit, study_of, waves_of
 
 LINEAR = "contact_force_n:max"
 
@@ -31,7 +31,7 @@ def scatter(design, tolerances, *limits):
 
 
 def limit(bound=1e9, quantity="contact_force_n", of="max"):
-    return Bounded(quantity, of, max=bound)
+    return StudyLimit(quantity, of, max=bound)
 
 
 def test_random_machines_have_the_variance_of_the_linear_case():

@@ -25,7 +25,7 @@ WAYS = {"pivot": 20 + 15j, "arm_pin": -30 + 20j, "slider_pin": 25 - 20j, "roller
 def place(user: User, point: str) -> complex:
     """Where a joint stands, exactly [mm]."""
     kinematics = user.session.at(user.window.player.theta).linkage
-    return next(complex(b.place(point)[0]) for b in kinematics.bodies.values() if point in b.points) * 1e3
+    return next(complex(b.position(point)[0]) for b in kinematics.bodies.values() if point in b.points) * 1e3
 
 
 @pytest.fixture

@@ -146,7 +146,7 @@ def runs_alike(drawn: Design, file: Design) -> None:
     one, other = (Study(design, 90).linkage for design in (drawn, file))
     for name, body in other.bodies.items():
         for point in body.points:
-            assert one.bodies[name].place(point) == pytest.approx(body.place(point), abs=1e-9), point
+            assert one.bodies[name].position(point) == pytest.approx(body.position(point), abs=1e-9), point
 
 
 FOUR_BAR = """
@@ -215,7 +215,7 @@ def test_a_four_bar_with_coupler_point_mass_and_load_in_25_actions(open_user: Op
     assert pen.actions <= 25, pen.actions
     header, *rows = (tmp_path / "curve" / "linkage.csv").read_text().splitlines()
     column = header.split(",").index("C_x_mm")
-    wanted = next(body for body in Study(file, len(rows)).linkage.bodies.values() if "C" in body.points).place("C")
+    wanted = next(body for body in Study(file, len(rows)).linkage.bodies.values() if "C" in body.points).position("C")
     assert [float(row.split(",")[column]) for row in rows] == pytest.approx(wanted.real * 1e3, abs=1e-9)
     forces = (tmp_path / "curve" / "dynamics.csv").read_text().splitlines()[0].split(",")
     assert {"driver_torque_nm", "B_x_n", "O1_x_n"} <= set(forces), forces

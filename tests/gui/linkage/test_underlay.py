@@ -18,7 +18,7 @@ from PySide6.QtWidgets import QApplication, QCheckBox, QToolButton
 from window_user import Open, User, pixel, settle
 
 from core.__main__ import main
-from core.contour.underlay import Underlay, keep_underlay, read_underlay, snap_points
+from core.contour.underlay import Underlay, read_underlay, save_underlay, snap_points
 from core.errors import FileError, KindynaError
 from core.project import load, save
 from kindyna_gui import dialogs
@@ -56,9 +56,9 @@ def test_corners_and_centres_of_a_dxf_in_the_plane_of_the_linkage(tmp_path: Path
     assert near(centres, [put(4.0 + 1.0j), put(8.0 + 1.0j)])
     longer = underlay.scaled(put(0.0), put(4.0), 200.0)
     assert longer.scale_mm_per_unit == pytest.approx(50.0)
-    assert longer.placed(0.0) == pytest.approx(put(0.0))
-    level = longer.turned(put(0.0), longer.placed(4.0), 0.0)
-    assert level.placed(4.0) == pytest.approx(put(0.0) + 200.0)
+    assert longer.to_plane(0.0) == pytest.approx(put(0.0))
+    level = longer.rotated(put(0.0), longer.to_plane(4.0), 0.0)
+    assert level.to_plane(4.0) == pytest.approx(put(0.0) + 200.0)
     with pytest.raises(KindynaError, match="above 0"):
         underlay.scaled(put(0.0), put(0.0), 10.0)
 
@@ -69,14 +69,14 @@ def test_a_placement_is_kept_beside_the_design_and_a_wrong_one_is_named(
     design = tmp_path / "four.toml"
     design.write_bytes(example("four_bar").read_bytes())
     placed = Underlay(bracket(tmp_path / "b.dxf"), 1.5, 2.0, 25.4, -12.5, 0.3, True)
-    keep_underlay(design, placed)
+    save_underlay(design, placed)
     assert read_underlay(design) == placed
     assert 'file = "b.dxf"' in (tmp_path / "four.underlay.toml").read_text("utf-8")
     out = tmp_path / "pose.dxf"
     assert main(["pose", str(design), "--angle", "30", "--underlay", "--out", str(out)]) == 0
     lines = ezdxf.readfile(out).modelspace().query('LWPOLYLINE[layer=="UNDERLAY"]')
     ends = [complex(*line.get_points("xy")[0]) for line in lines]
-    assert any(abs(end - placed.placed(4.0)) < 1e-9 for end in ends)
+    assert any(abs(end - placed.to_plane(4.0)) < 1e-9 for end in ends)
     (tmp_path / "b.dxf").unlink()
     assert main(["pose", str(design), "--angle", "30", "--underlay", "--out", str(out)]) == 0
     assert "underlay: left out" in capsys.readouterr().err
@@ -100,12 +100,12 @@ def test_a_file_in_the_place_of_a_placement_that_the_window_has_not_written_stay
     before = content(tmp_path)
     for underlay in (None, *([] if what == "written by hand" else [placed])):
         with suppress(FileError):
-            keep_underlay(design, underlay)
+            save_underlay(design, underlay)
         assert content(tmp_path) == before
     if what == "written by hand":  # it was read as a placement, and is placed otherwise
-        keep_underlay(design, placed)
+        save_underlay(design, placed)
         assert read_underlay(design) == placed
-        keep_underlay(design, None)
+        save_underlay(design, None)
         assert not path.exists()
 
 
@@ -156,8 +156,8 @@ def test_a_dxf_is_scaled_by_two_clicks_moved_locked_and_drawn_upon(
     steps = user.steps
     assert tracer.underlay.scale_mm_per_unit == 25.4
     tracer.press("Scale")
-    tracer.click(tracer.underlay.placed(0.0), QPoint(5, -4))  # beside the corner: it snaps
-    tracer.click(tracer.underlay.placed(4.0), QPoint(-3, 6))
+    tracer.click(tracer.underlay.to_plane(0.0), QPoint(5, -4))  # beside the corner: it snaps
+    tracer.click(tracer.underlay.to_plane(4.0), QPoint(-3, 6))
     tracer.type("80")
     assert tracer.underlay.scale_mm_per_unit == pytest.approx(20.0, abs=1e-12)
     tracer.press("Move")
@@ -174,8 +174,8 @@ def test_a_dxf_is_scaled_by_two_clicks_moved_locked_and_drawn_upon(
     assert not any(b.isEnabled() for b in tracer.panel.findChildren(QToolButton))
     tracer.panel.close()
     user.drawing().draw(True, "ground")  # a fixed pivot set beside the bow's centre stands on it
-    tracer.click(tracer.underlay.placed(4.0 + 1.0j), QPoint(6, 5))
-    assert user.drawing().drawing.sheet[1]["O1"] == pytest.approx(tracer.underlay.placed(4.0 + 1.0j), abs=1e-9)
+    tracer.click(tracer.underlay.to_plane(4.0 + 1.0j), QPoint(6, 5))
+    assert user.drawing().drawing.sheet[1]["O1"] == pytest.approx(tracer.underlay.to_plane(4.0 + 1.0j), abs=1e-9)
     assert len(user.steps) == len(steps) + 1  # the pivot alone is a step of the design
     kept = tmp_path / "mine.toml"
     user.session.save(kept)
@@ -193,7 +193,7 @@ def test_a_design_brings_its_picture_and_a_missing_one_is_a_note(open_user: Open
     assert picture.save(str(tmp_path / "red.png"))
     design = tmp_path / "four.toml"
     save(load(example("four_bar")), design)
-    keep_underlay(design, Underlay(tmp_path / "red.png", -1000.0, -1000.0, 40.0, 0.0, 1.0))
+    save_underlay(design, Underlay(tmp_path / "red.png", -1000.0, -1000.0, 40.0, 0.0, 1.0))
     user = open_user(whole=False, path=design)
     view = user.drawing()
     view.pull()
@@ -204,7 +204,7 @@ def test_a_design_brings_its_picture_and_a_missing_one_is_a_note(open_user: Open
         colour = image.pixelColor(at * image.devicePixelRatio())
         assert (colour.red() > 100, colour.blue() > 100) == (y > 0.0, y < 0.0)
     (tmp_path / "red.png").unlink()
-    view.underlay.put(view.underlay.underlay.moved(1.0), keep=False)
+    view.underlay.put(view.underlay.underlay.shifted(1.0), keep=False)
     user.session.save(tmp_path / "next.toml")
     user = open_user(whole=False, path=tmp_path / "next.toml")
     user.drawing().pull()

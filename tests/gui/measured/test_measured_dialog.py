@@ -467,7 +467,7 @@ def test_a_typing_error_is_listed_and_a_click_shows_where(lift: User, imports: I
     line, told = found(dialog)[0]
     assert line == "32"
     assert told.startswith("60°: ")
-    assert told.endswith("mm off the curve, left out")
+    assert told.endswith("mm from the curve, left out")
     assert dialog.rows_plot.dots[1].x == pytest.approx([60.0])
     assert dialog.rows_plot.cursor_at is None
     at = dialog.entries.visualRect(dialog.entries.rows.index(0, 1)).center()
@@ -692,7 +692,7 @@ def test_a_row_is_marked_in_the_sheet_and_left_out_at_a_click(lift: User, import
     fit = dialog.answer.fit
     assert fit is not None
     assert (fit.residuals.size, fit.left_out) == (ANGLES.size - 1, ())
-    assert not any("off the curve" in cells[1] for cells in found(dialog)), "the wrong row is gone"
+    assert not any("from the curve" in cells[1] for cells in found(dialog)), "the wrong row is gone"
     place = dialog.sheet.visualRect(cells.index(row + 4, 1)).center()
     QTest.mouseClick(dialog.sheet.viewport(), Qt.MouseButton.LeftButton, pos=place)
     assert dialog.rows_plot.cursor_at == pytest.approx(68.0)

@@ -161,13 +161,13 @@ def test_loads_stand_where_they_act_and_move_with_it() -> None:
     windings = set()
     for index in (0, 10, 20, 50):
         scene.set_index(index)
-        b = links["link4"].place("B")[index] * 1e3
+        b = links["link4"].position("B")[index] * 1e3
         spring = scene.item("spring.spring1")
         ends = [spring.mapToScene(x, 0.0) for x in (0.0, 1.0)]
         assert [complex(p.x(), p.y()) for p in ends] == pytest.approx([90.0 + 60.0j, b], abs=1e-9)
         path = scene.item("spring.torsion_spring1").path()  # type: ignore[attr-defined]
         points = [complex(path.elementAt(i).x, path.elementAt(i).y) for i in range(path.elementCount())]
-        round_about = np.unwrap(np.angle(np.array(points) - links["link4"].place("O4")[index] * 1e3))
+        round_about = np.unwrap(np.angle(np.array(points) - links["link4"].position("O4")[index] * 1e3))
         windings.add(round(float(round_about[-1] - round_about[0] + links["link4"].turn[0][index]), 9))
         arrow = scene.item("load.force1").path()  # type: ignore[attr-defined]
         tail, tip = (complex(arrow.elementAt(i).x, arrow.elementAt(i).y) for i in (0, 3))
@@ -177,7 +177,7 @@ def test_loads_stand_where_they_act_and_move_with_it() -> None:
         assert scene.item("torque_value.force1").text == "0.5 N·m"  # type: ignore[attr-defined]
         mass = scene.item("mass.link3").pos()
         assert complex(mass.x(), mass.y()) == pytest.approx(
-            links["link3"].carried(0.03 + 0.01j)[0][index] * 1e3, abs=1e-9
+            links["link3"].fixed_point(0.03 + 0.01j)[0][index] * 1e3, abs=1e-9
         )
         on = 90.0 <= np.rad2deg(study.theta[index]) < 180.0
         assert seen(scene, "load_value.process1") == on
@@ -195,7 +195,7 @@ def test_a_closing_spring_keeps_between_the_follower_and_its_bush() -> None:
         one, other = (spring.mapToScene(x, 0.0).y() for x in (0.0, 1.0))
         lengths.append(other - one)
         assert one == pytest.approx(
-            study.linkage.follower.place("roller")[index].imag * 1e3 + scene.geometry.face_radius
+            study.linkage.follower.position("roller")[index].imag * 1e3 + scene.geometry.face_radius
         )  # type: ignore[union-attr]
     assert max(lengths) - min(lengths) == pytest.approx(
         np.ptp(study.linkage.follower.origin[0].imag[[0, 20, 40, 60]]) * 1e3

@@ -289,7 +289,7 @@ def test_the_dimension_of_an_arm_goes_with_it() -> None:
         ends = [complex(path.elementAt(i).x, path.elementAt(i).y) for i in range(2)]
         assert abs(ends[1] - ends[0]) == pytest.approx(90.0, abs=1e-6)
         arm = Study(design, 720).linkage.bodies["arm"]
-        bar = arm.place("roller")[index] - arm.place("pivot")[index]
+        bar = arm.position("roller")[index] - arm.position("pivot")[index]
         assert abs(((ends[1] - ends[0]) / bar).imag) < 1e-6, "parallel to the arm"
         at.append(float(np.angle(ends[1] - ends[0])))
     assert abs(np.rad2deg(at[1] - at[0])) == pytest.approx(18.0, abs=0.1)

@@ -17,7 +17,7 @@ from core.design import Tolerance, edited, get
 from core.design.limits import Waviness
 from core.project import save
 from core.study import evaluations
-from core.varying import load_study, present
+from core.varying import current_figures, load_study
 from kindyna_gui.documents.pins import Pins
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.graph.curves_view import CurvesView
@@ -412,7 +412,7 @@ def test_the_share_of_machines_within_the_limits_stands_in_the_same_dock(user: U
 
 def get_pressure(view: StudyView) -> float:
     """What stands beside the name, more exactly."""
-    return present(view.session.whole_study, [PRESSURE])[0][PRESSURE]
+    return current_figures(view.session.whole_study, [PRESSURE])[0][PRESSURE]
 
 
 def test_a_study_is_saved_for_the_commands(open_user: Open, tmp_path: Path) -> None:

@@ -84,7 +84,7 @@ def test_a_spring_is_drawn_between_its_ends_and_stretches(same_window: Open) -> 
     for degrees in (0.0, 90.0):
         study = user.turn(degrees)
         item = scene.parts["spring.spring1"].item
-        here = study.at_theta(np.deg2rad([degrees])).linkage.bodies["link4"].place("B")[0]
+        here = study.at_theta(np.deg2rad([degrees])).linkage.bodies["link4"].position("B")[0]
         ends = [item.mapToScene(QPointF(x, 0.0)) for x in (0.0, 1.0)]
         assert (ends[0].x(), ends[0].y()) == pytest.approx((-50.0, -50.0))
         assert complex(ends[1].x(), ends[1].y()) == pytest.approx(1e3 * complex(here), abs=1e-6)
