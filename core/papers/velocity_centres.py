@@ -261,8 +261,8 @@ def six_bar(part: str) -> Callable[[Examples], Numbers]:
             "D": {"v6": (22.39, slider, "cm/s")},
         }
         return {
-            name: ComparedNumber(printed, here, 0.5 * DIGIT, unit, DIGIT)
-            for name, (printed, here, unit) in rows[part].items()
+            name: ComparedNumber(printed, computed, 0.5 * DIGIT, unit, DIGIT)
+            for name, (printed, computed, unit) in rows[part].items()
         }
 
     return numbers
