@@ -226,7 +226,6 @@ UNDOCUMENTED: tuple[str, ...] = (
     "core/design/",
     "core/linkage_programs/",
     "core/measured/",
-    "core/project/",
     "core/study/",
     "core/varying/",
 )
