@@ -225,7 +225,7 @@ UNDOCUMENTED: tuple[str, ...] = (
     "core/commands/",
     "core/design/",
     "core/linkage_programs/",
-    "core/measured/",
+    "core/project/",
     "core/study/",
     "core/varying/",
 )

@@ -74,9 +74,9 @@ CASES: dict[str, tuple[str, Callable[[], str | bytes], str]] = {
     "long header": ("measured", lambda: _table("(" * 500_000), ""),
     "blanks of a header": ("measured", lambda: _table(" \t" * 400_000 + "x"), ""),
     "underscores": ("measured", lambda: _table("angle," + "_" * 900_000), ""),
-    "quotes without end": ("measured", lambda: _table(more='\n"' + "1," * 400_000), "2 are wanted"),
-    "field beyond the csv module's": ("measured", lambda: _table(more='\n"' + "1" * 500_000 + '",2'), "wanted: a number"),
-    "digits without end": ("measured", lambda: _table(more="\n" + "1" * 900_000 + "x,2"), "wanted: a number"),
+    "quotes without end": ("measured", lambda: _table(more='\n"' + "1," * 400_000), "2 are required"),
+    "field beyond the csv module's": ("measured", lambda: _table(more='\n"' + "1" * 500_000 + '",2'), "required: a number"),
+    "digits without end": ("measured", lambda: _table(more="\n" + "1" * 900_000 + "x,2"), "required: a number"),
     "comments": ("measured", lambda: "#a\n" * 300_000 + _table(), ""),
     "wide table": ("graph", lambda: ",".join("a" * 300_000) + "\n" + ",".join("1" * 300_000), "16384 columns"),
     "wide rows": ("graph", lambda: ("1," * 16_000 + "1\n") * 30, ""),
@@ -96,6 +96,7 @@ CASES: dict[str, tuple[str, Callable[[], str | bytes], str]] = {
     "overlapping lines": ("motion-from", lambda: _dxf("".join(map(_long_line, range(19_000)))), ""),
     "large picture": ("logo", lambda: _png(30_000), ""),
     "graph of lists": ("graph-setup", lambda: "[" * 900_000, "not a graph"),
+    "text that is no UTF-8": ("arguments", lambda: b"linkage-from\n\xed\xa0\x80\n--out\no.toml", ""),
     "number of a row": ("arguments", lambda: b"explain\nX\nloads.friction[" + b"9" * 5000 + b"]", "cannot be read"),
 }  # fmt: skip
 
