@@ -225,7 +225,6 @@ UNDOCUMENTED: tuple[str, ...] = (
     "core/commands/",
     "core/design/",
     "core/linkage_programs/",
-    "core/project/",
     "core/study/",
     "core/varying/",
 )
