@@ -225,7 +225,6 @@ UNDOCUMENTED: tuple[str, ...] = (
     "core/commands/",
     "core/design/",
     "core/instant_centres/",
-    "core/linkage_programs/",
     "core/measured/",
     "core/project/",
     "core/study/",
