@@ -170,7 +170,7 @@ def run_tolerance(arguments: ToleranceArguments, painter: Painter | None) -> int
         raise KindynaError(
             f"tolerances: none of {arguments.machines} machines can be built; see that the design itself can, with check"
         )
-    share = Share(int(scatter.kept(values).sum()), arguments.machines)
+    share = Share(int(scatter.within_limits(values).sum()), arguments.machines)
     tighter = scatter.tightened(arguments.machines, seed, slopes) if share.value < SHARE else None
     low, high = share.interval
     data: dict[str, Any] = {
@@ -211,7 +211,7 @@ def _alone(scatter: Scatter, values: np.ndarray, key: str, side: float, bound: f
 
 def _sensitivity(scatter: Scatter, slopes: np.ndarray) -> str:
     """Field, quantity, change of the quantity per unit of the field, part of its variance; of each quantity the largest part first."""
-    parts, fields = scatter.parts(slopes), list(scatter.own)
+    parts, fields = scatter.parts(slopes), list(scatter.nominal)
     lines = ["field,quantity,per_unit,part_of_tolerance"]
     for q, row in enumerate(scatter.study.quantities):
         for i in sorted(range(len(fields)), key=lambda i: -parts[i, q]):
@@ -244,8 +244,8 @@ def _summary(waves: AllWaves) -> dict[str, Any] | None:
     """What waves do; on a shaft of several drives by the name of each that has any."""
     if waves.design.listed:
         names = drive_names(waves.design)
-        return {names[number or 0]: each.summary() for number, each in waves.each.items()} or None
-    return waves.each[None].summary() if waves.each else None
+        return {names[number or 0]: each.summary() for number, each in waves.by_drive.items()} or None
+    return waves.by_drive[None].summary() if waves.by_drive else None
 
 
 def _by_drive(found: dict[str, Any] | None) -> list[tuple[str, dict[str, float]]]:
@@ -299,7 +299,7 @@ def run_vary(arguments: VaryArguments, painter: Painter | None) -> int:
     made = Run(study)
     progress = Progress()
     with workers(arguments.workers, arguments.scheduler) as (executor, ahead):
-        made.compute(resume=arguments.resume, executor=executor, ahead=ahead, tell=progress.tell)
+        made.compute(resume=arguments.resume, executor=executor, ahead=ahead, progress=progress.tell)
     reasons: Counter[str] = Counter()
     built = 0
     for block in made.blocks():

@@ -141,7 +141,7 @@ def search_request(design: Design, what: str, stated: StatedLimits, choice: str 
     KindynaError
         Where the search has no such limit, or a limit is outside its range.
     """
-    row, usual = CAM_SEARCHES[what], default_limits(design, what)
+    row, defaults = CAM_SEARCHES[what], default_limits(design, what)
     contact_keys = row.contact_limits(design)
     bounds: Bounds = {choice: (None, None)} if choice else {}
     user_limits = vars(design.drive.limits)
@@ -160,12 +160,12 @@ def search_request(design: Design, what: str, stated: StatedLimits, choice: str 
             allowed = (*row.limits, *contact_keys, *(("the field's path with _min or _max",) if row.bounded else ()))
             raise KindynaError(f"limit {key!r}: {what} has none of that name; allowed: {' | '.join(allowed)}")
     limits = {key: value for key, value in limits.items() if value is not None or key not in stated}
-    free = {key: bound for key, bound in usual.items() if key in BOUNDS and key not in (*contact_keys, *stated)}
+    free = {key: bound for key, bound in defaults.items() if key in BOUNDS and key not in (*contact_keys, *stated)}
     default_bounds = {key: bound for key, bound in free.items() if _is_compatible(bounds, key, bound)}
     for key, bound in default_bounds.items():
         _add_bound(bounds, key, bound.value)
     codes = {code for key in stated for rows in (LIMITS, BOUNDS) if key in rows for code in rows[key].findings}
-    contact = _contact_limit(design, contact_keys, stated, usual)
+    contact = _contact_limit(design, contact_keys, stated, defaults)
     return SearchRequest(limits, bounds, default_bounds, contact, frozenset(codes))
 
 
@@ -175,22 +175,22 @@ def _add_bound(bounds: Bounds, key: str, value: float | None) -> None:
     bounds[key[:-4]] = (value, high) if key.endswith(ENDS[0]) else (low, value)
 
 
-def _is_compatible(bounds: Bounds, key: str, usual: LimitValue) -> bool:
+def _is_compatible(bounds: Bounds, key: str, bound: LimitValue) -> bool:
     """Whether a typical bound is on the correct side of the stated opposite bound."""
     low, high = bounds.get(key[:-4], (None, None))
-    return high is None or usual.value < high if key.endswith(ENDS[0]) else low is None or usual.value > low
+    return high is None or bound.value < high if key.endswith(ENDS[0]) else low is None or bound.value > low
 
 
 def _contact_limit(
-    design: Design, keys: tuple[str, ...], stated: StatedLimits, usual: Mapping[str, LimitValue]
+    design: Design, keys: tuple[str, ...], stated: StatedLimits, defaults: Mapping[str, LimitValue]
 ) -> ContactLimit | None:
     """Least contact force and highest speed, where contact limits the search or one of them is stated."""
-    if not any(stated.get(key) is not None or key in usual for key in keys) or stated.get(keys[0], 0.0) is None:
+    if not any(stated.get(key) is not None or key in defaults for key in keys) or stated.get(keys[0], 0.0) is None:
         return None
-    force, default = stated.get(keys[0]), usual.get(keys[0])
+    force, default = stated.get(keys[0]), defaults.get(keys[0])
     if force is None and default is not None and default.source == USER:
         force = default.value
-    speeds = {key: limit.value for key, limit in usual.items()} | dict(stated)
+    speeds = {key: limit.value for key, limit in defaults.items()} | dict(stated)
     speed = speeds.get(keys[-1]) if len(keys) > 1 else None
     return ContactLimit(force, (design.speed_rpm if speed is None else speed) * RPM)
 

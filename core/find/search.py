@@ -280,8 +280,8 @@ def _outermost(row: SearchRow, trials: TrialDesigns, request: SearchRequest) -> 
         end = f"{path} = {solution:.9g} (beyond it: {beyond_it})" if beyond_it else ""
     else:
         bound = low if row.target == SMALLEST else high
-        usual = request.default_bounds.get(f"{path}{ENDS[0] if row.target == SMALLEST else ENDS[1]}")
-        why = f" ({usual.reason})" if usual else "" if bound is not None else ", the last trial value"
+        default_bound = request.default_bounds.get(f"{path}{ENDS[0] if row.target == SMALLEST else ENDS[1]}")
+        why = f" ({default_bound.reason})" if default_bound else "" if bound is not None else ", the last trial value"
         end = f"{path} = {solution:.9g}{why}"
     if new := trials.new(solution):
         present = float(get(trials.design, path))

@@ -128,7 +128,7 @@ def _lift_off(design: Design, path: str, request: ContactRequest, checked: Findi
         raise KindynaError("find lift-off-speed: the follower stays on the cam at any speed up to 100000 rpm")
     if not least.omega:
         raise KindynaError(
-            f"find lift-off-speed: {_force_text(contact.least(0.0), force)}: it does not stay there at any speed; "
+            f"find lift-off-speed: {_force_text(contact.least(0.0), force)}: it is below the limit at every speed; "
             "find preload gives the required spring"
         )
     rpm = least.omega / RPM

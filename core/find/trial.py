@@ -440,9 +440,9 @@ class TrialDesigns:
         try:
             if self.contact is not None:
                 yield _contact_reading(study, self.contact)
-            if self._by_torque(study) and (usual := LIMITS[POLAR].typical(study)):
+            if self._by_torque(study) and (typical := LIMITS[POLAR].typical(study)):
                 peaks = _highest(study.at(piecewise_angles(study.program)), (POLAR,))[POLAR]
-                yield _reading(POLAR, peaks, usual.value, usual.reason)
+                yield _reading(POLAR, peaks, typical.value, typical.reason)
         except NoSolution:
             return
 
@@ -476,12 +476,12 @@ class TrialDesigns:
     def _outcome(self, study: Study, peaks: Peaks) -> Outcome:
         readings = []
         for key, stated in self.limits.items():
-            usual = (
+            typical = (
                 LIMITS[key].typical(study) if stated is None and not (key == POLAR and self._by_torque(study)) else None
             )
-            limit = usual.value if usual else stated
+            limit = typical.value if typical else stated
             if limit is not None:
-                readings.append(_reading(key, peaks[key], limit, usual.reason if usual else ""))
+                readings.append(_reading(key, peaks[key], limit, typical.reason if typical else ""))
         pressures = tuple(max((peak.extreme.value for peak in peaks[key]), default=-np.inf) for key in PRESSURE_ANGLES)
         return Outcome(tuple(sorted(readings, key=_margin)), pressures)
 

@@ -1,4 +1,4 @@
-"""Instant velocity centres: of all links, by the pairs, by velocities and by Kennedy's construction; velocity ratios by them."""
+"""Instant centres of all bodies, from pairs, velocities and Kennedy's construction, and velocity ratios."""
 
 from typing import TYPE_CHECKING
 
@@ -20,7 +20,7 @@ from core.instant_centres.construction import (
     Triangle,
     construction,
     kennedy,
-    line_of,
+    triangle_line,
 )
 from core.process import lazy_attributes
 
@@ -47,7 +47,6 @@ else:
 __all__ = [
     "ABSOLUTE", "CAM", "CHAINS", "POLE", "TURNING", "CentreTable", "Centres", "Collinearity", "Construction", "Corner",
     "KennedyStep", "PolygonSide", "PolygonTriangle", "RatioArms", "Triangle", "VelocityPolygon", "all_centres",
-    "angular_ratio", "cam_centres", "cam_follower_centre", "collinearity", "construction", "kennedy", "line_of",
-    "mechanical_advantage", "moving_collinearity", "primary_pairs", "ratio_arms", "velocity_differences",
-    "velocity_polygon",
+    "angular_ratio", "cam_centres", "cam_follower_centre", "collinearity", "construction", "kennedy", "mechanical_advantage",
+    "moving_collinearity", "primary_pairs", "ratio_arms", "triangle_line", "velocity_differences", "velocity_polygon",
 ]  # fmt: skip

@@ -1,4 +1,7 @@
-"""The instant centre of a follower and its cam, by Kennedy's theorem from the pole of the follower's link."""
+"""Instant centres of all bodies by velocities and pairs, of follower and cam by Kennedy's theorem, and the proof by collinearity.
+
+Source: Shin 1995 §3 for follower and cam.
+"""
 
 from __future__ import annotations
 
@@ -15,22 +18,28 @@ from core.instant_centres.construction import Centres, Construction, Key, agreem
 from core.mechanism.kinematics import FRAME, REVOLUTE, Kinematics, Pair, Pose
 from core.numerics.derivatives import dot
 
-# -- all n(n-1)/2 instant centres of a solved mechanism ---------------------------------------------------------
+# -- all n(n-1)/2 instant centres of a mechanism ----------------------------------------------------------------
 
 
 EPS = float(np.finfo(float).eps)
-_AT_REST = 1e3 * EPS  # relative velocity, against those of the driver, below which two bodies do not move on each other
-_AGREES = 1e-6  # of unit vectors: lines that miss a centre by more have none in common
+_AT_REST = 1e3 * EPS  # relative velocity, as a part of the fastest, below which two bodies have no relative motion
+_AGREES = 1e-6  # of unit vectors: lines that miss a centre by more have no common point
 
 
 @frozen(eq=False)
 class CentreTable:
-    """The centres of all bodies of a mechanism.
+    """Instant centres of all bodies of a mechanism.
 
-    bodies        their names, the frame first
-    centres       pair of names, in the order of ``bodies`` -> Centres (n,), scaled to the size
-    primary       the pairs whose centre a pin or a guide shows at sight
-    size          [m] of the mechanism
+    Attributes
+    ----------
+    bodies : tuple of str
+        Names, the frame first.
+    centres : mapping of Key to Centres
+        Centres (n,) by pair of names, in the order of `bodies`, scaled to the size.
+    primary : frozenset of Key
+        Pairs of bodies whose centre is given by a pin or a guide.
+    size : float
+        Size [m] of the mechanism.
     """
 
     bodies: tuple[str, ...]
@@ -40,7 +49,7 @@ class CentreTable:
 
     @cached_property
     def construction(self) -> Construction:
-        """In which order Kennedy's theorem finds the others."""
+        """Order in which Kennedy's theorem gives the other centres."""
         return construction(self.bodies, self.primary)
 
     @cached_property
@@ -48,21 +57,40 @@ class CentreTable:
         return {name: i for i, name in enumerate(self.bodies)}
 
     def key(self, a: str, b: str) -> Key:
-        """The key of two bodies, given in either order."""
+        """Key of two bodies, given in either order."""
         return key_of(a, b, self._order)
 
-    def of(self, a: str, b: str) -> Centres:
-        """The centre of two bodies, in either order."""
+    def centre(self, a: str, b: str) -> Centres:
+        """Centre of two bodies, given in either order."""
         return self.centres[self.key(a, b)]
 
 
 def centres_in_motion(
-    kinematics: Kinematics, size: float, names: tuple[str, ...], wanted: Iterable[Key] = ()
+    kinematics: Kinematics, size: float, names: tuple[str, ...], keys: Iterable[Key] = ()
 ) -> tuple[dict[Key, Centres], dict[Key, np.ndarray], frozenset[Key]]:
-    """Centres scaled to the size, in the order of the names (of those wanted only, where any are): of the pairs at sight, of all others
-    by velocity; how much the two bodies move against each other (n,), as a part of the fastest body's velocity; and which are seen.
+    """Instant centres of a moving mechanism: primary ones from the pairs, all others from velocities.
 
-    Where two bodies have no velocity against each other, a centre by velocity is made of rounding, and its error bound is large.
+    A centre from velocities has a large error bound where the two bodies have no relative velocity.
+
+    Parameters
+    ----------
+    kinematics : Kinematics
+        With a moving driver.
+    size : float
+        Size [m] of the mechanism.
+    names : tuple of str
+        Bodies.
+    keys : iterable of Key
+        Pairs of bodies whose centres are computed; by default all.
+
+    Returns
+    -------
+    centres : dict of Key to Centres
+        Scaled to the size.
+    motion : dict of Key to ndarray (n,), dimensionless
+        Relative velocity of the two bodies, as a part of that of the fastest body.
+    primary : frozenset of Key
+        Pairs of bodies whose centre is given by a pin or a guide.
     """
     order = {name: i for i, name in enumerate(names)}
     primary = {key: centre.scaled(size) for key, centre in primary_pairs(kinematics, order).items()}
@@ -70,131 +98,140 @@ def centres_in_motion(
         (float(np.abs(p.turn[1]).max()) * size + float(np.abs(p.origin[1]).max()) for p in kinematics.bodies.values()),
         default=0.0,
     )
-    found: dict[Key, Centres] = {}
+    centres: dict[Key, Centres] = {}
     motion: dict[Key, np.ndarray] = {}
-    for key in wanted or combinations(names, 2):
+    for key in keys or combinations(names, 2):
         centre = _by_velocity(kinematics.bodies[key[0]], kinematics.bodies[key[1]])
         motion[key] = np.hypot(np.abs(centre.point), centre.weight * size) / speed
         if key in primary:
-            found[key] = primary[key]
+            centres[key] = primary[key]
             continue
         with np.errstate(divide="ignore"):
-            error_bound = np.maximum(
-                1.0, 1.0 / motion[key]
-            )  # where both move nearly alike, little is left of their velocities
-        found[key] = replace(centre.scaled(size), error_bound=error_bound)
-    return found, motion, frozenset(primary)
+            error_bound = np.maximum(1.0, 1.0 / motion[key])  # nearly equal velocities cancel
+        centres[key] = replace(centre.scaled(size), error_bound=error_bound)
+    return centres, motion, frozenset(primary)
 
 
 def all_centres(kinematics: Kinematics, size: float, bodies: Iterable[str] = ()) -> CentreTable:
-    """The centres of the bodies named (all of the kinematics, where none is), for all positions at once.
+    """Instant centres of some bodies, by default of all, at all positions.
 
-    The driver must move (unit speed), for a mechanism at rest has no velocities. Where two bodies happen to have
-    none against each other, Kennedy's construction gives the limit; 0 (point and weight) where they never move against each
-    other, and every point is a centre.
+    The driver must move, as in `unit_speed_kinematics`. Where two bodies have no relative velocity at a position, Kennedy's
+    construction gives the limit; point and weight are 0 where they never have any, so that every point is a centre.
     """
     names = tuple(bodies) or tuple(kinematics.bodies)
-    found, motion, primary = centres_in_motion(kinematics, size, names)
-    resting = {key: rests for key in found if key not in primary and (rests := motion[key] <= _AT_REST).any()}
-    for wanted in construction(names, primary).steps if resting else ():
-        if wanted.key in resting:
-            limit, now = kennedy(found, wanted, size).scaled(size), found[wanted.key]
-            agrees, rests = agreement(found, wanted, limit, size) < _AGREES, resting[wanted.key]
-            found[wanted.key] = Centres(
-                np.where(rests, np.where(agrees, limit.point, 0.0), now.point),
-                np.where(rests, np.where(agrees, limit.weight, 0.0), now.weight),
-                now.error_bound,
+    centres, motion, primary = centres_in_motion(kinematics, size, names)
+    resting = {key: rests for key in centres if key not in primary and (rests := motion[key] <= _AT_REST).any()}
+    for step in construction(names, primary).steps if resting else ():
+        if step.key in resting:
+            limit, current = kennedy(centres, step, size).scaled(size), centres[step.key]
+            agrees, rests = agreement(centres, step, limit, size) < _AGREES, resting[step.key]
+            centres[step.key] = Centres(
+                np.where(rests, np.where(agrees, limit.point, 0.0), current.point),
+                np.where(rests, np.where(agrees, limit.weight, 0.0), current.weight),
+                current.error_bound,
             )
-    return CentreTable(names, MappingProxyType(found), primary, size)
+    return CentreTable(names, MappingProxyType(centres), primary, size)
 
 
 def _by_velocity(a: Pose, b: Pose) -> Centres:
-    """Where both have the same velocity: z_a' + iω_a(P - z_a) = z_b' + iω_b(P - z_b)."""
+    """Point P with the same velocity on both bodies: z_a' + iω_a(P - z_a) = z_b' + iω_b(P - z_b)."""
     wa, wb = a.turn[1], b.turn[1]
     return Centres(wb * b.origin[0] - wa * a.origin[0] + 1j * (b.origin[1] - a.origin[1]), wb - wa)
 
 
 def primary_pairs(kinematics: Kinematics, order: Mapping[str, int]) -> dict[Key, Centres]:
-    """The centres that pins (at the pin, for every two links on it) and guides (at infinity across them) show."""
-    found: dict[Key, Centres] = {}
+    """Centres given by pairs: at a pin for every two links on it, and at infinity across a guide."""
+    centres: dict[Key, Centres] = {}
     pins: dict[str, set[str]] = {}
     for pair in kinematics.pairs.values():
         if pair.kind == REVOLUTE:
             pins.setdefault(pair.point, set()).update((pair.on, pair.body))
         elif pair.on in order and pair.body in order:
             across = 1j * kinematics.line(pair)
-            found[key_of(pair.on, pair.body, order)] = Centres(across, np.zeros(across.size))
+            centres[key_of(pair.on, pair.body, order)] = Centres(across, np.zeros(across.size))
     for name, links in pins.items():
         for a, b in combinations([n for n in links if n in order], 2):
             key = key_of(a, b, order)
             at = kinematics.bodies[key[0] if key[0] != FRAME else key[1]].position(name)
-            found[key] = Centres(at, np.ones(at.size))
-    return dict(sorted(found.items(), key=lambda item: (order[item[0][0]], order[item[0][1]])))
+            centres[key] = Centres(at, np.ones(at.size))
+    return dict(sorted(centres.items(), key=lambda item: (order[item[0][0]], order[item[0][1]])))
 
 
-# -- the instant centre of a follower and its cam, by Kennedy's theorem from the pole of the --------------------
+# -- instant centre of follower and cam -------------------------------------------------------------------------
 
 
 CAM, CAMSHAFT = "cam", "camshaft"
-"""The cam as a body, and the pin that holds it on the frame."""
+"""Names of the cam as a body, and of its pin on the frame."""
 
 _LARGEST_BOUND = 1e6
 
 
-def cam_follower_centre(kinematics: Kinematics, sense: float) -> Centres:
-    """Centre Q of the follower body relative to the cam (Shin1995 §3); sense: d = +1 for a cam turning counter-clockwise, -1
-    clockwise.
+def cam_follower_centre(kinematics: Kinematics, rotation_sign: float) -> Centres:
+    """Instant centre of follower and cam, Q = kp/(φ' - d), φ' = kw.
 
-    By the three-centres theorem on the line through the cam centre and the pole p/w of the follower's link on the frame, which
-    is its pivot, infinitely far across its guide, or where the circle diagram finds it from the pairs. The reference point R
-    moves by R' = ik(wR - p), which gives k, and Q = kp/(φ' - d), φ' = kw (Shin1995 (18) counts φ' against the cam). Where R is the
-    pole, no two triangles reach the pole or rounding decides it, by the velocity of R: Q = (φ'R + iR')/(φ'-d).
+    By Kennedy's theorem Q is on the line through the cam centre and the pole p/w of the follower's link on the frame, which is its
+    pivot, the point at infinity across its guide, or given by the circle diagram. The velocity of the reference point,
+    R' = ik(wR - p), gives k. Where R is the pole, or the pole is unknown or uncertain, Q = (φ'R + iR')/(φ' - d). The source's
+    (18) counts φ' against the cam.
+
+    Parameters
+    ----------
+    kinematics : Kinematics
+    rotation_sign : float
+        d: +1 for a cam that turns counter-clockwise, -1 clockwise.
+
+    Returns
+    -------
+    Centres
+
+    References
+    ----------
+    Shin 1995 §3, eq. (18).
     """
     follower = kinematics.follower
-    turn, place, speed = follower.turn[1], follower.origin[0], follower.origin[1]
-    point, weight = turn * place + 1j * speed, turn - sense
+    turn, z, speed = follower.turn[1], follower.origin[0], follower.origin[1]
+    point, weight = turn * z + 1j * speed, turn - rotation_sign
     pole = _pole(kinematics)
     if pole is None:
         return Centres(point, weight)
-    arm = 1j * (pole.weight * place - pole.point)
+    arm = 1j * (pole.weight * z - pole.point)
     square = dot(arm, arm)
     with np.errstate(divide="ignore", invalid="ignore"):
         k = dot(arm, speed) / square
-        # relative to the pole's distance from R, which the construction knows as a part of its size
-        error_bound = pole.error_bound * np.abs(place).max() / np.sqrt(square)
+        # relative to the pole's distance from R
+        error_bound = pole.error_bound * np.abs(z).max() / np.sqrt(square)
     known = error_bound < _LARGEST_BOUND
     return Centres(np.where(known, k * pole.point, point), weight, np.where(known, np.maximum(error_bound, 1.0), 1.0))
 
 
-def cam_centres(kinematics: Kinematics, sense: float) -> CentreTable:
-    """All centres of the frame, the links that the cam drives and the cam itself, which stands last; sense as in
-    ``cam_follower_centre``, which gives that of cam and follower: it counts as one that a pair shows, for the contact normal does.
+def cam_centres(kinematics: Kinematics, rotation_sign: float) -> CentreTable:
+    """Instant centres of the frame, the links that the cam drives, and the cam, which is the last body.
 
-    The cam always turns, so that each link has a centre on it in a dwell too; those of the links on each other are then found by
-    Kennedy's construction.
+    The centre of cam and follower, `cam_follower_centre`, is a primary one, as the contact normal gives it. Since the cam always
+    turns, each link has a centre on it in a dwell too; Kennedy's construction then gives those between the links.
     """
     theta = kinematics.theta
     row = np.zeros((4, theta.size))
     turn = row.copy()
-    turn[0], turn[1] = sense * theta, sense
+    turn[0], turn[1] = rotation_sign * theta, rotation_sign
     cam, frame = Pose.of(row + 0j, turn, MappingProxyType({CAMSHAFT: 0j})), Pose.of(row + 0j, row)
-    joined = {name for pair in kinematics.pairs.values() for name in (pair.on, pair.body)}
-    names = (FRAME, *(name for name in kinematics.bodies if name in joined and name != FRAME), CAM)
-    whole = replace(
+    paired = {name for pair in kinematics.pairs.values() for name in (pair.on, pair.body)}
+    names = (FRAME, *(name for name in kinematics.bodies if name in paired and name != FRAME), CAM)
+    with_cam = replace(
         kinematics,
         bodies=MappingProxyType({FRAME: frame, **kinematics.bodies, CAM: cam}),
         pairs=MappingProxyType({**kinematics.pairs, CAMSHAFT: Pair(REVOLUTE, FRAME, CAM, CAMSHAFT)}),
     )
     size = float(np.abs(kinematics.follower.origin[0]).max())
-    table = all_centres(whole, size, names)
-    followed = {table.key(kinematics.carrier, CAM): cam_follower_centre(kinematics, sense).scaled(size)}
+    table = all_centres(with_cam, size, names)
+    contact = {table.key(kinematics.carrier, CAM): cam_follower_centre(kinematics, rotation_sign).scaled(size)}
     return replace(
-        table, centres=MappingProxyType({**table.centres, **followed}), primary=table.primary | frozenset(followed)
+        table, centres=MappingProxyType({**table.centres, **contact}), primary=table.primary | frozenset(contact)
     )
 
 
 def _pole(kinematics: Kinematics) -> Centres | None:
-    """The centre of the follower's link on the frame from the places of the pairs, scaled; None where it is not reached."""
+    """Centre of the follower's link on the frame, from the pairs and scaled; None where the construction does not reach it."""
     names = tuple(
         dict.fromkeys(
             (FRAME, *(name for name in kinematics.bodies if name != kinematics.follower_body), kinematics.carrier)
@@ -202,29 +239,33 @@ def _pole(kinematics: Kinematics) -> Centres | None:
     )
     order = {name: i for i, name in enumerate(names)}
     size = float(np.abs(kinematics.follower.origin[0]).max())
-    found = {key: centre.scaled(size) for key, centre in primary_pairs(kinematics, order).items()}
-    wanted = (FRAME, kinematics.carrier)
-    for step in () if wanted in found else construction(names, frozenset(found)).steps:
-        found[step.key] = kennedy(found, step, size).scaled(size)
-    return found.get(wanted)
+    centres = {key: centre.scaled(size) for key, centre in primary_pairs(kinematics, order).items()}
+    key = (FRAME, kinematics.carrier)
+    for step in () if key in centres else construction(names, frozenset(centres)).steps:
+        centres[step.key] = kennedy(centres, step, size).scaled(size)
+    return centres.get(key)
 
 
-# -- the theorem of three centres as a proof of a table of centres ----------------------------------------------
+# -- Kennedy's theorem as a proof of a table of centres ---------------------------------------------------------
 
 
 Triple = tuple[str, str, str]
-PROVEN = 12  # bodies of which every centre is proven: as many as a table of them all can show
+PROVEN = 12  # most bodies of which every centre is proven, as many as a table shows
 
 
 @frozen(eq=False)
 class Collinearity:
-    """For T triples of bodies at n positions.
+    """Kennedy's theorem for T triples of bodies at n positions.
 
-    triples  (T,) names of bodies
-    zero     (T, n) determinant of the three centres' coordinates, each a vector (point/size, weight) of length 1: 0 by
-             the theorem
-    error_bound    (T, n) how many times the rounding of the poses it carries; infinite where the three bodies do not move
-             against each other, and the theorem says nothing
+    Attributes
+    ----------
+    triples : tuple of Triple
+        Names of the bodies.
+    zero : ndarray (T, n), dimensionless
+        Determinant of the three centres' coordinates, each a vector (point/size, weight) of length 1; 0 by the theorem.
+    error_bound : ndarray (T, n), dimensionless
+        Error of the determinant as a multiple of that of the poses; infinite where the three bodies have no relative motion, for
+        which the theorem does not hold.
     """
 
     triples: tuple[Triple, ...]
@@ -233,70 +274,82 @@ class Collinearity:
 
 
 def proving_triples(bodies: tuple[str, ...], primary: Iterable[Key]) -> tuple[Triple, ...]:
-    """Triples of b bodies that hold every centre, about b²/2 of the b³/6 there are.
+    """Triples of b bodies that contain every centre, about b²/2 of all b³/6.
 
-    First the frame (the first body) with every two others: from λ_ab P_ab = λ_fb P_fb - λ_fa P_fa, λ the relative turning
-    velocities, which these say, that of any other three follows by adding three of them. Then, for every two bodies, a third
-    one that pins or guides join to both: the line through these two centres is known without velocities.
+    First the frame (the first body) with every two others, λ_ab P_ab = λ_fb P_fb - λ_fa P_fa with the relative angular velocities
+    λ; the equation of any other triple is the sum of three of these. Then, for every two bodies, a third one with a pair to both:
+    the line through these two centres is known without velocities.
     """
-    shown = {frozenset(key) for key in primary}
-    neighbours = {name: {other for key in shown if name in key for other in key - {name}} for name in bodies}
+    primary_keys = {frozenset(key) for key in primary}
+    neighbours = {name: {n for key in primary_keys if name in key for n in key - {name}} for name in bodies}
     order = {name: i for i, name in enumerate(bodies)}
     frame, *others = bodies
-    found = dict.fromkeys((frame, a, b) for a, b in combinations(others, 2))
+    triples = dict.fromkeys((frame, a, b) for a, b in combinations(others, 2))
     for a, b in combinations(bodies, 2):
         common = neighbours[a] & neighbours[b]
         if common:
             third = min(common, key=order.__getitem__)
             first, second, last = sorted((a, b, third), key=order.__getitem__)
-            found[first, second, last] = None
-    return tuple(found)
+            triples[first, second, last] = None
+    return tuple(triples)
 
 
 def joining_triples(bodies: tuple[str, ...], primary: Iterable[Key]) -> tuple[Triple, ...]:
-    """The frame with every two bodies that a pin or a guide joins, about b of them: each line through two centres on the frame holds the
-    one that is seen. The centres of all other bodies follow from those on the frame, by the sums of ``proving_triples``."""
+    """The frame with every two bodies that have a pair, about b of them.
+
+    The centre of the pair is on the line through the centres of both bodies on the frame. The other centres follow from those on
+    the frame, by the sums of `proving_triples`.
+    """
     frame = bodies[0]
     return tuple((frame, a, b) for a, b in primary if frame not in (a, b))
 
 
 def collinearity(table: CentreTable) -> np.ndarray:
-    """The largest determinant (n,) of the proving triples of a table of centres: 0 by Kennedy's theorem."""
+    """Largest determinant of the proving triples of a table of centres, 0 by Kennedy's theorem.
+
+    Parameters
+    ----------
+    table : CentreTable
+
+    Returns
+    -------
+    ndarray (n,), dimensionless
+    """
     triples = proving_triples(table.bodies, table.primary)
     return np.asarray(_determinants(table.centres, triples, table.size).max(axis=0, initial=0.0))
 
 
 def moving_collinearity(kinematics: Kinematics, size: float) -> Collinearity:
-    """The proof at every position of a mechanism whose driver moves at unit speed; size [m] of the mechanism. Of more bodies than
-    ``PROVEN`` that of the centres on the frame.
+    """Kennedy's theorem at every position of a mechanism whose driver moves; size [m] of the mechanism.
 
-    A determinant carries the rounding of its worst centre, and no less than that of the largest relative velocity of the
-    three bodies: three links pinned to each other in a triangle have pins to see, and no centres.
+    For more bodies than `PROVEN` only the centres on the frame are proven. The error bound of a determinant is that of its worst
+    centre, and at least the inverse of the largest relative velocity of the three bodies, since three links pinned to each other in
+    a triangle have pins but no instant centres.
     """
     bodies = tuple(kinematics.bodies)
     order = {name: i for i, name in enumerate(bodies)}
     triples = (proving_triples if len(bodies) <= PROVEN else joining_triples)(bodies, primary_pairs(kinematics, order))
-    wanted = dict.fromkeys(key for triple in triples for key in combinations(triple, 2))
-    centres, motion, _ = centres_in_motion(kinematics, size, bodies, wanted)
+    keys = dict.fromkeys(key for triple in triples for key in combinations(triple, 2))
+    centres, motion, _ = centres_in_motion(kinematics, size, bodies, keys)
     n = kinematics.theta.size
     rows = {key: np.broadcast_to(np.asarray(centre.error_bound, dtype=float), (n,)) for key, centre in centres.items()}
     with np.errstate(divide="ignore"):
-        standstill = 1.0 / _of_keys({key: np.broadcast_to(m, (n,)) for key, m in motion.items()}, triples).max(axis=1)
-    error_bound = np.maximum(_of_keys(rows, triples).max(axis=1), standstill)
+        standstill = 1.0 / _by_triple({key: np.broadcast_to(m, (n,)) for key, m in motion.items()}, triples).max(axis=1)
+    error_bound = np.maximum(_by_triple(rows, triples).max(axis=1), standstill)
     return Collinearity(triples, _determinants(centres, triples, size), error_bound)
 
 
-def _of_keys(rows: Mapping[Key, np.ndarray], triples: tuple[Triple, ...]) -> np.ndarray:
-    """Rows of the centres (a, b), (b, c), (a, c) of each triple (T, 3, ...)."""
+def _by_triple(rows: Mapping[Key, np.ndarray], triples: tuple[Triple, ...]) -> np.ndarray:
+    """Rows of the centres (a, b), (b, c), (a, c) of every triple (T, 3, ...)."""
     at = {key: i for i, key in enumerate(rows)}
     which = [(at[a, b], at[b, c], at[a, c]) for a, b, c in triples]
     return np.array(list(rows.values()))[np.array(which, dtype=int).reshape(-1, 3)]
 
 
 def _determinants(centres: Mapping[Key, Centres], triples: tuple[Triple, ...], size: float) -> np.ndarray:
-    """|h1 · (h2 × h3)| (T, n)."""
-    points = _of_keys({key: centre.point / size for key, centre in centres.items()}, triples)
-    weights = _of_keys({key: centre.weight for key, centre in centres.items()}, triples)
+    """Determinants |h1 · (h2 × h3)| (T, n)."""
+    points = _by_triple({key: centre.point / size for key, centre in centres.items()}, triples)
+    weights = _by_triple({key: centre.weight for key, centre in centres.items()}, triples)
     (x1, x2, x3), (y1, y2, y3) = np.moveaxis(points.real, 1, 0), np.moveaxis(points.imag, 1, 0)
     w1, w2, w3 = np.moveaxis(weights, 1, 0)
     return np.asarray(np.abs(x1 * (y2 * w3 - y3 * w2) + y1 * (w2 * x3 - w3 * x2) + w1 * (x2 * y3 - x3 * y2)))

@@ -1,4 +1,7 @@
-"""Velocity ratios by instant centres: angular velocities with directed distances, mechanical advantage (Velocity, 6.4)."""
+"""Velocity polygon, and velocity ratios by instant centres: directed distances and mechanical advantage.
+
+Source: lecture *Velocity*, 6.1 and 6.4.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +18,7 @@ from core.mechanism.kinematics import FRAME, FRAME_POSE, SLIDING, Kinematics, Pa
 from core.mechanism.mechanism import body_name
 from core.numerics.derivatives import dot
 
-# -- velocity differences, V_P = V_A + V_PA, and the polygon they make from one pole (Velocity, 6.1) ------------
+# -- velocity differences V_P = V_A + V_PA ----------------------------------------------------------------------
 
 
 TURNING = "turning"
@@ -24,14 +27,20 @@ ABSOLUTE = "absolute"
 
 @frozen(eq=False)
 class PolygonTriangle:
-    """One triangle of the velocity polygon.
+    """One triangle V_P = V_A + V_PA of the velocity polygon.
 
-    kind              ``turning``: A and P are points of one body; ``sliding``: they coincide, and P's body slides on A's
-    body, on          of P and of A
-    a, p              names of the points
-    at_a, at_p        (n,) complex [m]
-    v_a, v_pa, v_p    (n,) complex, by the motion's angle: V_A and V_P by the poses, V_PA by the angular velocity or the
-                      direction of the guide alone
+    Attributes
+    ----------
+    kind : str
+        TURNING: A and P are points of one body; SLIDING: A and P coincide, and the body of P slides on that of A.
+    body, on : str
+        Bodies of P and of A.
+    a, p : str
+        Names of the points.
+    at_a, at_p : ndarray (n,) complex [m]
+        Positions of A and P.
+    v_a, v_pa, v_p : ndarray (n,) complex [m/rad]
+        By the motion's angle: V_A and V_P from the poses, V_PA from the angular velocity or the direction of the guide.
     """
 
     kind: str
@@ -47,13 +56,15 @@ class PolygonTriangle:
 
     @property
     def gap(self) -> np.ndarray:
-        """(n,) by how much V_A + V_PA misses V_P: rounding alone."""
+        """Closure error |V_A + V_PA - V_P| (n,) [m/rad], which is only rounding."""
         return np.abs(self.v_a + self.v_pa - self.v_p)
 
 
 def velocity_differences(kinematics: Kinematics) -> Iterator[PolygonTriangle]:
-    """The triangles of a mechanism: of every moving body for each two of its points, A being its pivot on the frame or the
-    one nearer to the driver; then of every sliding pair."""
+    """Velocity triangles of every two points of each moving body, then of every sliding pair.
+
+    Point A is the body's pivot on the frame, or the point nearer to the driver.
+    """
     for name, body in kinematics.bodies.items():
         if name != FRAME:
             for a, p in combinations(_outwards(kinematics, name), 2):
@@ -64,44 +75,52 @@ def velocity_differences(kinematics: Kinematics) -> Iterator[PolygonTriangle]:
 
 
 def _outwards(kinematics: Kinematics, name: str) -> list[str]:
-    """The named points of a body: its pivot on the frame before the one by which it is reached first, then the others."""
+    """Named points of a body: its pivot on the frame, the point of its first pair, then the others."""
     named = [point for point in kinematics.bodies[name].points if not point.isdecimal()]
     fixed = kinematics.bodies[FRAME].points if FRAME in kinematics.bodies else {}
-    joined = [pair.point for pair in kinematics.pairs.values() if pair.body == name and pair.point in named]
-    return sorted(named, key=lambda point: (point not in fixed, point not in joined[:1]))
+    paired = [pair.point for pair in kinematics.pairs.values() if pair.body == name and pair.point in named]
+    return sorted(named, key=lambda point: (point not in fixed, point not in paired[:1]))
 
 
 def _turning(name: str, body: Pose, a: str, p: str) -> PolygonTriangle:
-    turned = 1j * body.turn[1] * (body.points[p] - body.points[a]) * body.unit
+    v_pa = 1j * body.turn[1] * (body.points[p] - body.points[a]) * body.unit
     return PolygonTriangle(
-        TURNING, name, name, a, p, body.position(a), body.position(p), body.position(a, 1), turned, body.position(p, 1)
+        TURNING, name, name, a, p, body.position(a), body.position(p), body.position(a, 1), v_pa, body.position(p, 1)
     )
 
 
 def _sliding(kinematics: Kinematics, pair: Pair) -> PolygonTriangle:
-    """P is the pin of the link that slides, where it has one; A the point of the other that lies under it now."""
+    """P is the pin of the sliding link, where it has one; A is the coincident point of the other body."""
     axis = kinematics.line(pair)
-    swapped = pair.point.isdecimal() and body_name(int(pair.point)) == pair.on
-    name, on = (pair.on, pair.body) if swapped else (pair.body, pair.on)
+    is_swapped = pair.point.isdecimal() and body_name(int(pair.point)) == pair.on
+    name, on = (pair.on, pair.body) if is_swapped else (pair.body, pair.on)
     body, line = kinematics.bodies[name], kinematics.bodies.get(on, FRAME_POSE)
     p = next(iter(_outwards(kinematics, name)), pair.point)
-    place, speed = body.position(p), body.position(p, 1)
-    under = line.origin[1] + 1j * line.turn[1] * (place - line.origin[0])
-    return PolygonTriangle(SLIDING, name, on, p, p, place, place, under, dot(speed - under, axis) * axis, speed)
+    at_p, v_p = body.position(p), body.position(p, 1)
+    v_a = line.origin[1] + 1j * line.turn[1] * (at_p - line.origin[0])
+    return PolygonTriangle(SLIDING, name, on, p, p, at_p, at_p, v_a, dot(v_p - v_a, axis) * axis, v_p)
 
 
-# -- the polygon ------------------------------------------------------------------------------------------
+# -- velocity polygon -------------------------------------------------------------------------------------------
 
 Corner = tuple[str, str]
-"""A point and, of one that only coincides with it, the body it belongs to, else empty."""
+"""Name of a point, and the body of a point that only coincides with it, else empty."""
 POLE: Corner = ("", FRAME)
 
 
 @frozen(eq=False)
 class PolygonSide:
-    """One vector of the polygon: absolute from the pole, else a difference; ``body`` turns with it, or slides.
+    """One vector of the polygon, absolute from the pole or a difference.
 
-    vector (n,) complex, by the motion's angle
+    Attributes
+    ----------
+    kind : str
+        ABSOLUTE, TURNING or SLIDING.
+    body : str
+        Body whose motion the vector shows.
+    start, end : Corner
+    vector : ndarray (n,) complex [m/rad]
+        Velocity by the motion's angle.
     """
 
     kind: str
@@ -113,8 +132,16 @@ class PolygonSide:
 
 @frozen(eq=False)
 class VelocityPolygon:
-    """Where the velocities end that start at the pole: corner -> (n,) complex, by the motion's angle; the vectors between
-    them; ``images``: of each body with three points or more the corners of its velocity image."""
+    """Velocities of a mechanism's points from one pole.
+
+    Attributes
+    ----------
+    corners : mapping of Corner to ndarray (n,) complex [m/rad]
+        Absolute velocities by the motion's angle.
+    sides : tuple of PolygonSide
+    images : mapping of str to tuple of Corner
+        Corners of the velocity image of each body with three points or more.
+    """
 
     corners: Mapping[Corner, np.ndarray]
     sides: tuple[PolygonSide, ...]
@@ -122,24 +149,24 @@ class VelocityPolygon:
 
     @property
     def steps(self) -> tuple[PolygonSide, ...]:
-        """The vectors in the order in which they are constructed: V_A, then V_PA from its end, then V_P = V_A + V_PA."""
+        """Vectors in the order of the construction: V_A, V_PA from its end, then V_P = V_A + V_PA."""
         absolute = {side.end: side for side in self.sides if side.kind == ABSOLUTE}
         order: dict[tuple[Corner, Corner], PolygonSide] = {}
         for side in self.sides:
             if side.kind != ABSOLUTE:
-                for each in (absolute.get(side.start), side, absolute.get(side.end)):
-                    if each is not None:
-                        order.setdefault((each.start, each.end), each)
+                for vector in (absolute.get(side.start), side, absolute.get(side.end)):
+                    if vector is not None:
+                        order.setdefault((vector.start, vector.end), vector)
         return (*order.values(), *(side for key, side in absolute.items() if (POLE, key) not in order))
 
     @property
     def longest(self) -> np.ndarray:
-        """Length (n,) [m per rad] of the longest velocity from the pole."""
+        """Length (n,) [m/rad] of the longest velocity from the pole."""
         return np.max([np.abs(v) for v in self.corners.values()] or [np.zeros(1)], axis=0)
 
 
 def velocity_polygon(kinematics: Kinematics) -> VelocityPolygon:
-    """All velocities of a mechanism's points from one pole, with their differences; points of the frame are the pole."""
+    """Velocity polygon of a mechanism; points of the frame are the pole."""
     fixed = set(kinematics.bodies[FRAME].points) if FRAME in kinematics.bodies else set()
     corners: dict[Corner, np.ndarray] = {}
     sides: list[PolygonSide] = []
@@ -158,9 +185,9 @@ def velocity_polygon(kinematics: Kinematics) -> VelocityPolygon:
         if POLE not in (start, end):
             sides.append(PolygonSide(d.kind, d.body, start, end, d.v_pa))
     for name, body in kinematics.bodies.items():
-        own = [(p, "") if p not in fixed else POLE for p in body.points if not p.isdecimal()]
-        if name != FRAME and len(own) > 2:
-            images[name] = tuple(own)
+        image = [(p, "") if p not in fixed else POLE for p in body.points if not p.isdecimal()]
+        if name != FRAME and len(image) > 2:
+            images[name] = tuple(image)
     return VelocityPolygon(MappingProxyType(corners), tuple(sides), MappingProxyType(images))
 
 
@@ -168,85 +195,118 @@ def velocity_polygon(kinematics: Kinematics) -> VelocityPolygon:
 
 
 def angular_ratio(table: CentreTable, body: str, driver: str) -> np.ndarray:
-    """ω_body/ω_driver = I_1d I_db / I_1b I_db, distances directed along the line of the three centres (n,).
+    """Ratio of angular velocities, ω_b/ω_d = I_1d I_db / I_1b I_db, with directed distances on the line of the three centres.
 
-    A centre of the body on the frame at infinity gives 0: it does not turn. NaN where the three coincide.
+    Parameters
+    ----------
+    table : CentreTable
+    body, driver : str
+        Bodies b and d.
+
+    Returns
+    -------
+    ndarray (n,), dimensionless
+        0 where the body's centre on the frame is at infinity; NaN where the three centres coincide.
+
+    References
+    ----------
+    Lecture *Velocity*, 6.4.
     """
     return ratio_arms(table, body, driver).ratio
 
 
 def mechanical_advantage(table: CentreTable, output: str, driver: str) -> np.ndarray:
-    """Torque at the output for a torque of 1 at the driver, without losses: ω_driver/ω_output (n,)."""
+    """Mechanical advantage without losses, torque at the output per torque at the driver: ω_driver/ω_output.
+
+    Parameters
+    ----------
+    table : CentreTable
+    output, driver : str
+        Bodies.
+
+    Returns
+    -------
+    ndarray (n,), dimensionless
+
+    References
+    ----------
+    Lecture *Velocity*, 6.4.
+    """
     with np.errstate(divide="ignore"):
         return 1.0 / angular_ratio(table, output, driver)
 
 
 @frozen(eq=False)
 class RatioArms:
-    """Two distances on one line whose quotient is a velocity ratio: both bodies have one velocity at their common centre.
+    """Two distances on one line whose quotient is a velocity ratio, as both bodies have one velocity at their common centre.
 
-    body, base             the ratio is ω_body/ω_base
-    other, own, common     the keys of I_1base, I_1body and I_base,body
-    base_arm               (n,) I_1base I_base,body [m], never negative
-    body_arm               (n,) I_1body I_base,body [m], negative where it points the other way; infinite where the body
-                           does not turn: its velocity is then ω_base · base_arm
-    ratio                  (n,)
+    Attributes
+    ----------
+    body, base : str
+        The ratio is ω_body/ω_base.
+    base_key, body_key, common_key : Key
+        Keys of the centres I_1base, I_1body and I_base,body.
+    base_arm : ndarray (n,) [m]
+        Distance I_1base I_base,body, not negative.
+    body_arm : ndarray (n,) [m]
+        Distance I_1body I_base,body, negative in the opposite direction; infinite where the body does not turn and has the
+        velocity ω_base · base_arm.
+    ratio : ndarray (n,), dimensionless
     """
 
     body: str
     base: str
-    other: Key
-    own: Key
-    common: Key
+    base_key: Key
+    body_key: Key
+    common_key: Key
     base_arm: np.ndarray
     body_arm: np.ndarray
     ratio: np.ndarray
 
 
 def ratio_arms(table: CentreTable, body: str, base: str) -> RatioArms:
-    """The distances by which a body's angular velocity follows from that of another moving body."""
+    """Distances that give the angular velocity of a body from that of another moving body."""
     keys = table.key(FRAME, base), table.key(FRAME, body), table.key(base, body)
-    other, own, common = (table.centres[key] for key in keys)
-    to_base, to_body = _arm(common, other), _arm(common, own)
-    # the three lie on one line: along the longer of the two arms
+    base_pole, body_pole, common = (table.centres[key] for key in keys)
+    to_base, to_body = _arm(common, base_pole), _arm(common, body_pole)
+    # the common direction is that of the longer arm
     along = np.where(np.abs(to_base) > np.abs(to_body), to_base, to_body)
     with np.errstate(divide="ignore", invalid="ignore"):
         above, below = (to_base * along.conjugate()).real, (to_body * along.conjugate()).real
-        ratio = np.asarray(own.weight * above / (other.weight * below)) + 0.0
-        base_arm = np.abs(to_base / (common.weight * other.weight))
-        body_arm = np.abs(to_body / (common.weight * own.weight))
-        body_arm = np.where(own.far(table.size), np.inf, np.where(ratio < 0.0, -body_arm, body_arm))
+        ratio = np.asarray(body_pole.weight * above / (base_pole.weight * below)) + 0.0
+        base_arm = np.abs(to_base / (common.weight * base_pole.weight))
+        body_arm = np.abs(to_body / (common.weight * body_pole.weight))
+        body_arm = np.where(body_pole.is_far(table.size), np.inf, np.where(ratio < 0.0, -body_arm, body_arm))
     return RatioArms(body, base, *keys, base_arm, body_arm, ratio)
 
 
-def _arm(common: Centres, held: Centres) -> np.ndarray:
-    """From one centre to another, times both weights (n,)."""
-    return np.asarray(common.point * held.weight - held.point * common.weight)
+def _arm(common: Centres, pole: Centres) -> np.ndarray:
+    """Vector (n,) from the pole to the common centre, times both weights."""
+    return np.asarray(common.point * pole.weight - pole.point * common.weight)
 
 
-# -- which bodies are compared --------------------------------------------------------------------------------
+# -- compared bodies --------------------------------------------------------------------------------------------
 
 
 def to_driver(table: CentreTable, driver: str) -> tuple[tuple[str, str], ...]:
-    """Every moving body with the driver."""
+    """Pairs of every moving body and the driver."""
     return tuple((body, driver) for body in table.bodies if body not in (FRAME, driver))
 
 
 def link_by_link(table: CentreTable, driver: str) -> tuple[tuple[str, str], ...]:
-    """Every moving body with the one on whose pin it hangs, from the driver outwards, as the lecture goes through its
-    six-bar; with the driver where no pin joins it to a body before it."""
-    reached, found = [driver], []
-    waiting = [body for body in table.bodies if body not in (FRAME, driver)]
-    while waiting:
-        pinned = ((body, base) for base in reached for body in waiting if _pinned(table, body, base))
-        body, base = next(pinned, (waiting[0], driver))
-        found.append((body, base))
+    """Pairs of every moving body and the body before it to which it is pinned, from the driver outwards; else the driver."""
+    reached, pairs = [driver], []
+    remaining = [body for body in table.bodies if body not in (FRAME, driver)]
+    while remaining:
+        pinned = ((body, base) for base in reached for body in remaining if _is_pinned(table, body, base))
+        body, base = next(pinned, (remaining[0], driver))
+        pairs.append((body, base))
         reached.append(body)
-        waiting.remove(body)
-    return tuple(found)
+        remaining.remove(body)
+    return tuple(pairs)
 
 
-def _pinned(table: CentreTable, a: str, b: str) -> bool:
+def _is_pinned(table: CentreTable, a: str, b: str) -> bool:
     key = table.key(a, b)
     return key in table.primary and bool((table.centres[key].weight != 0.0).all())
 
@@ -254,4 +314,4 @@ def _pinned(table: CentreTable, a: str, b: str) -> bool:
 CHAINS: Mapping[str, Callable[[CentreTable, str], tuple[tuple[str, str], ...]]] = MappingProxyType(
     {"ratios": to_driver, "chain": link_by_link}
 )
-"""Which body is compared with which: each with the driver, or from link to link."""
+"""Function for the compared bodies: each with the driver, or from link to link."""

@@ -151,7 +151,7 @@ class CrankMotion:
         return float(np.clip((position - low) / (high - low), 0.0, 1.0) * np.pi)
 
     def state(self, angles: Angles) -> MotionState:
-        """Angle of the crank with its derivatives by the angle of the cycle."""
+        """Angle of the crank, φ = φ_0 + r (θ - θ_0), with its derivatives by the angle of the cycle."""
         ones = np.ones(angles.theta.size)
         zeros = np.zeros(angles.theta.size)
         if self.swing is not None:

@@ -1,1 +1,1 @@
-"""What leaves a study: channels, tables, summaries, reports and files. Everything here reads results and computes no mechanics."""
+"""Results of a study: channels, tables, summaries, reports and files. These modules read results and compute no mechanics."""

@@ -51,17 +51,23 @@ def link_text(design: Design, number: int) -> str:
     return f"link {number}" if name == str(number) else name.partition("(")[2].rstrip(")")
 
 
-def attachment_text(design: Design, held: Held | None) -> str:
+def attachment_text(design: Design, attachment: Held | None) -> str:
     """An attachment in words: ``A of link 2``, ``frame at (-50, 20)``, ``pin A``, ``slide of link 4``."""
-    if held is None:
+    if attachment is None:
         return "output, along its motion"
-    if isinstance(held, PairPlace):
-        pin = pairs_of(design.drive).get(held.pair, (True, ()))[0]
-        links = "" if held.link is None else f", links {held.link} and {held.other}"
-        return f"{held.pair}{links}" if pin or not held.pair.isdecimal() else f"slide of link {held.pair}"
-    link = link_text(design, held.link)
-    if held.point is not None:
-        return f"{held.point} of {link}"
+    if isinstance(attachment, PairPlace):
+        pin = pairs_of(design.drive).get(attachment.pair, (True, ()))[0]
+        links = "" if attachment.link is None else f", links {attachment.link} and {attachment.other}"
+        return (
+            f"{attachment.pair}{links}"
+            if pin or not attachment.pair.isdecimal()
+            else f"slide of link {attachment.pair}"
+        )
+    link = link_text(design, attachment.link)
+    if attachment.point is not None:
+        return f"{attachment.point} of {link}"
     return (
-        link if held.x_mm is None or held.y_mm is None else f"{link} at ({shortest(held.x_mm)}, {shortest(held.y_mm)})"
+        link
+        if attachment.x_mm is None or attachment.y_mm is None
+        else f"{link} at ({shortest(attachment.x_mm)}, {shortest(attachment.y_mm)})"
     )

@@ -412,7 +412,7 @@ def _centres(study: Study) -> Iterator[CentreRow]:
 def _point_or_direction(centre: Centres, size: float) -> tuple[complex | None, float | None]:
     if centre.weight[0] == 0.0 and centre.point[0] == 0.0:
         return None, None
-    if centre.far(size)[0]:
+    if centre.is_far(size)[0]:
         return None, float(centre.direction[0])
     return complex(centre.finite[0]), None
 

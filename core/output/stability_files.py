@@ -7,7 +7,6 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from io import StringIO
 from textwrap import wrap
-from typing import Any
 
 import numpy as np
 
@@ -79,12 +78,14 @@ def stability_files(
         "report.txt": report(study),
         "summary.json": to_json(summary(study)),
     }
+    turn = shaft.steady_turn
+    steady = [] if turn is None else [Figure("steady", title, (*steady_plots(turn), harmonics_plot(turn)))]
     return contents, (
         machine_chart(shaft, title, q, eta_max),
         Figure("coefficients", title, (coefficients_plot(shaft.coefficients),)),
         Figure("windup_averages", title, averages_plots(means)),
         Figure("windup", title, tuple(history_plot(run) for run in runs)),
-        *_steady_figures(title, shaft.steady_turn),
+        *steady,
     )
 
 
@@ -116,10 +117,6 @@ def steady_tables(study: Study, shaft: Stability) -> dict[str, str | bytes]:
         parts = table(study, ORBIT, ("stability",))
         result = {} if parts is None else as_texts({ORBIT: parts})
     return {**result, "harmonics.csv": harmonics_table(turn)}
-
-
-def _steady_figures(title: str, turn: SteadyTurn | None) -> tuple[Figure, ...]:
-    return () if turn is None else (Figure("steady", title, (*steady_plots(turn), harmonics_plot(turn))),)
 
 
 def orbit_table(camshaft: Camshaft[Study], turn: SteadyTurn) -> str:
@@ -221,12 +218,8 @@ def table_text(table: FigureTable) -> str:
     text = StringIO()
     writer = comma.writer(text, lineterminator="\n")
     writer.writerow(table.names)
-    writer.writerows([_cell(value) for value in row] for row in table.rows)
+    writer.writerows([value if isinstance(value, str) else repr(float(value)) for value in row] for row in table.rows)
     return text.getvalue()
-
-
-def _cell(value: Any) -> str:
-    return value if isinstance(value, str) else repr(float(value))
 
 
 def claim_tables(claims: Sequence[Claim]) -> dict[str, str | bytes]:

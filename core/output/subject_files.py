@@ -26,6 +26,7 @@ from core.study.drive_forces import servo_part, servo_speed, servo_torque, servo
 # -- cam or servo: motor torque for the same motion -------------------------------------------------------------
 
 
+RPM = UNITS["rpm"].factor
 Values = Callable[[Study], np.ndarray]
 CAM, FLYWHEEL, SERVO = "cam", "cam_with_flywheel", "servo"
 LABELS = {CAM: "Cam", FLYWHEEL: "Cam and flywheel", SERVO: "Servo"}
@@ -103,11 +104,8 @@ def _drive_effort(study: Study, drive: _Drive) -> DriveEffort:
         rms = float(np.sqrt((torque**2 * seconds).sum() / seconds.sum()))
         given, braked = (float(np.maximum(sign * torque, 0.0) @ weight * TURN) for sign in (1.0, -1.0))
     peak, power = peaks["torque"], peaks["power"].value
-    return DriveEffort(drive.name, _unit(study, drive), rms, peak.value, degrees(peak.theta), power, given, braked)
-
-
-def _unit(study: Study, drive: _Drive) -> str:
-    return "N" if drive.name == SERVO and servo_part(study).kind == LINEAR else "N·m"
+    unit = "N" if drive.name == SERVO and servo_part(study).kind == LINEAR else "N·m"
+    return DriveEffort(drive.name, unit, rms, peak.value, degrees(peak.theta), power, given, braked)
 
 
 def drive_efforts(study: Study) -> tuple[DriveEffort, ...]:
@@ -163,7 +161,6 @@ def field_plot(study: Study, rms: float) -> Plot:
 # -- contact and lift-off ---------------------------------------------------------------------------------------
 
 
-CONTACT_RPM = math.pi / 30.0
 CONTACT_SPEEDS, CONTACT_BEYOND = 40, 1.5  # speeds of the map, their range relative to the speed of design or lift-off
 
 
@@ -192,14 +189,14 @@ def contact_force_map(
         There is no contact force that could be lost.
     """
     return contact_map(
-        study.contact_force, theta, np.linspace(0.0, CONTACT_RPM * (top_rpm or default_top_rpm(study)), speeds + 1)[1:]
+        study.contact_force, theta, np.linspace(0.0, RPM * (top_rpm or default_top_rpm(study)), speeds + 1)[1:]
     )
 
 
 def default_top_rpm(study: Study) -> float:
     """Highest speed of the map [rpm]."""
-    lift_off, speed = study.lift_off, abs(study.omega) / CONTACT_RPM
-    highest = speed if lift_off is None else max(speed, min(lift_off.omega / CONTACT_RPM, 4.0 * speed))
+    lift_off, speed = study.lift_off, abs(study.omega) / RPM
+    highest = speed if lift_off is None else max(speed, min(lift_off.omega / RPM, 4.0 * speed))
     return float(f"{CONTACT_BEYOND * highest:.2g}")
 
 
@@ -208,7 +205,7 @@ def contact_map_csv(contact: ContactMap) -> str:
     text = StringIO()
     text.write("cam_angle_deg,speed_rpm,contact_force_n\n")
     angles = [repr(x) for x in np.rad2deg(contact.theta).tolist()]
-    for speed, row in zip((contact.omega / CONTACT_RPM).tolist(), contact.force.tolist(), strict=True):
+    for speed, row in zip((contact.omega / RPM).tolist(), contact.force.tolist(), strict=True):
         for angle, force in zip(angles, row, strict=True):
             text.write(f"{angle},{speed!r},{force!r}\n")
     return text.getvalue()
@@ -222,7 +219,7 @@ def lift_off_lines(study: Study) -> list[str]:
         return []
     if lift_off is None:
         return ["The follower stays on the cam at any speed"]
-    rpm, angle = digits(lift_off.omega / CONTACT_RPM), digits(math.degrees(lift_off.theta))
+    rpm, angle = digits(lift_off.omega / RPM), digits(math.degrees(lift_off.theta))
     if not lift_off.omega:
         return [f"No force presses the follower on the cam at {angle}°, even at standstill"]
     return [f"The follower leaves the cam from {rpm} rpm on, at cam angle {angle}°"]
@@ -251,7 +248,6 @@ def flight_lines(study: Study, result: Flights) -> list[str]:
 # -- elastic follower -------------------------------------------------------------------------------------------
 
 
-SPECTRUM_RPM = UNITS["rpm"].factor
 SPECTRUM_SPEEDS, SPECTRUM_BEYOND = 200, 2.0  # speeds of the spectrum, their range relative to the design's speed
 MM = 1e3
 
@@ -265,8 +261,8 @@ def spectrum_speeds(
     -------
     ndarray (count,) [rad/s]
     """
-    top = SPECTRUM_BEYOND * abs(study.omega) / SPECTRUM_RPM if high is None else high
-    return np.linspace(top / count if low is None else low, top, count) * SPECTRUM_RPM
+    top = SPECTRUM_BEYOND * abs(study.omega) / RPM if high is None else high
+    return np.linspace(top / count if low is None else low, top, count) * RPM
 
 
 def vibration_units(study: Study) -> tuple[tuple[str, float], ...]:
@@ -356,7 +352,7 @@ def spectrum_table(study: Study, spectrum: Spectrum) -> dict[str, np.ndarray]:
         Infinite where there is no steady response.
     """
     unit = study.program.motion.unit
-    rows: dict[str, np.ndarray] = {"speed_rpm": spectrum.omega / SPECTRUM_RPM}
+    rows: dict[str, np.ndarray] = {"speed_rpm": spectrum.omega / RPM}
     for word, residual in zip(("", "steady_"), spectrum.residual, strict=True):
         for i, amplitude in enumerate(residual, 1):
             rows |= {f"{word}residual{i}_{name}": amplitude * size for name, size in vibration_units(study)}

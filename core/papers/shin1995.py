@@ -179,10 +179,10 @@ def _dimensions(
         names = (*rows, *inertias)
         printed = [value for _, value, _ in rows.values()] + [PRINTED_INERTIAS[link] for link in inertias.values()]
         paths = [path for path, *_ in rows.values()] + [f"loads.{link}_inertia_kg_m2" for link in inertias.values()]
-        here = [float(get(design, path)) for path in paths]
+        values = [float(get(design, path)) for path in paths]
         units = (*(unit for *_, unit in rows.values()), *("kg·mm² printed, kg·m² here" for _ in inertias))
         return FigureTable(
-            ("quantity", "printed", "here", "unit"), (names, np.array(printed), np.array(here), units), title
+            ("quantity", "printed", "here", "unit"), (names, np.array(printed), np.array(values), units), title
         )
 
     return table
@@ -190,8 +190,13 @@ def _dimensions(
 
 def _program(examples: Examples) -> FigureTable:
     measures = files(examples)["measures"]
-    names, says, here, _ = zip(*FILES, strict=True)
-    columns = (tuple(map(str, names)), tuple(map(str, says)), tuple(map(str, here)), np.array(list(measures.values())))
+    names, says, measure_names, _ = zip(*FILES, strict=True)
+    columns = (
+        tuple(map(str, names)),
+        tuple(map(str, says)),
+        tuple(map(str, measure_names)),
+        np.array(list(measures.values())),
+    )
     return FigureTable(("file", "key_point", "here", "value"), columns, "Program of 1995")
 
 

@@ -60,7 +60,7 @@ def _centre_table(name: str, last: int | None = None) -> Callable[[Examples], Fi
         for key, lines in known:
             centre = table.centres[key]
             position = complex(centre.finite[0]) * MM
-            if bool(centre.far(table.size)[0]):
+            if bool(centre.is_far(table.size)[0]):
                 where = ("", "", repr(float(np.rad2deg(centre.direction[0]))))
             else:
                 where = (repr(position.real), repr(position.imag), "")

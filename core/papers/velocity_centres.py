@@ -37,7 +37,7 @@ def posed(examples: Examples, name: str) -> Study:
 
 def centre(table: CentreTable, a: int, b: int) -> complex:
     """Position of the instant centre of two links."""
-    return complex(table.of(body_name(a), body_name(b)).finite[0])
+    return complex(table.centre(body_name(a), body_name(b)).finite[0])
 
 
 def label(key: tuple[str, str]) -> str:
@@ -76,7 +76,7 @@ def energy(examples: Examples) -> Numbers:
                 continue
             of_link = quantity(f"kinetic_energy.{body_name(mass.link)}").value(study)
             position = body.fixed_point(complex(mass.centre_x_mm, mass.centre_y_mm) * 1e-3)[0]
-            pole = study.centres.of("frame", body_name(mass.link)).finite
+            pole = study.centres.centre("frame", body_name(mass.link)).finite
             inertia = mass.inertia_kg_m2 + mass.mass_kg * np.abs(position - pole)[rotates] ** 2
             about = 0.5 * inertia * omega[rotates] ** 2
             off = max(off, float(np.abs(about - of_link[rotates]).max() / of_link.max()))
@@ -168,7 +168,7 @@ def step(name: str, number: int) -> Callable[[Examples], Numbers]:
             kennedy(table.centres, construction_step, table.size).scaled(table.size),
             table.centres[construction_step.key],
         )
-        far = bool(by_velocity.far(table.size)[0])
+        far = bool(by_velocity.is_far(table.size)[0])
         a, b = (
             np.array([c.point[0].real / table.size, c.point[0].imag / table.size, c.weight[0]])
             for c in (crossing, by_velocity)
@@ -261,8 +261,8 @@ def six_bar(part: str) -> Callable[[Examples], Numbers]:
             "D": {"v6": (22.39, slider, "cm/s")},
         }
         return {
-            name: ComparedNumber(printed, here, 0.5 * DIGIT, unit, DIGIT)
-            for name, (printed, here, unit) in rows[part].items()
+            name: ComparedNumber(printed, computed, 0.5 * DIGIT, unit, DIGIT)
+            for name, (printed, computed, unit) in rows[part].items()
         }
 
     return numbers
@@ -350,7 +350,7 @@ def steering(examples: Examples) -> Numbers:
     """
     study = examples.study(SUSPENSION)
     wheel = study.linkage.bodies["link3"].point("W")
-    pole = study.centres.of("frame", "link3").finite
+    pole = study.centres.centre("frame", "link3").finite
     arm = wheel[0] - pole
     is_moving = np.abs(wheel[1]) > 1e-9 * np.abs(wheel[1]).max()
     across = np.abs((wheel[1] * arm.conjugate()).real[is_moving]) / (np.abs(wheel[1]) * np.abs(arm))[is_moving]

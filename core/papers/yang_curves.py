@@ -241,9 +241,9 @@ def constant_acceleration(examples: Examples) -> Numbers:
     back = Segment(360.0 - total_span, -stroke, NamedCurve("cycloidal"))
     compiled = program(Motion(0.0, (*result.segments, back)))
     state = compiled.state(compiled.angles(np.deg2rad(angles))).displacement
-    here = (state[k] * 1e3 * (np.pi / 180.0) ** k for k in range(3))
+    blended = (state[k] * 1e3 * (np.pi / 180.0) ** k for k in range(3))
     law = LAWS["modified-trapezoid"](angles / total_span)[:3] * stroke / total_span ** np.arange(3)[:, None]
-    off = max(float(np.abs(row - true).max() / np.abs(true).max()) for row, true in zip(here, law, strict=True))
+    off = max(float(np.abs(row - true).max() / np.abs(true).max()) for row, true in zip(blended, law, strict=True))
     return {"off": off, "bound": SMALL, "constant": size, "span": span}
 
 
@@ -349,7 +349,7 @@ def picker_table(examples: Examples) -> Numbers:
 def as_tabled(rows: Mapping[str, tuple[float, float, float, float]]) -> tuple[str, str]:
     """Judge the table of Fig. 4: rounded where the rounded acceleration gives every printed number."""
     same, carried = ([abs(row[which] - row[0]) <= row[3] for row in rows.values()] for which in (1, 2))
-    widest = max((abs(here - printed) for printed, here, *_ in rows.values()), default=inf)
+    widest = max((abs(computed - printed) for printed, computed, *_ in rows.values()), default=inf)
     return correction_verdict(ROUNDED, not rows or not all(same), not rows or not all(carried)), (
         f"{sum(same)} of {len(rows)} numbers as printed, angles differ by up to {widest:.4f}°; with {P_CARRIED:g} for P2's end "
         f"acceleration {P_END:.4f} h/β² {sum(carried)} of {len(rows)}"
@@ -359,8 +359,8 @@ def as_tabled(rows: Mapping[str, tuple[float, float, float, float]]) -> tuple[st
 def least_curves(examples: Examples) -> Numbers:
     """Fewest curves of a DRRD with a constant velocity in its rise (Fig. 3)."""
     admitted = sequences("DRRD", "rise")
-    here = tuple(s.curve.law.upper() for s in moving(examples.design(PICKER)))
-    return {"fewest": len(admitted[0].curves), "names": str(admitted[0]), "here": "-".join(here)}
+    of_example = tuple(s.curve.law.upper() for s in moving(examples.design(PICKER)))
+    return {"fewest": len(admitted[0].curves), "names": str(admitted[0]), "here": "-".join(of_example)}
 
 
 def four_curves(fewest: int, names: str, here: str) -> tuple[str, str]:
@@ -391,13 +391,13 @@ def _top(design: Design) -> float:
 
 def top(examples: Examples) -> Numbers:
     """Cam angle at which the rise ends [deg]: text against Fig. 4, by Fig. 4's heights, and with the peak given."""
-    of_text, printed, here = examples.design(PEAK), PRINTED_TABLE[2][3], _top(examples.design(PICKER))
+    of_text, printed, of_picker = examples.design(PEAK), PRINTED_TABLE[2][3], _top(examples.design(PICKER))
     heights = [abs(s.rise) for s in moving(of_text)]
     return {
         "printed": abs(printed - PRINTED_PEAK),
-        "corrected": max(abs(_top(of_text) - PRINTED_PEAK), abs(here - printed)),
+        "corrected": max(abs(_top(of_text) - PRINTED_PEAK), abs(of_picker - printed)),
         "bound": 0.02,
-        "here": here,
+        "here": of_picker,
         "peak": _top(of_text),
         "h3": heights[2] if len(heights) > 2 else 0.0,
         "spans": " / ".join(f"{s.span_deg:.6f}" for s in moving(of_text)),
@@ -521,8 +521,8 @@ def as_table_1(curves: Mapping[str, tuple[str, str, str, str]], blending: bool) 
     """Judge Table 1: whether velocities, accelerations and usable curves are the printed ones."""
 
     def is_equal(name: str) -> bool:
-        here, printed = curves[name], PRINTED[name]
-        return here[1:3] == printed[1:3] and set(here[3].split()) == set(printed[3].split())
+        computed, printed = curves[name], PRINTED[name]
+        return computed[1:3] == printed[1:3] and set(computed[3].split()) == set(printed[3].split())
 
     different = [name for name in PRINTED if not is_equal(name)]
     words = (
@@ -536,12 +536,12 @@ def as_table_1(curves: Mapping[str, tuple[str, str, str, str]], blending: bool) 
 
 def returning(examples: Examples) -> Numbers:
     """Number of wrong signs of CV2's displacement: printed 0, -, and the other returns' +, 0 (Table 1)."""
-    here = signs("CV2")[0]
+    sign_pair = signs("CV2")[0]
     return {
-        "printed": float(sum(a != b for a, b in zip(PRINTED["CV2"][0], here, strict=True))),
-        "corrected": float(sum(a != b for a, b in zip(PRINTED["C3"][0], here, strict=True))),
+        "printed": float(sum(a != b for a, b in zip(PRINTED["CV2"][0], sign_pair, strict=True))),
+        "corrected": float(sum(a != b for a, b in zip(PRINTED["C3"][0], sign_pair, strict=True))),
         "bound": 0.0,
-        "here": here,
+        "here": sign_pair,
     }
 
 

@@ -106,7 +106,7 @@ def _places(
 _CAM_ROWS: tuple[Formula, ...] = (
     Formula("loop_closure.arm", "Roller centre on its arm", ("R = P + Z_l e^(iα)", "R′ = i α′ (R - P)"), "R P Z_l α R′ α′",
             "Shin1995 §3", "core.followers.direct.oscillating", has("follower_torque", "pitch_x")),
-    Formula("loop_closure.guide", "Roller centre on its guide", ("R = e(S + i ε)", "S = √((R_b + R_r)² - ε²) + y"),
+    Formula("loop_closure.guide", "Roller centre on its guide", ("R = e(S + iε)", "S = √((R_b + R_r)² - ε²) + y"),
             "R e.guide S ε R_b R_r y", "geometry of the guide", "core.followers.direct.translating",
             has("guide_force", "pitch_x", without="phi")),
     Formula("tangency", "Normal of the cam", ("n = -i d t/|t|", "t = R′ - i d R"), "n d t R′ R", "Shin1995 (19), for any pose",

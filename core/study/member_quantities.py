@@ -1,5 +1,4 @@
-"""What the rows of ``core.study.quantities`` are read from: functions of a study in SI units; and the members of a linkage, which have
-quantities of their own."""
+"""Values of the rows of ``core.study.quantities``, as functions of a study in SI units; and the members of a linkage with rows."""
 
 from __future__ import annotations
 

@@ -54,8 +54,17 @@ class Formula:
 
 @frozen
 class Letter:
-    """A symbol with its value: as it is written, what it means, the value in its unit, and the field or stage it comes from; column: of
-    the quantity that it is, which can be explained in turn."""
+    """A symbol with its value.
+
+    Attributes
+    ----------
+    symbol : as it is written
+    meaning : in words
+    value : in its unit
+    unit : symbol of the unit
+    origin : field or stage that it comes from
+    column : column of the quantity that it is, which can be explained too
+    """
 
     symbol: str
     meaning: str

@@ -1,4 +1,4 @@
-"""Between which values machines lie at each angle of the turn: of a drive alone, and of the torque of several drives on their shaft."""
+"""Tolerance bands over the turn, of a drive and of the torque of several drives on their shaft; and ready studies."""
 
 from __future__ import annotations
 
@@ -25,128 +25,181 @@ from core.varying.space import with_words
 from core.varying.surveys import PART, SEED, can_be_varied, request_keys, typical_limit
 from core.varying.tolerances import DRIVE_TORQUE, MACHINES, PERCENTILES, AllWaves, Scatter
 
-# -- between which values machines lie at each angle of the turn ------------------------------------------------
+# -- tolerance bands --------------------------------------------------------------------------------------------
 
 
 MOTOR, SPEED = "motor_torque", "camshaft_speed"
-FEW_MACHINES = 200  # of quantities that are computed of each by itself
+FEW_MACHINES = 200  # of quantities that are computed machine by machine
 
 
-def _alone(design: Design, drive: int) -> Design:
-    """A drive of a design with its tolerances, by the paths in it alone (``only``), and the waves of its profile."""
+def _single_drive(design: Design, drive: int) -> Design:
+    """Design of a single drive (``only``), with its tolerances and the waviness of its profile."""
     if not design.listed:
         return design
     inside = ((row, drive_at(row.field)) for row in design.tolerances)
-    rows = [replace(row, field=own[1]) for row, own in inside if own is not None and own[0] == drive]
+    rows = [replace(row, field=at[1]) for row, at in inside if at is not None and at[0] == drive]
     rows += [row for row in design.tolerances if row.field in SPEEDS]
     return replace(only(design, drive), tolerances=tuple(rows), waviness=design.waviness)
 
 
-def drive_bands(whole: Design, drive: int, slugs: Sequence[str], quick: bool) -> Mapping[str, np.ndarray]:
-    """Of a drive of a design: column -> percentiles (5, 360) over its own cam angle, as far as it has that; quick: of those of which
-    many machines are computed at once, else of the others, of which fewer are."""
-    design = _alone(whole, drive)
-    there = set(request_columns(design))
+def drive_bands(design: Design, drive: int, slugs: Sequence[str], quick: bool) -> Mapping[str, np.ndarray]:
+    """Percentiles of a drive's quantities over its cam angle.
+
+    Parameters
+    ----------
+    design : Design
+    drive : int
+        Number of the drive.
+    slugs : sequence of str
+        Columns; those that the drive lacks are left out.
+    quick : bool
+        Take the columns that are computed for many machines at once; else the others, for fewer machines.
+
+    Returns
+    -------
+    mapping of str -> ndarray (5, 360) [unit of the column]
+    """
+    design = _single_drive(design, drive)
+    columns = set(request_columns(design))
     rows = []
     for slug in slugs:
         with suppress(ValueError):
-            if slug in there:
+            if slug in columns:
                 rows.append((slug, quantity_request(design, f"{slug}:max")))
     if not rows or not (design.tolerances or design.waviness):
         return {}
-    asked_for = tuple(StudyQuantity(slug, "max") for slug, _ in rows)
-    scatter = Scatter(study_of(StudyFile(design="", quantities=asked_for), design))
-    mine = [slug for slug, asked in rows if scatter.quick(asked) == quick]
-    return scatter.bands(MACHINES if quick else FEW_MACHINES, SEED, only=mine) if mine else {}
+    quantities = tuple(StudyQuantity(slug, "max") for slug, _ in rows)
+    scatter = Scatter(study_of(StudyFile(design="", quantities=quantities), design))
+    chosen = [slug for slug, request in rows if scatter.is_quick(request) == quick]
+    return scatter.bands(MACHINES if quick else FEW_MACHINES, SEED, only=chosen) if chosen else {}
 
 
 def shaft_bands(design: Design, samples: int = 360, machines: int = FEW_MACHINES) -> Mapping[str, np.ndarray]:
-    """Of several drives on a shaft: name of a drive, or empty of all together -> percentiles (5, samples) over the machine angle of the
-    torque that it asks of the shaft at constant speed [N m]; none where nothing varies. Each cam has waves of its own; the balance
-    cam has none, and is made as it was designed, by the nominal torque."""
+    """Percentiles of the torques of several drives on the shaft at constant speed, over the machine angle.
+
+    Every cam has its own waves. The balance cam has none: it is that of the nominal torque.
+
+    Parameters
+    ----------
+    design : Design
+    samples : int
+        Number n of machine angles.
+    machines : int
+        Number of random machines.
+
+    Returns
+    -------
+    mapping of str -> ndarray (5, n) [N m]
+        Name of a drive, or "" for the total; empty where the design has neither tolerances nor waviness.
+    """
     if not design.tolerances and design.waviness is None:
         return {}
-    made = _drawn(design, machines)
+    numbers = _random_numbers(design, machines)
     theta = np.deg2rad(degrees(samples))
-    own = Study(design).camshaft.at_theta(theta)
-    names = own.loading_drives
-    found = np.full((len(names), machines, samples), np.nan)
-    rows = {path: drive_at(path) for path in made}
-    same = [
-        not design.tolerances or not any(row is None or row[0] == own.drive_number(name) for row in rows.values())
+    camshaft = Study(design).camshaft.at_theta(theta)
+    names = camshaft.loading_drives
+    torques = np.full((len(names), machines, samples), np.nan)
+    rows = {path: drive_at(path) for path in numbers}
+    is_constant = [
+        not design.tolerances or not any(row is None or row[0] == camshaft.drive_number(name) for row in rows.values())
         for name in names
     ]
-    for k, shaft in enumerate(_shafts(design, made, theta)):
+    for k, shaft in enumerate(_shafts(design, numbers, theta)):
         for i, name in enumerate(names):
             with suppress(NoSolution):
-                found[i, k] = found[i, 0] if same[i] and k else shaft.drive_torque(name)
-    every = AllWaves(design)
-    for i, number in enumerate(map(own.drive_number, names)):
-        if number in every.each and every.each[number].changes(DRIVE_TORQUE):
-            there = every.each[number].at(own.positions[names[i]].drive_angle(theta))
-            found[i] += there.more(DRIVE_TORQUE, found[i], there.error(*every.drawn(number, machines, SEED)))
+                torques[i, k] = torques[i, 0] if is_constant[i] and k else shaft.drive_torque(name)
+    waves = AllWaves(design)
+    for i, number in enumerate(map(camshaft.drive_number, names)):
+        if number in waves.by_drive and waves.by_drive[number].changes(DRIVE_TORQUE):
+            drive_waves = waves.by_drive[number].at(camshaft.positions[names[i]].drive_angle(theta))
+            torques[i] += drive_waves.change(
+                DRIVE_TORQUE, torques[i], drive_waves.error(*waves.random_waves(number, machines, SEED))
+            )
     balance: float | np.ndarray = 0.0
     with suppress(NoSolution):
-        balance = own.balancer_torque if design.balancer is not None else 0.0
-    torques = {**dict(zip(names, found, strict=True)), "": found.sum(axis=0) + balance}
-    return _percentiles(torques)
+        balance = camshaft.balancer_torque if design.balancer is not None else 0.0
+    return _percentiles({**dict(zip(names, torques, strict=True)), "": torques.sum(axis=0) + balance})
 
 
 def motor_bands(design: Design, samples: int = 360, machines: int = FEW_MACHINES) -> Mapping[str, np.ndarray]:
-    """Of several drives behind a flywheel: name of a quantity -> percentiles (5, samples) over the machine angle of the motor's torque
-    [N m] and of the true speed [rad/s], of machines whose motor does not stall; none without tolerances or flywheel. Waves of
-    the profile are too short for it to feel them; the balance cam as in ``shaft_bands``."""
-    own = Study(design).camshaft
-    if not design.tolerances or not own.levels_torque:
+    """Percentiles of motor torque and true speed over the machine angle, of machines whose motor does not stall.
+
+    Waves of the profile are too short to affect them; the balance cam is as in ``shaft_bands``.
+
+    Parameters
+    ----------
+    design : Design
+    samples : int
+        Number n of machine angles.
+    machines : int
+        Number of random machines.
+
+    Returns
+    -------
+    mapping of str -> ndarray (5, n) [N m] or [rad/s]
+        Quantity -> its percentiles; empty without tolerances or flywheel.
+    """
+    camshaft = Study(design).camshaft
+    if not design.tolerances or not camshaft.levels_torque:
         return {}
     theta = np.deg2rad(degrees(samples))
     balance = []
     with suppress(NoSolution):
-        balance = [] if own.balancer is None else [(own.balancer.load_curve, own.balancer_position)]
-    found = {name: np.full((machines, samples), np.nan) for name in (MOTOR, SPEED)}
-    for k, shaft in enumerate(_shafts(design, _drawn(design, machines), theta)):
+        balance = [] if camshaft.balancer is None else [(camshaft.balancer.load_curve, camshaft.balancer_position)]
+    values = {name: np.full((machines, samples), np.nan) for name in (MOTOR, SPEED)}
+    for k, shaft in enumerate(_shafts(design, _random_numbers(design, machines), theta)):
         with suppress(NoSolution):
             load = combined_load([(shaft.cams_load, ShaftPosition()), *balance])
             wheel = Flywheel(lambda _, shaft=shaft: shaft.cams_torque, load, shaft.design.camshaft)  # type: ignore[misc]
             angles = shaft.turn.angles(theta)
-            found[MOTOR][k], found[SPEED][k] = wheel.motor_torque(angles), wheel.speed(angles)
-    return _percentiles(found)
+            values[MOTOR][k], values[SPEED][k] = wheel.motor_torque(angles), wheel.speed(angles)
+    return _percentiles(values)
 
 
-def _drawn(design: Design, machines: int) -> Mapping[str, np.ndarray]:
-    """Field -> its numbers (machines,)."""
-    asked = StudyFile(design="", quantities=(StudyQuantity(TORQUE, "max"),))
-    return Scatter(study_of(asked, design)).machines(machines, SEED)
+def _random_numbers(design: Design, machines: int) -> Mapping[str, np.ndarray]:
+    """Field -> its numbers (machines,) in random machines."""
+    file = StudyFile(design="", quantities=(StudyQuantity(TORQUE, "max"),))
+    return Scatter(study_of(file, design)).machines(machines, SEED)
 
 
-def _shafts(design: Design, made: Mapping[str, np.ndarray], theta: np.ndarray) -> Iterator[Camshaft[Study]]:
-    """That of each machine at these machine angles (n,) [rad]."""
-    for numbers in zip(*(row.tolist() for row in made.values()), strict=True):
+def _shafts(design: Design, columns: Mapping[str, np.ndarray], theta: np.ndarray) -> Iterator[Camshaft[Study]]:
+    """Camshaft of every machine at machine angles (n,) [rad]."""
+    for numbers in zip(*(row.tolist() for row in columns.values()), strict=True):
         checkpoint()
-        yield Study(with_numbers(design, list(made), numbers)).camshaft.at_theta(theta)
+        yield Study(with_numbers(design, list(columns), numbers)).camshaft.at_theta(theta)
 
 
-def _percentiles(found: Mapping[str, np.ndarray]) -> Mapping[str, np.ndarray]:
-    """Of values (m, n) of m machines, as far as there are any."""
+def _percentiles(values: Mapping[str, np.ndarray]) -> Mapping[str, np.ndarray]:
+    """Name -> percentiles (5, n) of values (m, n) of m machines; names without any value are left out."""
     levels = list(PERCENTILES.values())
-    return {name: np.nanpercentile(row, levels, axis=0) for name, row in found.items() if not np.isnan(row).all()}
+    return {name: np.nanpercentile(row, levels, axis=0) for name, row in values.items() if not np.isnan(row).all()}
 
 
-# -- studies that are ready for a design at hand ----------------------------------------------------------------
+# -- ready studies ----------------------------------------------------------------------------------------------
 
 
 QUIET_LAWS = ("cycloidal", "modified-sine", "modified-trapezoid", "3-4-5", "4-5-6-7")
-MOST_SETS = 128  # of laws
-OF_CAM = ("cam.base_radius_mm", "cam.roller_radius_mm")
-PLACE = ("cam.base_radius_mm", "follower.pivot_x_mm", "follower.offset_mm")
-"""Lengths by which the size of a cam is traded for its pressure angle."""
+MAX_COMBINATIONS = 128  # of laws
+CAM_LENGTHS = ("cam.base_radius_mm", "cam.roller_radius_mm")
+SIZE_LENGTHS = ("cam.base_radius_mm", "follower.pivot_x_mm", "follower.offset_mm")
+"""Lengths on which size and pressure angle of a cam depend."""
 Rows = Callable[[Design], Iterator[VariedField]]
 
 
 @frozen
 class ReadyStudy:
-    """One study: its title; what of one drive it varies; quantities, of which the first that the design has is its goal, as column and
-    what of it over the turn; limited: whether the pressure angle and the radii of the profile are."""
+    """A study that can be offered for a design.
+
+    Attributes
+    ----------
+    title : str
+    rows : callable
+        Varied fields of a design with one drive.
+    goals : tuple of (column, statistic)
+        The first that the design has is the goal.
+    limited : bool
+        Whether pressure angle and profile radii are limited.
+    """
 
     title: str
     rows: Rows
@@ -154,7 +207,7 @@ class ReadyStudy:
     limited: bool = True
 
 
-def _between(design: Design, paths: Sequence[str]) -> Iterator[VariedField]:
+def _around(design: Design, paths: Sequence[str]) -> Iterator[VariedField]:
     """±20 % of these numbers, as far as the design has them and they are not 0."""
     for path in paths:
         value = get(design, path)
@@ -163,37 +216,36 @@ def _between(design: Design, paths: Sequence[str]) -> Iterator[VariedField]:
             yield VariedField(field=path, low=low, high=high)
 
 
-def _place(design: Design) -> Iterator[VariedField]:
-    there = set(can_be_varied(design))
-    return _between(design, [path for path in PLACE if path in there])
+def _size_lengths(design: Design) -> Iterator[VariedField]:
+    variable = set(can_be_varied(design))
+    return _around(design, [path for path in SIZE_LENGTHS if path in variable])
 
 
 def _lengths(design: Design) -> Iterator[VariedField]:
-    return _between(
-        design,
-        [path for path in can_be_varied(design) if path.startswith(("follower.", "linkage.links")) or path in OF_CAM],
-    )
+    prefixes = ("follower.", "linkage.links")
+    paths = [path for path in can_be_varied(design) if path.startswith(prefixes) or path in CAM_LENGTHS]
+    return _around(design, paths)
 
 
 def _laws(design: Design) -> Iterator[VariedField]:
     motion = design.drive.motion
     moving = [] if motion is None else [i for i, segment in enumerate(motion.segments) if segment.rise]
-    some = next((n for n in range(len(QUIET_LAWS), 1, -1) if n ** len(moving) <= MOST_SETS), 0)
-    for i in moving if some else ():
+    count = next((n for n in range(len(QUIET_LAWS), 1, -1) if n ** len(moving) <= MAX_COMBINATIONS), 0)
+    for i in moving if count else ():
         path = f"motion.segments[{i}].law"
-        words = valid_words(design, path, QUIET_LAWS[:some])
+        words = valid_words(design, path, QUIET_LAWS[:count])
         if len(words) > 1:
             yield VariedField(field=path, choices=words)
 
 
 def valid_words(design: Design, path: str, words: Sequence[str]) -> tuple[str, ...]:
-    """Those of some words that make no fault at a path of the design."""
+    """Words, of those given, that are valid at a path of the design."""
     return tuple(word for word in words if with_words(design, {path: word}) is not None)
 
 
 READY: Mapping[str, ReadyStudy] = MappingProxyType(
     {
-        "smallest-cam": ReadyStudy("Smallest cam", _place, (("radius_mm", "max"),)),
+        "smallest-cam": ReadyStudy("Smallest cam", _size_lengths, (("radius_mm", "max"),)),
         "least-torque": ReadyStudy("Least peak torque", _lengths, (("drive_torque_nm", "abs"), ("driver_torque_nm", "abs"))),
         "least-pressure": ReadyStudy("Least contact pressure", _lengths, (("contact_pressure_mpa", "max"),)),
         "all-lengths": ReadyStudy("All lengths together: least contact force", _lengths, (("contact_force_n", "max"),)),
@@ -201,21 +253,20 @@ READY: Mapping[str, ReadyStudy] = MappingProxyType(
             (("jerk_mm_s3", "abs"), ("jerk_deg_s3", "abs")), limited=False),
     }
 )  # fmt: skip
-"""Every study by its name, in the order in which they are offered."""
+"""Name -> study, in the order of the menu."""
 
 
 def ready_study(design: Design, name: str, drive: int = 0) -> StudyFile | None:
-    """A study of one drive of a design; None where there is nothing in it to vary, or nothing that it could make small."""
-    row, own = READY[name], only(design, drive)
-    there = set(request_keys(own))
-    goal = next((each for each in row.goals if each[0] in there), None)
-    varied = list(row.rows(own)) if goal is not None else []
+    """Ready study of one drive of a design; None where the drive has no field to vary, or no goal."""
+    row, single = READY[name], only(design, drive)
+    columns = set(request_keys(single))
+    goal = next((goal for goal in row.goals if goal[0] in columns), None)
+    varied = list(row.rows(single)) if goal is not None else []
     if goal is None or not varied:
         return None
-    limits = list(_limits(own)) if row.limited else []
-    beside = [
-        StudyQuantity(slug, of) for slug, of in (("drive_torque_nm", "abs"),) if slug in there and slug != goal[0]
-    ]
+    limits = list(_limits(single)) if row.limited else []
+    torque = "drive_torque_nm"
+    quantities = [StudyQuantity(torque, "abs")] if torque in columns and torque != goal[0] else []
 
     def at(path: str) -> str:
         return path_in(design, drive, path)
@@ -223,23 +274,21 @@ def ready_study(design: Design, name: str, drive: int = 0) -> StudyFile | None:
     return StudyFile(
         design="",
         seed=1,
-        vary=tuple(
-            VariedField(field=at(each.field), low=each.low, high=each.high, choices=each.choices) for each in varied
-        ),
-        quantities=tuple(StudyQuantity(at(each.quantity), each.of) for each in beside),
-        limits=tuple(StudyLimit(at(each.quantity), each.of, each.min, each.max) for each in limits),
+        vary=tuple(VariedField(field=at(row.field), low=row.low, high=row.high, choices=row.choices) for row in varied),
+        quantities=tuple(StudyQuantity(at(row.quantity), row.of) for row in quantities),
+        limits=tuple(StudyLimit(at(row.quantity), row.of, row.min, row.max) for row in limits),
         goals=(Goal(at(goal[0]), goal[1]),),
     )
 
 
 def _limits(design: Design) -> Iterator[StudyLimit]:
-    """Pressure angle and least convex radius: the design's own, else the usual ones, half the roller's radius."""
-    there, drive = set(request_keys(design)), design.drive
+    """Limits of pressure angle and convex radius: those of the design, else the typical ones."""
+    columns, drive = set(request_keys(design)), design.drive
     if drive.cam is None:
         return
-    angle = typical_limit(Study(design), "pressure_angle_deg") if "pressure_angle_deg" in there else None
+    angle = typical_limit(Study(design), "pressure_angle_deg") if "pressure_angle_deg" in columns else None
     if angle is not None:
         yield StudyLimit("pressure_angle_deg", "max", max=angle)
     radius = drive.limits.convex_radius_mm or 0.5 * getattr(drive.face, "radius_mm", 0.0)
-    if radius and "profile_curvature_per_mm" in there:
+    if radius and "profile_curvature_per_mm" in columns:
         yield StudyLimit("profile_curvature_per_mm", "max", max=1.0 / radius)

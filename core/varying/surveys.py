@@ -419,7 +419,7 @@ def tolerance_result(
     scatter = Scatter(study_of(file_of_question(Question(asked=asked)), design))
     slopes = scatter.slopes()
     parts = scatter.parts(slopes)
-    fields = list(scatter.own)
+    fields = list(scatter.nominal)
     by_key = {
         key: {fields[i]: (float(slopes[i, q]), float(parts[i, q])) for i in np.argsort(-parts[:, q], kind="stable")}
         for q, key in enumerate(scatter.keys)

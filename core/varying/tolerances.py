@@ -1,4 +1,4 @@
-"""What tolerances do: how each quantity depends on each field, the worst case, random machines, and which tolerance to tighten."""
+"""Effects of tolerances: dependence of quantities on fields, worst case, random machines, and the tolerances to tighten."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ from core.study.quantity_requests import TORQUE, QuantityRequest, quantity_reque
 from core.varying.request import StudyFile, StudyLimit, StudyOfMany, StudyQuantity, study_of
 from core.varying.space import constant_column
 
-# -- what waves of the profile do at the follower, to first order -----------------------------------------------
+# -- waves of the profile, to first order -----------------------------------------------------------------------
 
 
-ANGLES = 2880  # of the turn, at which extremes with waves are taken
+ANGLES = 2880  # of the turn, for extremes with waves
 WAVY_MACHINES_AT_ONCE = 64  # machines
 DRIVE_TORQUE = "drive_torque"
 
-OF: Mapping[str, Callable[[np.ndarray], np.ndarray]] = {
+_STATISTICS: Mapping[str, Callable[[np.ndarray], np.ndarray]] = {
     "max": lambda f: f.max(axis=-1),
     "min": lambda f: f.min(axis=-1),
     "abs": lambda f: np.abs(f).max(axis=-1),
@@ -41,193 +41,291 @@ OF: Mapping[str, Callable[[np.ndarray], np.ndarray]] = {
     "mean": lambda f: f.mean(axis=-1),
     "range": lambda f: np.ptp(f, axis=-1),
 }
-"""What is asked over the turn, of values (..., n) at even angles."""
+"""Statistic over the turn, of values (..., n) at even angles."""
 
-WAVED: Mapping[str, Callable[[Waves, np.ndarray, Callable[[int], np.ndarray]], np.ndarray]] = {
+_WITH_WAVE: Mapping[str, Callable[[Waves, np.ndarray, Callable[[int], np.ndarray]], np.ndarray]] = {
     "displacement": lambda s, f, wave: f + wave(0),
     "velocity": lambda s, f, wave: f + s.omega * wave(1),
     "acceleration": lambda s, f, wave: f + s.omega**2 * wave(2),
     "jerk": lambda s, f, wave: f + s.omega**3 * wave(3),
-    "contact_force": lambda s, f, wave: f + s.pressing * wave(2),
-    DRIVE_TORQUE: lambda s, f, wave: f * s.harder(wave(2)),  # T = F_c times a length
-    "contact_pressure": lambda s, f, wave: f * np.sqrt(np.maximum(s.harder(wave(2)), 0.0)),  # Hertz, of lines
+    "contact_force": lambda s, f, wave: f + s.force_per_error * wave(2),
+    DRIVE_TORQUE: lambda s, f, wave: f * s.force_ratio(wave(2)),  # T = F_c times a length
+    "contact_pressure": lambda s, f, wave: f * np.sqrt(np.maximum(s.force_ratio(wave(2)), 0.0)),  # Hertz, line contact
 }
-"""Quantity -> its values (..., n) with a wave, of those without one (..., n) and derivatives of the motion's error by the cam angle."""
+"""Quantity -> its values with a wave, from values (..., n) without and derivatives of the motion's error by the cam angle."""
 
 
 class Waves:
-    """The waves of a study's profile at its cam angles (n,). Raises NoSolution where there is no cam.
+    """Waves of a study's profile, at its cam angles. Raises NoSolution where there is no cam.
 
-    way  |b| (n,), of the point of the follower's body where it touches the first flank
+    Attributes
+    ----------
+    theta : ndarray (n,) [rad]
+        Cam angles of the study.
+    omega : float [rad/s]
+    amplitude : float [m]
+    normal_per_motion : ndarray (n,) [m/m or m/rad]
+        |b|, displacement of the contact point along the normal of the first flank, by the motion.
+    has_forces : bool
+        Whether loads press the follower on the cam, and no friction jams.
     """
 
     def __init__(self, study: Study) -> None:
-        assert study.design.waviness is not None, "as the caller saw"
+        assert study.design.waviness is not None, "a design with waviness"
         self.study, self.waves, self.theta = study, study.design.waviness, study.theta
         self.omega: float = study.omega
         (self.flank, *_), self.amplitude = study.cam.flanks, 1e-3 * self.waves.amplitude_mm
-        self.loaded = not study.loading.is_empty and study.jam is None
-        moving = self.moving.bodies[self.flank.body]
-        way = moving.origin[1] + 1j * moving.turn[1] * (self.flank.contact - moving.origin[0])
-        self.way = np.abs((np.conj(self.flank.normal) * way).real)
+        self.has_forces = not study.loading.is_empty and study.jam is None
+        pose = self.motion_kinematics.bodies[self.flank.body]
+        displacement = pose.origin[1] + 1j * pose.turn[1] * (self.flank.contact - pose.origin[0])
+        self.normal_per_motion = np.abs((np.conj(self.flank.normal) * displacement).real)
 
     def at(self, theta: np.ndarray) -> Waves:
-        """The same at other cam angles (n,) [rad]."""
+        """Waves of the same profile at other cam angles.
+
+        Parameters
+        ----------
+        theta : ndarray (n,) [rad]
+            Cam angles.
+
+        Returns
+        -------
+        Waves
+        """
         return Waves(self.study.at_theta(theta))
 
     def error(self, lobes: np.ndarray, phase: np.ndarray) -> Callable[[int], np.ndarray]:
-        """Derivatives by the cam angle (m, n) of the motion's error [m or rad], of waves of (m,) lobes and phases."""
+        """Error of the motion by waves, as a function of the order of its derivative by the cam angle.
+
+        Parameters
+        ----------
+        lobes : ndarray (m,), dimensionless
+            Number of lobes of m waves.
+        phase : ndarray (m,) [rad]
+            Their phases.
+
+        Returns
+        -------
+        callable
+            Order -> ndarray (m, n) [m or rad].
+        """
         n, angle = lobes[:, None], lobes[:, None] * self.theta + phase[:, None]
-        return lambda order: self.amplitude / self.way * n**order * np.cos(angle + 0.25 * order * TURN)
+        return lambda order: self.amplitude / self.normal_per_motion * n**order * np.cos(angle + 0.25 * order * TURN)
 
     @cached_property
-    def moving(self) -> Kinematics:
-        """The mechanism where it stands, with derivatives by the motion."""
+    def motion_kinematics(self) -> Kinematics:
+        """Kinematics of the mechanism, with derivatives by the motion."""
         return kinematics_at_motion(
             self.study.mechanism, self.study.driver_ranges, self.study.motion.displacement[0], 1.0
         )
 
     @cached_property
     def mass(self) -> np.ndarray:
-        """J (n,) [kg, or kg m²], of all that moves, in the coordinate of the motion."""
-        return np.asarray(self.study.loading.inertia(self.moving, 1)[0])
+        """Reduced mass of all moving parts (n,) [kg or kg m²], in the coordinate of the motion."""
+        return np.asarray(self.study.loading.inertia(self.motion_kinematics, 1)[0])
 
     @cached_property
-    def pressing(self) -> np.ndarray:
-        """(n,) [N] of a second derivative of the error by the cam angle of 1."""
-        return self.mass * self.omega**2 / self.way
+    def force_per_error(self) -> np.ndarray:
+        """Contact force by the second derivative of the error by the cam angle (n,) [N/m or N/rad]."""
+        return self.mass * self.omega**2 / self.normal_per_motion
 
-    def harder(self, second: np.ndarray) -> np.ndarray:
-        """How many times as hard the cam presses (..., n) with a second derivative of the error."""
+    def force_ratio(self, second: np.ndarray) -> np.ndarray:
+        """Contact force with waves over that without.
+
+        Parameters
+        ----------
+        second : ndarray (..., n) [m or rad]
+            Second derivative of the error by the cam angle.
+
+        Returns
+        -------
+        ndarray (..., n), dimensionless
+        """
         force = self.study.dynamics.contact
         with np.errstate(invalid="ignore", divide="ignore"):
-            return np.where(force == 0.0, 1.0, 1.0 + self.pressing * second / force)
+            return np.where(force == 0.0, 1.0, 1.0 + self.force_per_error * second / force)
 
-    def more(self, asked: str, own: np.ndarray, wave: Callable[[int], np.ndarray]) -> np.ndarray:
-        """By how much (..., n) a wave changes a quantity of these values (..., n)."""
-        return WAVED[asked](self, own, wave) - own
+    def change(self, name: str, values: np.ndarray, wave: Callable[[int], np.ndarray]) -> np.ndarray:
+        """Change of a quantity by a wave.
 
-    def all_at_once(self, sign: float, order: int) -> np.ndarray:
-        """Derivatives of the error (n,), everywhere as large as a wave of the most lobes makes them."""
-        return sign * self.amplitude / self.way * float(self.waves.lobes_to) ** order
+        Parameters
+        ----------
+        name : str
+            Name of the quantity.
+        values : ndarray (..., n) [SI unit of the quantity]
+            Its values without the wave.
+        wave : callable
+            Error of the motion, as by `error`.
 
-    def changes(self, asked: str) -> bool:
+        Returns
+        -------
+        ndarray (..., n) [SI unit of the quantity]
+        """
+        return _WITH_WAVE[name](self, values, wave) - values
+
+    def worst_error(self, sign: float, order: int) -> np.ndarray:
+        """Greatest derivative of the error at every cam angle, by a wave with the most lobes.
+
+        Parameters
+        ----------
+        sign : float
+            Side of the error, +1 or -1.
+        order : int
+            Order of the derivative by the cam angle.
+
+        Returns
+        -------
+        ndarray (n,) [m or rad]
+        """
+        return sign * self.amplitude / self.normal_per_motion * float(self.waves.lobes_to) ** order
+
+    def changes(self, name: str) -> bool:
         """Whether waves change a quantity."""
-        return asked in WAVED and (self.loaded or quantity(asked).stage == "motion")
+        return name in _WITH_WAVE and (self.has_forces or quantity(name).stage == "motion")
 
     def summary(self) -> dict[str, float]:
-        """Along the path of the contact, where the flank is steepest: the error e/cos ψ [mm] and, by the most lobes n, the acceleration
-        e (n ω)²/cos ψ [mm/s²]; the contact force that these ask [N], and the least that they leave on an open cam.
+        """Greatest effects of the waves, by column.
 
-        Of an elastic follower at how many lobes it resounds; the most |z/s| = k/|k + ks - m Ω² + i c Ω|, Ω = n ω, of any of the
-        lobes, and k |1 - z/s| of its error [N].
+        Along the path of the contact, at the greatest pressure angle ψ: the error e/cos ψ [mm], and with the most lobes n the
+        acceleration e (n ω)²/cos ψ [mm/s²]; the change of the contact force [N], and the least contact force of an open cam.
+
+        Of an elastic follower: the number of lobes at resonance, the greatest amplification |z/s| = k/|k + ks - m Ω² + i c Ω|,
+        Ω = n ω, over all numbers of lobes, and the force k |1 - z/s| by its error [N].
         """
         steepest, most = float(np.abs(self.flank.pressure_angle).max()), self.waves.lobes_to
         lift = 1e3 * self.amplitude / np.cos(steepest) if steepest < 0.25 * TURN else np.inf
-        found = {
+        effects = {
             "lift_error_mm": float(lift),
             "pressure_angle_deg": float(np.rad2deg(steepest)),
             "acceleration_mm_s2": float(lift * (most * self.omega) ** 2),
         }
-        if self.loaded:
-            more = self.pressing * self.amplitude / self.way * most**2
-            found["contact_force_n"] = float(more.max())
+        if self.has_forces:
+            change = self.force_per_error * self.amplitude / self.normal_per_motion * most**2
+            effects["contact_force_n"] = float(change.max())
             if not self.study.is_form_closed:
-                found["least_contact_force_n"] = float((self.study.dynamics.contact - more).min())
-        if not self.study.is_elastic or not self.loaded:
-            return found
-        one, lobes = self.study.elasticity.middle, np.arange(self.waves.lobes_from, most + 1)
+                effects["least_contact_force_n"] = float((self.study.dynamics.contact - change).min())
+        if not self.study.is_elastic or not self.has_forces:
+            return effects
+        model, lobes = self.study.elasticity.middle, np.arange(self.waves.lobes_from, most + 1)
         omega = lobes * abs(self.omega)
-        ratio = one.stiffness / (one.stiffness + one.closing - one.mass * omega**2 + 1j * one.damping * omega)
+        ratio = model.stiffness / (model.stiffness + model.closing - model.mass * omega**2 + 1j * model.damping * omega)
         worst = int(np.abs(ratio).argmax())
-        error = self.amplitude / float(self.way.min())
-        return found | {
-            "natural_lobes": float(one.natural_frequency / abs(self.omega)),
+        error = self.amplitude / float(self.normal_per_motion.min())
+        return effects | {
+            "natural_lobes": float(model.natural_frequency / abs(self.omega)),
             "amplified": float(abs(ratio[worst])),
             "amplified_lobes": int(lobes[worst]),
             "elastic_contact_force_n": float(
-                (one.stiffness * np.abs(1.0 - ratio)).max() * error / float(self.way.min())
+                (model.stiffness * np.abs(1.0 - ratio)).max() * error / float(self.normal_per_motion.min())
             ),
         }
 
 
-Waved = tuple[Waves, str, np.ndarray]
-"""Waves, the quantity that they change, and its values (n,) without them."""
+WavedQuantity = tuple[Waves, str, np.ndarray]
+"""Waves, the quantity that they change, and its values (n,) without waves."""
 
 
 class AllWaves:
-    """Those of all cams of a design, each cam with waves of its own.
+    """Waves of all cams of a design, independent of each other.
 
-    each   number of a drive, None of the only one of a design -> its waves, where it has any
+    Attributes
+    ----------
+    by_drive : dict
+        Number of a drive, or None for the only drive of a design -> its waves, where it has any.
     """
 
     def __init__(self, design: Design) -> None:
         self.design = design
-        alone = {i: replace(only(design, i), waviness=design.waviness) for i in range(len(design.drives))}
-        made = {i if design.listed else None: waves_of(Study(each)) for i, each in alone.items()}
-        self.each = {number: waves for number, waves in made.items() if waves is not None}
+        singles = {i: replace(only(design, i), waviness=design.waviness) for i in range(len(design.drives))}
+        waves = {i if design.listed else None: waves_of(Study(single)) for i, single in singles.items()}
+        self.by_drive = {number: w for number, w in waves.items() if w is not None}
 
-    def drawn(self, number: int | None, count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
-        """Of machines (count,) how many lobes the wave of a drive has, each as likely, and its phase [rad], by chance."""
-        rng, waves = np.random.default_rng([seed + (number or 0), 1]), self.each[number].waves
+    def random_waves(self, number: int | None, count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
+        """Random waves of a drive in machines; all numbers of lobes and all phases are equally likely.
+
+        Parameters
+        ----------
+        number : int or None
+            Number of the drive.
+        count : int
+            Number of machines.
+        seed : int
+
+        Returns
+        -------
+        lobes : ndarray (count,), dimensionless
+        phase : ndarray (count,) [rad]
+        """
+        rng, waves = np.random.default_rng([seed + (number or 0), 1]), self.by_drive[number].waves
         return rng.integers(waves.lobes_from, waves.lobes_to + 1, count), TURN * rng.random(count)
 
-    def shifts(self, asked: QuantityRequest, count: int, seed: int) -> np.ndarray:
-        """By how much (count,) waves change what is asked over the turn, in its unit, of machines drawn by chance."""
-        own, changed = self._changed(asked)
-        if asked.statistic not in OF or not changed:
+    def shifts(self, request: QuantityRequest, count: int, seed: int) -> np.ndarray:
+        """Changes of a figure by waves, in random machines.
+
+        Parameters
+        ----------
+        request : QuantityRequest
+        count : int
+            Number of machines.
+        seed : int
+
+        Returns
+        -------
+        ndarray (count,) [unit of the figure]
+        """
+        nominal, waved = self._waved(request)
+        if request.statistic not in _STATISTICS or not waved:
             return np.zeros(count)
-        drawn, of = [self.drawn(number, count, seed) for number in changed], OF[asked.statistic]
-        found = np.zeros(count)
+        random = [self.random_waves(number, count, seed) for number in waved]
+        statistic, shifts = _STATISTICS[request.statistic], np.zeros(count)
         for part in (slice(i, i + WAVY_MACHINES_AT_ONCE) for i in range(0, count, WAVY_MACHINES_AT_ONCE)):
-            values = np.tile(own, (found[part].size, 1))
-            for (waves, name, alone), (lobes, phase) in zip(changed.values(), drawn, strict=True):
-                values += waves.more(name, alone, waves.error(lobes[part], phase[part]))
-            found[part] = of(values) - of(own)
-        return found / asked.unit
+            values = np.tile(nominal, (shifts[part].size, 1))
+            for (waves, name, drive_values), (lobes, phase) in zip(waved.values(), random, strict=True):
+                values += waves.change(name, drive_values, waves.error(lobes[part], phase[part]))
+            shifts[part] = statistic(values) - statistic(nominal)
+        return shifts / request.unit
 
-    def worst(self, asked: QuantityRequest, side: float) -> float:
-        """By how much an extreme changes at most towards a side, +1 upwards, in its unit, with waves of the most lobes in their worst
-        phases."""
-        own, changed = self._changed(asked)
-        if asked.statistic not in ("max", "min", "abs") or not changed:
+    def worst(self, request: QuantityRequest, side: float) -> float:
+        """Greatest change of an extreme towards a side, +1 upwards, in its unit, by waves with the most lobes in their worst phase."""
+        nominal, waved = self._waved(request)
+        if request.statistic not in ("max", "min", "abs") or not waved:
             return 0.0
-        of, ends = OF[asked.statistic], []
+        statistic, shifts = _STATISTICS[request.statistic], []
         for end in (np.maximum, np.minimum):
-            more = [
-                end(*(waves.more(name, alone, partial(waves.all_at_once, sign)) for sign in (1.0, -1.0)))
-                for waves, name, alone in changed.values()
+            changes = [
+                end(*(waves.change(name, values, partial(waves.worst_error, sign)) for sign in (1.0, -1.0)))
+                for waves, name, values in waved.values()
             ]
-            ends.append(float(of(own + np.sum(more, axis=0)) - of(own)))
-        return side * max(side * each for each in ends) / asked.unit
+            shifts.append(float(statistic(nominal + np.sum(changes, axis=0)) - statistic(nominal)))
+        return side * max(side * shift for shift in shifts) / request.unit
 
-    def _changed(self, asked: QuantityRequest) -> tuple[np.ndarray, Mapping[int | None, Waved]]:
-        """The values (n,) without waves of what is asked, and what waves change of it, by drive."""
-        if asked.key.partition(":")[0] == TORQUE and self.design.listed:
+    def _waved(self, request: QuantityRequest) -> tuple[np.ndarray, Mapping[int | None, WavedQuantity]]:
+        """Values (n,) of the requested quantity without waves, and by drive the quantities that waves change."""
+        if request.key.partition(":")[0] == TORQUE and self.design.listed:
             return self._torque
-        waves = self.each.get(asked.drive)
-        if waves is None or not waves.changes(asked.name):
+        waves = self.by_drive.get(request.drive)
+        if waves is None or not waves.changes(request.name):
             return np.zeros(0), {}
-        own = quantity(asked.name).value(waves.study)
-        return own, {asked.drive: (waves, asked.name, own)}
+        values = quantity(request.name).value(waves.study)
+        return values, {request.drive: (waves, request.name, values)}
 
     @cached_property
-    def _torque(self) -> tuple[np.ndarray, Mapping[int | None, Waved]]:
-        """That of all drives at even machine angles, and of each that has waves."""
+    def _torque(self) -> tuple[np.ndarray, Mapping[int | None, WavedQuantity]]:
+        """Total torque of all drives at even machine angles, and the torques of drives with waves."""
         theta = np.arange(ANGLES) * TURN / ANGLES
         with suppress(NoSolution):
-            shaft, found = Study(self.design).camshaft.at_theta(theta), dict[int | None, Waved]()
+            shaft, waved = Study(self.design).camshaft.at_theta(theta), dict[int | None, WavedQuantity]()
             for name in shaft.loading_drives:
                 number = shaft.drive_number(name)
-                if number in self.each and self.each[number].changes(DRIVE_TORQUE):
-                    there = self.each[number].at(shaft.positions[name].drive_angle(theta))
-                    found[number] = there, DRIVE_TORQUE, shaft.drive_torque(name)
-            return shaft.torque, found
+                if number in self.by_drive and self.by_drive[number].changes(DRIVE_TORQUE):
+                    waves = self.by_drive[number].at(shaft.positions[name].drive_angle(theta))
+                    waved[number] = waves, DRIVE_TORQUE, shaft.drive_torque(name)
+            return shaft.torque, waved
         return np.zeros(0), {}
 
 
 def waves_of(study: Study) -> Waves | None:
-    """The waves of a design's profile at even angles; None where none are stated, or there is no cam that can be made."""
+    """Waves of a design's profile at even angles; None without waviness, or where no cam is possible."""
     if study.design.listed or study.design.waviness is None or "cam" not in study.stages:
         return None
     try:
@@ -236,54 +334,74 @@ def waves_of(study: Study) -> Waves | None:
         return None
 
 
-# -- what tolerances do -----------------------------------------------------------------------------------------
+# -- tolerances -------------------------------------------------------------------------------------------------
 
 
 MACHINES = 2000
 SHARE = 0.9973
-CONFIDENT = 1.959963984540054
-"""z of 95 %, two-sided: 1,420 machines none of which fails show 99.73 %."""
+CONFIDENCE_Z = 1.959963984540054
+"""z of 95 %, two-sided: 1,420 machines without a failure show 99.73 %."""
 PERCENTILES = {"p0.135": 0.135, "p5": 5.0, "p50": 50.0, "p95": 95.0, "p99.865": 99.865}
 ONE_SIDED = 2.7822
-"""z that 99.73 % of a normal distribution lie below."""
+"""z of 99.73 %, one-sided, of a normal distribution."""
 ROUNDING = 1e-10
-"""Of the largest value of a quantity: a smaller change over a tolerance is none."""
+"""Of the largest value of a quantity: a smaller change over a tolerance is rounding."""
 HALVINGS = 2  # of a tolerance, at most
-MOST_SETS = 20_000  # of tolerances to halve, tried in the order of their cost
-CHECKED = 8  # of these, that keep the limits by the linear model
+MAX_SETS = 20_000  # of tolerances to halve, tried in the order of their cost
+MAX_CHECKS = 8  # by random machines, of sets that keep the limits by the linear model
 MACHINES_AT_ONCE = 200  # machines
 
-USUAL = (
+DEFAULT_FIGURES = (
     ("pressure_angle_deg", "max"), ("contact_force_n", "max"), ("contact_pressure_mpa", "max"), ("drive_torque_nm", "abs"),
     ("torque_nm", "abs"), ("driver_torque_nm", "abs"),
 )  # fmt: skip
-"""What is asked of a design for which no study states it, as far as it has that."""
+"""Figures of a design without a study file, as far as it has them."""
 
 
 @frozen
 class Share:
-    """Of n machines: how many keep all limits, and the interval (Wilson 1927) in which their share lies with 95 %."""
+    """Share of machines that keep all limits, with its interval of 95 % confidence.
+
+    Attributes
+    ----------
+    within, machines : int
+        Number of machines that keep all limits, and of all machines.
+
+    References
+    ----------
+    Wilson (1927), Probable inference, the law of succession, and statistical inference.
+    """
 
     within: int
     machines: int
 
     @property
     def value(self) -> float:
-        """The share itself."""
+        """Share p of the machines that keep all limits."""
         return self.within / self.machines
 
     @property
     def interval(self) -> tuple[float, float]:
-        """(p + z²/2n ∓ z sqrt(p (1 - p)/n + z²/4n²)) / (1 + z²/n)."""
-        n, p, z = self.machines, self.value, CONFIDENT
-        middle, room = p + z * z / (2 * n), z * sqrt(p * (1.0 - p) / n + z * z / (4 * n * n))
-        return max(0.0, (middle - room) / (1.0 + z * z / n)), min(1.0, (middle + room) / (1.0 + z * z / n))
+        """Ends of the interval, (p + z²/2n ∓ z √(p (1 - p)/n + z²/4n²))/(1 + z²/n)."""
+        n, p, z = self.machines, self.value, CONFIDENCE_Z
+        middle, half = p + z * z / (2 * n), z * sqrt(p * (1.0 - p) / n + z * z / (4 * n * n))
+        return max(0.0, (middle - half) / (1.0 + z * z / n)), min(1.0, (middle + half) / (1.0 + z * z / n))
 
 
 @frozen
 class Corner:
-    """The worst case of one bound of a limit: the fields there, the value by the sensitivities and as computed, None where it cannot
-    be built; whether it keeps the limit."""
+    """Worst case of a limit.
+
+    Attributes
+    ----------
+    limit : StudyLimit
+    at : mapping of str -> float
+        Field -> its number in the worst case.
+    linear, value : float
+        Figure by the sensitivities, and as computed; None where the design cannot be built.
+    within : bool
+        Whether the value keeps the limit.
+    """
 
     limit: StudyLimit
     at: Mapping[str, float]
@@ -294,7 +412,7 @@ class Corner:
 
 @frozen
 class TightenedTolerances:
-    """Field -> how often its tolerance is halved; what that costs; the share of machines then."""
+    """Field -> number of halvings of its tolerance; their cost, and the share of machines that keep the limits."""
 
     halved: Mapping[str, int]
     cost: float
@@ -302,12 +420,12 @@ class TightenedTolerances:
 
 
 def tolerance_study(design: Design) -> StudyOfMany:
-    """A design with what is asked of it where no study says: usual quantities, and its own limits, or the usual pressure angle."""
-    asked = [StudyQuantity(slug, of) for slug, of in USUAL if _has(design, f"{slug}:{of}")]
-    asked += [StudyQuantity(f"drives[{i}].{slug}", of) for i in range(len(design.drives)) for slug, of in USUAL
+    """Study of a design without a study file: default figures, and the limits of the design, or the typical pressure angle."""
+    quantities = [StudyQuantity(slug, of) for slug, of in DEFAULT_FIGURES if _has(design, f"{slug}:{of}")]
+    quantities += [StudyQuantity(f"drives[{i}].{slug}", of) for i in range(len(design.drives)) for slug, of in DEFAULT_FIGURES
               if design.listed and _has(design, f"drives[{i}].{slug}:{of}")]  # fmt: skip
-    limits = tuple(_own_limits(design))
-    return study_of(StudyFile(design="", quantities=tuple(asked), limits=limits), design)
+    limits = tuple(_design_limits(design))
+    return study_of(StudyFile(design="", quantities=tuple(quantities), limits=limits), design)
 
 
 def _has(design: Design, key: str) -> bool:
@@ -318,27 +436,27 @@ def _has(design: Design, key: str) -> bool:
     return True
 
 
-def _own_limits(design: Design) -> Iterator[StudyLimit]:
-    """The limits that its file states, as those of quantities; where it states none of the pressure angle, the usual one."""
+def _design_limits(design: Design) -> Iterator[StudyLimit]:
+    """Limits of a design as limits of quantities; without a limit of the pressure angle, the typical one."""
     from core.study.limits import LIMITS
 
     if design.listed or design.drive.cam is None:
         return
-    own = design.drive.limits
-    usual = LIMITS["pressure_angle_rise_deg"].typical(Study(design))
-    angles = [each for each in (own.pressure_angle_rise_deg, own.pressure_angle_return_deg) if each is not None]
-    steepest = min(angles) if angles else None if usual is None else usual.value
+    limits = design.drive.limits
+    typical = LIMITS["pressure_angle_rise_deg"].typical(Study(design))
+    angles = [a for a in (limits.pressure_angle_rise_deg, limits.pressure_angle_return_deg) if a is not None]
+    steepest = min(angles) if angles else None if typical is None else typical.value
     if steepest is not None:
         yield StudyLimit("pressure_angle_deg", "max", max=steepest)
-    if own.convex_radius_mm is not None and _has(design, "profile_curvature_per_mm:max"):
-        yield StudyLimit("profile_curvature_per_mm", "max", max=1.0 / own.convex_radius_mm)
+    if limits.convex_radius_mm is not None and _has(design, "profile_curvature_per_mm:max"):
+        yield StudyLimit("profile_curvature_per_mm", "max", max=1.0 / limits.convex_radius_mm)
     for name in ("contact_force_n", "contact_pressure_mpa"):
-        if getattr(own, name) is not None and _has(design, f"{name}:max"):
-            yield StudyLimit(name, "max", max=getattr(own, name))
+        if getattr(limits, name) is not None and _has(design, f"{name}:max"):
+            yield StudyLimit(name, "max", max=getattr(limits, name))
 
 
 def bounds_of(limits: Sequence[StudyLimit]) -> Iterator[tuple[StudyLimit, float, float]]:
-    """Each limit with the side of one of its bounds, +1 for the greatest value, and that bound."""
+    """Limits, the side of a bound, +1 for the greatest value, and the bound."""
     for limit in limits:
         for side, bound in ((-1.0, limit.min), (1.0, limit.max)):
             if bound is not None:
@@ -346,168 +464,225 @@ def bounds_of(limits: Sequence[StudyLimit]) -> Iterator[tuple[StudyLimit, float,
 
 
 class Scatter:
-    """The machines that are made of a design."""
+    """Machines built to the tolerances of a design."""
 
     def __init__(self, study: StudyOfMany, tolerances: Sequence[Tolerance] | None = None) -> None:
-        """tolerances: in place of the design's own."""
+        """Set up with the tolerances of the design, or with others in their place."""
         self.study, self.design = study, study.base
         self.tolerances = tuple(self.design.tolerances if tolerances is None else tolerances)
         if not self.tolerances and self.design.waviness is None:
-            raise KindynaError("tolerances: this design has none; state at least one [[tolerances]], or [waviness]")
+            raise KindynaError("tolerances: this design has none; give at least one [[tolerances]], or [waviness]")
         if not study.quantities:
-            raise KindynaError("quantities: none is asked for; state at least one [[quantities]] or [[limits]]")
-        self.own = {row.field: float(get(self.design, row.field)) for row in self.tolerances}
+            raise KindynaError("quantities: no quantity is requested; give at least one [[quantities]] or [[limits]]")
+        self.nominal = {row.field: float(get(self.design, row.field)) for row in self.tolerances}
         self.keys = [row.key for row in study.quantities]
 
-    # -- by the sensitivities ------------------------------------------------------------------------------
+    # -- sensitivities -------------------------------------------------------------------------------------
 
     def slopes(self) -> np.ndarray:
-        """(k, q) of each quantity by each field, in the units of both; 0 where the whole tolerance changes it by rounding alone."""
-        if not self.own:
+        """Derivatives of the figures by the fields; 0 where the full tolerance changes a figure by rounding only.
+
+        Returns
+        -------
+        ndarray (k, q) [unit of the figure by unit of the field]
+        """
+        if not self.nominal:
             return np.zeros((0, len(self.keys)))
-        slopes = sensitivity(Study(self.design), list(self.own), self.keys)
+        slopes = sensitivity(Study(self.design), list(self.nominal), self.keys)
         widths = np.array([2.0 * row.half for row in self.tolerances])[:, None]
         slopes[np.abs(slopes) * widths < ROUNDING * self._largest()] = 0.0
         return slopes
 
     def _largest(self) -> np.ndarray:
-        """(q,) the largest size over the turn of what is asked, of the design itself."""
+        """Largest size (q,) of the quantities over the turn, in the nominal design."""
         keys = [row.key if row.of is None else f"{row.quantity}:abs" for row in self.study.quantities]
-        found = many(self.design, constant_column(self.design, 1), keys)
-        return np.array([abs(float(found.value[key][0])) for key in keys])
+        results = many(self.design, constant_column(self.design, 1), keys)
+        return np.array([abs(float(results.value[key][0])) for key in keys])
 
     def parts(self, slopes: np.ndarray) -> np.ndarray:
-        """(k, q) which part of a quantity's variance comes from a field, to first order: (S σ)² over the sum of these."""
+        """Parts of the variance of every figure by its fields, to first order: (S σ)² over their sum.
+
+        Parameters
+        ----------
+        slopes : ndarray (k, q) [unit of the figure by unit of the field]
+            Derivatives S.
+
+        Returns
+        -------
+        ndarray (k, q), dimensionless
+        """
         variance = (slopes * np.array([row.deviation for row in self.tolerances])[:, None]) ** 2
         total = variance.sum(axis=0)
         return np.divide(variance, total, out=np.zeros_like(variance), where=total > 0.0)
 
     def corners(self, slopes: np.ndarray) -> list[Corner]:
-        """The worst case of each limit: every field at that end which the sign of its slope asks for, computed there."""
-        found = []
-        nominal = self._one(self.own)
+        """Worst case of every limit: every field at the end of its tolerance that the sign of its slope decides.
+
+        Parameters
+        ----------
+        slopes : ndarray (k, q) [unit of the figure by unit of the field]
+
+        Returns
+        -------
+        list of Corner
+        """
+        corners = []
+        nominal = self._one(self.nominal)
         for limit, side, bound in self.bounds():
             q = self.keys.index(limit.key)
             steps = np.array(
-                [_end(row, side * slope) for row, slope in zip(self.tolerances, slopes[:, q], strict=True)]
+                [_worst_end(row, side * slope) for row, slope in zip(self.tolerances, slopes[:, q], strict=True)]
             )
-            at = {path: value + step for (path, value), step in zip(self.own.items(), steps.tolist(), strict=True)}
-            asked = quantity_request(self.design, limit.key)
-            waves = self.waves.worst(asked, side)
+            at = {path: value + step for (path, value), step in zip(self.nominal.items(), steps.tolist(), strict=True)}
+            waves = self.waves.worst(quantity_request(self.design, limit.key), side)
             value = float(self._one(at)[q]) + waves
             linear = float(nominal[q] + slopes[:, q] @ steps) + waves
             within = bool(side * value <= side * bound)
-            found.append(Corner(limit, at, linear, None if np.isnan(value) else value, within))
-        return found
+            corners.append(Corner(limit, at, linear, None if np.isnan(value) else value, within))
+        return corners
 
     def bounds(self) -> Iterator[tuple[StudyLimit, float, float]]:
-        """Those of the study."""
+        """Limits of the study with their sides and bounds, as by ``bounds_of``."""
         return bounds_of(self.study.file.limits)
 
     # -- random machines -----------------------------------------------------------------------------------
 
     def machines(self, count: int, seed: int) -> dict[str, np.ndarray]:
-        """Field -> its numbers (count,) in machines drawn by chance."""
+        """Numbers of the fields in random machines.
+
+        Returns
+        -------
+        dict of str -> ndarray (count,) [unit of the field]
+        """
         if not self.tolerances:
             return constant_column(self.design, count)
         rng = np.random.default_rng(seed)
-        return {row.field: self.own[row.field] + _drawn(row, rng, count) for row in self.tolerances}
+        return {row.field: self.nominal[row.field] + _random_deviations(row, rng, count) for row in self.tolerances}
 
     def _values(self, columns: Mapping[str, np.ndarray]) -> np.ndarray:
-        found = many(self.design, columns, self.keys)
-        return np.array([found.value[key] for key in self.keys])
+        results = many(self.design, columns, self.keys)
+        return np.array([results.value[key] for key in self.keys])
 
     def _one(self, numbers: Mapping[str, float]) -> np.ndarray:
-        """What is asked (q,) of the design with these numbers."""
-        return self._values(
-            {path: np.array([each]) for path, each in numbers.items()} or constant_column(self.design, 1)
-        )[:, 0]
+        """Figures (q,) of the design with these numbers."""
+        columns = {path: np.array([number]) for path, number in numbers.items()}
+        return self._values(columns or constant_column(self.design, 1))[:, 0]
 
     def values(self, count: int, seed: int) -> np.ndarray:
-        """What is asked (q, count) of machines drawn by chance, each with a wave of its own; NaN of one that cannot be built."""
-        found = self._values(self.machines(count, seed))
-        for row, key in zip(found, self.keys, strict=True):
+        """Figures of random machines, every one with its own wave.
+
+        Returns
+        -------
+        ndarray (q, count) [unit of the figure]
+            NaN where a machine cannot be built.
+        """
+        values = self._values(self.machines(count, seed))
+        for row, key in zip(values, self.keys, strict=True):
             row += self.waves.shifts(quantity_request(self.design, key), count, seed)
-        return found
+        return values
 
     @cached_property
     def waves(self) -> AllWaves:
-        """Of the profiles of the design as it is."""
+        """Waves of the profiles of the nominal design."""
         return AllWaves(self.design)
 
-    def kept(self, values: np.ndarray) -> np.ndarray:
-        """Which machines (m,) of values (q, m) can be built and keep all limits."""
+    def within_limits(self, values: np.ndarray) -> np.ndarray:
+        """Mask of machines that can be built and keep all limits.
+
+        Parameters
+        ----------
+        values : ndarray (q, m) [unit of the figure]
+
+        Returns
+        -------
+        ndarray (m,), dimensionless
+        """
         good = ~np.isnan(values).all(axis=0)
         for limit, side, bound in self.bounds():
             good &= side * values[self.keys.index(limit.key)] <= side * bound
         return good
 
     def share(self, count: int, seed: int) -> Share:
-        """Of machines drawn by chance."""
-        return Share(int(self.kept(self.values(count, seed)).sum()), count)
+        """Share of random machines that keep all limits."""
+        return Share(int(self.within_limits(self.values(count, seed)).sum()), count)
 
     def bands(
         self, count: int, seed: int, samples: int = 360, only: Sequence[str] | None = None
     ) -> dict[str, np.ndarray]:
-        """Column -> percentiles (p, samples) over the cam angle of what machines drawn by chance have there; of these columns only."""
-        asked = (row.key.partition(":")[0] for row in self.study.quantities if row.of is not None)
-        columns = [slug for slug in dict.fromkeys(asked) if only is None or slug in only]
+        """Percentiles of quantities over the cam angle, of random machines.
+
+        Parameters
+        ----------
+        count : int
+            Number of machines.
+        seed : int
+        samples : int
+            Number n of cam angles.
+        only : sequence of str or None
+            Columns to compute; None for all of the study.
+
+        Returns
+        -------
+        dict of str -> ndarray (p, n) [unit of the column]
+            Percentiles as listed in ``PERCENTILES``.
+        """
+        slugs = (row.key.partition(":")[0] for row in self.study.quantities if row.of is not None)
+        columns = [slug for slug in dict.fromkeys(slugs) if only is None or slug in only]
         names = {slug: quantity_request(self.design, f"{slug}:max") for slug in columns}
-        names = {slug: each for slug, each in names.items() if each.name and each.drive is None}
+        names = {slug: request for slug, request in names.items() if request.name and request.drive is None}
         machines = self.machines(count, seed)
         theta = np.deg2rad(degrees(samples))
-        quick = {slug: each for slug, each in names.items() if self.quick(each)}
-        found = {slug: np.full((count, samples), np.nan) for slug in names}
-        waves = self.waves.each[None].at(theta) if None in self.waves.each else None
-        wave = waves.error(*self.waves.drawn(None, count, seed)) if waves is not None else None
+        quick = {slug: request for slug, request in names.items() if self.is_quick(request)}
+        values = {slug: np.full((count, samples), np.nan) for slug in names}
+        waves = self.waves.by_drive[None].at(theta) if None in self.waves.by_drive else None
+        wave = waves.error(*self.waves.random_waves(None, count, seed)) if waves is not None else None
         for first in range(0, count, MACHINES_AT_ONCE):
             checkpoint()
             rows = np.array([row[first : first + MACHINES_AT_ONCE] for row in machines.values()])
-            alone = self._at_once(
-                quick, rows, theta, {slug: found[slug][first : first + MACHINES_AT_ONCE] for slug in quick}
+            separate = self._batch_values(
+                quick, rows, theta, {slug: values[slug][first : first + MACHINES_AT_ONCE] for slug in quick}
             )
             for k in range(rows.shape[1]):
-                left = names if alone[k] else {slug: each for slug, each in names.items() if slug not in quick}
-                if left:
+                rest = names if separate[k] else {slug: r for slug, r in names.items() if slug not in quick}
+                if rest:
                     checkpoint()
-                    self._by_itself(left, rows[:, k], theta, {slug: found[slug][first + k] for slug in left})
-        for slug, each in names.items():
-            if waves is not None and wave is not None and waves.changes(each.name):
-                found[slug] += waves.more(each.name, found[slug] * each.unit, wave) / each.unit
+                    self._machine_values(rest, rows[:, k], theta, {slug: values[slug][first + k] for slug in rest})
+        for slug, request in names.items():
+            if waves is not None and wave is not None and waves.changes(request.name):
+                values[slug] += waves.change(request.name, values[slug] * request.unit, wave) / request.unit
         levels = list(PERCENTILES.values())
-        present = {slug: rows for slug, rows in found.items() if not np.isnan(rows).all()}
+        present = {slug: rows for slug, rows in values.items() if not np.isnan(rows).all()}
         return {slug: np.nanpercentile(rows, levels, axis=0) for slug, rows in present.items()}
 
-    def quick(self, asked: QuantityRequest) -> bool:
-        """Whether a quantity is computed of many machines at once, at the same angles of all."""
-        moved = any(path.startswith("motion.") for path in self.own)
-        return not moved and is_batchable(self.design, list(self.machines(1, 0)), asked)
+    def is_quick(self, request: QuantityRequest) -> bool:
+        """Whether a quantity is computed for many machines at once, at common cam angles."""
+        varies_motion = any(path.startswith("motion.") for path in self.nominal)
+        return not varies_motion and is_batchable(self.design, list(self.machines(1, 0)), request)
 
-    def _at_once(
+    def _batch_values(
         self, names: Mapping[str, QuantityRequest], rows: np.ndarray, theta: np.ndarray, into: Mapping[str, np.ndarray]
     ) -> np.ndarray:
-        """Quantities of machines with these numbers (k, m) at cam angles (n,) into (m, n) each; which of them (m,) are to be computed by
-        themselves instead."""
+        """Write quantities of machines with numbers (k, m) at cam angles (n,) into rows (m, n); mask (m,) of machines left out."""
         if not names:
             return np.zeros(rows.shape[1], dtype=bool)
-        one = design_block(self.design, list(self.machines(1, 0)), rows)
-        m, angles = one.count, one.program.angles(theta)
+        block = design_block(self.design, list(self.machines(1, 0)), rows)
+        m, angles = block.count, block.program.angles(theta)
         owner = np.repeat(np.arange(m), theta.size)
-        state = one.state(np.tile(angles.theta, m), np.tile(angles.piece, m), owner)
-        values = one.values([each.name for each in names.values()], state, owner)
-        for slug, each in names.items():
-            lost = one.failed_at(quantity(each.name).stage)
-            into[slug][~lost] = (values[each.name].reshape(m, theta.size) / each.unit)[~lost]
-        return one.separate
+        state = block.state(np.tile(angles.theta, m), np.tile(angles.piece, m), owner)
+        values = block.values([request.name for request in names.values()], state, owner)
+        for slug, request in names.items():
+            failed = block.failed_at(quantity(request.name).stage)
+            into[slug][~failed] = (values[request.name].reshape(m, theta.size) / request.unit)[~failed]
+        return block.separate
 
-    def _by_itself(
+    def _machine_values(
         self,
         names: Mapping[str, QuantityRequest],
         numbers: np.ndarray,
         theta: np.ndarray,
         into: Mapping[str, np.ndarray],
     ) -> None:
-        """The same of one machine, by its own turn."""
+        """Write quantities of a single machine with numbers (k,) at cam angles (n,) into rows (n,)."""
         design = self.design
         for path, value in zip(self.machines(1, 0), numbers.tolist(), strict=True):
             design = put(design, path, value)
@@ -515,57 +690,74 @@ class Scatter:
         for row in into.values():
             row[:] = np.nan
         with suppress(NoSolution):
-            there = study.at(study.program.angles(theta))
-            for slug, each in names.items():
-                with suppress(NoSolution):  # where the motor stalls, the rest is there
-                    into[slug][:] = quantity(each.name).value(there) / each.unit
+            at_angles = study.at(study.program.angles(theta))
+            for slug, request in names.items():
+                with suppress(NoSolution):  # where the motor stalls, other quantities have values
+                    into[slug][:] = quantity(request.name).value(at_angles) / request.unit
 
-    # -- which to tighten ----------------------------------------------------------------------------------
+    # -- tolerances to tighten -----------------------------------------------------------------------------
 
     def tightened(self, count: int, seed: int, slopes: np.ndarray, share: float = SHARE) -> TightenedTolerances | None:
-        """The cheapest tolerances to halve, once or twice, with which the limits are kept by that share of random machines: sets in the
-        order of their cost that do by the sensitivities, the first of them that does in fact. None where there is none."""
+        """Cheapest tolerances to halve, once or twice, so that this share of random machines keeps the limits.
+
+        Sets that keep the limits by the sensitivities are checked by random machines in the order of their cost.
+
+        Parameters
+        ----------
+        count : int
+            Number of random machines.
+        seed : int
+        slopes : ndarray (k, q) [unit of the figure by unit of the field]
+        share : float
+
+        Returns
+        -------
+        TightenedTolerances or None
+            None where no set is sufficient.
+        """
         if not self.tolerances:  # waves alone
             return None
-        middles = {path: self.own[path] + row.middle for path, row in zip(self.own, self.tolerances, strict=True)}
+        middles = {path: x + row.middle for (path, x), row in zip(self.nominal.items(), self.tolerances, strict=True)}
         nominal = self._one(middles)
         deviation = np.array([row.deviation for row in self.tolerances])
-        worth = np.array([1.0 if row.cost is None else row.cost for row in self.tolerances])
-        room = np.array([side * (bound - nominal[self.keys.index(limit.key)]) for limit, side, bound in self.bounds()])
+        costs = np.array([1.0 if row.cost is None else row.cost for row in self.tolerances])
+        distance = np.array(
+            [side * (bound - nominal[self.keys.index(limit.key)]) for limit, side, bound in self.bounds()]
+        )
         slope = np.array([slopes[:, self.keys.index(limit.key)] for limit, _, _ in self.bounds()]).reshape(
             -1, deviation.size
         )
         checked = 0
-        for times in _sets_by_cost(worth):
+        for times in _sets_by_cost(costs):
             spread = np.sqrt(((slope * deviation / 2.0**times) ** 2).sum(axis=1))
-            if (room < ONE_SIDED * spread).any():
+            if (distance < ONE_SIDED * spread).any():
                 continue
-            fewer = [_halved(row, int(n)) for row, n in zip(self.tolerances, times, strict=True)]
-            found = Scatter(self.study, fewer).share(count, seed)
+            tighter = [_halved(row, int(n)) for row, n in zip(self.tolerances, times, strict=True)]
+            reached = Scatter(self.study, tighter).share(count, seed)
             checked += 1
-            if found.value >= share:
+            if reached.value >= share:
                 halved = {row.field: int(n) for row, n in zip(self.tolerances, times, strict=True) if n}
-                return TightenedTolerances(halved, float(worth @ times), found)
-            if checked == CHECKED:
+                return TightenedTolerances(halved, float(costs @ times), reached)
+            if checked == MAX_CHECKS:
                 break
         return None
 
 
-def _sets_by_cost(worth: np.ndarray) -> list[np.ndarray]:
-    """How often each tolerance is halved (k,), the cheapest sets first; of many tolerances only those sets of the fewest."""
+def _sets_by_cost(costs: np.ndarray) -> list[np.ndarray]:
+    """Numbers of halvings (k,), the cheapest sets first; of many tolerances only sets of the cheapest ones."""
     levels = HALVINGS + 1
-    k = worth.size
-    if levels**k <= MOST_SETS:
-        sets = [np.array(each) for each in product(range(levels), repeat=k)]
+    k = costs.size
+    if levels**k <= MAX_SETS:
+        sets = [np.array(times) for times in product(range(levels), repeat=k)]
     else:
         sets = [np.zeros(k, dtype=int)]
-        order = np.argsort(worth)
+        order = np.argsort(costs)
         for n in range(1, HALVINGS * k + 1):  # the cheapest ones, one after the other
-            each = np.zeros(k, dtype=int)
+            times = np.zeros(k, dtype=int)
             for i in range(n):
-                each[order[i % k]] += 1
-            sets.append(each)
-    return sorted(sets, key=lambda times: (float(worth @ times), int(times.sum())))
+                times[order[i % k]] += 1
+            sets.append(times)
+    return sorted(sets, key=lambda times: (float(costs @ times), int(times.sum())))
 
 
 def _halved(row: Tolerance, times: int) -> Tolerance:
@@ -575,13 +767,13 @@ def _halved(row: Tolerance, times: int) -> Tolerance:
     return replace(row, plus=max(0.0, middle + half), minus=max(0.0, half - middle), sigma=sigma)
 
 
-def _end(row: Tolerance, slope: float) -> float:
-    """The deviation at which something of this slope is largest."""
+def _worst_end(row: Tolerance, slope: float) -> float:
+    """Deviation at which a figure of this slope is greatest."""
     return row.plus if slope > 0.0 else -row.down
 
 
-def _drawn(row: Tolerance, rng: np.random.Generator, count: int) -> np.ndarray:
-    """Deviations (count,)."""
+def _random_deviations(row: Tolerance, rng: np.random.Generator, count: int) -> np.ndarray:
+    """Random deviations (count,) by the distribution of a tolerance."""
     if row.distribution == NORMAL:
         return row.middle + row.deviation * rng.standard_normal(count)
     if row.distribution == UNIFORM:

@@ -294,8 +294,8 @@ class CircleView(View):
         step = min(chosen or 0, len(plan.steps))
         self.diagram.show_step(bodies, plan, step)
         more = (
-            f" {len(plan.beyond)} centres are not reached by two triangles."
-            if plan.beyond and step == len(plan.steps)
+            f" {len(plan.unreachable)} centres are not reached by two triangles."
+            if plan.unreachable and step == len(plan.steps)
             else ""
         )
         self.text.setText(construction_text(plan, step) + more)

@@ -41,7 +41,7 @@ def six_bar() -> Study:
 
 
 def centre(table: CentreTable, a: int, b: int) -> complex:
-    return complex(table.of(body_name(a), body_name(b)).finite[0])
+    return complex(table.centre(body_name(a), body_name(b)).finite[0])
 
 
 FIGURES = {
@@ -102,7 +102,7 @@ def test_the_number_of_centres(example: str, count: int) -> None:
     assert len(table.centres) == count == n * (n - 1) // 2
     plan = table.construction
     assert len(plan.known) + len(plan.steps) == count
-    assert plan.beyond == ()
+    assert plan.unreachable == ()
 
 
 def test_the_circle_diagram_of_the_four_bar() -> None:
@@ -119,8 +119,8 @@ def test_the_circle_diagram_of_the_slider_crank() -> None:
     assert study.design.drive.is_linkage
     table = study.centres
     assert ("frame", "link4") in table.primary
-    assert table.of("frame", "link4").far(table.size).all()
-    assert table.of("frame", "link4").direction == pytest.approx(0.5 * math.pi)
+    assert table.centre("frame", "link4").is_far(table.size).all()
+    assert table.centre("frame", "link4").direction == pytest.approx(0.5 * math.pi)
     steps = {step.key: [t.third for t in step.triangles] for step in table.construction.steps}
     assert steps == {("frame", "link3"): ["link2", "link4"], ("link2", "link4"): ["frame", "link3"]}
 
@@ -244,7 +244,7 @@ def test_the_suspensions_axle_turns_about_where_its_arms_meet_and_steers() -> No
     assert study.design.drive.is_linkage
     bodies = study.linkage.bodies
     lower, upper, wheel = bodies["link2"], bodies["link4"], bodies["link3"].point("W")
-    pole = study.centres.of("frame", "link3").finite
+    pole = study.centres.centre("frame", "link3").finite
     for i in range(1, 36, 5):
         exact = crossing(
             *(complex(p[0, i]) for p in (lower.point("O2"), lower.point("A"), upper.point("O4"), upper.point("B")))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -22,7 +21,7 @@ MOST = 5000
 def facts(cam: Ecam) -> dict[str, Any]:
     """Facts for ``ecam --json``; errors in the motion's unit, per degree and degree² of the master."""
     unit, deviation = cam.slave.unit, cam.deviation
-    values = dict.fromkeys(QUANTITIES, None) if deviation is None else dict(_padded(deviation.values))
+    values = dict(zip(QUANTITIES, [*(() if deviation is None else deviation.values), None, None, None], strict=False))
     result: dict[str, Any] = {
         "controller": cam.controller.slug,
         "interpolation": cam.interpolation,
@@ -49,10 +48,6 @@ def facts(cam: Ecam) -> dict[str, Any]:
             "dominates_above_rpm": c.dominates_above_rpm,
         }
     return result
-
-
-def _padded(values: Sequence[float]) -> Any:
-    return zip(QUANTITIES, [*values, None, None], strict=False)
 
 
 def errors_at_speed(cam: Ecam) -> list[tuple[str, float, str]]:

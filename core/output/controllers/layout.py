@@ -309,15 +309,12 @@ def _pattern(row: Controller, text: str) -> str:
     for (literal, name), (following, _) in zip(template, [*template[1:], ("", "")], strict=True):
         parts.append(_literal(literal.split(row.comment)[0] if row.comment else literal))
         if name:
-            kind = _COUNT_PATTERNS.get(name) or (_word(following) if name in _WORD_NAMES else _number(row, following))
+            is_word = following[:1].isalnum() or following[:1] == "_"  # an identifier may run into this text
+            word = r"\w{0,60}" if is_word else r"\w{0,400}+"
+            kind = _COUNT_PATTERNS.get(name) or (word if name in _WORD_NAMES else _number(row, following))
             parts.append(kind if name in seen else f"(?P<{name}>{kind})")
             seen.add(name)
     return "".join(parts)
-
-
-def _word(following: str) -> str:
-    """An identifier in front of a text, which may continue it."""
-    return r"\w{0,60}" if following[:1].isalnum() or following[:1] == "_" else r"\w{0,400}+"
 
 
 def _number(row: Controller, following: str) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import cmath
 from collections.abc import Iterator, Sequence
-from functools import partial
 from itertools import combinations
 from math import asin, degrees, radians
 
@@ -165,13 +164,9 @@ def _placed_callouts(requested: Sequence[Callout], choice: Sequence[int], around
         starts = _without_overlap([entry[1] for entry in row], [entry[2] for entry in row], rows, 2.0 * height)
         for (_, _, width, tip, callout), start in zip(row, starts, strict=True):
             shoulder = complex(start, y), complex(start + width, y)
-            placed.append(_PlacedCallout(callout, tip, shoulder, min(shoulder, key=partial(_detour, tip, around))))
+            detours = [(around.crossings(end, tip), abs(end - tip)) for end in shoulder]
+            placed.append(_PlacedCallout(callout, tip, shoulder, shoulder[detours.index(min(detours))]))
     return placed
-
-
-def _detour(tip: complex, around: CalloutField, end: complex) -> tuple[int, float]:
-    """Number of crossings of a leader from that end with the outline, and its length."""
-    return around.crossings(end, tip), abs(end - tip)
 
 
 def _best_end(tip: complex, centre: complex | None, rows: Box, y: float) -> float:
@@ -275,11 +270,6 @@ def fixed_decimals(value: float) -> str:
     return f"{value:.{DECIMALS}f}"
 
 
-def _bearing(degrees: float) -> float:
-    """An angle [deg] in which 360 after rounding becomes 0."""
-    return float(round(degrees, DECIMALS) % 360.0)
-
-
 def _grid(box: Box, widths: Sequence[float], rows: int) -> Iterator[Item]:
     """A frame, thin lines between rows and columns; widths are parts of the box."""
     yield SheetLine(box.corners, FRAME)
@@ -319,7 +309,7 @@ def points_table(values: CamDimensions, layout: PaperLayout) -> tuple[float, lis
     unit, column = layout.unit, layout.column
     header = ("cam °", "radius mm", "polar °")
     rows = [
-        (number(angle), fixed_decimals(radius), fixed_decimals(_bearing(polar)))
+        (number(angle), fixed_decimals(radius), fixed_decimals(round(polar, DECIMALS) % 360.0))
         for angle, radius, polar in values.table
     ]
     half = len(rows) // 2

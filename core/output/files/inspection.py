@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -578,11 +579,6 @@ def require_name(path: Path) -> None:
         )
 
 
-def _names(path: Path, is_compared: bool) -> list[str]:
-    """Names of the table, of its deviations, and of the summary."""
-    return [path.name, *([f"{path.stem}{DEVIATION}{path.suffix}"] if is_compared else []), SUMMARY]
-
-
 def facts(inspected: Inspection, comparison: ProfileComparison | None = None) -> dict[str, Any]:
     """Facts about the table for ``summary.json``."""
     setup, table = inspected.setup, inspected.table
@@ -600,10 +596,7 @@ def facts(inspected: Inspection, comparison: ProfileComparison | None = None) ->
         "tolerance_mm": setup.request.tolerance_mm,
         "points": int(table.degrees.size),
         "largest_lift_mm": float(table.lift.max()),
-        "findings": [
-            {"code": f.code, "severity": f.severity, "cam_angle_deg": f.cam_angle_deg, "message": f.message}
-            for f in setup.findings
-        ],
+        "findings": _finding_facts(setup.findings),
     }
     return result if comparison is None else {**result, "measured": verdict_facts(comparison)}
 
@@ -627,11 +620,15 @@ def verdict_facts(comparison: ProfileComparison) -> dict[str, Any]:
         "rows_out": int(comparison.is_outside.sum()),
         "in_tolerance": comparison.is_in_tolerance,
         "notes": list(comparison.notes),
-        "findings": [
-            {"code": f.code, "severity": f.severity, "cam_angle_deg": f.cam_angle_deg, "message": f.message}
-            for f in comparison.findings
-        ],
+        "findings": _finding_facts(comparison.findings),
     }
+
+
+def _finding_facts(findings: Iterable[Finding]) -> list[dict[str, Any]]:
+    return [
+        {"code": f.code, "severity": f.severity, "cam_angle_deg": f.cam_angle_deg, "message": f.message}
+        for f in findings
+    ]
 
 
 def files(inspected: Inspection, path: Path, comparison: ProfileComparison | None = None) -> dict[str, bytes]:
@@ -652,7 +649,8 @@ def files(inspected: Inspection, path: Path, comparison: ProfileComparison | Non
         )
         texts.append(csv(ROWS, columns))
     texts.append(to_json({"file": path.name, **facts(inspected, comparison)}))
-    return {name: text.encode() for name, text in zip(_names(path, comparison is not None), texts, strict=True)}
+    names = [path.name, *([] if comparison is None else [f"{path.stem}{DEVIATION}{path.suffix}"]), SUMMARY]
+    return {name: text.encode() for name, text in zip(names, texts, strict=True)}
 
 
 def _plain(*columns: np.ndarray) -> list[np.ndarray]:

@@ -139,10 +139,10 @@ def flank_choice() -> Any:
     return choice("Flank", ALL_FLANKS, default=INNER, help="which side of the cam")
 
 
-def _machining_field(label: str, low: float, high: float, default: float, help: str, usual: str = "") -> Any:
+def _machining_field(label: str, low: float, high: float, default: float, help: str, default_text: str = "") -> Any:
     """A field for a number of G-code with its option."""
     field = number(label, low, high, default=default, help=help)
-    return option(field, help=f"G-code: {label.lower()}, {help}", default_text=usual)
+    return option(field, help=f"G-code: {label.lower()}, {help}", default_text=default_text)
 
 
 @frozen

@@ -97,8 +97,7 @@ FLAT_LAW = Equation(
 
 
 def equations_of(study: Study) -> tuple[Equation, ...]:
-    """The entries that a design's numbers come from: displacement and its derivatives, motion laws, then mechanism, cam, forces and
-    shaft."""
+    """Entries of a design: displacement and its derivatives, motion laws, then mechanism, cam, forces and shaft."""
     singles = tuple(study.solved_drives.values())
     designs = [frozenset[str](), *(frozenset(names_of(single.design)) for single in singles)]
     used = [row for row in FORMULAS.values() if any(is_used(row, study, names) for names in designs)]

@@ -462,8 +462,10 @@ def _off_level(angle: float) -> float:
 
 
 def listed_elsewhere(study: Study) -> frozenset[str]:
-    """Quantities whose extremes another section lists: limits of the cam, flywheel or flexible shaft; and speed and motor torque without a
-    flywheel, which are those of shaft and cam."""
+    """Quantities whose extremes another section lists: limits of the cam, flywheel or flexible shaft.
+
+    Speed and motor torque are omitted without a flywheel too, where they are those of shaft and cam.
+    """
     names = set(pressure_angles(study)) if "cam" in study.stages else set()
     if "dynamics" in study.stages and (pressures := quantity_requests.peak_pressures(study)):
         names.add(

@@ -19,8 +19,8 @@ from core.instant_centres import (
     KennedyStep,
     RatioArms,
     Triangle,
-    line_of,
     ratio_arms,
+    triangle_line,
 )
 from core.mechanism import ROLLER, body_name, link_number
 from core.mechanism.kinematics import FRAME
@@ -125,7 +125,7 @@ class CentreMarks:
     def __init__(self, table: CentreTable, theme: Theme, viewport: Viewport, room: Callable[[], TakenSpace]) -> None:
         self._table, self._viewport, self._room = table, viewport, room
         self.marks = [_Mark(key, key in table.primary, theme) for key in table.centres]
-        self._far = {key: centres.far(table.size) for key, centres in table.centres.items()}
+        self._far = {key: centres.is_far(table.size) for key, centres in table.centres.items()}
         self.only: frozenset[Key] | None = None
         self._placed: list[tuple[_Mark, complex]] = []
         self.item = Group([item for mark in self.marks for item in (mark.dot, mark.arrow, mark.tag)])
@@ -187,7 +187,7 @@ class KennedyLines:
     def _line(self, triangle: Triangle) -> np.ndarray:
         kept = self.__dict__.setdefault("_lines", {})
         if triangle not in kept:
-            kept[triangle] = line_of(self._table.centres, triangle)
+            kept[triangle] = triangle_line(self._table.centres, triangle)
         lines: np.ndarray = kept[triangle]
         return lines
 
@@ -246,7 +246,7 @@ Pairs = Callable[[CentreTable, str], Sequence[tuple[str, str]]]
 def ratio_text(arms: RatioArms, i: int, base_speed: float, body_speed: float) -> str:
     """One ratio in figures at a sample; speeds [rad/s] of both links. Of a body that does not turn, its velocity."""
     body, base = link_number(arms.body), link_number(arms.base)
-    names = tuple(f"I{centre_name(key)}" for key in (arms.other, arms.own, arms.common))
+    names = tuple(f"I{centre_name(key)}" for key in (arms.base_key, arms.body_key, arms.common_key))
     above, below = float(arms.base_arm[i]) * MM, float(arms.body_arm[i]) * MM
     ratio, far = float(arms.ratio[i]), (math.isinf(above), math.isinf(below))
     if far == (False, True):
@@ -336,7 +336,10 @@ class RatioDimensions:
         for number, (body, base) in enumerate(pairs(self._table, driver)):
             colour = theme.seen(COLOURS[number % len(COLOURS)])
             arms = ratio_arms(self._table, body, base)
-            lines = _Dimension(arms.other, arms.common, colour, theme), _Dimension(arms.own, arms.common, colour, theme)
+            lines = (
+                _Dimension(arms.base_key, arms.common_key, colour, theme),
+                _Dimension(arms.body_key, arms.common_key, colour, theme),
+            )
             self.rows.append((arms, lines, Tag("", theme.letters(colour), theme, SMALL, (0.0, 0.0), backing=True)))
         items = [item for _, lines, tag in self.rows for d in lines for item in (d.line, d.tag)]
         self.item = Group([*items, *(tag for _, _, tag in self.rows)])
@@ -348,7 +351,7 @@ class RatioDimensions:
 
     def move(self, i: int) -> None:
         for number, (arms, (base, body), _) in enumerate(self.rows):
-            places = [self._at(key, i) for key in (arms.other, arms.own, arms.common)]
+            places = [self._at(key, i) for key in (arms.base_key, arms.body_key, arms.common_key)]
             spans = ((base, places[0], 1.0, arms.base_arm[i]), (body, places[1], -1.0, arms.body_arm[i]))
             for line, place, side, length in spans:
                 end = places[2]
@@ -367,7 +370,7 @@ class RatioDimensions:
     def _far(self, key: Key) -> np.ndarray:
         kept = self.__dict__.setdefault("_kept", {})
         if key not in kept:
-            kept[key] = self._table.centres[key].far(self._table.size)
+            kept[key] = self._table.centres[key].is_far(self._table.size)
         far: np.ndarray = kept[key]
         return far
 

@@ -86,7 +86,7 @@ def with_centres(rect: QRectF, table: CentreTable, index: int, only: Collection[
     reach = FAR_CENTRES * max(rect.width(), rect.height())
     edge, middle = 0.03 * max(rect.width(), rect.height()), complex(rect.center().x(), rect.center().y())
     for key, centres in table.centres.items():
-        if (only is not None and key not in only) or centres.far(table.size)[index]:
+        if (only is not None and key not in only) or centres.is_far(table.size)[index]:
             continue
         place = MM * complex(centres.finite[index])
         if abs(place - middle) <= reach:

@@ -130,8 +130,10 @@ def _with_centres(rect: QRectF, there: Study, layers: Collection[str]) -> QRectF
     arms = [
         ratio_arms(table, *pair) for layer, pairs in CHAINS.items() if layer in layers for pair in pairs(table, driver)
     ]
-    keys = {key for arm in arms for key in (arm.other, arm.own, arm.common)} or set(table.centres)
-    places = [complex(table.centres[key].finite[0]) * 1e3 for key in keys if not table.centres[key].far(table.size)[0]]
+    keys = {key for arm in arms for key in (arm.base_key, arm.body_key, arm.common_key)} or set(table.centres)
+    places = [
+        complex(table.centres[key].finite[0]) * 1e3 for key in keys if not table.centres[key].is_far(table.size)[0]
+    ]
     middle = complex(rect.center().x(), rect.center().y())
     for z in places:
         if np.isfinite(abs(z)) and abs(z - middle) < NEAR * size:

@@ -29,14 +29,14 @@ def test_every_three_centres_lie_on_a_line_and_the_normal_meets_that_of_cam_and_
     assert rests.any()
     assert not rests.all()
     for a, b, c in combinations(table.bodies, 3):
-        three = [table.of(*pair).homogeneous for pair in ((a, b), (a, c), (b, c))]
+        three = [table.centre(*pair).homogeneous for pair in ((a, b), (a, c), (b, c))]
         volume = np.linalg.det(np.array(three).transpose(2, 0, 1))
         sizes = np.prod([np.linalg.norm(each, axis=0) for each in three], axis=0)
         assert np.abs(volume / sizes).max() < 1e-9, (a, b, c)
-    q, flank = table.of("arm", "cam").finite, study.cam.flank
+    q, flank = table.centre("arm", "cam").finite, study.cam.flank
     normal, away = flank.profile * np.exp(1j * study.sense * study.theta) - flank.reference, flank.reference - q
     assert np.abs((np.conj(normal) * away).imag / np.abs(normal * away)).max() < 1e-9
-    assert np.abs(table.of("frame", "cam").finite).max() < 1e-15
+    assert np.abs(table.centre("frame", "cam").finite).max() < 1e-15
 
 
 def test_q_and_both_velocities_of_the_lift_are_those_of_its_arm() -> None:

@@ -16,7 +16,7 @@ from core.instant_centres import (
     angular_ratio,
     collinearity,
     kennedy,
-    line_of,
+    triangle_line,
 )
 from core.instant_centres.centres import CentreTable
 from core.mechanism import driver_ranges_of, unit_speed_kinematics
@@ -44,7 +44,7 @@ def test_two_bodies_have_one_velocity_at_their_centre(kind: str) -> None:
     for case in cases(kind, 3):
         for (a, b), centre in case.table.centres.items():
             one, other = case.kinematics.bodies[a], case.kinematics.bodies[b]
-            if centre.far(SIZE)[0]:
+            if centre.is_far(SIZE)[0]:
                 assert abs(one.angle[1, 0] - other.angle[1, 0]) <= 1e-9
                 across = (centre.point / np.abs(centre.point))[0]
                 relative = (other.z[1] - one.z[1] - 1j * one.angle[1] * (other.z[0] - one.z[0]))[0]
@@ -97,7 +97,7 @@ def constructed(table: CentreTable) -> None:
             one, other = kennedy(table.centres, step, SIZE), table.centres[step.key]
             off = np.cross(unit(one.homogeneous[:, 0] * scale), unit(other.homogeneous[:, 0] * scale))
             assert np.linalg.norm(off) * sharp * steep <= 1e-11
-            line = line_of(table.centres, step.triangles[0])[:, 0]
+            line = triangle_line(table.centres, step.triangles[0])[:, 0]
             assert abs(unit(line / scale) @ unit(other.homogeneous[:, 0] * scale)) <= 1e-9 / sharp
 
 
@@ -114,11 +114,11 @@ def test_parallel_cranks_have_a_centre_at_infinity() -> None:
     """A parallelogram's coupler does not turn: I13 lies along the cranks, I24 along the frame."""
     for degrees in (30.0, 75.0, 140.0):
         _, table = at(four_bar(100.0, 40.0, 100.0, 40.0), math.radians(degrees))
-        pole = table.of(FRAME, "link3")
-        assert pole.far(SIZE)[0]
+        pole = table.centre(FRAME, "link3")
+        assert pole.is_far(SIZE)[0]
         assert math.degrees(pole.direction[0]) == pytest.approx(degrees, abs=1e-9)
-        assert table.of("link2", "link4").far(SIZE)[0]
-        assert float(np.remainder(table.of("link2", "link4").direction[0] + 0.1, math.pi)) == pytest.approx(
+        assert table.centre("link2", "link4").is_far(SIZE)[0]
+        assert float(np.remainder(table.centre("link2", "link4").direction[0] + 0.1, math.pi)) == pytest.approx(
             0.1, abs=1e-9
         )
 
@@ -126,9 +126,9 @@ def test_parallel_cranks_have_a_centre_at_infinity() -> None:
 def test_where_a_slider_turns_back_its_centres_stay() -> None:
     """Crank and rod in line: the slider stands still, and its centre on the frame is at infinity all the same."""
     _, table = at(slider_crank(40.0, 140.0), 0.0, math.pi)
-    assert table.of(FRAME, "link4").far(SIZE).all()
-    assert np.abs(table.of("link2", "link4").finite).max() < 1e-15, "I24 falls on I12"
-    assert np.abs(table.of(FRAME, "link3").finite - np.array([0.18, 0.10])).max() < 1e-15, "I13 on the slider's pin"
+    assert table.centre(FRAME, "link4").is_far(SIZE).all()
+    assert np.abs(table.centre("link2", "link4").finite).max() < 1e-15, "I24 falls on I12"
+    assert np.abs(table.centre(FRAME, "link3").finite - np.array([0.18, 0.10])).max() < 1e-15, "I13 on the slider's pin"
 
 
 def test_a_body_at_rest_has_the_limit_of_its_centres() -> None:
@@ -150,7 +150,7 @@ def test_a_centre_is_told_from_infinity_by_its_weight() -> None:
     centre = Centres(np.array([1.0 + 2.0j, 3.0j, -1.0 + 0j]), np.array([0.5, 0.0, 0.0]))
     assert centre.finite[0] == 2.0 + 4.0j
     assert np.isinf(centre.finite[1])
-    assert centre.far(1.0).tolist() == [False, True, True]
+    assert centre.is_far(1.0).tolist() == [False, True, True]
     assert np.degrees(centre.direction).tolist()[1:] == [90.0, 0.0]
     assert centre.homogeneous.shape == (3, 3)
     assert np.hypot(np.abs(centre.scaled(2.0).point) / 2.0, centre.scaled(2.0).weight) == pytest.approx(1.0)

@@ -178,9 +178,13 @@ def test_directed_distances_give_the_ratio(kind: str) -> None:
                 one, other = kinematics.bodies[body].angle[1, 0], kinematics.bodies[base].angle[1, 0]
                 if not (np.isfinite(arms.base_arm[0]) and np.isfinite(arms.body_arm[0])) or arms.body_arm[0] == 0.0:
                     continue
-                at = {key: table.centres[key].finite[0] for key in (arms.other, arms.own, arms.common)}
-                assert arms.base_arm[0] == pytest.approx(abs(at[arms.common] - at[arms.other]), rel=1e-6, abs=1e-12)
-                assert abs(arms.body_arm[0]) == pytest.approx(abs(at[arms.common] - at[arms.own]), rel=1e-6, abs=1e-12)
+                at = {key: table.centres[key].finite[0] for key in (arms.base_key, arms.body_key, arms.common_key)}
+                assert arms.base_arm[0] == pytest.approx(
+                    abs(at[arms.common_key] - at[arms.base_key]), rel=1e-6, abs=1e-12
+                )
+                assert abs(arms.body_arm[0]) == pytest.approx(
+                    abs(at[arms.common_key] - at[arms.body_key]), rel=1e-6, abs=1e-12
+                )
                 assert arms.base_arm[0] * other == pytest.approx(
                     arms.body_arm[0] * one, rel=1e-8, abs=1e-9 * (1.0 + abs(arms.base_arm[0] * other))
                 )

@@ -98,7 +98,7 @@ def test_stages_are_computed_when_asked_for_and_kept() -> None:
 
 def test_nobody_can_spoil_what_others_share() -> None:
     study = study_of(example("lecture_six_bar"))
-    for array in (study.linkage.bodies["link4"].z, study.centres.of("frame", "link3").point, study.dynamics.torque):
+    for array in (study.linkage.bodies["link4"].z, study.centres.centre("frame", "link3").point, study.dynamics.torque):
         with pytest.raises(ValueError, match="read-only"):
             array[...] = 0.0
 

@@ -164,7 +164,7 @@ def test_bands_of_machines_at_once_are_those_of_each_by_itself(lift) -> None:  #
     bands = scatter.bands(40, 3, samples=24)["contact_force_n"]
     curves = []
     for values in zip(*scatter.machines(40, 3).values(), strict=True):
-        study = Study(with_values(lift, dict(zip(scatter.own, values, strict=True))))
+        study = Study(with_values(lift, dict(zip(scatter.nominal, values, strict=True))))
         curves.append(quantity("contact_force").value(study.at(study.program.angles(np.deg2rad(np.arange(24) * 15.0)))))
     assert bands == pytest.approx(np.percentile(curves, [0.135, 5, 50, 95, 99.865], axis=0), rel=1e-12)
 

@@ -61,10 +61,10 @@ def test_the_worst_corner_is_the_worst_of_all():
     case = scatter(design, rows, limit(30.0, "pressure_angle_deg"))
     (corner,) = case.corners(case.slopes())
     ends = itertools.product(
-        *((value - row.down, value + row.plus) for row, value in zip(rows, case.own.values(), strict=True))
+        *((value - row.down, value + row.plus) for row, value in zip(rows, case.nominal.values(), strict=True))
     )
     every = np.array(list(ends)).T
-    found = many(design, dict(zip(case.own, every, strict=True)), ["pressure_angle_deg:max"]).value[
+    found = many(design, dict(zip(case.nominal, every, strict=True)), ["pressure_angle_deg:max"]).value[
         "pressure_angle_deg:max"
     ]
     assert corner.value == pytest.approx(found.max(), rel=1e-9)
@@ -156,7 +156,7 @@ def test_waves_of_the_profile_press_by_their_lobes_and_any_phase():
     (corner,) = case.corners(case.slopes())
     assert corner.value == pytest.approx(highest + e * (40.0 * omega) ** 2, rel=1e-9)
     assert not corner.within
-    found = case.waves.each[None].summary()
+    found = case.waves.by_drive[None].summary()
     steepest = math.cos(math.radians(found["pressure_angle_deg"]))
     assert found["acceleration_mm_s2"] == pytest.approx(1e3 * e * (40.0 * omega) ** 2 / steepest, rel=1e-9)
     assert found["contact_force_n"] == pytest.approx(e * (40.0 * omega) ** 2 / steepest**2, rel=1e-4)
@@ -203,5 +203,5 @@ def test_tolerances_that_cannot_be_are_faults_of_the_design(tmp_path, capsys):
     assert "tolerances[0].field" in capsys.readouterr().err
     (tmp_path / "d.toml").write_text(dumps(tappet()))
     assert main(["tolerance", str(tmp_path / "d.toml"), "--out", str(tmp_path / "out")]) == 2
-    assert "state at least one [[tolerances]]" in capsys.readouterr().err
+    assert "give at least one [[tolerances]]" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()

@@ -168,9 +168,9 @@ def test_a_run_that_is_stopped_keeps_what_is_done(place):
 
     run = Run(study)
     with pytest.raises(Enough):
-        run.compute(tell=stop)
+        run.compute(progress=stop)
     told = []
-    Run(study).compute(resume=True, tell=lambda done, count: told.append(done))
+    Run(study).compute(resume=True, progress=lambda done, count: told.append(done))
     assert told[0] > 1000
     assert vary(place, "--resume", "--workers", "2") == 0
     assert (place / "table.csv").read_bytes() == whole
@@ -278,14 +278,14 @@ def test_a_cluster_one_of_whose_processes_dies_gives_the_same_bytes(place):
                     os.kill(victims.pop(), signal.SIGKILL)
                     victims.clear()
 
-            Run(study).compute(executor=executor, ahead=ahead, tell=kill_one)
+            Run(study).compute(executor=executor, ahead=ahead, progress=kill_one)
         assert not victims
     assert vary(place, "--resume") == 0
     assert (place / "table.csv").read_bytes() == whole
 
 
 def test_a_cluster_that_does_not_answer_is_one_line(place, capsys, monkeypatch):
-    monkeypatch.setattr("core.varying.space.CONNECTING", 0.5)
+    monkeypatch.setattr("core.varying.space.CONNECT_TIMEOUT", 0.5)
     if importlib.util.find_spec("distributed") is None:
         assert vary(place, "--scheduler", "tcp://127.0.0.1:9") == 2
         assert "install the extra cluster" in capsys.readouterr().err

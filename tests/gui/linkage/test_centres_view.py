@@ -95,7 +95,7 @@ def test_all_centres_are_drawn_where_they_are(name: str, count: int, open_user: 
     for mark in marks.marks:
         found = table.centres[mark.key]
         i = view.scene.index
-        far = bool(found.far(table.size)[i])
+        far = bool(found.is_far(table.size)[i])
         assert mark.dot.isVisible() != mark.arrow.isVisible()
         assert mark.tag.text == mark.name + (" ∞" if far else "")
         if mark.dot.isVisible():
