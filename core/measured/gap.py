@@ -1,4 +1,4 @@
-"""Stretches of the turn without a row: a dwell where the rows at both ends are level, half a lobe that is mirrored, or a refusal."""
+"""Gaps of a table without rows: dwells where both ends are level, else an error; reflection of half a lobe."""
 
 from __future__ import annotations
 
@@ -15,24 +15,26 @@ from core.measured.sheet import RowFault, TableError
 from core.measured.strokes import shortest
 from core.measured.table import SAME, MeasuredTable, distinct_angles, gaps
 
-WIDE = 1.5  # steps, and the widest other step: an end of the rows farther from the other leaves the turn open
-EQUAL = 5.0  # errors that the ends of a dwell may differ by
-FLAT = 0.1  # of the largest slope of the rows: the slope at the ends of a dwell, at most, or as much as the errors make of it
-CLOSES = 0.02  # of what it rises to: what a lobe of velocities or accelerations may gain over its rows
+WIDE = 1.5  # a wider gap between the last and the first row, in typical and in widest steps, leaves the turn open
+EQUAL = 5.0  # largest difference of the ends of a dwell, in errors
+FLAT = 0.1  # largest slope at the ends of a dwell relative to the largest slope, or as much as the errors explain
+CLOSES = 0.02  # largest gain of a lobe of velocities or accelerations relative to its peak
 
 
 class FitError(KindynaError):
-    """No motion can be made of the table, or none with this measuring error."""
+    """The table, or this measuring error, gives no motion."""
 
 
 class OpenTurnError(FitError):
-    """The rows leave the turn open: half a lobe, or one without its ends."""
+    """The rows leave the turn open: half a lobe, or a lobe without its ends."""
 
 
 @frozen
 class Gap:
-    """From cam angle to cam angle [deg], the second counted on past 360; level: of the dwell there, in the motion's unit, None where the
-    rows at both ends are not level."""
+    """Interval without rows between two cam angles [deg]; the end may exceed 360.
+
+    ``level`` is that of a dwell there [unit of the motion], None where the rows at both ends are not level.
+    """
 
     start: float
     end: float
@@ -40,72 +42,89 @@ class Gap:
 
 
 def turn_gaps(table: MeasuredTable, error: float) -> list[Gap]:
-    """The gaps of a table. error: of a value [as ``table.values``].
+    """Gaps of a table.
 
-    Raises OpenTurnError where the first and the last row are the ends of one and are not level, or where nothing tells what velocities
-    and accelerations do there.
+    Parameters
+    ----------
+    table : MeasuredTable
+    error : float
+        Error of a value [unit of ``table.values``].
+
+    Returns
+    -------
+    list of Gap
+
+    Raises
+    ------
+    OpenTurnError
+        Where the gap between the last and the first row is not level, or velocities and accelerations do not return the
+        motion to its start.
     """
-    x, place = distinct_angles(table.angles)
-    y, n = np.bincount(place, table.values) / np.bincount(place), x.size
+    x, index = distinct_angles(table.angles)
+    y, n = np.bincount(index, table.values) / np.bincount(index), x.size
     step = np.diff(np.append(x, x[0] + 360.0))
-    usual = float(np.median(step))
-    wide = np.isin(x, [start for start, _ in gaps(table.angles)])
-    first, last = int(place[0]), int(place[-1])
-    if (first - last) % n != 1:  # the angles fall, or the rows are in another order
+    typical = float(np.median(step))
+    is_wide = np.isin(x, [start for start, _ in gaps(table.angles)])
+    first, last = int(index[0]), int(index[-1])
+    if (first - last) % n != 1:  # descending or unsorted angles
         first, last = (
             (last, first) if (last - first) % n == 1 else ((int(np.argmax(step)) + 1) % n, int(np.argmax(step)))
         )
-    wide[last] = step[last] > WIDE * usual + SAME
-    level = _is_level(step, y, wide, error)
+    is_wide[last] = step[last] > WIDE * typical + SAME
+    is_level = _is_level(step, y, is_wide, error)
     if (
-        wide[last]
-        and not level[last]
-        and step[last] > WIDE * np.delete(step, [last, *np.flatnonzero(level)]).max() + SAME
+        is_wide[last]
+        and not is_level[last]
+        and step[last] > WIDE * np.delete(step, [last, *np.flatnonzero(is_level)]).max() + SAME
     ):
-        apart, allowed = abs(float(y[first] - y[last])), EQUAL * sqrt(2.0) * error
-        differ = f"differ by {apart / abs(table.size):.6g} {table.unit}" if apart > allowed else "are not level"
-        lines = table.lines_text([int(np.flatnonzero(place == i)[0]) for i in (last, first)])
+        difference, allowed = abs(float(y[first] - y[last])), EQUAL * sqrt(2.0) * error
+        cause = (
+            f"differ by {difference / abs(table.size):.6g} {table.unit}" if difference > allowed else "are not level"
+        )
+        lines = table.lines_text([int(np.flatnonzero(index == i)[0]) for i in (last, first)])
         raise OpenTurnError(
             f"{lines}: no rows from {x[last]:.6g} to {x[first] or 360.0:.6g} deg, "
-            f"and the rows at both ends {differ}; add the rows of the whole turn, or reflect half a lobe in the row of its peak: --mirror"
+            f"and the rows at both ends {cause}; add the rows of the full turn, or mirror half a lobe at the row of its peak: --mirror"
         )
-    if level.any() and table.layout.order:
+    if is_level.any() and table.layout.order:
         _require_return(np.roll(x, -first), np.roll(y, -first), table.layout.order)
     return [
         Gap(
             float(x[i]),
             float(x[i] + step[i]),
-            shortest(0.5 * float(y[i] + y[(i + 1) % n]), error) if level[i] else None,
+            shortest(0.5 * float(y[i] + y[(i + 1) % n]), error) if is_level[i] else None,
         )
-        for i in np.flatnonzero(wide).tolist()
+        for i in np.flatnonzero(is_wide).tolist()
     ]
 
 
-def _is_level(step: np.ndarray, y: np.ndarray, wide: np.ndarray, error: float) -> np.ndarray:
-    """Which gaps (n,) have equal rows at both ends that go on level, as far as the rows next to them tell."""
+def _is_level(step: np.ndarray, y: np.ndarray, is_wide: np.ndarray, error: float) -> np.ndarray:
+    """Whether each gap (n,) has equal values at both ends, and the neighbouring rows continue level."""
     allowed, slope = EQUAL * sqrt(2.0) * error, np.abs(np.roll(y, -1) - y) / step
-    level = wide & (np.abs(np.roll(y, -1) - y) <= allowed)
-    flat = max(FLAT * float(slope[~wide].max(initial=0.0)), allowed / float(np.median(step)))
-    for way in (1, -1):
-        near, next_to_it = np.roll(slope, -way), np.roll(slope, -2 * way)
-        level &= np.minimum(near, np.abs(1.5 * near - 0.5 * next_to_it)) <= flat  # of a parabola at its vertex 0
+    level = is_wide & (np.abs(np.roll(y, -1) - y) <= allowed)
+    flat = max(FLAT * float(slope[~is_wide].max(initial=0.0)), allowed / float(np.median(step)))
+    for direction in (1, -1):
+        slope_at_end, next_slope = np.roll(slope, -direction), np.roll(slope, -2 * direction)
+        level &= (
+            np.minimum(slope_at_end, np.abs(1.5 * slope_at_end - 0.5 * next_slope)) <= flat
+        )  # a parabola extrapolates to 0 at its vertex
     return level
 
 
 def _require_return(x: np.ndarray, y: np.ndarray, order: int) -> None:
-    """Raises OpenTurnError where velocities or accelerations (n,) do not bring the motion back over their rows."""
+    """Raise OpenTurnError where velocities or accelerations (n,) do not return the motion to its start."""
     step = np.mod(np.diff(x), 360.0)
     for _ in range(order):
         y = np.append(0.0, np.cumsum(0.5 * (y[1:] + y[:-1]) * step))
         if abs(y[-1]) > CLOSES * np.abs(y).max():
             raise OpenTurnError(
-                f"the rows do not cover the turn, and the motion ends {abs(y[-1]) / np.abs(y).max():.2g} of its stroke from where it "
-                "begins; add the rows of the whole turn, or take displacements, which --mirror reflects"
+                f"the rows do not cover the turn, and the motion ends {abs(y[-1]) / np.abs(y).max():.2g} of its stroke from its "
+                "start; add the rows of the full turn, or use displacements, which --mirror completes"
             )
 
 
-def filled(table: MeasuredTable, between: Sequence[Gap]) -> MeasuredTable:
-    """The table with rows of a dwell in its gaps, behind its own; their line is 0."""
+def with_dwell_rows(table: MeasuredTable, between: Sequence[Gap]) -> MeasuredTable:
+    """Table with rows of a dwell in its gaps, after its own rows; their line is 0."""
     dwells = [gap for gap in between if gap.level is not None]
     if not dwells:
         return table
@@ -128,19 +147,20 @@ def filled(table: MeasuredTable, between: Sequence[Gap]) -> MeasuredTable:
 
 
 def mirror_rows(table: MeasuredTable) -> MeasuredTable:
-    """The table with its rows reflected in that of the largest displacement, its first or last.
+    """Table completed by the reflection of its rows at that of the largest displacement, its first or last.
 
-    Raises TableError where there are no displacements, the largest is another row, or the rows cover more than half a turn.
+    Raises TableError where the table has no displacements, the largest is another row, or the rows cover more than half a
+    turn.
     """
 
     def refuse(problem: str) -> TableError:
         return TableError(table.name, [RowFault(0, f"--mirror: {problem}")])
 
     if table.layout.order:
-        raise refuse(f"a table of {table.layout.quantity}; wanted: displacements over half a lobe")
-    x, place = distinct_angles(table.angles)
+        raise refuse(f"a table of {table.layout.quantity}; allowed: displacements over half a lobe")
+    x, index = distinct_angles(table.angles)
     error = max(
-        scatter(x, np.bincount(place, table.values) / np.bincount(place)), abs(table.size) * 10.0**-table.decimals
+        scatter(x, np.bincount(index, table.values) / np.bincount(index)), abs(table.size) * 10.0**-table.decimals
     )
     y, last = table.values, table.angles.size - 1
     peak = max((0, last), key=lambda row: float(y[row]))
@@ -157,11 +177,11 @@ def mirror_rows(table: MeasuredTable) -> MeasuredTable:
         )
         > SAME
     ):
-        raise refuse("the rows cover more than half a turn of the cam; wanted: half a lobe, from or to its peak")
-    reflected = np.flatnonzero((np.abs(away) > SAME) & (np.abs(away) < 180.0 - SAME))[::-1]
-    order, signs = np.append(np.arange(last + 1), reflected), np.repeat([1.0, -1.0], [last + 1, reflected.size])
+        raise refuse("the rows cover more than half a turn of the cam; allowed: half a lobe, from or to its peak")
+    mirrored = np.flatnonzero((np.abs(away) > SAME) & (np.abs(away) < 180.0 - SAME))[::-1]
+    order, signs = np.append(np.arange(last + 1), mirrored), np.repeat([1.0, -1.0], [last + 1, mirrored.size])
     if peak == 0:
-        order, signs = np.roll(order, reflected.size), np.roll(signs, reflected.size)
+        order, signs = np.roll(order, mirrored.size), np.roll(signs, mirrored.size)
     angles = np.mod(table.angles[peak] + signs * away[order], 360.0)
     return replace(
         table,
@@ -170,11 +190,11 @@ def mirror_rows(table: MeasuredTable) -> MeasuredTable:
         values=y[order],
         closing=None,
         other_columns=tuple(
-            replace(each, values=each.values[order] * (signs if each.order % 2 else 1.0))
-            for each in table.other_columns
+            replace(column, values=column.values[order] * (signs if column.order % 2 else 1.0))
+            for column in table.other_columns
         ),
-        notes=(*table.notes, f"the rows are reflected in line {table.lines[peak]} ({table.angles[peak]:.6g} deg)"),
+        notes=(*table.notes, f"the rows are mirrored at line {table.lines[peak]} ({table.angles[peak]:.6g} deg)"),
     )
 
 
-__all__ = ["FitError", "Gap", "OpenTurnError", "filled", "mirror_rows", "turn_gaps"]
+__all__ = ["FitError", "Gap", "OpenTurnError", "mirror_rows", "turn_gaps", "with_dwell_rows"]

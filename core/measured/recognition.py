@@ -1,14 +1,15 @@
-"""Which law of the table, or which sequence of a blend's elementary curves, a measured stroke is; its span and rise are found with it.
+"""Recognition of the law, or the sequence of elementary curves, of a measured stroke, with its span and rise.
 
 A stroke goes from rest to rest. Its model is
 
-    s = y₀ + (y₁ - y₀) S((θ - θ₀)/(θ₁ - θ₀)),   S the law, y = y₀ before θ₀ and y₁ behind θ₁ where a dwell stands there,
+    s = y₀ + (y₁ - y₀) S((θ - θ₀)/(θ₁ - θ₀)),   S the law, y = y₀ before θ₀ and y₁ after θ₁ where a dwell is there,
 
-fitted by least squares with the angles θ₀, θ₁, the level of a reversal, and what the law leaves open. A law is taken where χ² is that of
-the errors and no row is far off; among the named laws only where no other fits as well. A family is tried where no named law fits.
+fitted by least squares in the angles θ₀, θ₁, the level of a reversal, and the open parameters of the law. A law is accepted
+where χ² agrees with the errors and no row is far from it; a named law only where no other fits as well. Families of laws
+are tried where no named law fits.
 
-First each law is estimated: turned round, u of a row's share of the rise, it is linear in θ₀ and θ₁ - θ₀, so that one linear regression
-gives them and χ². Laws that are far off by that are not fitted.
+First every law is estimated: in the inverse function, u of a row's fraction of the rise, the model is linear in θ₀ and
+θ₁ - θ₀, so that a linear regression gives both and χ². Laws with a large estimate of χ² are not fitted.
 """
 
 from __future__ import annotations
@@ -26,30 +27,30 @@ from core.frozen import frozen
 from core.laws import LAWS, Piece, PieceTable, scca
 from core.laws.pieces import stretched
 from core.measured.rows import EXACT
-from core.measured.strokes import Rest, Turned, shortest
+from core.measured.strokes import Rest, UnrolledRows, shortest
 from core.numerics.lazy import checkpoint
 
-FAR = 5.0  # errors that a row may be off the law
-HOPELESS = 25.0  # times the χ² that is refined: from another start no law comes as near
-WELL = 10.0  # of χ²: a law that fits worse by no more fits as well
+FAR = 5.0  # largest residual of a row, in errors
+HOPELESS = 25.0  # multiple of the largest χ² of a trial, above which other starts are not tried
+WELL = 10.0  # difference of χ², below which two laws fit equally well
 MOST_TRIED, MOST_COMPARED, MOST_REFINED = 150, 2000, 20_000
-"""Rows of a stroke that laws are tried on, that those near enough are fitted to, and that the one taken is refined on."""
-TRIED = 4.0  # χ² a row of a law that may be taken once it is refined
-ESTIMATED, SOLVED = 1e-4, 1e-7  # of a rise: what an estimate, and a fit to few rows, may be off besides the errors
-STARTS = 2  # estimates of a family that it is fitted from
-APART = 0.05  # of a rise, that the level of a reversal may be off its row
-ALIKE = 5e-4  # of a rise: what is nearer to a law than that is no other curve
-SLOWEST = 1e-3  # s' of a law, at least, where it is turned round
-INVERTED = 3  # steps of Newton's method from the nearest of ``SHARES``: rows of seven decimals are met too
-PASSED = 0.03  # shares of the rise, below and above which rows tell little of a law
-NEAR, CLOSE = 1e-3, 1e-10  # of χ², of a law that is tried, and of one that is refined on rows with errors
-STEP = 1e-7  # of a fraction, by which slopes are taken
-NEARLY = 0.02  # of an acceleration, by which the two sides of a join may differ that is meant to have none
-STIFF = 1e6  # errors that such a difference counts for
-FEWEST = 8  # rows of a stroke that a law is recognised by
+"""Rows of a stroke on which laws are tried, compared, and refined at last."""
+TRIED = 4.0  # largest χ² per row of a trial
+ESTIMATED, SOLVED = 1e-4, 1e-7  # error of an estimate, and of a fit to few rows, relative to the rise
+STARTS = 2  # estimates of a family from which it is fitted
+LEVEL_TOLERANCE = 0.05  # largest distance of the level of a reversal from its row, relative to the rise
+SAME_CURVE = 5e-4  # distance of two curves relative to the rise, below which they are equal
+SLOWEST = 1e-3  # least s' of a law in its inverse function
+INVERTED = 3  # steps of Newton's method from the nearest of ``SHARES``, enough for rows of seven decimals
+PASSED = 0.03  # fractions of the rise next to its ends whose rows say little about the law
+NEAR, CLOSE = 1e-3, 1e-10  # relative change of χ² at the end of a trial, and of a fit to rows with errors
+STEP = 1e-7  # of a fraction, for difference quotients
+NEARLY = 0.02  # relative jump of the acceleration at a reversal, below which it is removed
+STIFF = 1e6  # weight of such a jump in errors
+FEWEST = 8  # least number of rows of a recognised stroke
 _FACTOR = {"c1": 0.5, "c2": 0.5, "h1": 2.0 / np.pi, "h2": 2.0 / np.pi, "cv1": 1.0,
            "c3": 0.5, "c4": 0.5, "h3": 2.0 / np.pi, "h4": 2.0 / np.pi, "cv2": 1.0}  # fmt: skip
-"""Rise of an elementary curve over span and velocity where it joins the next."""
+"""Rise of an elementary curve divided by its span and by its velocity at the join."""
 
 
 _LEAST = (0.01, 0.05, 0.15, 0.3, 0.45)
@@ -59,17 +60,19 @@ _TRIED = {
         {(a, b): 0 for x, y in product(_LEAST, repeat=2) for a, b in ((x, y), (x, 1.0 - x - y), (1.0 - x - y, y))}
     ),
 }
-"""Shares of a span, all but the last, that a sequence of two or three curves is tried with: any of them may be short."""
+"""Fractions of the span, without the last one, with which sequences of two and three curves are tried."""
 
 
 @frozen
 class Candidate:
-    """A law, or a family of them.
+    """A law, or a family of laws.
 
-    name    as the user reads it
-    tried   its open fractions that are compared first, each (k,); of a named law the one without any
-    table   fractions -> s(u) from 0 to 1; None where they are none
-    curves  fractions -> of each segment its share of the span, its share of the rise, and its curve
+    Attributes
+    ----------
+    name : name for the user
+    tried : values (k,) of its open fractions for the first comparison; a named law has one without any
+    table : from fractions to s(u), 0 ... 1; None where the fractions are invalid
+    curves : from fractions to the span fraction, rise fraction and curve of each segment
     """
 
     name: str
@@ -79,17 +82,21 @@ class Candidate:
 
     @property
     def open(self) -> int:
-        """How many fractions it leaves open."""
+        """Number of open fractions."""
         return len(self.tried[0])
 
 
 @frozen(eq=False)
 class Stroke:
-    """A stroke between two rests, and the law that it was recognised as.
+    """Stroke between two rests with its recognised law.
 
-    start, end    cam angles [deg], counted on beyond the turn; low, high: levels there
-    fractions     what the law leaves open
-    spread        standard errors of start and end [deg]
+    Attributes
+    ----------
+    start, end : cam angles [deg], which may exceed the turn
+    low, high : levels there [unit of the motion]
+    fractions : values of the open fractions
+    spread : standard errors of start and end [deg]
+    chi2 : χ² of the fit
     """
 
     left: Rest
@@ -111,7 +118,7 @@ def _named(slug: str) -> Candidate:
 
 
 def _sequence(slugs: tuple[str, ...]) -> Candidate:
-    """Elementary curves that go on into each other with the same velocity: their shares of the span are open but the last."""
+    """Elementary curves with equal velocity at their joins; the open fractions are the spans without the last one."""
     factors = np.array([_FACTOR[slug] for slug in slugs])
 
     def shares(fractions: Sequence[float]) -> tuple[np.ndarray, np.ndarray] | None:
@@ -124,12 +131,12 @@ def _sequence(slugs: tuple[str, ...]) -> Candidate:
         parts = shares(fractions)
         if parts is None:
             return None
-        made: list[Piece] = []
+        pieces: list[Piece] = []
         begin = height = 0.0
         for slug, span, rise in zip(slugs, *parts, strict=True):
-            made += stretched(LAWS[slug].pieces, 0.0, span, begin, rise, height)
+            pieces += stretched(LAWS[slug].pieces, 0.0, span, begin, rise, height)
             begin, height = begin + span, height + rise
-        return PieceTable(made)
+        return PieceTable(pieces)
 
     def curves(fractions: Sequence[float]) -> list[tuple[float, float, Curve]]:
         spans, rises = shares(fractions) or (np.ones(1), np.ones(1))
@@ -146,15 +153,17 @@ def _scca() -> Candidate:
         )
 
     def table(fractions: Sequence[float]) -> PieceTable | None:
-        found = widths(fractions)
-        if found is None:
+        valid = widths(fractions)
+        if valid is None:
             return None
-        cv, ramp, flat = found
-        rest = 1.0 - cv
-        return PieceTable(scca(ramp * rest, flat * rest, max(rest - (ramp + flat) * rest, 0.0)))
+        cv, ramp, flat = valid
+        accelerated = 1.0 - cv
+        return PieceTable(
+            scca(ramp * accelerated, flat * accelerated, max(accelerated - (ramp + flat) * accelerated, 0.0))
+        )
 
     def curves(fractions: Sequence[float]) -> list[tuple[float, float, Curve]]:
-        return [(1.0, 1.0, SccaCurve(*(float(each) for each in fractions)))]
+        return [(1.0, 1.0, SccaCurve(*(float(fraction) for fraction in fractions)))]
 
     widths_tried = product((0.05, 0.2, 0.4, 0.65), (0.1, 0.25, 0.4), (0.1, 0.25, 0.45))
     return Candidate("scca", tuple(widths_tried), table, curves)
@@ -175,7 +184,7 @@ _SINGLE = {1.0: ("p1", "c1", "c2", "h1", "h2"), -1.0: ("p2", "c3", "c4", "h3", "
 
 @cache
 def tiers(sign: float) -> tuple[tuple[Candidate, ...], ...]:
-    """What a stroke of this sense may be: named laws, elementary curves and their sequences, the family that contains the rest."""
+    """Candidates for a stroke of this sign: named laws; elementary curves; their sequences; the general family."""
     others = (
         slug for slug, law in LAWS.items() if law.pieces and not law.is_dwell and not law.rises and slug not in _FIRST
     )
@@ -193,26 +202,28 @@ SHARES = np.linspace(0.0, 1.0, 257)
 
 
 @cache
-def _turned_round(candidate: Candidate) -> tuple[np.ndarray, np.ndarray]:
-    """u and s' at ``SHARES`` of the rise (m, 257), for each of the fractions that are tried."""
-    u, tables = np.linspace(0.0, 1.0, 1025), [candidate.table(each) for each in candidate.tried]
-    near = np.array([np.interp(SHARES, table.at(u)[0], u) for table in tables if table])
-    return near, np.array([table.at(each)[1] for table, each in zip(tables, near, strict=True) if table])
+def _inverse_tables(candidate: Candidate) -> tuple[np.ndarray, np.ndarray]:
+    """U and s' at ``SHARES`` of the rise (m, 257), for the tried fractions."""
+    u, tables = np.linspace(0.0, 1.0, 1025), [candidate.table(position) for position in candidate.tried]
+    positions = np.array([np.interp(SHARES, table.at(u)[0], u) for table in tables if table])
+    return positions, np.array(
+        [table.at(position)[1] for table, position in zip(tables, positions, strict=True) if table]
+    )
 
 
 def _inverse(candidate: Candidate, share: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """u and s' of a law at shares (n,) of its rise (m, n): of a family as near as its fractions are."""
-    place = share * (SHARES.size - 1)
-    first = place.astype(int)
-    part = place - first
-    near, slope = (each[:, first] * (1.0 - part) + each[:, first + 1] * part for each in _turned_round(candidate))
+    """U and s' of a law (m, n) at fractions (n,) of its rise, for the tried fractions of a family."""
+    index = share * (SHARES.size - 1)
+    first = index.astype(int)
+    weight = index - first
+    u, slope = (table[:, first] * (1.0 - weight) + table[:, first + 1] * weight for table in _inverse_tables(candidate))
     if not candidate.open:
         table = _law(candidate, ())
         for _ in range(INVERTED):
-            law = table.at(near[0])
-            near[0] += (share - law[0]) / np.maximum(law[1], SLOWEST)
-        slope[0] = table.at(near[0])[1]
-    return near, np.maximum(slope, SLOWEST)
+            law = table.at(u[0])
+            u[0] += (share - law[0]) / np.maximum(law[1], SLOWEST)
+        slope[0] = table.at(u[0])[1]
+    return u, np.maximum(slope, SLOWEST)
 
 
 def _law(candidate: Candidate, fractions: Sequence[float]) -> PieceTable:
@@ -221,30 +232,43 @@ def _law(candidate: Candidate, fractions: Sequence[float]) -> PieceTable:
     return table
 
 
-# -- one stroke -------------------------------------------------------------------------------------------
+# -- single stroke ----------------------------------------------------------------------------------------
 
 
 class StrokeFit:
-    """The rows of one stroke, or of several that follow on each other at reversals, and the models that are fitted to them.
+    """Rows of one stroke, or of several between which are reversals, and the models fitted to them.
 
-    rests  in order, one more than there are strokes; those in the middle are reversals
+    Attributes
+    ----------
+    rests : rests in order, one more than strokes; the inner ones are reversals
     """
 
-    def __init__(self, at: Turned, rests: Sequence[Rest]) -> None:
+    def __init__(self, at: UnrolledRows, rests: Sequence[Rest]) -> None:
         self.at, self.rests = at, rests
         self.bounds = [self._bounds(a, b) for a, b in pairwise(rests)]
 
     def _bounds(self, left: Rest, right: Rest) -> np.ndarray:
-        """The rows of a stroke: with some of the dwells beside it, without those next to a reversal."""
+        """Rows of a stroke: with a part of the dwells next to it, without those next to a reversal."""
         first, last = left.last, right.first
         more = max(4, (last - first) // 4)
-        # not the other half of a dwell: the stroke beyond it may leave it slowly
+        # half of a dwell only, because the next stroke may leave it slowly
         first = max((left.first + left.last + 1) // 2, first - more) if left.level is not None else first + 1
         last = min((right.first + right.last) // 2, last + more) if right.level is not None else last - 1
         first = max(first, last - self.at.count + 1)
         return np.arange(first, last + 1)
 
     def rows(self, most: int) -> list[np.ndarray]:
+        """Row numbers of each stroke.
+
+        Parameters
+        ----------
+        most : int
+            Greatest number of rows per stroke.
+
+        Returns
+        -------
+        list of ndarray (m,), dimensionless
+        """
         return [
             rows[np.unique(np.linspace(0, rows.size - 1, most).astype(int))] if rows.size > most else rows
             for rows in self.bounds
@@ -259,15 +283,36 @@ class StrokeFit:
         within: float = 1e-15,
         smooth: Sequence[int] = (),
     ) -> tuple[np.ndarray, float, np.ndarray, int]:
-        """Least squares over [angles of the rests, levels of the reversals, open fractions]: answer, χ², standard errors, rows.
+        """Least squares fit of [angles of the rests, levels of the reversals, open fractions].
 
-        within  relative change of χ² at which it ends
-        smooth  reversals, by number, where the acceleration does not jump
+        Parameters
+        ----------
+        chosen : sequence of Candidate
+            Law of each stroke.
+        start : sequence of float
+            Initial parameters.
+        most : int
+            Greatest number of rows per stroke.
+        steps : int
+            Greatest number of evaluations.
+        within : float
+            Relative change of χ² at which the fit ends.
+        smooth : sequence of int
+            Numbers of the reversals where the acceleration is continuous.
+
+        Returns
+        -------
+        parameters : ndarray (p,) [deg], [unit of the motion], dimensionless
+        chi2 : float
+        spread : ndarray (p,) [deg], [unit of the motion], dimensionless
+            Standard errors.
+        count : int
+            Number of rows.
         """
         from scipy.optimize import least_squares
 
         problem = _Problem(self, chosen, self.rows(most), smooth)
-        found = least_squares(
+        solution = least_squares(
             problem.residuals,
             start,
             problem.slopes,
@@ -277,48 +322,65 @@ class StrokeFit:
             gtol=1e-15,
             max_nfev=steps,
         )
-        return found.x, 2.0 * float(found.cost), _spread(found.jac), problem.count
+        return solution.x, 2.0 * float(solution.cost), _spread(solution.jac), problem.count
 
     def estimates(self, candidate: Candidate, levels: tuple[float, float]) -> list[tuple[float, list[float]]]:
-        """Of each of a law's fractions that are tried χ² by the rows between the ends of the stroke, and where a fit of it starts from, the
-        best first; none of a stroke of hardly any rows.
+        """χ² and initial parameters for the tried fractions of a law, best first; empty for a stroke with very few rows.
 
-        Turned round, a row at x stands at u(share) of its law: x = θ₀ + (θ₁ - θ₀) u, and where the level of a reversal is off by d, u is by
-        -d (1 - share)/s' at the lower end of it, by -d share/s' at the upper.
+        In the inverse function a row at x has u(share) of its law: x = θ₀ + (θ₁ - θ₀) u. An error d in the level of a reversal
+        changes u by -d (1 - share)/s' at the lower end, by -d share/s' at the upper end.
         """
         at, (low, high) = self.at, levels
         (rows,) = self.rows(MOST_TRIED)
         share = (at.values[0][rows] - low) / (high - low)
         least = max(PASSED, 3.0 * at.rows.errors[0] / abs(high - low))
-        told = (share > least) & (share < 1.0 - least)
-        x, share = at.x[rows][told], share[told]
-        opened = [by for by, rest in zip((1.0 - share, share), self.rests, strict=True) if rest.level is None]
-        if x.size < 2 + len(opened):
+        is_informative = (share > least) & (share < 1.0 - least)
+        x, share = at.x[rows][is_informative], share[is_informative]
+        level_effects = [
+            effect for effect, rest in zip((1.0 - share, share), self.rests, strict=True) if rest.level is None
+        ]
+        if x.size < 2 + len(level_effects):
             return []
         u, slope = _inverse(candidate, share)
-        columns = np.stack([slope, slope * u, *(np.broadcast_to(-by, u.shape) for by in opened)], axis=1)
+        columns = np.stack([slope, slope * u, *(np.broadcast_to(-effect, u.shape) for effect in level_effects)], axis=1)
         right = (slope * (x - x[0]))[:, :, None]
         square = columns @ columns.swapaxes(1, 2)
-        ridge = np.diag([1e-13, 1e-13, *(1e-9 for _ in opened)])  # a straight line does not tell where it ends
+        ridge = np.diag([1e-13, 1e-13, *(1e-9 for _ in level_effects)])  # the ends of a straight line are undetermined
         square += np.trace(square, axis1=1, axis2=2)[:, None, None] * ridge
-        found = np.linalg.solve(square, columns @ right)
-        left = ((right - columns.swapaxes(1, 2) @ found) ** 2).sum(axis=(1, 2))
-        made = []
-        for fractions, (begin, span, *moved), rest in zip(
-            candidate.tried, found[:, :, 0].tolist(), left.tolist(), strict=True
+        solution = np.linalg.solve(square, columns @ right)
+        residual = ((right - columns.swapaxes(1, 2) @ solution) ** 2).sum(axis=(1, 2))
+        result = []
+        for fractions, (begin, span, *level_errors), square_sum in zip(
+            candidate.tried, solution[:, :, 0].tolist(), residual.tolist(), strict=True
         ):
-            if span <= 0.0 or max(map(abs, moved), default=0.0) > APART * span:
+            if span <= 0.0 or max(map(abs, level_errors), default=0.0) > LEVEL_TOLERANCE * span:
                 continue
-            inner = iter(each * (high - low) / span for each in moved)
-            off = [level + next(inner) for level, of in zip(levels, self.rests, strict=True) if of.level is None]
+            inner = iter(error * (high - low) / span for error in level_errors)
+            free_levels = [
+                level + next(inner) for level, rest in zip(levels, self.rests, strict=True) if rest.level is None
+            ]
             start = float(x[0]) + begin
-            made.append(
-                (rest * ((high - low) / (span * at.rows.errors[0])) ** 2, [start, start + span, *off, *fractions])
+            result.append(
+                (
+                    square_sum * ((high - low) / (span * at.rows.errors[0])) ** 2,
+                    [start, start + span, *free_levels, *fractions],
+                )
             )
-        return sorted(made)
+        return sorted(result)
 
-    def nearly(self, chosen: Sequence[Candidate], p: np.ndarray) -> list[int]:
-        """The reversals, by number, where the acceleration hardly jumps: of a curve that joins it jumps by what its fit leaves open."""
+    def nearly_smooth(self, chosen: Sequence[Candidate], p: np.ndarray) -> list[int]:
+        """Numbers of the reversals where the acceleration hardly jumps.
+
+        Parameters
+        ----------
+        chosen : sequence of Candidate
+        p : ndarray (p,) [deg], [unit of the motion], dimensionless
+            Parameters as in `solve`.
+
+        Returns
+        -------
+        list of int
+        """
         models = [
             _Model(self.at, rows[:1], ends, levels, table)
             for rows, (ends, levels, table) in zip(self.bounds, self.models(chosen, p.tolist()), strict=True)
@@ -336,122 +398,151 @@ class StrokeFit:
     def models(
         self, chosen: Sequence[Candidate], p: Sequence[float]
     ) -> Iterator[tuple[tuple[float, float], tuple[float, float], PieceTable | None]]:
-        """Of each stroke its ends, its levels and its curve."""
+        """Ends, levels and curve of each stroke."""
         n = len(self.rests)
-        angles, rest = list(p[:n]), list(p[n:])
-        levels = [each.level if each.level is not None else rest.pop(0) for each in self.rests]
+        angles, remaining = list(p[:n]), list(p[n:])
+        levels = [rest.level if rest.level is not None else remaining.pop(0) for rest in self.rests]
         for i, candidate in enumerate(chosen):
-            fractions, rest = rest[: candidate.open], rest[candidate.open :]
+            fractions, remaining = remaining[: candidate.open], remaining[candidate.open :]
             yield (angles[i], angles[i + 1]), (levels[i], levels[i + 1]), candidate.table(fractions)
 
     def fits(self, chosen: Sequence[Candidate], p: np.ndarray) -> tuple[bool, float]:
-        """Whether all columns agree with the model within their errors, and χ² of all rows, those beyond a reversal and its neighbours too
-        where the law reaches so far; at a jump a row may stand on either side."""
-        whole, count = 0.0, 0
+        """Whether all columns agree with the model within their errors, and χ² of all rows.
+
+        Rows beyond a reversal are included as far as the law extends; at a jump a row may be on either side.
+
+        Parameters
+        ----------
+        chosen : sequence of Candidate
+        p : ndarray (p,) [deg], [unit of the motion], dimensionless
+            Parameters as in `solve`.
+
+        Returns
+        -------
+        tuple of bool and float
+        """
+        chi2, count = 0.0, 0
         for rows, (ends, levels, table) in zip(self.bounds, self.models(chosen, p.tolist()), strict=True):
             if table is None:
                 return False, np.inf
-            first, behind = np.searchsorted(self.at.x, ends)
-            first, last = min(int(first), int(rows[0])), max(int(behind) - 1, int(rows[-1]))
+            first, after = np.searchsorted(self.at.x, ends)
+            first, last = min(int(first), int(rows[0])), max(int(after) - 1, int(rows[-1]))
             if last - first >= self.at.count:
                 return False, np.inf
             rows = np.concatenate((np.arange(first, rows[0] - 2), rows, np.arange(rows[-1] + 3, last + 1)))
-            two = [
-                np.abs(_Model(self.at, rows, ends, levels, table, by).residuals((0, 1, 2)))
-                for by in ((0.0, 1e-7, -1e-7) if self.at.rows.exact else (0.0,))
+            sides = [
+                np.abs(_Model(self.at, rows, ends, levels, table, shift).residuals((0, 1, 2)))
+                for shift in ((0.0, 1e-7, -1e-7) if self.at.rows.exact else (0.0,))
             ]
-            left = np.fmin.reduce(two)
-            if (
-                2 in self.at.values
-            ):  # a row of a jump may stand on either side of it, as the place of the join is not known better
-                near = np.abs(self.at.x[rows][:, None] - np.array(ends)).min(axis=1) < 3.0 * np.median(
+            residuals = np.fmin.reduce(sides)
+            if 2 in self.at.values:  # a row at a jump may be on either side of the join
+                is_near_join = np.abs(self.at.x[rows][:, None] - np.array(ends)).min(axis=1) < 3.0 * np.median(
                     np.diff(self.at.x[rows])
                 )
-                left[-1][near] = np.minimum(left[-1][near], 1.0) if not self.at.rows.exact else left[-1][near]
-            left = np.nan_to_num(left, nan=0.0)
-            if left.max() > FAR:
+                residuals[-1][is_near_join] = (
+                    np.minimum(residuals[-1][is_near_join], 1.0)
+                    if not self.at.rows.exact
+                    else residuals[-1][is_near_join]
+                )
+            residuals = np.nan_to_num(residuals, nan=0.0)
+            if residuals.max() > FAR:
                 return False, np.inf
-            whole += float((left**2).sum())
-            count += int(left.size)
-        return whole <= count + 5.0 * sqrt(2.0 * count), whole
+            chi2 += float((residuals**2).sum())
+            count += int(residuals.size)
+        return chi2 <= count + 5.0 * sqrt(2.0 * count), chi2
 
 
 class _Problem:
-    """Residuals of the rows of strokes (count,), of the angles of reversals, and of the jumps of the acceleration that shall not be, by
-    [angles of the rests, levels of the reversals, open fractions].
+    """Residuals of the rows of strokes, of the angles of reversals, and of acceleration jumps that should be 0.
 
-    The angle of a reversal is that of its row within the distance of its neighbours, which counts where nothing else tells it.
+    Parameters are [angles of the rests, levels of the reversals, open fractions]. The angle of a reversal is that of its row
+    within the distance of its neighbours, which matters where nothing else determines it.
     """
 
     def __init__(
         self, fit: StrokeFit, chosen: Sequence[Candidate], rows: Sequence[np.ndarray], smooth: Sequence[int]
     ) -> None:
         self.fit, self.chosen, self.rows, self.smooth = fit, chosen, rows, smooth
-        self.count = sum(each.size for each in rows) * sum(order in fit.at.values for order in (0, 1))
+        self.count = sum(stroke_rows.size for stroke_rows in rows) * sum(order in fit.at.values for order in (0, 1))
         self.opened = [i for i, rest in enumerate(fit.rests) if rest.level is None]
-        x, turning = fit.at.x, [fit.rests[i] for i in self.opened]
-        self.turns = np.array([x[rest.last] for rest in turning])
+        x, reversals = fit.at.x, [fit.rests[i] for i in self.opened]
+        self.turns = np.array([x[rest.last] for rest in reversals])
         self.reach = np.array(
-            [0.5 * (x[min(rest.last + 1, x.size - 1)] - x[max(rest.first - 1, 0)]) for rest in turning]
+            [0.5 * (x[min(rest.last + 1, x.size - 1)] - x[max(rest.first - 1, 0)]) for rest in reversals]
         )
-        self.asked: tuple[bytes, list[_Model] | None] = b"", None  # slopes are wanted where residuals just were
+        self.last: tuple[bytes, list[_Model] | None] = b"", None  # slopes follow residuals at the same parameters
 
     def models(self, p: np.ndarray) -> list[_Model] | None:
-        """Of each stroke; None where one cannot be."""
-        made = []
-        for each, (ends, levels, table) in zip(self.rows, self.fit.models(self.chosen, p.tolist()), strict=True):
+        """Model of each stroke; None where one is invalid.
+
+        Parameters
+        ----------
+        p : ndarray (p,) [deg], [unit of the motion], dimensionless
+
+        Returns
+        -------
+        list of _Model, or None
+        """
+        result = []
+        for stroke_rows, (ends, levels, table) in zip(self.rows, self.fit.models(self.chosen, p.tolist()), strict=True):
             if table is None or ends[1] - ends[0] < 1e-3:
                 return None
-            made.append(_Model(self.fit.at, each, ends, levels, table))
-        return made
+            result.append(_Model(self.fit.at, stroke_rows, ends, levels, table))
+        return result
 
-    def residuals(self, p: np.ndarray, keep: bool = True) -> np.ndarray:
-        """(n,); 1e12 each where the models cannot be."""
+    def residuals(self, p: np.ndarray, store: bool = True) -> np.ndarray:
+        """Residuals (n,), 1e12 where the models are invalid."""
         checkpoint()
-        made = self.models(p)
-        if keep:
-            self.asked = p.tobytes(), made
-        if made is None:
+        models = self.models(p)
+        if store:
+            self.last = p.tobytes(), models
+        if models is None:
             return np.full(self.count + len(self.opened) + len(self.smooth), 1e12)
-        left = np.nan_to_num(np.concatenate([each.residuals().ravel() for each in made]), nan=0.0)
-        jumps = [STIFF * made[i].jump(made[i - 1]) for i in self.smooth]
-        return np.concatenate((left, (p[self.opened] - self.turns) / self.reach, jumps))
+        residuals = np.nan_to_num(np.concatenate([model.residuals().ravel() for model in models]), nan=0.0)
+        jumps = [STIFF * models[i].jump(models[i - 1]) for i in self.smooth]
+        return np.concatenate((residuals, (p[self.opened] - self.turns) / self.reach, jumps))
 
     def slopes(self, p: np.ndarray) -> np.ndarray:
-        """(n, parameters): by the angles and levels in closed form but of the jumps, by the fractions as a difference."""
+        """Derivatives (n, parameters) of the residuals, by fractions and of jumps as difference quotients, else in closed form."""
         n, count = len(self.fit.rests), self.count
-        places = {i: n + k for k, i in enumerate(self.opened)}
-        made = np.zeros((count + len(self.opened) + len(self.smooth), len(p)))
-        made[count + np.arange(len(self.opened)), self.opened] = 1.0 / self.reach
+        columns = {i: n + k for k, i in enumerate(self.opened)}
+        jacobian = np.zeros((count + len(self.opened) + len(self.smooth), len(p)))
+        jacobian[count + np.arange(len(self.opened)), self.opened] = 1.0 / self.reach
         first = 0
-        for i, model in enumerate((self.asked[1] if self.asked[0] == p.tobytes() else self.models(p)) or ()):
-            by = model.slopes()
-            behind = first + by.shape[1]
-            for column, of in zip((i, i + 1, places.get(i), places.get(i + 1)), by, strict=True):
+        for i, model in enumerate((self.last[1] if self.last[0] == p.tobytes() else self.models(p)) or ()):
+            model_slopes = model.slopes()
+            end = first + model_slopes.shape[1]
+            for column, values in zip((i, i + 1, columns.get(i), columns.get(i + 1)), model_slopes, strict=True):
                 if column is not None:
-                    made[first:behind, column] += of
-            first = behind
+                    jacobian[first:end, column] += values
+            first = end
         closed = n + len(self.opened)
         numeric = range(0 if self.smooth else closed, len(p))
-        here = self.residuals(p, False) if numeric else p
+        residuals = self.residuals(p, False) if numeric else p
         for column in numeric:
-            beside = p.copy()
-            beside[column] += STEP
-            there = self.residuals(beside, False)
-            if there[0] == 1e12:  # beyond what the fraction may be
-                beside[column] -= 2.0 * STEP
-                there = self.residuals(beside, False)
-            told = 0 if column >= closed else count + len(self.opened)
-            made[told:, column] = (there - here)[told:] / (beside[column] - p[column])
-        return np.nan_to_num(made, nan=0.0)
+            shifted = p.copy()
+            shifted[column] += STEP
+            shifted_residuals = self.residuals(shifted, False)
+            if shifted_residuals[0] == 1e12:  # outside the range of the fraction
+                shifted[column] -= 2.0 * STEP
+                shifted_residuals = self.residuals(shifted, False)
+            begin = 0 if column >= closed else count + len(self.opened)
+            jacobian[begin:, column] = (shifted_residuals - residuals)[begin:] / (shifted[column] - p[column])
+        return np.nan_to_num(jacobian, nan=0.0)
 
 
 class _Model:
-    """A stroke's law at some rows (n,) of it; later: degrees that it is looked at beyond each."""
+    """Law of a stroke at some rows (n,), evaluated ``later`` degrees after each."""
 
     def __init__(
-        self, at: Turned, rows: np.ndarray, ends: tuple[float, float], levels: tuple[float, float], table: PieceTable, later: float = 0.0
-    ) -> None:  # fmt: skip
+        self,
+        at: UnrolledRows,
+        rows: np.ndarray,
+        ends: tuple[float, float],
+        levels: tuple[float, float],
+        table: PieceTable,
+        later: float = 0.0,
+    ) -> None:
         self.at, self.rows, self.levels, self.span, self.table = at, rows, levels, ends[1] - ends[0], table
         self.u = (at.x[rows] + later - ends[0]) / self.span
         self.inside = (self.u >= 0.0) & (self.u < 1.0)
@@ -465,49 +556,52 @@ class _Model:
         return float(self.table.at(np.array([u]))[2][0]) * self._rise / self.span**2
 
     def jump(self, before: _Model) -> float:
-        """Of the acceleration from the end of the stroke before to the start of this, as a part of the larger one."""
-        one, other = before._acceleration(1.0), self._acceleration(0.0)
-        return (other - one) / (max(abs(one), abs(other)) or 1.0)
+        """Jump of the acceleration from the end of the previous stroke to the start of this one, relative to the larger one."""
+        left, right = before._acceleration(1.0), self._acceleration(0.0)
+        return (right - left) / (max(abs(left), abs(right)) or 1.0)
 
     def residuals(self, orders: Sequence[int] = (0, 1)) -> np.ndarray:
         """Rows minus model of each column (k, n), in errors."""
-        at, u, (low, high), made = self.at, self.u, self.levels, []
+        at, u, (low, high), result = self.at, self.u, self.levels, []
         for order in orders:
             if order not in at.values:
                 continue
             y = self.law[order] * self._rise / self.span**order
             y = np.where(self.inside, y, 0.0) if order else np.where(u < 0.0, low, np.where(u >= 1.0, high, y + low))
-            made.append((at.values[order][self.rows] - y) / at.rows.errors[order])
-        return np.array(made)
+            result.append((at.values[order][self.rows] - y) / at.rows.errors[order])
+        return np.array(result)
 
     def slopes(self) -> np.ndarray:
-        """Derivatives of the residuals by its start and end, and by its lower and upper level (4, k n)."""
+        """Derivatives (4, k n) of the residuals by start, end, lower and upper level."""
         at, u, span, rise = self.at, self.u, self.span, self._rise
-        begin, finish = (u - 1.0) / span, -u / span  # of u by start and end
-        made = []
+        begin, finish = (u - 1.0) / span, -u / span  # derivatives of u by start and end
+        result = []
         for order in (0, 1):
             if order not in at.values:
                 continue
             size, slope = np.where(self.inside, (self.law[order], self.law[order + 1]), 0.0) / span**order
             if order:
-                by = (rise * (slope * begin + size / span), rise * (slope * finish - size / span), -size, size)
+                derivatives = (rise * (slope * begin + size / span), rise * (slope * finish - size / span), -size, size)
             else:
                 size = np.where(u >= 1.0, 1.0, size)
-                by = (rise * slope * begin, rise * slope * finish, 1.0 - size, size)
-            known = np.isfinite(at.values[order][self.rows])  # a cell left out weighs nothing
-            made.append(np.where(known, by, 0.0) / -at.rows.errors[order])
-        return np.concatenate(made, axis=1)
+                derivatives = (rise * slope * begin, rise * slope * finish, 1.0 - size, size)
+            is_finite = np.isfinite(at.values[order][self.rows])  # a missing cell has no weight
+            result.append(np.where(is_finite, derivatives, 0.0) / -at.rows.errors[order])
+        return np.concatenate(result, axis=1)
 
 
 def _spread(jacobian: np.ndarray) -> np.ndarray:
-    size = np.sqrt((jacobian**2).sum(axis=0))
-    size[size == 0.0] = 1.0
-    inverse = np.linalg.pinv((jacobian / size).T @ (jacobian / size))
-    return np.sqrt(np.abs(np.diag(inverse))) / size
+    scale = np.sqrt((jacobian**2).sum(axis=0))
+    scale[scale == 0.0] = 1.0
+    inverse = np.linalg.pinv((jacobian / scale).T @ (jacobian / scale))
+    return np.sqrt(np.abs(np.diag(inverse))) / scale
 
 
-def recognise(at: Turned, left: Rest, right: Rest, wanted: str = "") -> tuple[Stroke | None, list[str]]:
-    """The law of the stroke between two rests; and, where several fit as well, their names. wanted: this law, however well it fits."""
+def recognise(at: UnrolledRows, left: Rest, right: Rest, required: str = "") -> tuple[Stroke | None, list[str]]:
+    """Law of the stroke between two rests; and the names of several laws that fit equally well.
+
+    ``required``: use this law, however well it fits.
+    """
     fit = StrokeFit(at, (left, right))
     if fit.bounds[0].size < FEWEST:
         return None, []
@@ -516,35 +610,37 @@ def recognise(at: Turned, left: Rest, right: Rest, wanted: str = "") -> tuple[St
     high = right.level if right.level is not None else float(y[right.first])
     if abs(high - low) < 20.0 * at.rows.errors[0]:
         return None, []
-    coarse = at.rows.errors[0] > ALIKE * abs(high - low)  # then a curve of a family may be as near as a named law
-    found: list[_Fitting] = []
-    for tier in ((_named(wanted),),) if wanted else tiers(1.0 if high > low else -1.0):
-        if found and not coarse:
+    is_coarse = at.rows.errors[0] > SAME_CURVE * abs(
+        high - low
+    )  # a curve of a family may then be as close as a named law
+    matches: list[_LawFit] = []
+    for tier in ((_named(required),),) if required else tiers(1.0 if high > low else -1.0):
+        if matches and not is_coarse:
             break
         checkpoint()
-        fitting: list[_Fitting] = []
+        accepted: list[_LawFit] = []
         for candidate in tier:
-            best = _best(fit, candidate, (low, high), bool(wanted))
+            best = _best(fit, candidate, (low, high), bool(required))
             if best is None:
                 continue
             agrees, chi2 = fit.fits([candidate], best[0])
-            if agrees or wanted:
-                fitting.append(_Fitting(chi2, candidate, *best))
-        fitting.sort(key=lambda each: each.chi2)
-        if found:
-            found += [each for each in fitting if not _alike(fit, found[0], each)]
-        elif fitting:
-            found = [fitting[0], *(each for each in fitting[1:] if not _same(fitting[0], each))]
-    if not found:
+            if agrees or required:
+                accepted.append(_LawFit(chi2, candidate, *best))
+        accepted.sort(key=lambda match: match.chi2)
+        if matches:
+            matches += [match for match in accepted if not _is_same_within_error(fit, matches[0], match)]
+        elif accepted:
+            matches = [accepted[0], *(match for match in accepted[1:] if not _is_same_curve(accepted[0], match))]
+    if not matches:
         return None, []
-    first, *others = found
-    well = WELL * max(1.0, fit.bounds[0].size / MOST_COMPARED)  # of rows that they are not fitted to
-    rivals = [each.candidate.name for each in others if each.chi2 - first.chi2 <= well]
+    first, *other_matches = matches
+    tolerance = WELL * max(1.0, fit.bounds[0].size / MOST_COMPARED)  # for the rows that are not used in the fit
+    rivals = [match.candidate.name for match in other_matches if match.chi2 - first.chi2 <= tolerance]
     return (None, [first.candidate.name, *rivals]) if rivals else (_stroke(fit, first), [])
 
 
-class _Fitting(NamedTuple):
-    """A law that fits: χ², angles, levels and fractions, and their standard errors."""
+class _LawFit(NamedTuple):
+    """Fit of a law: χ², angles, levels and fractions, and their standard errors."""
 
     chi2: float
     candidate: Candidate
@@ -552,40 +648,42 @@ class _Fitting(NamedTuple):
     spread: np.ndarray
 
 
-def _same(one: _Fitting, other: _Fitting) -> bool:
-    """Whether two are the same curve under two names."""
+def _is_same_curve(left: _LawFit, right: _LawFit) -> bool:
+    """Whether two laws are the same curve under two names."""
     u = np.linspace(0.0, 1.0, 33)
     first, second = (
-        _law(each.candidate, each.p[len(each.p) - each.candidate.open :].tolist()).at(u)[0] for each in (one, other)
+        _law(fit.candidate, fit.p[len(fit.p) - fit.candidate.open :].tolist()).at(u)[0] for fit in (left, right)
     )
     return bool(np.abs(first - second).max() < 1e-9)
 
 
-def _alike(fit: StrokeFit, one: _Fitting, other: _Fitting) -> bool:
-    """Whether two are the same within the error: a family comes as near to a law that it contains."""
+def _is_same_within_error(fit: StrokeFit, left: _LawFit, right: _LawFit) -> bool:
+    """Whether two laws are equal within the error, as a family and a law that it contains."""
     (rows,) = fit.rows(MOST_TRIED)
     first, second = (
         _Model(fit.at, rows, ends, levels, table).residuals((0,))
-        for each in (one, other)
-        for ends, levels, table in fit.models([each.candidate], each.p.tolist())
+        for law_fit in (left, right)
+        for ends, levels, table in fit.models([law_fit.candidate], law_fit.p.tolist())
         if table
     )
     return bool(np.nanmax(np.abs(first - second)) <= 1.0)
 
 
 def _best(
-    fit: StrokeFit, candidate: Candidate, levels: tuple[float, float], anyway: bool = False
+    fit: StrokeFit, candidate: Candidate, levels: tuple[float, float], is_required: bool = False
 ) -> tuple[np.ndarray, np.ndarray] | None:
-    """The best answer of a candidate; None where it is far off by an estimate, or on the few rows that it is tried on, unless it is wanted
-    anyway."""
+    """Best fit of a candidate; None where it is far off by its estimate, or on few rows, unless it is required."""
     count, fineness = min(fit.bounds[0].size, MOST_TRIED), abs(levels[1] - levels[0]) / fit.at.rows.errors[0]
-    estimated, most = (np.inf if anyway else (TRIED + (off * fineness) ** 2) * count for off in (ESTIMATED, SOLVED))
+    estimated, most = (
+        np.inf if is_required else (TRIED + (relative_error * fineness) ** 2) * count
+        for relative_error in (ESTIMATED, SOLVED)
+    )
     estimates = fit.estimates(candidate, levels)
     if not estimates or (not candidate.open and estimates[0][0] > estimated):
         return None
     tried = []
-    for _, each in estimates[: STARTS if candidate.open else 1]:
-        p, chi2, _, count = fit.solve([candidate], each, MOST_TRIED, 200, NEAR)
+    for _, estimate in estimates[: STARTS if candidate.open else 1]:
+        p, chi2, _, count = fit.solve([candidate], estimate, MOST_TRIED, 200, NEAR)
         tried.append((chi2, p.tolist()))
         if chi2 < 2.0 * count or chi2 > HOPELESS * estimated:
             break
@@ -596,24 +694,26 @@ def _best(
     return p, spread
 
 
-def _stroke(fit: StrokeFit, found: _Fitting) -> Stroke:
-    p, candidate = found.p.tolist(), found.candidate
+def _stroke(fit: StrokeFit, law_fit: _LawFit) -> Stroke:
+    p, candidate = law_fit.p.tolist(), law_fit.candidate
     (ends, levels, _), *_ = fit.models([candidate], p)
-    spread = (float(found.spread[0]), float(found.spread[1]))
+    spread = (float(law_fit.spread[0]), float(law_fit.spread[1]))
     return Stroke(
-        fit.rests[0], fit.rests[1], candidate, *ends, *levels, tuple(p[len(p) - candidate.open :]), spread, found.chi2
+        fit.rests[0], fit.rests[1], candidate, *ends, *levels, tuple(p[len(p) - candidate.open :]), spread, law_fit.chi2
     )
 
 
-# -- strokes that join at reversals -----------------------------------------------------------------------
+# -- strokes joined at reversals --------------------------------------------------------------------------
 
 
-def joined(at: Turned, strokes: Sequence[Stroke]) -> list[Stroke] | None:
-    """Recognised strokes that follow on each other at reversals, fitted together; None where they do not fit so. Angles and levels are
-    rounded as far as their errors leave them open, and of curves with open fractions the acceleration is that of both sides where they
-    nearly join, where all rows agree with that."""
-    fit = StrokeFit(at, (*(each.left for each in strokes), strokes[-1].right))
-    chosen = [each.candidate for each in strokes]
+def fitted_together(at: UnrolledRows, strokes: Sequence[Stroke]) -> list[Stroke] | None:
+    """Recognised strokes between which are reversals, fitted together; None where they do not fit.
+
+    Angles and levels are rounded within their errors. Where the accelerations of curves with open fractions almost agree at
+    a reversal, they are made equal if all rows agree.
+    """
+    fit = StrokeFit(at, (*(stroke.left for stroke in strokes), strokes[-1].right))
+    chosen = [stroke.candidate for stroke in strokes]
     angles = [
         strokes[0].start,
         *(0.5 * (a.end + b.start) for a, b in pairwise(strokes)),
@@ -624,26 +724,26 @@ def joined(at: Turned, strokes: Sequence[Stroke]) -> list[Stroke] | None:
         *(0.5 * (a.high + b.low) for a, b in pairwise(strokes)),
         strokes[-1].high,
     ]
-    opened = [level for level, rest in zip(levels, fit.rests, strict=True) if rest.level is None]
-    start = [*angles, *opened, *(f for each in strokes for f in each.fractions)]
+    free_levels = [level for level, rest in zip(levels, fit.rests, strict=True) if rest.level is None]
+    start = [*angles, *free_levels, *(f for stroke in strokes for f in stroke.fractions)]
     p, chi2, spread, _ = fit.solve(chosen, start, MOST_REFINED)
-    k = len(angles) + len(opened)
+    k = len(angles) + len(free_levels)
     if k == len(p):
-        rounded = np.array([shortest(float(each), float(by)) for each, by in zip(p, spread, strict=True)])
+        rounded = np.array([shortest(float(value), float(error)) for value, error in zip(p, spread, strict=True)])
         p = rounded if fit.fits(chosen, rounded)[0] else p
-    elif places := fit.nearly(chosen, p):
-        smooth, _, by, _ = fit.solve(chosen, p.tolist(), MOST_REFINED, smooth=places)
-        p, spread = (smooth, by) if fit.fits(chosen, smooth)[0] else (p, spread)
-    if chi2 > 2.0 * sum(each.chi2 for each in strokes) and not fit.fits(chosen, p)[0]:
+    elif reversals := fit.nearly_smooth(chosen, p):
+        smooth, _, smooth_spread, _ = fit.solve(chosen, p.tolist(), MOST_REFINED, smooth=reversals)
+        p, spread = (smooth, smooth_spread) if fit.fits(chosen, smooth)[0] else (p, spread)
+    if chi2 > 2.0 * sum(stroke.chi2 for stroke in strokes) and not fit.fits(chosen, p)[0]:
         return None
-    made = []
-    place = k
-    for i, ((ends, levels2, _), each) in enumerate(zip(fit.models(chosen, p.tolist()), strokes, strict=True)):
-        fractions = tuple(p[place : place + each.candidate.open].tolist())
-        place += each.candidate.open
+    result = []
+    offset = k
+    for i, ((ends, levels2, _), stroke) in enumerate(zip(fit.models(chosen, p.tolist()), strokes, strict=True)):
+        fractions = tuple(p[offset : offset + stroke.candidate.open].tolist())
+        offset += stroke.candidate.open
         errors = (float(spread[i]), float(spread[i + 1]))
-        made.append(Stroke(each.left, each.right, each.candidate, *ends, *levels2, fractions, errors, chi2))
-    return made
+        result.append(Stroke(stroke.left, stroke.right, stroke.candidate, *ends, *levels2, fractions, errors, chi2))
+    return result
 
 
-__all__ = ["EXACT", "Candidate", "Stroke", "joined", "recognise", "tiers"]
+__all__ = ["EXACT", "Candidate", "Stroke", "fitted_together", "recognise", "tiers"]

@@ -1,4 +1,4 @@
-"""A measured motion as segments: dwells that stand exactly still, laws where they are recognised, tables between."""
+"""Segments of a measured motion: dwells, laws where they are recognised, tables between."""
 
 from __future__ import annotations
 
@@ -13,39 +13,37 @@ from core.design import Motion, Segment, SplinePoint, TableCurve, join_angles
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.laws.polynomial import quintics
-from core.measured.recognition import FAR, WELL, Stroke, joined, recognise, tiers
+from core.measured.recognition import FAR, WELL, Stroke, fitted_together, recognise, tiers
 from core.measured.rows import TurnRows
 from core.measured.smoothing import End, smooth
-from core.measured.strokes import LEAST_STEPS, Rest, Turned, rests, turned
+from core.measured.strokes import LEAST_STEPS, Rest, UnrolledRows, rests, unrolled
 from core.motion import Angles, program
 from core.motion.split import with_segment_split
 
-MOST_THROUGH = (
-    1000  # rows without velocities that a curve of least jerk goes through; more are smoothed as far as they are exact
-)
-SHORT = 0.1  # of the strokes beside it: a dwell shorter than this may be the crest of a flat law
-LONGEST_CREST = 60.0  # degrees
-SHOWN = 0.02  # of the largest acceleration: what jumps by less at a dwell is the truncation of its rows
-JUMP = 8.0  # times what is usual: by how much velocities change more than their accelerations say where one jumps
-LEVEL = 10.0  # errors that the ends of a stretch may stand apart that is made a dwell
-FAR_ERRORS, FAR_SHARE = 10.0, 1e-3  # errors, share of the stroke: the larger is what a row may be off its law or table
+MOST_THROUGH = 1000  # greatest number of exact rows without velocities through which a curve of least jerk passes
+SHORT = 0.1  # length of a dwell relative to its strokes, below which it may be the crest of a flat law
+LONGEST_CREST = 60.0  # [deg]
+SHOWN = 0.02  # least jump of the acceleration at a dwell relative to the largest one; less is rounding of the rows
+JUMP = 8.0  # least residual of a velocity change at a jump of the acceleration, in typical residuals
+LEVEL = 10.0  # largest difference of the ends of an interval that becomes a dwell, in errors
+FAR_ERRORS, FAR_SHARE = 10.0, 1e-3  # errors, fraction of the stroke: the larger is the limit of the residual of a row
 TABLE, DWELL = "table", "dwell"
-MOST_FITTED = 600  # rows, or means of as many, that tell where a dwell is left
-FINE = 1e-6  # of the largest value: rows with smaller errors are met within two of their last digit
+MOST_FITTED = 600  # rows, or means of rows, from which the end of a dwell is computed
+FINE = 1e-6  # error relative to the largest value, below which rows are fitted to two units of their last digit
 LEFT_BY = (
     1e-2,
     1e-3,
     1e-4,
     0.0,
-)  # of the largest value, up to which rows beside a dwell tell where it is left, at least ``ONSET``
-ONSET = 60.0  # errors, up to which the rows beside a dwell tell where it is left
+)  # displacements for the end of a dwell relative to the largest one, at least ``ONSET``
+ONSET = 60.0  # displacement up to which rows show the end of a dwell, in errors
 
 
 @frozen
 class SegmentFit:
-    """What was found between two cam angles: law, start [deg] in the turn, span, rise; of rows numbered along the turn.
+    """Recognised segment: law, start [deg] within the turn, span [deg], rise [unit of the motion].
 
-    ambiguous  laws of which none is named, as they fit as well as each other
+    ``ambiguous``: names of several laws that fit equally well, so that the segment is a table.
     """
 
     law: str
@@ -57,7 +55,7 @@ class SegmentFit:
 
 @frozen
 class AccelerationJump:
-    """Where the acceleration jumps: cam angle [deg], before and behind, by degrees."""
+    """Jump of the acceleration: cam angle [deg], acceleration before and after, by degrees."""
 
     angle: float
     before: float
@@ -66,8 +64,16 @@ class AccelerationJump:
 
 @frozen(eq=False)
 class Structure:
-    """motion: over the turn; found: its segments as they were recognised, one that passes cam angle 0 in one; free: values that were
-    chosen; smoothing: λ of the first stretch that was smoothed, 0 without one."""
+    """A motion of recognised segments.
+
+    Attributes
+    ----------
+    motion : motion over the turn
+    segments : its segments as recognised, undivided at cam angle 0
+    jumps : jumps of the acceleration
+    freedom : number of fitted values
+    smoothing : λ of the first smoothed table, 0 without one
+    """
 
     motion: Motion
     segments: tuple[SegmentFit, ...]
@@ -78,252 +84,264 @@ class Structure:
 
 @frozen(eq=False)
 class _Part:
-    """A stretch in order: [start, end] deg counted on, levels at both ends; what it is. bends: the acceleration jumps where the dwell
-    before it, or behind it, is left. number: of the stroke that is a law."""
+    """Interval [start, end] deg, which may exceed the turn, with its levels and its meaning.
+
+    ``jumps_at_ends``: whether the acceleration jumps at its start and end, next to a dwell; ``number``: number of a stroke with a law.
+    """
 
     start: float
     end: float
     low: float
     high: float
     stroke: Stroke | None = None
-    dwells: bool = False
+    is_dwell: bool = False
     ambiguous: tuple[str, ...] = ()
-    bends: tuple[bool, bool] = (False, False)
+    jumps_at_ends: tuple[bool, bool] = (False, False)
     number: int = -1
 
 
 Switches = Sequence[tuple[float, str]]
-"""Cam angles [deg], and what the segment there shall be in place of what is found: table, dwell, or a named law."""
+"""Cam angles [deg], and the required kind of the segment there: table, dwell, or a named law."""
 
 
 class SwitchError(KindynaError):
-    """A segment cannot be what the user wants it to be."""
+    """A segment cannot have its required kind."""
 
 
 def segment_kinds() -> tuple[str, ...]:
-    """What a segment can be made: a table, a dwell, or one of the named laws."""
+    """Kinds that a segment can be given: a table, a dwell, or a named law."""
     return (TABLE, DWELL, *(candidate.name for candidate in tiers(1.0)[0]))
 
 
-def structured(
+def motion_structure(
     rows: TurnRows,
     unit: str,
     with_laws: bool = True,
     with_dwells: bool = True,
     switches: Switches = (),
 ) -> Structure | None:
-    """The segments of a motion; None where nothing tells where one begins. switches: what the segment at a cam angle [deg] shall be, of
-    ``segment_kinds``, in place of what is found there.
+    """Segments of a motion; None where no segment can be separated.
 
-    Raises SwitchError where a law or a dwell cannot lie there.
+    ``switches``: required kinds of the segments at cam angles [deg]. Raises SwitchError where a segment cannot have its
+    required kind.
     """
-    at = turned(rows)
-    found = rests(at, with_dwells)
-    if not found or (len(found) == 1 and found[0].last - found[0].first >= at.count - 2):
-        if found and found[0].level is not None:
-            motion = Motion(found[0].level, (Segment(360.0, 0.0),), unit)
+    at = unrolled(rows)
+    turn_rests = rests(at, with_dwells)
+    if not turn_rests or (len(turn_rests) == 1 and turn_rests[0].last - turn_rests[0].first >= at.count - 2):
+        if turn_rests and turn_rests[0].level is not None:
+            motion = Motion(turn_rests[0].level, (Segment(360.0, 0.0),), unit)
             return Structure(motion, (SegmentFit("dwell", 0.0, 360.0, 0.0),), (), 1.0, 0.0)
         return None
-    found, strokes = _recognised(at, found, with_laws)
-    if not any(strokes_of[0] for strokes_of in strokes) and not any(rest.level is not None for rest in found):
+    turn_rests, strokes = _recognised_laws(at, turn_rests, with_laws)
+    if not any(law[0] for law in strokes) and not any(rest.level is not None for rest in turn_rests):
         return None
-    found, strokes = _from_a_rest(at, found, strokes)
-    strokes = _switched_strokes(at, found, strokes, switches)
+    turn_rests, strokes = _from_a_rest(at, turn_rests, strokes)
+    strokes = _switched_strokes(at, turn_rests, strokes, switches)
     while True:
-        parts = _joined_tables(_switched_parts(_parts(at, found, strokes), switches, rows.errors[0], unit))
-        if len(parts) == 1 and not parts[0].dwells and parts[0].stroke is None:
+        parts = _with_merged_parts(_switched_parts(_parts(at, turn_rests, strokes), switches, rows.errors[0], unit))
+        if len(parts) == 1 and not parts[0].is_dwell and parts[0].stroke is None:
             return None
         result = _Assembly(at, parts, unit).structure()
-        wrong = set() if switches else _far_laws(at, parts, result.motion)
-        if not wrong:
+        wrong_laws = set() if switches else _far_laws(at, parts, result.motion)
+        if not wrong_laws:
             return result
-        strokes = [(None, ()) if k in wrong else each for k, each in enumerate(strokes)]
+        strokes = [(None, ()) if k in wrong_laws else stroke_law for k, stroke_law in enumerate(strokes)]
 
 
 def far(error: float, stroke: float) -> float:
-    """What a row may be off a law or a table, at most."""
+    """Largest accepted residual of a row."""
     return max(FAR_ERRORS * error, FAR_SHARE * stroke)
 
 
-def _far_laws(at: Turned, parts: list[_Part], motion: Motion) -> set[int]:
-    """The strokes, by number, whose law is far off a row."""
+def _far_laws(at: UnrolledRows, parts: list[_Part], motion: Motion) -> set[int]:
+    """Numbers of the strokes whose law is far from a row."""
     x, y, compiled = at.rows.x, at.rows.values[0], program(motion)
-    off = np.abs(y - compiled.state(compiled.angles(np.deg2rad(x))).displacement[0] / motion.scale)
-    wrong = x[off > far(at.rows.errors[0], float(np.ptp(y)))]
+    distance = np.abs(y - compiled.state(compiled.angles(np.deg2rad(x))).displacement[0] / motion.scale)
+    wrong_angles = x[distance > far(at.rows.errors[0], float(np.ptp(y)))]
     return {
         part.number
         for part in parts
-        if part.stroke is not None and np.any(np.mod(wrong - part.start, 360.0) <= part.end - part.start)
+        if part.stroke is not None and np.any(np.mod(wrong_angles - part.start, 360.0) <= part.end - part.start)
     }
 
 
-# -- what the user makes of them --------------------------------------------------------------------------
+# -- required kinds ---------------------------------------------------------------------------------------
 
 
 def _switched_strokes(
-    at: Turned, found: list[Rest], strokes: list[_Recognised], switches: Switches
-) -> list[_Recognised]:
-    """The strokes between rests, those at the cam angles [deg] of switches as tables or the laws that are wanted there."""
+    at: UnrolledRows, turn_rests: list[Rest], strokes: list[_StrokeLaw], switches: Switches
+) -> list[_StrokeLaw]:
+    """Strokes between rests, with the required tables and laws."""
     strokes = list(strokes)
-    for angle, wanted in switches:
-        if wanted not in segment_kinds():
-            raise SwitchError(f"segment at {angle:g} deg: {wanted!r} is none; allowed: {', '.join(segment_kinds())}")
-        for k, (rest, behind) in enumerate(pairwise(_around(at, found))):
+    for angle, kind in switches:
+        if kind not in segment_kinds():
+            raise SwitchError(f"segment at {angle:g} deg: unknown kind {kind!r}; allowed: {', '.join(segment_kinds())}")
+        for k, (rest, next_rest) in enumerate(pairwise(_closed(at, turn_rests))):
             start = _angle(at, rest.last)
-            if wanted == DWELL or (angle - start) % 360.0 >= _angle(at, behind.first) - start:
+            if kind == DWELL or (angle - start) % 360.0 >= _angle(at, next_rest.first) - start:
                 continue
-            if wanted == TABLE:
+            if kind == TABLE:
                 strokes[k] = None, ()
                 continue
-            stroke, _ = recognise(at, rest, behind, wanted)
+            stroke, _ = recognise(at, rest, next_rest, kind)
             if stroke is None or stroke.end - stroke.start < LEAST_STEPS * 360.0 / at.count:
-                raise SwitchError(f"segment at {angle:g} deg: too short or too low to be {wanted}; make it a table")
+                raise SwitchError(f"segment at {angle:g} deg: too short or too low to be {kind}; select table instead")
             strokes[k] = stroke, ()
     return strokes
 
 
 def _switched_parts(parts: list[_Part], switches: Switches, error: float, unit: str) -> list[_Part]:
-    """The same, dwells and tables at the cam angles [deg] of switches exchanged."""
+    """Parts with the required dwells and tables."""
     begin = parts[0].start
-    for angle, wanted in switches:
-        place = begin + (angle - begin) % 360.0
-        k = next((k for k, part in enumerate(parts) if part.start <= place < part.end), len(parts) - 1)
+    for angle, kind in switches:
+        position = begin + (angle - begin) % 360.0
+        k = next((k for k, part in enumerate(parts) if part.start <= position < part.end), len(parts) - 1)
         part = parts[k]
-        if wanted == TABLE and part.dwells:
-            parts[k] = replace(part, dwells=False)
-        elif wanted == DWELL and not part.dwells:
+        if kind == TABLE and part.is_dwell:
+            parts[k] = replace(part, is_dwell=False)
+        elif kind == DWELL and not part.is_dwell:
             if abs(part.high - part.low) > LEVEL * error:
+                rise = f"{abs(part.high - part.low):.4g} {unit}"
                 raise SwitchError(
-                    f"segment at {angle:g} deg: its ends stand {abs(part.high - part.low):.4g} {unit} apart; a dwell's stand at one level"
+                    f"segment at {angle:g} deg: its ends differ by {rise}; the ends of a dwell have one level"
                 )
-            parts[k] = replace(part, dwells=True, stroke=None, high=part.low)
-            behind = (k + 1) % len(parts)
-            parts[behind] = replace(parts[behind], low=part.low)
-            if parts[behind].dwells:
-                parts[behind] = replace(parts[behind], high=part.low)
-        elif wanted not in (TABLE, DWELL) and part.stroke is None:
-            raise SwitchError(f"segment at {angle:g} deg: it stands still, and cannot be {wanted}")
+            parts[k] = replace(part, is_dwell=True, stroke=None, high=part.low)
+            following = (k + 1) % len(parts)
+            parts[following] = replace(parts[following], low=part.low)
+            if parts[following].is_dwell:
+                parts[following] = replace(parts[following], high=part.low)
+        elif kind not in (TABLE, DWELL) and part.stroke is None:
+            raise SwitchError(f"segment at {angle:g} deg: it is a dwell, and cannot be {kind}")
     return parts
 
 
-def _joined_tables(parts: list[_Part]) -> list[_Part]:
-    """The same, dwells or tables that follow on each other as one."""
+def _with_merged_parts(parts: list[_Part]) -> list[_Part]:
+    """Parts with adjacent dwells, and adjacent tables, merged."""
 
-    def alike(one: _Part, other: _Part) -> bool:
-        return one.stroke is None and other.stroke is None and one.dwells == other.dwells
+    def is_same_kind(left: _Part, right: _Part) -> bool:
+        return left.stroke is None and right.stroke is None and left.is_dwell == right.is_dwell
 
-    if len(parts) > 1 and alike(parts[-1], parts[0]):
+    if len(parts) > 1 and is_same_kind(parts[-1], parts[0]):
         last = parts[-1]
         parts = [replace(last, start=last.start - 360.0, end=parts[0].start), *parts[:-1]]
-    made = parts[:1]
+    result = parts[:1]
     for part in parts[1:]:
-        last = made[-1]
-        if alike(last, part):
-            made[-1] = replace(
+        last = result[-1]
+        if is_same_kind(last, part):
+            result[-1] = replace(
                 last,
                 end=part.end,
                 high=part.high,
                 ambiguous=last.ambiguous + part.ambiguous,
-                bends=(last.bends[0], part.bends[1]),
+                jumps_at_ends=(last.jumps_at_ends[0], part.jumps_at_ends[1]),
             )
         else:
-            made.append(part)
-    return made
+            result.append(part)
+    return result
 
 
 # -- laws -------------------------------------------------------------------------------------------------
 
-_Recognised = tuple[Stroke | None, tuple[str, ...]]
+_StrokeLaw = tuple[Stroke | None, tuple[str, ...]]
 
 
-def _top(rest: Rest) -> Rest:
-    """A reversal in place of a dwell."""
+def _as_reversal(rest: Rest) -> Rest:
+    """Reversal in the middle of a dwell."""
     middle = (rest.first + rest.last) // 2
     return Rest(middle, middle)
 
 
-def _later(rest: Rest, count: int) -> Rest:
+def _next_turn(rest: Rest, count: int) -> Rest:
     return replace(rest, first=rest.first + count, last=rest.last + count)
 
 
-def _around(at: Turned, found: Sequence[Rest]) -> list[Rest]:
-    return [*found, _later(found[0], at.count)]
+def _closed(at: UnrolledRows, turn_rests: Sequence[Rest]) -> list[Rest]:
+    return [*turn_rests, _next_turn(turn_rests[0], at.count)]
 
 
-def _recognised(at: Turned, found: list[Rest], with_laws: bool) -> tuple[list[Rest], list[_Recognised]]:
-    """The laws of all strokes; short dwells that are the crest of a stroke and its return are none."""
+def _recognised_laws(at: UnrolledRows, turn_rests: list[Rest], with_laws: bool) -> tuple[list[Rest], list[_StrokeLaw]]:
+    """Rests and laws of all strokes; a short dwell that is the crest of a stroke and its return becomes a reversal."""
     if not with_laws:
-        return found, [(None, ())] * len(found)
+        return turn_rests, [(None, ())] * len(turn_rests)
 
-    known: dict[tuple[int, int, float | None, int, int, float | None], _Recognised] = {}
+    known: dict[tuple[int, int, float | None, int, int, float | None], _StrokeLaw] = {}
 
-    def laws(found: list[Rest]) -> list[_Recognised]:
-        answers = []
-        for a, b in pairwise(_around(at, found)):
+    def laws(turn_rests: list[Rest]) -> list[_StrokeLaw]:
+        result = []
+        for a, b in pairwise(_closed(at, turn_rests)):
             key = (a.first, a.last, a.level, b.first, b.last, b.level)
             if key not in known:
                 stroke, rivals = recognise(at, a, b)
                 known[key] = stroke, tuple(rivals)
-            answers.append(known[key])
-        return answers
+            result.append(known[key])
+        return result
 
-    def without(found: list[Rest], some: list[Rest]) -> tuple[list[Rest], list[_Recognised]] | None:
-        """The same with a reversal in place of each of some dwells, where every stroke beside them is a law then."""
-        changed = [_top(each) if each in some else each for each in found]
-        answers = laws(changed)
-        beside = {k for i, each in enumerate(found) if each in some for k in (i - 1, i)}
-        return (changed, answers) if all(answers[k][0] is not None for k in beside) else None
+    def without(turn_rests: list[Rest], crests: list[Rest]) -> tuple[list[Rest], list[_StrokeLaw]] | None:
+        """Rests and laws with reversals in place of some dwells; None unless all strokes next to these have a law."""
+        changed = [_as_reversal(rest) if rest in crests else rest for rest in turn_rests]
+        result = laws(changed)
+        neighbours = {k for i, rest in enumerate(turn_rests) if rest in crests for k in (i - 1, i)}
+        return (changed, result) if all(result[k][0] is not None for k in neighbours) else None
 
-    strokes = laws(found)
-    doubtful = [rest for i, rest in enumerate(found) if len(found) > 1 and _is_doubtful(at, found, strokes, i)]
-    for some in [doubtful, *([each] for each in doubtful if len(doubtful) > 1)]:
-        changed = without(found, some) if some else None
+    strokes = laws(turn_rests)
+    doubtful = [
+        rest for i, rest in enumerate(turn_rests) if len(turn_rests) > 1 and _is_doubtful(at, turn_rests, strokes, i)
+    ]
+    for crests in [doubtful, *([rest] for rest in doubtful if len(doubtful) > 1)]:
+        changed = without(turn_rests, crests) if crests else None
         if changed is not None:
-            found, strokes = changed
-    return found, strokes
+            turn_rests, strokes = changed
+    return turn_rests, strokes
 
 
-def _is_doubtful(at: Turned, found: list[Rest], strokes: list[_Recognised], i: int) -> bool:
-    """Whether a dwell may be the crest of a stroke and its return: those beside it leave it no span, or are no law while it is short."""
-    rest, left, right = found[i], strokes[i - 1][0], strokes[i][0]
+def _is_doubtful(at: UnrolledRows, turn_rests: list[Rest], strokes: list[_StrokeLaw], i: int) -> bool:
+    """Whether a dwell may be the crest of a stroke and its return.
+
+    The laws next to it leave it no span, or have not been recognised while it is short.
+    """
+    rest, left, right = turn_rests[i], strokes[i - 1][0], strokes[i][0]
     if rest.level is None or at.x[rest.last] - at.x[rest.first] > LONGEST_CREST:
         return False
     if left is not None and right is not None:
         gap = (right.start - left.end + 180.0) % 360.0 - 180.0
         return gap <= max(
             4.0 * (left.spread[1] + right.spread[0]), LEAST_STEPS * 360.0 / at.count
-        )  # no dwell is shorter
-    beside = (rest.first - found[i - 1].last) % at.count + (found[(i + 1) % len(found)].first - rest.last) % at.count
-    return rest.last - rest.first <= max(SHORT * beside, 3 * LEAST_STEPS)
+        )  # least span of a dwell
+    strokes_length = (rest.first - turn_rests[i - 1].last) % at.count + (
+        turn_rests[(i + 1) % len(turn_rests)].first - rest.last
+    ) % at.count
+    return rest.last - rest.first <= max(SHORT * strokes_length, 3 * LEAST_STEPS)
 
 
-def _from_a_rest(at: Turned, found: list[Rest], strokes: list[_Recognised]) -> tuple[list[Rest], list[_Recognised]]:
-    """In an order that begins with a dwell, else behind a stroke that is no law."""
-    first = next((i for i, rest in enumerate(found) if rest.level is not None), None)
+def _from_a_rest(
+    at: UnrolledRows, turn_rests: list[Rest], strokes: list[_StrokeLaw]
+) -> tuple[list[Rest], list[_StrokeLaw]]:
+    """Rests and laws in an order that starts with a dwell, else after a stroke without a law."""
+    first = next((i for i, rest in enumerate(turn_rests) if rest.level is not None), None)
     if first is None:
         first = next((i for i, (stroke, _) in enumerate(strokes) if stroke is None), 0)
-    turned_rests = [*found[first:], *(_later(rest, at.count) for rest in found[:first])]
-    return turned_rests, [*strokes[first:], *strokes[:first]]
+    shifted = [*turn_rests[first:], *(_next_turn(rest, at.count) for rest in turn_rests[:first])]
+    return shifted, [*strokes[first:], *strokes[:first]]
 
 
-def _parts(at: Turned, found: list[Rest], strokes: list[_Recognised]) -> list[_Part]:
-    """Dwells, laws and what is left between them, from the first rest to the same a turn later."""
-    closed = _around(at, found)
+def _parts(at: UnrolledRows, turn_rests: list[Rest], strokes: list[_StrokeLaw]) -> list[_Part]:
+    """Dwells, laws and remaining intervals, from the first rest to the same rest a turn later."""
+    closed = _closed(at, turn_rests)
     laws: list[Stroke | None] = [stroke for stroke, _ in strokes]
     i = 0
-    while i < len(laws):  # those that meet at reversals are fitted together
+    while i < len(laws):  # strokes joined at reversals are fitted together
         j = i
         while j < len(laws) and laws[j] is not None and (j == i or closed[j].level is None):
             j += 1
         if j > i:
             chain = [
-                _moved(at, stroke, rest, behind)
-                for stroke, rest, behind in zip(laws[i:j], closed[i:j], closed[i + 1 :], strict=False)
+                _in_turn_of_rests(at, stroke, rest, next_rest)
+                for stroke, rest, next_rest in zip(laws[i:j], closed[i:j], closed[i + 1 :], strict=False)
             ]
-            together = joined(at, chain)
-            laws[i:j] = [None] * (j - i) if together is None else [_at_zero(each) for each in together]
+            fitted = fitted_together(at, chain)
+            laws[i:j] = [None] * (j - i) if fitted is None else [_at_zero(law) for law in fitted]
         i = max(j, i + 1)
-    if closed[0].level is None and all(laws):  # all around: its first and last rest are the same
+    if closed[0].level is None and all(laws):  # laws all around: the first and the last rest are the same
         first, last = laws[0], laws[-1]
         assert first is not None
         assert last is not None
@@ -332,7 +350,7 @@ def _parts(at: Turned, found: list[Rest], strokes: list[_Recognised]) -> list[_P
         if len(laws) == 1:
             laws[0] = replace(first, start=angle, low=level, end=angle + 360.0, high=level)
     parts: list[_Part] = []
-    gaps = [behind.first - rest.last for rest, behind in pairwise(closed)]
+    gaps = [next_rest.first - rest.last for rest, next_rest in pairwise(closed)]
     dwells: list[tuple[float, float] | None] = []
     for k, rest in enumerate(closed[:-1]):
         stroke, before = laws[k], laws[k - 1]
@@ -343,12 +361,14 @@ def _parts(at: Turned, found: list[Rest], strokes: list[_Recognised]) -> list[_P
             before.end - (360.0 if k == 0 else 0.0) if before is not None else onset(at, rest, False, gaps[k - 1])[0]
         )
         end = stroke.start if stroke is not None else onset(at, rest, True, gaps[k])[0]
-        dwells.append((start, end) if end - start > 360.0 / at.count else None)  # a crest is left where it is reached
-    closed = _around(at, [_top(rest) if dwell is None else rest for rest, dwell in zip(found, dwells, strict=True)])
-    for k, (rest, behind) in enumerate(pairwise(closed)):
+        dwells.append((start, end) if end - start > 360.0 / at.count else None)  # else a crest without span
+    closed = _closed(
+        at, [_as_reversal(rest) if dwell is None else rest for rest, dwell in zip(turn_rests, dwells, strict=True)]
+    )
+    for k, (rest, next_rest) in enumerate(pairwise(closed)):
         stroke, before, dwell = laws[k], laws[k - 1], dwells[k]
         if dwell is not None and rest.level is not None:
-            parts.append(_Part(*dwell, rest.level, rest.level, dwells=True))
+            parts.append(_Part(*dwell, rest.level, rest.level, is_dwell=True))
         if stroke is not None:
             parts.append(_Part(stroke.start, stroke.end, stroke.low, stroke.high, stroke, number=k))
             continue
@@ -359,29 +379,31 @@ def _parts(at: Turned, found: list[Rest], strokes: list[_Recognised]) -> list[_P
             if before is not None
             else (_angle(at, rest.last), float(y[rest.last % at.count]))
         )
-        bends = [False, False]
+        jumps = [False, False]
         if rest.level is not None:
-            (start, bends[0]), low = onset(at, rest, True, gaps[k]), rest.level
-        if behind.level is not None:
-            (end, bends[1]), high = onset(at, behind, False, gaps[k]), behind.level
+            (start, jumps[0]), low = onset(at, rest, True, gaps[k]), rest.level
+        if next_rest.level is not None:
+            (end, jumps[1]), high = onset(at, next_rest, False, gaps[k]), next_rest.level
         elif after is not None:
             end, high = after.start + (360.0 if k == len(laws) - 1 else 0.0), after.low
         else:
-            end, high = _angle(at, behind.first), float(y[behind.first % at.count])
-        if (
-            parts and parts[-1].stroke is None and not parts[-1].dwells
-        ):  # two that are no law meet at a reversal: one table
-            until = parts[-1]
+            end, high = _angle(at, next_rest.first), float(y[next_rest.first % at.count])
+        if parts and parts[-1].stroke is None and not parts[-1].is_dwell:  # one table across the reversal
+            previous = parts[-1]
             parts[-1] = replace(
-                until, end=end, high=high, ambiguous=until.ambiguous + strokes[k][1], bends=(until.bends[0], bends[1])
+                previous,
+                end=end,
+                high=high,
+                ambiguous=previous.ambiguous + strokes[k][1],
+                jumps_at_ends=(previous.jumps_at_ends[0], jumps[1]),
             )
         else:
-            parts.append(_Part(start, end, low, high, ambiguous=strokes[k][1], bends=(bends[0], bends[1])))
+            parts.append(_Part(start, end, low, high, ambiguous=strokes[k][1], jumps_at_ends=(jumps[0], jumps[1])))
     return parts
 
 
 def _at_zero(stroke: Stroke) -> Stroke:
-    """A stroke whose ends stand at cam angle 0 where they do within their errors."""
+    """Stroke whose ends are moved to cam angle 0 where their errors allow."""
     ends = [
         round(end / 360.0) * 360.0 if abs(end - round(end / 360.0) * 360.0) <= 4.0 * spread + 1e-9 else end
         for end, spread in zip((stroke.start, stroke.end), stroke.spread, strict=True)
@@ -389,86 +411,107 @@ def _at_zero(stroke: Stroke) -> Stroke:
     return replace(stroke, start=ends[0], end=ends[1])
 
 
-def onset(at: Turned, rest: Rest, behind: bool, gap: int) -> tuple[float, bool]:
-    """Where a dwell is left, behind it or before it [deg], and whether with a jump of acceleration: of c |θ - θ₀|ᵖ, p = 3, 4 or 2, the one
-    that fits the rows beside the dwell best; 2 only where the others do clearly worse. No later than the first row that has left its level.
-    Exact rows tell it themselves. gap: rows to the next rest, of which half are looked at."""
-    edge, n = (rest.last if behind else rest.first), at.count
+def onset(at: UnrolledRows, rest: Rest, at_end: bool, gap: int) -> tuple[float, bool]:
+    """Cam angle [deg] where a dwell ends, or starts, and whether the acceleration jumps there.
+
+    The displacement is c |θ - θ₀|ᵖ with the power p = 3, 4 or 2 that fits the neighbouring rows best, 2 only where the
+    others are clearly worse. The angle is not beyond the first row that has left the level. Exact rows give it directly.
+
+    Parameters
+    ----------
+    at : UnrolledRows
+    rest : Rest
+        The dwell.
+    at_end : bool
+        Its end, else its start.
+    gap : int
+        Number of rows to the next rest; half of them are used.
+
+    Returns
+    -------
+    tuple of float [deg] and bool
+    """
+    edge, n = (rest.last if at_end else rest.first), at.count
     if at.rows.exact:
         return _angle(at, edge), False
-    sign, error, height = (1 if behind else -1), at.rows.errors[0], at.rows.sizes[0]
-    most = min(n // 4, max(gap // 2, 1))
-    away = np.abs(at.values[0][(edge + sign * np.arange(most)) % n] - float(rest.level or 0.0))
+    sign, error, height = (1 if at_end else -1), at.rows.errors[0], at.rows.sizes[0]
+    reach = min(n // 4, max(gap // 2, 1))
+    displacement = np.abs(at.values[0][(edge + sign * np.arange(reach)) % n] - float(rest.level or 0.0))
     fine = error <= FINE * height
-    for share in LEFT_BY if fine else LEFT_BY[:1]:  # as far as one power follows rows that are known so well
-        left = away >= max(ONSET * error, share * height)
-        beyond, bends, explained = _onset(at, rest, behind, int(np.argmax(left)) if left.any() else most)
+    for limit in LEFT_BY if fine else LEFT_BY[:1]:  # smaller until one power fits such rows
+        has_left = displacement >= max(ONSET * error, limit * height)
+        distance, jumps, explained = _onset_distance(
+            at, rest, at_end, int(np.argmax(has_left)) if has_left.any() else reach
+        )
         if explained:
             break
-    gone = np.flatnonzero(away > FAR * error)  # from the first of these rows on nothing is level
-    if gone.size:
-        level, moving = (abs(_angle(at, edge + sign * k) - _angle(at, edge)) for k in (int(gone[0]) - 1, int(gone[0])))
-        if beyond >= moving or (fine and not explained):
-            beyond, bends = level, False
-    angle = _angle(at, edge) + sign * beyond
+    outside = np.flatnonzero(displacement > FAR * error)  # no row is level from the first of these on
+    if outside.size:
+        level, first_outside = (
+            abs(_angle(at, edge + sign * k) - _angle(at, edge)) for k in (int(outside[0]) - 1, int(outside[0]))
+        )
+        if distance >= first_outside or (fine and not explained):
+            distance, jumps = level, False
+    angle = _angle(at, edge) + sign * distance
     zero = 360.0 * round(angle / 360.0)
-    return zero if abs(angle - zero) < 0.5 * 360.0 / n else angle, bends  # not so near beside cam angle 0
+    return zero if abs(angle - zero) < 0.5 * 360.0 / n else angle, jumps  # an angle close to 0 is 0
 
 
-def _onset(at: Turned, rest: Rest, behind: bool, reach: int) -> tuple[float, bool, bool]:
-    """How far from its last row [deg] a dwell is left, by so many rows beyond it; whether the acceleration jumps there, and whether the
-    rows agree with that."""
-    sign, edge, n = (1, rest.last, at.count) if behind else (-1, rest.first, at.count)
+def _onset_distance(at: UnrolledRows, rest: Rest, at_end: bool, reach: int) -> tuple[float, bool, bool]:
+    """Distance [deg] from the last row of a dwell to its end, whether the acceleration jumps there, and whether the rows agree."""
+    sign, edge, n = (1, rest.last, at.count) if at_end else (-1, rest.first, at.count)
     inside = min((rest.last - rest.first) // 2, 2 * reach + LEAST_STEPS)
     numbers = edge + sign * np.arange(-inside, reach + 1)
-    together = -(-numbers.size // MOST_FITTED)  # rows that count as one, their mean
-    numbers = numbers[: numbers.size // together * together]
-    x = sign * (at.x[numbers % n] + 360.0 * (numbers // n) - _angle(at, edge)).reshape(-1, together).mean(axis=1)
-    off = (at.values[0][numbers % n] - float(rest.level or 0.0)) / at.rows.errors[0]
-    off = sqrt(together) * off.reshape(-1, together).mean(axis=1)
+    rows_per_mean = -(-numbers.size // MOST_FITTED)  # rows are replaced by means
+    numbers = numbers[: numbers.size // rows_per_mean * rows_per_mean]
+    x = sign * (at.x[numbers % n] + 360.0 * (numbers // n) - _angle(at, edge)).reshape(-1, rows_per_mean).mean(axis=1)
+    errors = (at.values[0][numbers % n] - float(rest.level or 0.0)) / at.rows.errors[0]
+    errors = sqrt(rows_per_mean) * errors.reshape(-1, rows_per_mean).mean(axis=1)
     best: dict[int, tuple[float, float]] = {}
     for power in (3, 4, 2):
-        tried = np.linspace(x[0], x[-2], 241)
-        basis = np.maximum(x[None, :] - tried[:, None], 0.0) ** power
+        distances = np.linspace(x[0], x[-2], 241)
+        basis = np.maximum(x[None, :] - distances[:, None], 0.0) ** power
         square = (basis**2).sum(axis=1)
-        left = float(off @ off) - np.where(square > 0.0, (basis @ off) ** 2 / np.where(square > 0.0, square, 1.0), 0.0)
-        k = int(np.argmin(left))
-        best[power] = float(left[k]), float(tried[k])
+        residuals = float(errors @ errors) - np.where(
+            square > 0.0, (basis @ errors) ** 2 / np.where(square > 0.0, square, 1.0), 0.0
+        )
+        k = int(np.argmin(residuals))
+        best[power] = float(residuals[k]), float(distances[k])
     smooth_power = min((3, 4), key=lambda power: best[power][0])
-    bends = best[2][0] < best[smooth_power][0] - 2.0 * WELL
-    left_over, beyond = best[2 if bends else smooth_power]
-    return beyond, bends, left_over <= off.size + 5.0 * sqrt(2.0 * off.size)
+    jumps = best[2][0] < best[smooth_power][0] - 2.0 * WELL
+    residual, distance = best[2 if jumps else smooth_power]
+    return distance, jumps, residual <= errors.size + 5.0 * sqrt(2.0 * errors.size)
 
 
-def _angle(at: Turned, row: int) -> float:
+def _angle(at: UnrolledRows, row: int) -> float:
     return float(at.x[row % at.count]) + 360.0 * (row // at.count)
 
 
-def _moved(at: Turned, stroke: Stroke | None, rest: Rest, behind: Rest) -> Stroke:
-    """A stroke with its rests and angles counted as those around it."""
+def _in_turn_of_rests(at: UnrolledRows, stroke: Stroke | None, rest: Rest, next_rest: Rest) -> Stroke:
+    """Stroke with these rests, and its angles in their turn."""
     assert stroke is not None
-    middle = 0.5 * (_angle(at, rest.last) + _angle(at, behind.first))
+    middle = 0.5 * (_angle(at, rest.last) + _angle(at, next_rest.first))
     turns = 360.0 * round((middle - 0.5 * (stroke.start + stroke.end)) / 360.0)
-    return replace(stroke, left=rest, right=behind, start=stroke.start + turns, end=stroke.end + turns)
+    return replace(stroke, left=rest, right=next_rest, start=stroke.start + turns, end=stroke.end + turns)
 
 
 # -- segments ---------------------------------------------------------------------------------------------
 
 
 def difference(after: float, before: float) -> float:
-    """after - before, without the last bits that binary numbers leave where both are decimals."""
-    whole = after - before
+    """Difference after - before, without the rounding of binary numbers where both are decimals."""
+    result = after - before
     return (
         rounded + 0.0
-        if abs((rounded := round(whole, 9)) - whole) < 1e-15 * max(abs(after), abs(before), 1.0)
-        else whole
+        if abs((rounded := round(result, 9)) - result) < 1e-15 * max(abs(after), abs(before), 1.0)
+        else result
     )
 
 
 class _Assembly:
-    """The parts as segments from their first on, and then from cam angle 0 on."""
+    """Assembly of the parts into segments, starting at cam angle 0."""
 
-    def __init__(self, at: Turned, parts: list[_Part], unit: str) -> None:
+    def __init__(self, at: UnrolledRows, parts: list[_Part], unit: str) -> None:
         self.at, self.parts, self.unit = at, parts, unit
         self.jumps: list[AccelerationJump] = []
         self.freedom, self.smoothing = 0.0, 0.0
@@ -476,50 +519,52 @@ class _Assembly:
     def structure(self) -> Structure:
         begin = self.parts[0].start
         segments: list[Segment] = []
-        found: list[SegmentFit] = []
-        total = 0.0
+        fits: list[SegmentFit] = []
+        table_span = 0.0
         for i, part in enumerate(self.parts):
             end = part.end if i + 1 < len(self.parts) else begin + 360.0
             start = self.parts[i].start
             span, rise = difference(end, start), difference(part.high, part.low)
             if span <= 1e-6:
                 continue
-            if part.dwells:
+            if part.is_dwell:
                 segments.append(Segment(span, 0.0))
-                found.append(SegmentFit("dwell", start % 360.0, span, 0.0))
+                fits.append(SegmentFit("dwell", start % 360.0, span, 0.0))
                 self.freedom += 1.0
             elif part.stroke is not None:
-                whole = part.stroke.candidate.curves(part.stroke.fractions)
-                made, angle, level = [], start, part.low
-                for k, (share, height, curve) in enumerate(whole):
-                    last = k + 1 == len(whole)
+                curves = part.stroke.candidate.curves(part.stroke.fractions)
+                law_segments, angle, level = [], start, part.low
+                for k, (share, height, curve) in enumerate(curves):
+                    last = k + 1 == len(curves)
                     next_angle = end if last else angle + share * span
                     next_level = part.high if last else level + height * rise
-                    made.append(Segment(difference(next_angle, angle), difference(next_level, level), curve))
-                    found.append(SegmentFit(curve.law, angle % 360.0, made[-1].span_deg, made[-1].rise))
+                    law_segments.append(Segment(difference(next_angle, angle), difference(next_level, level), curve))
+                    fits.append(SegmentFit(curve.law, angle % 360.0, law_segments[-1].span_deg, law_segments[-1].rise))
                     angle, level = next_angle, next_level
-                segments += made
+                segments += law_segments
                 self.freedom += 2.0 + len(part.stroke.fractions)
             else:
                 before = self.parts[i - 1]
                 after = self.parts[(i + 1) % len(self.parts)]
                 for segment in self._tables(part, start, end, before, after):
                     segments.append(segment)
-                    found.append(
-                        SegmentFit("table", (start + total) % 360.0, segment.span_deg, segment.rise, part.ambiguous)
+                    fits.append(
+                        SegmentFit(
+                            "table", (start + table_span) % 360.0, segment.span_deg, segment.rise, part.ambiguous
+                        )
                     )
-                    total += segment.span_deg
-                total = 0.0
+                    table_span += segment.span_deg
+                table_span = 0.0
         return Structure(
             _from_zero(begin, self.parts[0].low, segments, self.unit),
-            tuple(sorted(found, key=lambda each: each.start_deg)),
+            tuple(sorted(fits, key=lambda fit: fit.start_deg)),
             tuple(self.jumps),
             self.freedom,
             self.smoothing,
         )
 
     def _tables(self, part: _Part, start: float, end: float, before: _Part, after: _Part) -> list[Segment]:
-        """What is no law: tables from rest to rest, as smooth as the errors allow, one more where the acceleration jumps."""
+        """Tables of a part without a law, as smooth as the errors allow; one more where the acceleration jumps."""
         at, n = self.at, self.at.count
         x = np.concatenate((at.x[:n] - 360.0, at.x[:n], at.x[:n] + 360.0))
         inside = np.flatnonzero((x > start + 1e-9) & (x < end - 1e-9))
@@ -534,41 +579,42 @@ class _Assembly:
         ):
             return self._through_all(start, end, angles, values, ends)
         if rows.exact and angles.size <= MOST_THROUGH:
-            made = [SplinePoint(0.0, 0.0, *ends[0][1:])]
-            made += [
+            points = [SplinePoint(0.0, 0.0, *ends[0][1:])]
+            points += [
                 SplinePoint(
                     difference(a, start), float(y - part.low), *((float(v),) if 1 in values and np.isfinite(v) else ())
                 )
                 for a, y, v in zip(angles.tolist(), values[0], values.get(1, values[0]), strict=True)
             ]
-            made.append(SplinePoint(difference(end, start), part.high - part.low, *ends[1][1:]))
+            points.append(SplinePoint(difference(end, start), part.high - part.low, *ends[1][1:]))
             self.freedom += angles.size
-            return [Segment(difference(end, start), difference(part.high, part.low), TableCurve(tuple(made)))]
+            return [Segment(difference(end, start), difference(part.high, part.low), TableCurve(tuple(points)))]
         ends = tuple(
-            (*end_state[:2], None) if bends else end_state for end_state, bends in zip(ends, part.bends, strict=True)
+            (*end_state[:2], None) if jumps else end_state
+            for end_state, jumps in zip(ends, part.jumps_at_ends, strict=True)
         )  # type: ignore[assignment]
-        fitted = smooth(angles, values, rows.errors, start, end, ends)
-        for place, state, bends in ((start, 0, part.bends[0]), (end, -1, part.bends[1])):
-            if bends:
-                jump = float(fitted.states[state, 2])
-                self.jumps.append(AccelerationJump(place % 360.0, *((0.0, jump) if state == 0 else (jump, 0.0))))
-        self.freedom += fitted.freedom
-        self.smoothing = self.smoothing or fitted.smoothing
-        return [_segment(fitted.knots, fitted.states, part.low, part.high)]
+        curve = smooth(angles, values, rows.errors, start, end, ends)
+        for angle, state, jumps in ((start, 0, part.jumps_at_ends[0]), (end, -1, part.jumps_at_ends[1])):
+            if jumps:
+                jump = float(curve.states[state, 2])
+                self.jumps.append(AccelerationJump(angle % 360.0, *((0.0, jump) if state == 0 else (jump, 0.0))))
+        self.freedom += curve.freedom
+        self.smoothing = self.smoothing or curve.smoothing
+        return [_segment(curve.knots, curve.states, part.low, part.high)]
 
     def _row(self, angle: float) -> int | None:
-        """The row that stands at a cam angle [deg]."""
+        """Number of the row at a cam angle [deg]."""
         near = np.flatnonzero(np.abs(np.mod(self.at.rows.x - angle + 180.0, 360.0) - 180.0) < 1e-9)
         return int(near[0]) if near.size else None
 
     def _through_all(
         self, start: float, end: float, angles: np.ndarray, values: dict[int, np.ndarray], ends: tuple[End, End]
     ) -> list[Segment]:
-        """Quintics through exact rows, cut where the acceleration jumps."""
+        """Quintics through exact rows, divided where the acceleration jumps."""
         y = np.array([values[k] for k in range(3)])
         first, last = (np.array([[float(v) if v is not None else np.nan] for v in side]) for side in ends)
-        whole = np.isfinite(y).all(axis=0)  # a row with a cell that is left out is met by the others alone
-        x, states = np.concatenate(([start], angles[whole], [end])), np.hstack((first, y[:, whole], last))
+        is_complete = np.isfinite(y).all(axis=0)  # incomplete rows are not used
+        x, states = np.concatenate(([start], angles[is_complete], [end])), np.hstack((first, y[:, is_complete], last))
         h, largest = np.diff(x), self.at.rows.sizes[2]
         if self._row(start) is not None and not np.isnan(row := self.at.rows.values[2][self._row(start)]):
             states[2, 0] = row
@@ -576,19 +622,17 @@ class _Assembly:
                 self.jumps.append(AccelerationJump(start % 360.0, 0.0, float(row)))
         last_left = (
             2.0 * (states[1, -1] - states[1, -2]) / h[-1] - states[2, -2]
-        )  # of a row at a jump only the right side is known
+        )  # a row at a jump has only the right limit
         if self._row(end) is not None and ends[1][2] == 0.0 and abs(last_left) > SHOWN * largest:
             states[2, -1] = last_left
             self.jumps.append(AccelerationJump(end % 360.0, float(last_left), 0.0))
-        missed = np.diff(states[1]) - 0.5 * h * (states[2, :-1] + states[2, 1:])
-        size = np.abs(missed) / h
-        usual = np.median(size) + 1e-9 * self.at.rows.sizes[2]
-        around = np.maximum(np.roll(size, 2), np.roll(size, -2))
-        cuts = np.flatnonzero((size > JUMP * np.maximum(usual, around)) & (size > 2e-3 * self.at.rows.sizes[2]))
-        cuts = cuts[
-            (cuts > 0) & (cuts < h.size - 2)
-        ].tolist()  # where a dwell is left between two rows nothing need jump
-        made: list[Segment] = []
+        residuals = np.diff(states[1]) - 0.5 * h * (states[2, :-1] + states[2, 1:])
+        size = np.abs(residuals) / h
+        typical = np.median(size) + 1e-9 * self.at.rows.sizes[2]
+        neighbours = np.maximum(np.roll(size, 2), np.roll(size, -2))
+        cuts = np.flatnonzero((size > JUMP * np.maximum(typical, neighbours)) & (size > 2e-3 * self.at.rows.sizes[2]))
+        cuts = cuts[(cuts > 0) & (cuts < h.size - 2)].tolist()  # the end of a dwell between two rows is no jump
+        segments: list[Segment] = []
         begin = 0
         for cut in [*cuts, h.size - 1]:
             part = states[:, begin : cut + 2].copy()
@@ -596,20 +640,22 @@ class _Assembly:
                 after = float(states[2, cut + 1])
                 part[2, -1] = 2.0 * (states[1, cut + 1] - states[1, cut]) / h[cut] - states[2, cut]
                 self.jumps.append(AccelerationJump(float(x[cut + 1] % 360.0), float(part[2, -1]), after))
-            keep = _thinned(x[begin : cut + 2], part, self.at.rows)
-            made.append(_segment(x[begin : cut + 2][keep], part.T[keep], float(part[0, 0]), float(part[0, -1])))
-            self.freedom += 3.0 * keep.size
+            kept_rows = _thinned(x[begin : cut + 2], part, self.at.rows)
+            segments.append(
+                _segment(x[begin : cut + 2][kept_rows], part.T[kept_rows], float(part[0, 0]), float(part[0, -1]))
+            )
+            self.freedom += 3.0 * kept_rows.size
             begin = cut + 1
-        return made
+        return segments
 
 
-def _end(level: float, beside: _Part, behind: bool) -> End:
-    """What is known of an end: it stands still, with the acceleration of the law beside it."""
-    if beside.dwells:
+def _end(level: float, neighbour: _Part, at_start: bool) -> End:
+    """State known at an end: at rest, with the acceleration of the neighbouring law."""
+    if neighbour.is_dwell:
         return (level, 0.0, 0.0)
-    if beside.stroke is None:
+    if neighbour.stroke is None:
         return (level, None, None)
-    return (level, 0.0, _end_acceleration(beside, start=behind))
+    return (level, 0.0, _end_acceleration(neighbour, start=at_start))
 
 
 def _end_acceleration(part: _Part, start: bool) -> float:
@@ -622,54 +668,56 @@ def _end_acceleration(part: _Part, start: bool) -> float:
 
 def _segment(knots: np.ndarray, states: np.ndarray, low: float, high: float) -> Segment:
     start = float(knots[0])
-    places = [difference(place, start) for place in knots.tolist()]
+    angles = [difference(angle, start) for angle in knots.tolist()]
     heights = (states[:, 0] - low).tolist()
     heights[0], heights[-1] = 0.0, difference(high, low)
     points = tuple(
-        SplinePoint(*row) for row in zip(places, heights, states[:, 1].tolist(), states[:, 2].tolist(), strict=True)
+        SplinePoint(*row) for row in zip(angles, heights, states[:, 1].tolist(), states[:, 2].tolist(), strict=True)
     )
-    return Segment(places[-1], heights[-1], TableCurve(points))
+    return Segment(angles[-1], heights[-1], TableCurve(points))
 
 
 def _quintic(knots: np.ndarray, states: np.ndarray, x: np.ndarray, order: int = 0) -> np.ndarray:
-    """s⁽ᵏ⁾ (n,) of the curve with these states (m, 3) at knots (m,)."""
+    """Derivative s⁽ᵏ⁾ (n,) of the curve with states (m, 3) at knots (m,)."""
     i = np.clip(np.searchsorted(knots, x, side="right") - 1, 0, knots.size - 2)
     rows = quintics(np.diff(knots), states[:-1, :, None], states[1:, :, None])[:, :, 0]
-    w, found = x - knots[i], np.zeros(x.size)
+    w, result = x - knots[i], np.zeros(x.size)
     for power in range(5, order - 1, -1):
-        found = found * w + float(np.prod(np.arange(power - order + 1, power + 1))) * rows[i, power]
-    return found
+        result = result * w + float(np.prod(np.arange(power - order + 1, power + 1))) * rows[i, power]
+    return result
 
 
 def _thinned(x: np.ndarray, states: np.ndarray, rows: TurnRows) -> np.ndarray:
-    """The fewest rows, found by halving, whose quintics meet all others: numbers (k,)."""
-    keep = np.unique(np.linspace(0, x.size - 1, min(x.size, 13)).astype(int))
-    while keep.size < x.size:
-        off = np.zeros(x.size, dtype=bool)
+    """Row numbers (k,), by successive halving, whose quintics fit all other rows."""
+    kept_rows = np.unique(np.linspace(0, x.size - 1, min(x.size, 13)).astype(int))
+    while kept_rows.size < x.size:
+        is_off = np.zeros(x.size, dtype=bool)
         for order in range(3):
-            curve = _quintic(x[keep], states.T[keep], x, order)
-            off |= np.abs(curve - states[order]) > rows.errors[order]
-        off[keep] = False
-        if not off.any():
+            curve = _quintic(x[kept_rows], states.T[kept_rows], x, order)
+            is_off |= np.abs(curve - states[order]) > rows.errors[order]
+        is_off[kept_rows] = False
+        if not is_off.any():
             break
-        interval = np.unique(np.searchsorted(keep, np.flatnonzero(off)))
-        keep = np.union1d(keep, (keep[interval - 1] + keep[interval]) // 2)
-    return keep
+        interval = np.unique(np.searchsorted(kept_rows, np.flatnonzero(is_off)))
+        kept_rows = np.union1d(kept_rows, (kept_rows[interval - 1] + kept_rows[interval]) // 2)
+    return kept_rows
 
 
 # -- cam angle 0 ------------------------------------------------------------------------------------------
 
 
 def _from_zero(begin: float, level: float, segments: list[Segment], unit: str) -> Motion:
-    """The segments in order from cam angle 0 on; the one that passes it is cut there. A law that is cut is no law of the table any more,
-    and becomes one of rows that hold it."""
+    """Motion of the segments from cam angle 0 on; the segment that contains it is split.
+
+    A law that is split becomes tables with the same curve.
+    """
     motion = Motion(level, tuple(segments), unit)
     cut = (-begin) % 360.0
     if cut < 1e-9 or cut > 360.0 - 1e-9:
         return motion
     starts = np.array(join_angles(motion))
-    near = int(np.argmin(np.abs(starts - cut)))
-    if abs(starts[near] - cut) > 1e-9:
+    nearest = int(np.argmin(np.abs(starts - cut)))
+    if abs(starts[nearest] - cut) > 1e-9:
         index = int(np.searchsorted(starts, cut)) - 1
         segment = motion.segments[index]
         law = segment.curve.law
@@ -688,20 +736,20 @@ def _from_zero(begin: float, level: float, segments: list[Segment], unit: str) -
                 motion, segments=tuple(_as_table(motion, i) if i == index else s for i, s in enumerate(motion.segments))
             )
         motion = with_segment_split(motion, index, cut)
-        near = index + 1
-    height = level + sum(s.rise for s in motion.segments[:near])
-    return Motion(height, (*motion.segments[near:], *motion.segments[:near]), unit)
+        nearest = index + 1
+    height = level + sum(s.rise for s in motion.segments[:nearest])
+    return Motion(height, (*motion.segments[nearest:], *motion.segments[:nearest]), unit)
 
 
 def _as_table(motion: Motion, index: int) -> Segment:
-    """A segment as a table whose quintics hold its curve: to 1e-9 of its acceleration."""
+    """Segment as a table whose quintics have its curve to 1e-9 of its acceleration."""
     compiled, segment = program(motion), motion.segments[index]
     start, span = join_angles(motion)[index], segment.span_deg
-    own = np.flatnonzero(compiled.segment == index)
-    joints = np.append(np.rad2deg(compiled.starts[own]), start + span)
+    pieces = np.flatnonzero(compiled.segment == index)
+    joints = np.append(np.rad2deg(compiled.starts[pieces]), start + span)
 
     def states(x: np.ndarray) -> np.ndarray:
-        piece = own[np.clip(np.searchsorted(joints, x, side="right") - 1, 0, own.size - 1)]
+        piece = pieces[np.clip(np.searchsorted(joints, x, side="right") - 1, 0, pieces.size - 1)]
         y = compiled.state(Angles(np.deg2rad(x), piece)).displacement
         return np.array([y[k] * np.deg2rad(1.0) ** k for k in range(3)]) / motion.scale
 
@@ -711,10 +759,10 @@ def _as_table(motion: Motion, index: int) -> Segment:
         y = states(x)
         y[2, -1] = states(np.array([x[-1]]))[2, 0]
         middle = 0.5 * (x[:-1] + x[1:])
-        off = np.abs(_quintic(x, y.T, middle, 2) - states(middle)[2]) > 1e-9 * size
-        if not off.any():
+        is_off = np.abs(_quintic(x, y.T, middle, 2) - states(middle)[2]) > 1e-9 * size
+        if not is_off.any():
             break
-        x = np.sort(np.append(x, middle[off]))
+        x = np.sort(np.append(x, middle[is_off]))
     y = states(x)
     return _segment(x, y.T, float(y[0, 0]), float(y[0, 0]) + segment.rise)
 
@@ -730,6 +778,6 @@ __all__ = [
     "Switches",
     "difference",
     "far",
+    "motion_structure",
     "segment_kinds",
-    "structured",
 ]

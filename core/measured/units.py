@@ -1,4 +1,4 @@
-"""Quantity and unit of a column from the words above it."""
+"""Quantity and unit of a column from its header."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from core.units import conversion_factor, unit_symbol
 
 ANGLE, TIME = "angle", "time"
 DERIVATIVES = ("displacement", "velocity", "acceleration", "jerk")
-"""What a column may hold; the place in the row is the order of the derivative by cam angle."""
+"""Quantities of a column; the index is the order of the derivative by cam angle."""
 QUANTITIES = DERIVATIVES[:3]
-"""What a motion can be made of."""
+"""Quantities from which a motion can be computed."""
 
 
-def _sizes(of: str, *names: str) -> Mapping[str, float]:
-    """Spelling in a table -> how many of a unit it is; these are the units that tables are looked through for."""
-    return MappingProxyType({name: conversion_factor(unit_symbol(name), of) for name in names})
+def _sizes(base: str, *names: str) -> Mapping[str, float]:
+    """Spelling in a table -> the unit in terms of ``base``."""
+    return MappingProxyType({name: conversion_factor(unit_symbol(name), base) for name in names})
 
 
 ANGLE_UNITS = _sizes("°", "deg", "rad", "turns")
-"""Degrees of cam angle in one."""
+"""Unit -> degrees of cam angle."""
 TIME_UNITS = _sizes("s", "s", "ms")
-"""Seconds in one; a cam angle by the shaft's speed."""
+"""Unit -> seconds; the speed of the shaft converts them into cam angles."""
 BASES: Mapping[str, Mapping[str, float]] = MappingProxyType(
     {
         "mm": {
@@ -36,19 +36,21 @@ BASES: Mapping[str, Mapping[str, float]] = MappingProxyType(
         "deg": _sizes("°", "deg", "rad"),
     }
 )
-"""Unit of a motion -> the units that it can be measured in, and how many of it they are."""
+"""Unit of a motion -> units of its tables, in terms of it."""
 PER = ("deg", "rad", "s")
 GRAVITY = conversion_factor("g", "mm/s²")
 
 
 @frozen
 class ValueUnit:
-    """The unit of a measured value: mm, mm/s, mm/deg², g.
+    """Unit of a measured value: mm, mm/s, mm/deg², g.
 
-    motion  unit of the motion it belongs to, ``mm`` or ``deg``
-    size    how many of that it is
-    per     key of ``PER``; empty for a displacement
-    order   of the derivative
+    Attributes
+    ----------
+    motion : unit of the motion, ``mm`` or ``deg``
+    size : numerator in that unit
+    per : denominator, element of ``PER``; empty for a displacement
+    order : order of the derivative
     """
 
     name: str
@@ -58,14 +60,14 @@ class ValueUnit:
     order: int = 0
 
     def by_degree(self, speed_rpm: float | None) -> float:
-        """How many of the motion's unit per degree^order of cam angle it is; a speed is needed where ``per`` is s."""
-        each = {"": 1.0, "deg": 1.0, "rad": ANGLE_UNITS["rad"], "s": 6.0 * (speed_rpm or 1.0)}[self.per]
-        return self.size / each**self.order
+        """Value of the unit in units of the motion per degree^order; a speed is required where ``per`` is s."""
+        denominator = {"": 1.0, "deg": 1.0, "rad": ANGLE_UNITS["rad"], "s": 6.0 * (speed_rpm or 1.0)}[self.per]
+        return self.size / denominator**self.order
 
 
 @lru_cache(maxsize=4096)
 def value_unit(name: str, motion: str) -> ValueUnit | None:
-    """A unit by its name, ``mm/s2``, for a motion in mm or deg; None where it is none."""
+    """Unit with a name such as ``mm/s2`` for a motion in mm or deg; None where it is unknown."""
     if name == "g" and motion == "mm":
         return ValueUnit("g", "mm", GRAVITY, "s", 2)
     match = re.fullmatch(r"([a-z]+|1e-4in)(?:/(deg|rad|s)([23]?))?", name)
@@ -76,7 +78,7 @@ def value_unit(name: str, motion: str) -> ValueUnit | None:
 
 
 def value_units(quantity: str, motion: str) -> tuple[str, ...]:
-    """The units that a quantity can be measured in."""
+    """Names of the units of a quantity."""
     order = DERIVATIVES.index(quantity)
     if order == 0:
         return tuple(BASES[motion])
@@ -125,13 +127,13 @@ _LONGEST_UNIT, _MOST_PARTS = 40, 6
 
 @lru_cache(maxsize=4096)
 def unit_of(text: str) -> str:
-    """The unit that a text spells, by its name here: ``mm``, ``deg``, ``mm/s2``, ``turns``; empty where it spells none."""
+    """Name of the unit that a text spells: ``mm``, ``deg``, ``mm/s2``, ``turns``; empty where it is unknown."""
     if len(text := text.strip()) > _LONGEST_UNIT:
         return ""
     for sign, plain in (("º", "°"), ("˚", "°"), ("″", "in"), ('"', "in")):
         text = text.replace(sign, plain)
     parts = text.strip().lower().split("_")
-    if len(parts) > 1:  # mm_s2, as in our own tables
+    if len(parts) > 1:  # mm_s2, as in tables of KINDYNA
         text = parts[0] + "/" + "".join(p for p in parts[1:] if p != "per")
     plain = unicodedata.normalize("NFKC", text).lower().replace("\u2044", "/").replace("\u2215", "/").replace("−", "-")
     for spelled, meant in _SPELLINGS:
@@ -141,38 +143,37 @@ def unit_of(text: str) -> str:
 
 
 def unknown_unit(name: str) -> str:
-    """What stands in square brackets in a column's name, as a unit does, and is none that is known; empty where nothing does."""
+    """Unknown unit in the brackets of a column's name; empty where there is none."""
     name = name[-LONGEST:]
-    inside = re.findall(r"\[([^\[\]]*)\]", name) or [
+    bracketed = re.findall(r"\[([^\[\]]*)\]", name) or [
         text for text in re.findall(r"\(([^()]*)\)", name) if _NUMBERED.match(text)
     ]
-    return "" if not inside or unit_of(inside[-1]) else inside[-1].strip()
+    return "" if not bracketed or unit_of(bracketed[-1]) else bracketed[-1].strip()
 
 
 def unit_in(text: str) -> str:
-    """The unit that a column's name ends in: in brackets, behind a comma, slash or ``in``, after an underscore or
-    space; empty where there is none."""
+    """Unit at the end of a column's name: in brackets, after a comma, slash, ``in``, underscore or space; else empty."""
     text = text[-LONGEST:]
-    for inside in re.findall(r"[\[({<]([^\[({<\])}>]*)[\])}>]", text):
-        if unit_of(inside):
-            return unit_of(inside)
-    if any(_NUMBERED.match(inside) for inside in re.findall(r"\(([^()]*)\)", text)):
-        return ""  # a multiple of a unit that is not known: not that unit
-    tried = [part.strip() for part in re.split(r",|\s/\s|\s/(?=\S+$)|\bin\b(?=\s*\S)", text)[1:][-_MOST_PARTS:]]
+    for bracketed in re.findall(r"[\[({<]([^\[({<\])}>]*)[\])}>]", text):
+        if unit_of(bracketed):
+            return unit_of(bracketed)
+    if any(_NUMBERED.match(bracketed) for bracketed in re.findall(r"\(([^()]*)\)", text)):
+        return ""  # an unknown multiple of a unit
+    candidates = [part.strip() for part in re.split(r",|\s/\s|\s/(?=\S+$)|\bin\b(?=\s*\S)", text)[1:][-_MOST_PARTS:]]
     words = re.split(r"\s+", text.strip())
     if len(words) > 1:
-        tried.append(words[-1])
+        candidates.append(words[-1])
     pieces = words[-1].split("_")
-    tried += ["_".join(pieces[i:]) for i in range(max(1, len(pieces) - _MOST_PARTS), len(pieces))]
-    if len(text.strip()) > 1:  # a letter alone is a name: s, m, g
-        tried.append(text)
-    return next((unit_of(part) for part in tried if unit_of(part)), "")
+    candidates += ["_".join(pieces[i:]) for i in range(max(1, len(pieces) - _MOST_PARTS), len(pieces))]
+    if len(text.strip()) > 1:  # a single letter is a name: s, m, g
+        candidates.append(text)
+    return next((unit_of(part) for part in candidates if unit_of(part)), "")
 
 
 # -- reading quantities -----------------------------------------------------------------------------------
 
 _WORDS: tuple[tuple[str, str], ...] = (
-    # the first row that fits counts; Korean words stand without spaces around them
+    # the first matching row is used; Korean words have no spaces around them
     ("jerk", r"jerk|j|ruck"),
     ("other", r"snap|force|torque|pressure|curvature|temperature|rpm"),
     ("acceleration", r"accelerations?|accel|acc|a|d2s|beschleunigung|가속도"),
@@ -187,7 +188,7 @@ _WORDS: tuple[tuple[str, str], ...] = (
 
 @frozen
 class ColumnMeaning:
-    """Quantity and unit that a column's name states; empty where it does not."""
+    """Quantity and unit in a column's name; empty where it states none."""
 
     quantity: str
     unit: str
@@ -195,7 +196,7 @@ class ColumnMeaning:
 
 @lru_cache(maxsize=4096)
 def meaning(name: str) -> ColumnMeaning:
-    """Quantity and unit that a column's name states; a unit such as mm/s² implies the quantity."""
+    """Quantity and unit in a column's name; a unit such as mm/s² implies the quantity."""
     name = name[-LONGEST:]
     unit = unit_in(name)
     order = max((result.order for motion in BASES if (result := value_unit(unit, motion))), default=0)

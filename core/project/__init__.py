@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from core.bounds import DIGITS
 from core.design import BALANCER, Design, drive_names, in_machine, numbered, only, part_faults
-from core.design.linkage_rules import only_unfinished
+from core.design.linkage_rules import only_incomplete
 from core.errors import MISSING, DesignError, Fault, KindynaError
 from core.process import lazy_attributes
 from core.project.differences import ValueDifference, differences
@@ -85,7 +85,7 @@ def loads_drawing(text: str, source: str = "design") -> Design:
         return loads(text, source)
     except DesignError as error:
         drawn = loads(text, source, unfinished=True)
-        if drawn.listed or not drawn.drive.links or not only_unfinished(drawn.drive, error.faults):
+        if drawn.listed or not drawn.drive.links or not only_incomplete(drawn.drive, error.faults):
             raise
         return drawn
 
@@ -103,7 +103,7 @@ def save(design: Design, path: AnyPath, *, in_place: bool = False) -> str:
     from core.project.writing import dumps
 
     if changed := [
-        drive.motion for drive in design.drives if drive.motion is not None and not drive.motion.as_it_followed
+        drive.motion for drive in design.drives if drive.motion is not None and not drive.motion.is_as_linked
     ]:
         raise DesignError(part_faults(changed[0], "motion"))
     text = dumps(design, os.path.dirname(os.path.abspath(path)))

@@ -24,12 +24,12 @@ from core.measured.sheet import (
     RowFault,
     TableError,
     Worksheet,
-    decoded,
+    decode,
     number,
     read_sheet,
     require_cells,
     require_lines,
-    split,
+    split_cells,
 )
 from core.numerics.lazy import checkpoint
 from core.output.channels import ACCELERATION, SPEED, channels, output_columns, travel_column
@@ -92,7 +92,7 @@ def read_numbers(data: bytes, name: str, progress: Progress = lambda part: None)
 
     Blocks of lines with numbers only are read at once, others line by line. Raises TableError.
     """
-    text, _ = decoded(data, name)
+    text, _ = decode(data, name)
     require_lines(text, name)
     lines = re.split(r"\r\n|\r", text) if "\r" in text and "\n" not in text else text.replace("\r\n", "\n").split("\n")
     widest = max(map(len, lines[:LEAST_SAMPLE])) + 1
@@ -126,7 +126,7 @@ def _wider(sheet: Worksheet, lines: Sequence[str]) -> int:
     """
     begin = sheet.rows[0].line - 1
     above = next((line for line in reversed(lines[:begin]) if line.strip()), "")
-    count = len(split(above.strip().lstrip("#%/"), sheet.delimiter))
+    count = len(split_cells(above.strip().lstrip("#%/"), sheet.delimiter))
     if sheet.delimiter == "spaces" or count <= sheet.columns:
         return 0
     mark = DELIMITERS[sheet.delimiter]
@@ -184,7 +184,7 @@ class _Reader:
             text = line.strip()
             if not text or text.startswith(_COMMENTS):
                 continue
-            cells = split(
+            cells = split_cells(
                 re.split(r"#|%|//", line, maxsplit=1)[0] if re.match(r"\s*[-+.\d]", line) else line, self.delimiter
             )
             is_row[i] = True

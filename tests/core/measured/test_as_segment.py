@@ -78,8 +78,8 @@ def test_its_ends_take_velocity_and_acceleration_of_its_neighbours() -> None:
     [
         ("0 1\n1 ERR\n2 3", "line 2: '1 ERR'"),
         ("0 1\n2 3\n1 4", "line 3: angle 1 after 2"),
-        ("0 1\n1 2\n2 1", "ends where it begins"),
-        ("0 0.001\n120 9.998\n240 10.002\n355 0.004", "whole turn as a measured motion"),
+        ("0 1\n1 2\n2 1", "ends where it starts"),
+        ("0 0.001\n120 9.998\n240 10.002\n355 0.004", "full turn as a measured motion"),
     ],
 )
 def test_bad_rows_are_named(text: str, said: str) -> None:

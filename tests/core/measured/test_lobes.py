@@ -134,7 +134,7 @@ def test_half_a_lobe_of_velocities_is_refused(tmp_path: Path, capsys: pytest.Cap
     speed = (position(SINE, rows + 1e-4) - position(SINE, rows - 1e-4)) / 2e-4
     text = listed(rows, speed, 7, "angle [deg],velocity [mm/deg]")
     assert "the rows do not cover the turn" in refused(tmp_path, capsys, text)
-    assert "wanted: displacements" in refused(tmp_path, capsys, text, "--mirror")
+    assert "allowed: displacements" in refused(tmp_path, capsys, text, "--mirror")
 
 
 def test_a_whole_lobe_is_not_mirrored(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

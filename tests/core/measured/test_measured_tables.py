@@ -261,32 +261,32 @@ def test_every_unit_is_worth_what_its_name_says(motion_unit: str) -> None:
 GOOD = "angle [deg],lift [mm]\n" + rows(",")
 WRONG: dict[str, tuple[str, list[tuple[int, str]]]] = {
     # the file, and each line that is wrong with what is said of it
-    "text": (GOOD.replace("180,2.5", "180,2.S"), [(4, "'2.S' in column 2 (lift [mm]): wanted: a number with a decimal '.'")]),
+    "text": (GOOD.replace("180,2.5", "180,2.S"), [(4, "'2.S' in column 2 (lift [mm]): required: a number with a decimal '.'")]),
     "nan": (GOOD.replace("180,2.5", "180,nan"), [(4, "'nan' in column 2")]),
-    "nothing": (GOOD.replace("180,2.5", "180,"), [(4, "'180' has 1 column; 2 are wanted")]),
-    "a decimal comma": (GOOD.replace("180,2.5", "180,2,5"), [(4, "'180,2,5' has 3 columns; 2 are wanted")]),
+    "nothing": (GOOD.replace("180,2.5", "180,"), [(4, "'180' has 1 column; 2 are required")]),
+    "a decimal comma": (GOOD.replace("180,2.5", "180,2,5"), [(4, "'180,2,5' has 3 columns; 2 are required")]),
     "both cells": (
         GOOD.replace("180,2.5", "x,y"),
-        [(4, "'x' in column 1 (angle [deg]): wanted: a number with a decimal '.'; 'y' in column 2")],
+        [(4, "'x' in column 1 (angle [deg]): required: a number with a decimal '.'; 'y' in column 2")],
     ),
-    "nothing before": (GOOD.replace("180,2.5", ",2.5"), [(4, "nothing stands in column 1 (angle [deg])")]),
-    "too large": (GOOD.replace("180,2.5", "180,1e300"), [(4, "too large; wanted: at most 1e+12")]),
-    "first row": (rows(",").replace("0,0.5", "0,O.5", 1), [(1, "'O.5' in column 2: wanted")]),
-    "a footer": (GOOD + "End of data\n", [(6, "'End of data' has 1 column; 2 are wanted")]),
+    "nothing before": (GOOD.replace("180,2.5", ",2.5"), [(4, "column 1 (angle [deg]) is empty")]),
+    "too large": (GOOD.replace("180,2.5", "180,1e300"), [(4, "too large; allowed: at most 1e+12")]),
+    "first row": (rows(",").replace("0,0.5", "0,O.5", 1), [(1, "'O.5' in column 2: required")]),
+    "a footer": (GOOD + "End of data\n", [(6, "'End of data' has 1 column; 2 are required")]),
     "a thousand": (
         GOOD.replace(",", ";").replace("180;2.5", "180;2,500"),
-        [(4, "a thousand, or a decimal '.' meant? wanted: a number without ','")],
+        [(4, "thousands separator or decimal mark? required: a number without ','")],
     ),
     "a comma for the point": (GOOD.replace("180,2.5", "180;2,5"), [(4, "'180;2' in column 1")]),
-    "nothing between": ("n;angle [deg];lift [mm]\n1;0;1\n2;90;2\n3;;\n4;270;2\n5;300;1\n", [(4, "'3' has 1 column; 3 are wanted")]),
+    "nothing between": ("n;angle [deg];lift [mm]\n1;0;1\n2;90;2\n3;;\n4;270;2\n5;300;1\n", [(4, "'3' has 1 column; 3 are required")]),
     "out of order": (
         GOOD.replace("180,", "18,") + "280,1\n290,1\n",
-        [(4, "angle 18 behind 90 and before 270, where the angles rise; wanted: the rows in order, or this angle mended")],
+        [(4, "angle 18 after 90 and before 270, where the angles rise; sort the rows, or correct this angle")],
     ),
-    "too far": (GOOD.replace("90,", "900,") + "280,1\n290,1\n", [(3, "angle 900 behind 0 and before 180, where the angles rise")]),
+    "too far": (GOOD.replace("90,", "900,") + "280,1\n290,1\n", [(3, "angle 900 after 0 and before 180, where the angles rise")]),
     "several": (
         GOOD.replace("90,1.5", "90,?").replace("180,2.5", "180").replace("270,", "abc,"),
-        [(3, "'?' in column 2"), (4, "'180' has 1 column; 2 are wanted"), (5, "'abc' in column 1")],
+        [(3, "'?' in column 2"), (4, "'180' has 1 column; 2 are required"), (5, "'abc' in column 1")],
     ),
 }  # fmt: skip
 
@@ -306,10 +306,11 @@ def test_wrong_rows_are_named_by_line_all_at_once(case: str) -> None:
 
 @pytest.mark.parametrize(
     ("text", "words"),
-    [("", "no row holds two numbers"), ("angle lift\nnone here\n", "no row holds two numbers"), ("1\n2\n3\n", "no row holds two numbers"),
-     ("0,1\n180,2\n360,1\n", "2 different cam angles; at least 4 are wanted"), (b"PK\x03\x04rest", "a workbook, no text"),
-     (b"1,2\0", "null bytes"), (b"\xff\xfe1", "not the UTF-16 text"),
-     ("angle [deg],arm [deg]\n" + rows(","), "measured in deg, but the follower slides: lengths are wanted")],
+    [("", "no row contains two numbers"), ("angle lift\nnone here\n", "no row contains two numbers"),
+     ("1\n2\n3\n", "no row contains two numbers"),
+     ("0,1\n180,2\n360,1\n", "2 different cam angles; at least 4 are required"), (b"PK\x03\x04rest", "a workbook, no text"),
+     (b"1,2\0", "null bytes"), (b"\xff\xfe1", "no UTF-16 text"),
+     ("angle [deg],arm [deg]\n" + rows(","), "measured in deg, but the follower slides: lengths are required")],
 )  # fmt: skip
 def test_what_is_no_table_is_refused_in_one_line(text: str | bytes, words: str) -> None:
     with pytest.raises(TableError) as caught:
@@ -320,10 +321,10 @@ def test_what_is_no_table_is_refused_in_one_line(text: str | bytes, words: str) 
 
 @pytest.mark.parametrize(
     ("wish", "words"),
-    [(ColumnChoice(column="torque"), "column 'torque': none of that name; there are: 1 angle [deg], 2 lift [mm]"),
-     (ColumnChoice(column="3"), "none of that name"), (ColumnChoice(column="1", angle_column="1"), "angle and value at once"),
-     (ColumnChoice(value_unit="mm/s"), "unit 'mm/s' is none of a displacement here; allowed: mm, cm, m, um, in"),
-     (ColumnChoice(angle_unit="gon"), "unit 'gon' is none of an angle; allowed: deg, rad, turns, s, ms")],
+    [(ColumnChoice(column="torque"), "column 'torque': no column has this name; columns: 1 angle [deg], 2 lift [mm]"),
+     (ColumnChoice(column="3"), "no column has this name"), (ColumnChoice(column="1", angle_column="1"), "angle and value at once"),
+     (ColumnChoice(value_unit="mm/s"), "unit 'mm/s' is no unit of displacement here; allowed: mm, cm, m, um, in"),
+     (ColumnChoice(angle_unit="gon"), "unit 'gon' is no unit of an angle; allowed: deg, rad, turns, s, ms")],
 )  # fmt: skip
 def test_a_wish_that_cannot_be_met_names_what_there_is(wish: ColumnChoice, words: str) -> None:
     with pytest.raises(TableError) as caught:
@@ -333,7 +334,7 @@ def test_a_wish_that_cannot_be_met_names_what_there_is(wish: ColumnChoice, words
 
 def test_times_need_the_speed_of_the_shaft() -> None:
     for header in ("t [s],lift [mm]\n", "angle [deg],v [mm/s]\n"):
-        with pytest.raises(TableError, match="the shaft's speed is wanted"):
+        with pytest.raises(TableError, match="the shaft's speed is required"):
             taken(header + rows(","), speed=None)
     assert taken("angle [deg],velocity\n" + rows(","), speed=None).unit == "mm/deg", "a guess that needs none"
 
@@ -349,16 +350,16 @@ TURN = np.arange(0.0, 360.0, 5.0)
         (TURN, []),
         (TURN - 180.0, []),
         (TURN[::-1], ["the angles fall; the rows are sorted"]),
-        (np.append(TURN, 360.0), ["line 74 is a whole turn after line 2: the same cam angle again"]),
-        (np.append(TURN, 20.0), ["1 row repeats a cam angle (as lines 6, 74): their mean counts"]),
+        (np.append(TURN, 360.0), ["line 74 is a full turn after line 2: the same cam angle again"]),
+        (np.append(TURN, 20.0), ["1 row repeats a cam angle (as lines 6, 74): their mean is used"]),
         (
             np.append(TURN, TURN[::-1]),
             [
                 "the angles rise and fall; the rows are sorted",
-                "72 rows repeat a cam angle (as lines 2, 145): their mean counts",
+                "72 rows repeat a cam angle (as lines 2, 145): their mean is used",
             ],
         ),
-        (np.arange(0.0, 1080.0, 5.0), ["the angles cover 2.986 turns, which are laid over one another"]),
+        (np.arange(0.0, 1080.0, 5.0), ["the angles cover 2.986 turns, which are superposed"]),
         (np.random.default_rng(3).permutation(TURN), ["the angles rise and fall; the rows are sorted"]),
     ],
     ids=[
@@ -750,7 +751,7 @@ def test_times_are_counted_by_the_designs_own_speed(tmp_path: Path, capsys: pyte
     )
     project.save(PUSHER, design)
     assert main(["measured", str(path), "--no-laws", "--no-dwells", "--error", "0"]) == 2
-    assert "the shaft's speed is wanted" in capsys.readouterr().err
+    assert "the shaft's speed is required" in capsys.readouterr().err
     assert main(["measured", str(path), "--no-laws", "--no-dwells", "--error", "0", "--into", str(design)]) == 0
     assert moved(angles, 0, project.load(design).drive.motion) == pytest.approx(moved(angles), abs=1e-9)
     assert main(["measured", str(path), "--no-laws", "--no-dwells", "--error", "0", "--speed", "300"]) == 0
@@ -779,7 +780,7 @@ def test_every_wrong_row_is_a_line_and_nothing_is_written(tmp_path: Path) -> Non
 @pytest.mark.parametrize(
     ("words", "phrase"),
     [(["--error", "-1"], "allowed: >= 0"), (["--error", "many"], "'many'"), (["--speed", "0"], "allowed: above 0"),
-     (["--angle-unit", "gon"], "gon"), (["--quantity", "jerk"], "jerk"), (["--column", "z"], "none of that name"),
+     (["--angle-unit", "gon"], "gon"), (["--quantity", "jerk"], "jerk"), (["--column", "z"], "no column has this name"),
      (["--value-unit", "mm/h"], "allowed: mm, cm, m, um, in"), (["--into", "nowhere.toml", "--segment", "1"], "no such file"),
      (["--delimiter", "dash"], "dash"), (["--error", "99"], "allowed: 0 ...")],
 )  # fmt: skip
@@ -834,7 +835,7 @@ def test_times_that_repeat_few_angles_over_many_turns_are_fitted(
         == 0
     )
     told = capsys.readouterr()
-    assert "turns, which are laid over one another" in told.out
+    assert "turns, which are superposed" in told.out
     assert told.err == ""
 
 
@@ -845,7 +846,7 @@ def test_a_unit_in_brackets_that_is_not_known_is_asked_about(
     path = tmp_path / "a.csv"
     path.write_text(f"angle [deg];lift [{unit}]\n" + rows(";"), encoding="utf-8")
     assert main(["measured", str(path), "--no-laws", "--no-dwells"]) == 2
-    assert f"column 2 (lift [{unit}]): the unit '{unit}' is not known" in capsys.readouterr().err
+    assert f"column 2 (lift [{unit}]): unknown unit '{unit}'" in capsys.readouterr().err
     assert main(["measured", str(path), "--no-laws", "--no-dwells", "--value-unit", "mm"]) == 0
 
 

@@ -113,14 +113,14 @@ def test_columns_that_are_named_are_read_whatever_their_header_says(
     path.write_text(text(by_degrees, "angle [deg],one,two,three"))
     answer = asked(path, capsys, *COLUMNS)
     assert [each["unit"] for each in answer["columns"]] == ["mm", "mm/deg", "mm/deg2"]
-    assert "column 3 (two) is taken for mm/deg" in answer["notes"]
+    assert "column 3 (two) is assumed to be in mm/deg" in answer["notes"]
     path.write_text(text(PER_SECOND))
     answer = asked(path, capsys)
     assert [each["quantity"] for each in answer["columns"]] == ["displacement", "velocity"]
-    assert any(note.startswith("column 4 (a [mm/s2]): counted by time; ") for note in answer["notes"])
+    assert any(note.startswith("column 4 (a [mm/s2]): rates by time; ") for note in answer["notes"])
     assert main(["measured", str(path), *COLUMNS]) == 2
     assert capsys.readouterr().err.endswith(
-        "column 4 (a [mm/s2]): counted by time; the shaft's speed is wanted to read them\n"
+        "column 4 (a [mm/s2]): rates by time; the shaft's speed is required to read them\n"
     )
 
 
@@ -143,4 +143,4 @@ def test_a_table_of_ten_thousand_columns_is_refused_in_one_line(
     path = tmp_path / "wide.csv"
     path.write_text("\n".join(",".join(f"{k + 10000 * row}" for k in range(10000)) for row in range(8)))
     assert main(["measured", str(path)]) == 2
-    assert capsys.readouterr().err == "wide.csv: 10000 columns; wanted: at most 1000, and a row for each cam angle\n"
+    assert capsys.readouterr().err == "wide.csv: 10000 columns; allowed: at most 1000, with a row for each cam angle\n"

@@ -148,7 +148,7 @@ def test_a_table_that_does_not_come_back_says_so(rows: int) -> None:
     """A step of 100 mm a turn, with the row that ends it or without."""
     angles = np.arange(float(rows))
     table = read(written(angles, 100.0 * (angles / 360.0 - np.sin(2.0 * np.pi * angles / 360.0) / (2.0 * np.pi))))
-    end = rf"line {rows + 1}, where the turn ends, is 100 mm from line 2, where it begins: a motion read from a table must"
+    end = rf"line {rows + 1}, where the turn ends, is 100 mm from line 2, where it starts: a measured motion must"
     with pytest.raises(FitError, match=end):
         fit(table, ERROR)
 
@@ -160,7 +160,8 @@ def test_a_step_with_no_wrong_side_is_refused(case: str, tmp_path: Path, capsys:
     values[where] += by
     table = read(written(angles, values))
     with pytest.raises(
-        FitError, match=f"^{lines}.*: they contradict each other, and nothing tells which of them are wrong.*; correct"
+        FitError,
+        match=f"^{lines}.*: they contradict each other, and it cannot be decided which of them are wrong.*; correct",
     ):
         fit(table, ERROR)
     (tmp_path / "lift.csv").write_text(written(angles, values))
@@ -223,7 +224,7 @@ def test_a_value_held_into_a_dwell_may_be_the_dwell_and_is_refused() -> None:
     angles = np.arange(0.0, 360.0)
     values = np.round(position(motion, angles), 2)
     values[344:359] = values[344]
-    with pytest.raises(FitError, match="nothing tells which of them are wrong"):
+    with pytest.raises(FitError, match="it cannot be decided which of them are wrong"):
         fit(read(written(angles, values)), 0.005)
 
 

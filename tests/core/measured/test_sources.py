@@ -64,7 +64,7 @@ def test_a_multiple_of_a_unit_that_is_not_known_is_asked_about() -> None:
     sheet = read_sheet(
         text(ANGLES, position(LIFT, ANGLES), "angle [deg];lift (1/64 in)", "{:g};{:.4f}").encode(), "t.csv"
     )
-    with pytest.raises(TableError, match=re.escape("the unit '1/64 in' is not known")):
+    with pytest.raises(TableError, match=re.escape("unknown unit '1/64 in'")):
         layout(sheet)
 
 
@@ -80,7 +80,7 @@ def test_a_cell_that_is_no_number_is_left_out_by_its_line(tmp_path: Path, capsys
     assert {s["law"] for s in answer["segments"]} == {"dwell", "4-5-6-7", "3-4-5"}  # type: ignore[attr-defined]
     assert len(answer["residuals"]) == 357  # type: ignore[arg-type]
     assert main(["measured", str(path), "--leave-out", "400"]) == 2
-    assert "line 400 to be left out: no row of the table stands there" in capsys.readouterr().err
+    assert "line 400 cannot be left out: the table has no row there" in capsys.readouterr().err
     assert main(["measured", str(path), "--leave-out", "4-x"]) == 2
     assert "allowed: 57,60-63" in capsys.readouterr().err
 
@@ -197,8 +197,8 @@ def test_a_sheet_of_a_workbook_is_read_and_a_range_of_it(tmp_path: Path, capsys:
     answer = told(path, capsys, "--sheet", "Lift", "--range", "A103:B362")
     assert len(answer["residuals"]) == 260  # type: ignore[arg-type]
     wrong = {
-        "no sheet 'Lifts'; there are: Notes, Lift": ["--sheet", "Lifts"],
-        "no row holds two numbers": [],
+        "no sheet 'Lifts'; sheets: Notes, Lift": ["--sheet", "Lifts"],
+        "no row contains two numbers": [],
         "as A1:C400": ["--sheet", "Lift", "--range", "A1"],
     }
     for said, words in wrong.items():
@@ -256,10 +256,10 @@ def test_without_a_reader_of_workbooks_one_line_says_what_to_install(
 @pytest.mark.parametrize(
     ("unit", "form", "said"),
     [
-        (25.4e-4, "{:.0f} {:.0f}", "taken for 1e-4in, a stroke of 8.999 mm; as mm it is 3543 mm"),
-        (1e-3, "{:.0f} {:.0f}", "taken for um, a stroke of 9 mm; as mm it is 9000 mm"),
-        (25.4, "{:.0f} {:.4f}", "taken for in, a stroke of 8.999 mm; as mm it is 0.3543 mm"),
-        (1.0, "{:.0f} {:.4f}", "taken for mm"),
+        (25.4e-4, "{:.0f} {:.0f}", "assumed to be in 1e-4in, a stroke of 8.999 mm; as mm it is 3543 mm"),
+        (1e-3, "{:.0f} {:.0f}", "assumed to be in um, a stroke of 9 mm; as mm it is 9000 mm"),
+        (25.4, "{:.0f} {:.4f}", "assumed to be in in, a stroke of 8.999 mm; as mm it is 0.3543 mm"),
+        (1.0, "{:.0f} {:.4f}", "assumed to be in mm"),
     ],
 )
 def test_the_scale_of_a_lobe_table_without_units_is_guessed_and_said(
@@ -270,6 +270,6 @@ def test_the_scale_of_a_lobe_table_without_units_is_guessed_and_said(
     answer = told(path, capsys)
     notes = answer["notes"]
     assert f"the displacement is {said}" in notes  # type: ignore[operator]
-    assert "angles from 0 to 359 are taken for deg, a row every 1" in notes  # type: ignore[operator]
+    assert "angles from 0 to 359 are assumed to be in deg, a row every 1" in notes  # type: ignore[operator]
     assert answer["fit"]["stroke_mm"] == pytest.approx(9.0, abs=0.003)  # type: ignore[index]
     assert answer["velocity_jumps"] == []

@@ -176,7 +176,7 @@ def test_of_columns_that_contradict_each_other_the_user_chooses(
     assert [segment["law"] for segment in chosen["segments"]] == laws, "the dwells stand still"
     for words, said in (
         ("s,v", "times the derivative of the displacement: they contradict each other"),
-        ("s,w", "trust 's,w'; wanted: s, v, a"),
+        ("s,w", "trust 's,w'; allowed: one or more of s, v, a"),
     ):
         assert main(["measured", str(table), "--trust", words]) == 2
         told = capsys.readouterr().err
@@ -184,7 +184,7 @@ def test_of_columns_that_contradict_each_other_the_user_chooses(
         assert told.count("\n") == 1
     table.write_text("angle [deg],lift [mm]\n" + "".join(f"{a},{a % 7}\n" for a in range(360)))
     assert main(["measured", str(table), "--trust", "v"]) == 2
-    assert "no column's header says velocity" in capsys.readouterr().err
+    assert "no column's header states velocity" in capsys.readouterr().err
 
 
 def test_a_residual_above_a_stated_error_is_said() -> None:
@@ -365,8 +365,8 @@ def test_what_a_segment_cannot_be_is_told(tmp_path: Path, capsys: pytest.Capture
     path = tmp_path / "t.csv"
     path.write_text(written(TWO_DWELLS, 360, digits=6))
     for words, told in {
-        "100=dwell": "segment at 100 deg: its ends stand 9 mm apart; a dwell's stand at one level",
-        "170=cycloidal": "segment at 170 deg: it stands still, and cannot be cycloidal",
+        "100=dwell": "segment at 100 deg: its ends differ by 9 mm; the ends of a dwell have one level",
+        "170=cycloidal": "segment at 170 deg: it is a dwell, and cannot be cycloidal",
         "100=spiral": "allowed: DEG=KIND, KIND of table, dwell, constant-velocity",
     }.items():
         assert main(["measured", str(path), "--switch", words]) == 2

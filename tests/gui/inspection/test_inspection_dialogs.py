@@ -170,9 +170,9 @@ def test_what_cannot_be_read_is_one_line_and_nothing_is_lost(opened: MeasuredCam
     assert "cut.csv" in opened.verdict.text()
     assert opened.picture.shown is shown, "a file that has gone leaves what is shown"
     for data, message in (
-        (b"", "cut.csv: no row holds two numbers"),
+        (b"", "cut.csv: no row contains two numbers"),
         (whole.replace(b"40.0,", b"forty,"), "cut.csv, line 22: 'forty' in column 1"),
-        (whole.replace(b"lift_mm", b"lift [furlong]"), "the unit 'furlong' is not known"),
+        (whole.replace(b"lift_mm", b"lift [furlong]"), "unknown unit 'furlong'"),
     ):
         path.write_bytes(data)
         QTest.mouseClick(opened.again, Qt.MouseButton.LeftButton)

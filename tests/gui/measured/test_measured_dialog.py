@@ -394,7 +394,7 @@ def test_units_and_columns_can_be_corrected(lift: User, imports: Import) -> None
     other = np.rad2deg(np.deg2rad(ANGLES))
     text = "a,b,c\n" + "".join(f"{a:g},{i},{v / 25.4:.5f}\n" for i, (a, v) in enumerate(zip(other, LIFT, strict=True)))
     dialog = imports(text)
-    assert any("column 2 (b) is taken for the values" in cells[1].lower() for cells in found(dialog))
+    assert any("column 2 (b) is assumed to be the values" in cells[1].lower() for cells in found(dialog))
     pick(dialog.form.boxes["column"], "3  c")
     pick(dialog.form.boxes["value_unit"], "in")
     assert unit_of(dialog) == "in"
@@ -417,7 +417,7 @@ def test_another_delimiter_can_be_tried_and_taken_back(lift: User, imports: Impo
     pick(dialog.form.boxes["delimiter"], "Semicolon")
     assert dialog.answer.fit is None
     assert not dialog.put_button.isEnabled()
-    assert "No row holds two numbers" in dialog.message.text()
+    assert "No row contains two numbers" in dialog.message.text()
     pick(dialog.form.boxes["delimiter"], "Comma")
     assert dialog.answer.fit is not None
     assert dialog.answer.fit.stroke == stroke
@@ -426,7 +426,7 @@ def test_another_delimiter_can_be_tried_and_taken_back(lift: User, imports: Impo
 @pytest.mark.stress
 def test_a_table_of_a_follower_that_swings_needs_a_unit(lift: User, imports: Import) -> None:
     dialog = imports(table("cam_angle_deg,arm_angle_deg"))
-    assert "the follower slides: lengths are wanted" in dialog.message.text()
+    assert "the follower slides: lengths are required" in dialog.message.text()
     pick(dialog.form.boxes["value_unit"], "cm")
     assert dialog.answer.fit is not None
     assert dialog.answer.fit.stroke == pytest.approx(1500.0, abs=5.0)
@@ -442,7 +442,7 @@ def test_wrong_rows_are_listed_by_line_and_the_mended_file_is_read_again(
     wrong = table().replace("\n20,", "\n2O,").replace("\n40,", "\n40;")
     dialog = imports(wrong)
     assert [cells[0] for cells in found(dialog)] == ["12", "22"]
-    assert found(dialog)[0][1].startswith("'2O' in column 1 (cam_angle_deg): wanted: a number")
+    assert found(dialog)[0][1].startswith("'2O' in column 1 (cam_angle_deg): required: a number")
     assert dialog.message.text().startswith("2 rows are wrong")
     assert not dialog.put_button.isEnabled()
     assert dialog.rows_plot.lines == []
@@ -498,7 +498,7 @@ def test_rows_that_contradict_each_other_are_shown_but_not_put(lift: User, impor
     values = LIFT + np.where((ANGLES > 100.0) & (ANGLES < 220.0), 4.0, 0.0)
     dialog = imports(table(values=values))
     enter(lift, dialog.error, "0.05")
-    assert "they contradict each other, and nothing tells which of them are wrong" in dialog.message.text()
+    assert "they contradict each other, and it cannot be decided which of them are wrong" in dialog.message.text()
     assert not dialog.put_button.isEnabled()
     assert not dialog.error.refused
     marked = dialog.rows_plot.dots[1].x
@@ -544,7 +544,7 @@ def test_a_column_that_scatters_more_than_it_moves_is_told_in_a_line(
     assert dialog.put_button.isEnabled()
     pick(dialog.form.boxes["column"], "3  force")
     pick(dialog.form.boxes["value_unit"], "°")
-    assert "they contradict each other, and nothing tells which of them are wrong" in dialog.message.text()
+    assert "they contradict each other, and it cannot be decided which of them are wrong" in dialog.message.text()
     assert not dialog.put_button.isEnabled()
     pick(dialog.form.boxes["column"], "2  arm_deg")
     assert dialog.put_button.isEnabled()
@@ -614,7 +614,7 @@ def test_a_grinders_lift_table_becomes_a_cam_whose_dwell_stands_still(
     box = dialog.form.boxes["value_unit"]
     assert box.currentData() == "1e-4in"
     assert box.waits
-    assert "angles from 0 to 359 are taken for deg, a row every 1" in dialog.message.text()
+    assert "angles from 0 to 359 are assumed to be in deg, a row every 1" in dialog.message.text()
     assert "as mm it is 3701 mm" in dialog.message.text()
     QTest.mouseClick(dialog.laws, Qt.MouseButton.LeftButton)
     pop_up(box, "10⁻⁴ in")
@@ -785,7 +785,7 @@ def test_a_sheet_and_cells_of_a_workbook_are_chosen(
     rested(dialog)
     assert "'end' in column 1" in found(dialog)[0][1]
     enter(lift, dialog.cells, "A1:B")
-    assert "wanted: two corners, as A1:C400" in found(dialog)[0][1]
+    assert "required: two corners, as A1:C400" in found(dialog)[0][1]
     enter(lift, dialog.cells, "A1:B181")
     assert dialog.answer.fit is not None
     assert dialog.answer.fit.residuals.size == ANGLES.size

@@ -206,7 +206,7 @@ def test_a_press_stroke_comes_from_a_spreadsheet_and_goes_back_into_one(same_win
     user.window.session.stack.undo()
     assert user.design == before
     assert paste("no numbers at all") == kept
-    assert "no row holds two numbers" in user.window.status.currentMessage()
+    assert "no row contains two numbers" in user.window.status.currentMessage()
     assert paste("0\t1\n90\t2\nten\t3\n") == kept
     assert "line 3" in user.window.status.currentMessage()
     assert paste("0\t1\n90\t2\n80\t3\n") == kept, "angles rise"
