@@ -649,7 +649,7 @@ def read_linkage(
 
     units: of its lengths, where the text states none; inputs: names of the driven joints. Raises DesignError.
     """
-    if len(text.encode()) > PROGRAM_BYTES:
+    if len(text.encode(errors="replace")) > PROGRAM_BYTES:
         raise import_error("text", "too long", f"at most {PROGRAM_BYTES / 1e6:g} MB")
     text = text.strip().removeprefix("\ufeff")
     row = FORMATS[format] if format else next((r for r in FORMATS.values() if r.begins(text)), None)
