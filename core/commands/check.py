@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from core.commands import Painter
 from core.commands.common import design_file, studied, verdict_on
 from core.design import Design
-from core.design.linkage_rules import only_unfinished
+from core.design.linkage_rules import only_incomplete
 from core.errors import MISSING, DesignError, Fault
 from core.frozen import frozen
 from core.output.lines import finding_line, printable
@@ -61,7 +61,7 @@ def _lack(text: str, source: str, error: DesignError) -> Mobility | None:
         drawn = loads(text, source, unfinished=True)
     except DesignError:
         return None
-    if drawn.listed or not only_unfinished(drawn.drive, error.faults) or not drawn.drive.links:
+    if drawn.listed or not only_incomplete(drawn.drive, error.faults) or not drawn.drive.links:
         return None
     from core.mechanism.unfinished import mobility
 

@@ -67,8 +67,8 @@ def run_optimise(arguments: OptimiseArguments, painter: Painter | None) -> int:
     found = optimise(asked, _Progress().tell)
     said = remarks(asked, found)
     print(to_json(_data(found, said)) if arguments.json else _optimum_text(found, said), end="")
-    if not found.kept:
-        against = f": {found.against}" if found.against else ""
+    if not found.is_feasible:
+        against = f": {found.rejection}" if found.rejection else ""
         print(
             f"optimise: no design keeps the limits; above stands the one that misses them least{against}",
             file=sys.stderr,
@@ -101,22 +101,22 @@ def _data(found: Optimum, said: Sequence[str]) -> dict[str, Any]:
         "answer": dict(found.answer),
         "goal": next(iter(found.goals.values())) if len(found.goals) == 1 else dict(found.goals),
         "before": next(iter(found.before.values())) if len(found.before) == 1 else dict(found.before),
-        "kept": found.kept,
-        "better": found.better,
+        "kept": found.is_feasible,
+        "better": found.is_better,
         "binding": [{"limit": each.limit, "per_percent": each.per_percent} for each in found.binding],
         "starts": found.starts,
         "agreeing": found.agreeing,
         "front": [dict(point) for point in found.front],
         "share": None if found.share is None else {"share": found.share.value, "low": found.share.interval[0]},
-        "taken": dict(found.taken),
-        "against": found.against,
+        "taken": dict(found.also_set),
+        "against": found.rejection,
         "remarks": list(said),
     }
 
 
 def _optimum_text(found: Optimum, said: Sequence[str]) -> str:
-    heading = "the best design:" if found.better else "nothing better was found; the design as it is:"
-    lines = [heading if found.kept else "the design that misses the limits least:"]
+    heading = "the best design:" if found.is_better else "nothing better was found; the design as it is:"
+    lines = [heading if found.is_feasible else "the design that misses the limits least:"]
     lines += [
         f"  {path} = {value if isinstance(value, str) else f'{value:.9g}'}" for path, value in found.answer.items()
     ]
@@ -125,9 +125,9 @@ def _optimum_text(found: Optimum, said: Sequence[str]) -> str:
     lines += [
         f"held by {each.limit}: 1 % more of it changes the goal by {each.per_percent:.4g}" for each in found.binding
     ]
-    if found.better:
+    if found.is_better:
         lines.append(f"{found.agreeing} of {found.starts} starts met there")
-    lines += [f"goes into the design: {path} = {value:.9g}" for path, value in found.taken.items()]
+    lines += [f"goes into the design: {path} = {value:.9g}" for path, value in found.also_set.items()]
     if found.front:
         points = "point: --json lists it" if len(found.front) == 1 else "points: --json lists them"
         lines.append(f"front of {len(found.front)} {points}")
@@ -135,8 +135,8 @@ def _optimum_text(found: Optimum, said: Sequence[str]) -> str:
         lines.append(
             f"{found.share.value:.2%} of random machines keep the limits, {found.share.interval[0]:.2%} at least with 95 %"
         )
-    if found.against:
-        lines.append(f"a better one was refused: {found.against}")
+    if found.rejection:
+        lines.append(f"a better one was refused: {found.rejection}")
     lines += said
     return "\n".join(lines) + "\n"
 

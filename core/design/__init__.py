@@ -178,7 +178,7 @@ from core.design.paths import (
     with_assumed,
     with_guesses_marked,
 )
-from core.design.rules import blunders, faults, part_faults, whole_faults
+from core.design.rules import blunders, faults, incomplete_faults, part_faults
 from core.process import lazy_attributes
 from core.units import NO_UNIT, UNITS, Unit, split_unit
 

@@ -242,7 +242,7 @@ class Motion:
     follows: Follows | None = placed(FileLayout(in_file=False), None)
 
     @property
-    def as_it_followed(self) -> bool:
+    def is_as_linked(self) -> bool:
         """Whether it is its own, or still what followed from its origin."""
         return self.follows is None or self.follows.made == (self.start, self.segments, self.advance)
 

@@ -1,4 +1,4 @@
-"""Rules that tie fields together, as a table; ``faults`` walks a whole design and reports every one at once."""
+"""Rules that relate several fields, as tables; ``faults`` returns all faults of a design."""
 
 from __future__ import annotations
 
@@ -55,23 +55,23 @@ MOST: Mapping[str, int] = MappingProxyType(
         "tolerances": 200,
     }
 )
-"""List -> its most entries."""
-MOST_OF_LIST = 4000  # of any other list
-MOST_KEYS = 500  # of any table
+"""List -> greatest number of its rows."""
+MOST_OF_LIST = 4000  # rows of any other list
+MOST_KEYS = 500  # keys of any table
 
 
 def count_fault(path: str, count: int) -> Fault | None:
-    """What is wrong with a list of so many entries, None where it may have them; path as in the file."""
+    """Fault of a list with too many rows; None where the number is allowed. ``path`` is as in the file."""
     name = path.rsplit(".", 1)[-1]
     most = MOST.get(re.sub(r"\[\d+\]", "", re.sub(r"^drives\[\d+\]\.", "", path)), MOST_OF_LIST)
     return Fault(path, MISSING, f"{count} {name} are too many", f"at most {most}") if count > most else None
 
 
-CLOSING = 1e-9  # spans and rises may miss their sums by this much, in their own units
+CLOSING = 1e-9  # tolerance of the sums of spans [deg] and rises [mm or deg]
 
 
 def total_of(numbers: Iterable[float]) -> float:
-    """The sum; nan, on which no rule fires, where infinities meet."""
+    """Sum of numbers; NaN, which violates no rule, where infinities cancel."""
     try:
         return math.fsum(numbers)
     except OverflowError:
@@ -93,24 +93,24 @@ def _rises_return_to_start(motion: Motion, path: str) -> Iterator[Fault]:
     total, unit = total_of(s.rise for s in motion.segments), motion.unit
     if abs(total - motion.gain) > CLOSING:
         value = f"rises add up to {total:.12g} {unit}"
-        problem = f"are not advance_{unit}" if motion.gain else "the follower must come back to where it started"
+        problem = f"are not advance_{unit}" if motion.gain else "the follower must return to its start"
         yield Fault(f"{path}.segments", value, problem, f"a sum of {motion.gain:.12g} {unit}")
 
 
 def _follows_its_origin(motion: Motion, path: str) -> Iterator[Fault]:
-    """What a motion follows from says all of it."""
-    if motion.follows is not None and not motion.as_it_followed:
+    """A motion from linked files cannot be changed."""
+    if motion.follows is not None and not motion.is_as_linked:
         names = ", ".join(motion.follows.origin.names)
         problem = f"this motion follows from {names}, and is changed there"
         yield Fault(f"{path}.{motion.follows.origin.key}", MISSING, problem, "first: Make it a motion of its own")
 
 
-def _cam_comes_back(drive: Drive) -> Iterator[Fault]:
-    """No disk cam makes a motion that goes on."""
+def _cam_repeats(drive: Drive) -> Iterator[Fault]:
+    """A disk cam cannot make a motion with an advance."""
     if drive.motion is not None and drive.motion.gain and drive.cam is not None:
         allowed = "no advance; or a [linkage] without [cam], or [motion] alone"
         path = f"motion.advance_{drive.motion.unit}"
-        yield Fault(path, drive.motion.advance, "a disk cam is where it was after a turn", allowed)
+        yield Fault(path, drive.motion.advance, "a disk cam repeats its motion every turn", allowed)
 
 
 def _law_is_known(segment: Segment, path: str) -> Iterator[Fault]:
@@ -128,15 +128,15 @@ def _law_fits_rise(segment: Segment, path: str, unit: str) -> Iterator[Fault]:
         yield Fault(f"{path}.rise_{unit}", segment.rise, f"{law.slug} is a return", f"< 0 {unit}, or a law that rises")
 
 
-def _named_curve_takes(curve: NamedCurve, segment: Segment, path: str) -> Iterator[Fault]:
+def _named_curve_options(curve: NamedCurve, segment: Segment, path: str) -> Iterator[Fault]:
     law = find_law(curve.law)
     if law is not None and curve.crossover != 0.5 and not law.is_symmetric:
-        yield Fault(f"{path}.crossover", curve.crossover, f"{law.slug} has no two halves alike", "0.5, or another law")
+        yield Fault(f"{path}.crossover", curve.crossover, f"{law.slug} is not symmetric", "0.5, or another law")
     if law is not None and curve.flat_fraction != 0.0 and law.flat is None:
         yield Fault(
             f"{path}.flat_fraction",
             curve.flat_fraction,
-            f"{law.slug} has no stretch of constant acceleration",
+            f"{law.slug} cannot have a constant acceleration",
             "0, or c1 ... c4",
         )
 
@@ -145,7 +145,7 @@ def _ramps_fit(curve: SccaCurve, segment: Segment, path: str) -> Iterator[Fault]
     total = curve.ramp_fraction + curve.flat_fraction
     if total > 1.0:
         value = f"ramp_fraction + flat_fraction = {total:.9g}"
-        yield Fault(path, value, "more than the whole", "a sum of at most 1")
+        yield Fault(path, value, "more than the full span", "a sum of at most 1")
 
 
 def _points_are_in_the_span(curve: SplineCurve, segment: Segment, path: str) -> Iterator[Fault]:
@@ -154,18 +154,17 @@ def _points_are_in_the_span(curve: SplineCurve, segment: Segment, path: str) -> 
         at = f"{path}.points[{i}]"
         if point.at_deg > segment.span_deg:
             yield Fault(f"{at}.at_deg", point.at_deg, "beyond its segment", f"0 ... {segment.span_deg:g} deg")
-        wanted = [v for v in (point.value, point.velocity, point.acceleration) if v is not None]
-        if not wanted:
-            yield Fault(at, MISSING, "says nothing", "value, velocity or acceleration")
+        if point.value is None and point.velocity is None and point.acceleration is None:
+            yield Fault(at, MISSING, "has no value", "value, velocity or acceleration")
         for order, value in enumerate((point.value, point.velocity, point.acceleration)):
             if value is not None and (point.at_deg, order) in seen:
-                yield Fault(f"{at}.at_deg", point.at_deg, "said twice", "one point an angle")
+                yield Fault(f"{at}.at_deg", point.at_deg, "given twice", "one point at an angle")
             if value is not None:
                 seen.add((point.at_deg, order))
 
 
-def _rows_are_whole(curve: TableCurve, segment: Segment, path: str) -> Iterator[Fault]:
-    """A row holds its numbers in order: none without the one before it."""
+def _rows_are_complete(curve: TableCurve, segment: Segment, path: str) -> Iterator[Fault]:
+    """A row has its numbers in order, each only together with those before it."""
     yield from _points_are_in_the_span(curve, segment, path)
     for i, point in enumerate(curve.points):
         at = f"{path}.points[{i}]"
@@ -177,48 +176,48 @@ def _rows_are_whole(curve: TableCurve, segment: Segment, path: str) -> Iterator[
 
 CURVE_RULES: Mapping[type, Callable[[Any, Segment, str], Iterator[Fault]]] = MappingProxyType(
     {
-        NamedCurve: _named_curve_takes,
+        NamedCurve: _named_curve_options,
         SccaCurve: _ramps_fit,
         SplineCurve: _points_are_in_the_span,
-        TableCurve: _rows_are_whole,
+        TableCurve: _rows_are_complete,
     }
 )
 
 
-def _joins_what_stands(motion: Motion, index: int, path: str) -> Iterator[Fault]:
-    """What a table is joined to has its velocity from nobody else."""
+def _joined_neighbour(motion: Motion, index: int, path: str) -> Iterator[Fault]:
+    """A joined end of a table needs a neighbour whose velocity is determined."""
     segments = motion.segments
     for end, side in (("start", -1), ("end", 1)) if len(segments) > 1 else ():
-        beside = segments[(index + side) % len(segments)].curve
-        unsettled = isinstance(beside, TableCurve) and JOINED in (beside.start, beside.end)
-        if unsettled and getattr(segments[index].curve, end, None) == JOINED:
-            yield Fault(f"{path}.{end}", JOINED, "the segment beside it is joined itself", " | ".join(TABLE_ENDS[:-1]))
+        neighbour = segments[(index + side) % len(segments)].curve
+        is_undetermined = isinstance(neighbour, TableCurve) and JOINED in (neighbour.start, neighbour.end)
+        if is_undetermined and getattr(segments[index].curve, end, None) == JOINED:
+            yield Fault(f"{path}.{end}", JOINED, "the adjacent segment is joined itself", " | ".join(TABLE_ENDS[:-1]))
 
 
-def _segments_hold(motion: Motion, path: str) -> Iterator[Fault]:
+def _segments(motion: Motion, path: str) -> Iterator[Fault]:
     for i, segment in enumerate(motion.segments):
         at = f"{path}.segments[{i}]"
         yield from _law_is_known(segment, at)
         yield from _law_fits_rise(segment, at, motion.unit)
-        yield from _joins_what_stands(motion, i, at)
+        yield from _joined_neighbour(motion, i, at)
         rule = CURVE_RULES.get(type(segment.curve))
         if rule is not None:
             yield from rule(segment.curve, segment, at)
 
 
 def _bore_and_hub(cam: CamDetails, path: str) -> Iterator[Fault]:
-    """The hub is thicker than the bore, the bore wider than the keyway."""
+    """The hub is larger than the bore, the bore wider than the keyway."""
     bore, hub, key = cam.bore_mm, cam.hub_mm, cam.keyway_width_mm
     if bore is not None and hub is not None and hub <= bore:
-        yield Fault(f"{path}.hub_mm", hub, "no larger than the bore", f"> {bore:g} mm")
+        yield Fault(f"{path}.hub_mm", hub, "not larger than the bore", f"> {bore:g} mm")
     if bore is not None and key is not None and key >= bore:
-        yield Fault(f"{path}.keyway_width_mm", key, "no narrower than the bore", f"< {bore:g} mm")
+        yield Fault(f"{path}.keyway_width_mm", key, "not narrower than the bore", f"< {bore:g} mm")
 
 
 def _layout_agrees_with_pivot(follower: CamSlider, path: str) -> Iterator[Fault]:
     x, letter = follower.pivot_x_mm, follower.layout
     if x == 0.0:
-        yield Fault(f"{path}.pivot_x_mm", x, "the cam must stand left or right of the pivot", "> 0 or < 0")
+        yield Fault(f"{path}.pivot_x_mm", x, "the cam must be left or right of the pivot", "> 0 or < 0")
     elif letter in "abef" and x < 0.0:
         yield Fault(
             f"{path}.layout",
@@ -237,7 +236,7 @@ def _layout_agrees_with_pivot(follower: CamSlider, path: str) -> Iterator[Fault]
 
 RULES: Mapping[type, tuple[Callable[[Any, str], Iterator[Fault]], ...]] = MappingProxyType(
     {
-        Motion: (_segments_hold, _spans_make_a_turn, _rises_return_to_start, _follows_its_origin),
+        Motion: (_segments, _spans_make_a_turn, _rises_return_to_start, _follows_its_origin),
         CamSlider: (_layout_agrees_with_pivot,),
         RollerCam: (_bore_and_hub,),
         DiskCam: (_bore_and_hub,),
@@ -247,111 +246,117 @@ RULES: Mapping[type, tuple[Callable[[Any, str], Iterator[Fault]], ...]] = Mappin
 
 
 def part_faults(part: Any, path: str) -> list[Fault]:
-    """Every fault of one table: the ranges of its entries, then the rules that tie them together.
+    """Faults of one table: ranges of its entries, then rules that relate them.
 
-    A rule is applied even where a range is not kept, so that nothing hides it: it must bear any number, nan included.
+    Rules are applied to values outside of their ranges too, so that they must accept any number, NaN included.
     """
     if over := _too_many(part, path):
         return over
-    found = _out_of_range(part, path)
-    wrong = {fault.path for fault in found}
+    result = _out_of_range(part, path)
+    wrong = {fault.path for fault in result}
     for rule in RULES.get(type(part), ()):
-        found.extend(fault for fault in rule(part, path) if fault.path not in wrong)
-    return found
+        result.extend(fault for fault in rule(part, path) if fault.path not in wrong)
+    return result
 
 
 def _out_of_range(part: Any, path: str) -> list[Fault]:
-    """Entries of one table that are outside of their own ranges."""
+    """Faults of entries outside of their ranges."""
     return [
-        Fault(each.path, each.value, each.info.problem, each.info.allowed(each.unit))
-        for each in entries_of(part, path)
-        if not each.info.admits(each.value)
+        Fault(entry.path, entry.value, entry.info.problem, entry.info.allowed(entry.unit))
+        for entry in entries_of(part, path)
+        if not entry.info.admits(entry.value)
     ]
 
 
 def _too_many(part: Any, path: str) -> list[Fault]:
-    """Lists of a part that are longer than a design may have them."""
+    """Faults of lists with too many rows."""
     lists = ((name, value) for name, value in vars(part).items() if isinstance(value, tuple))
     return [fault for name, rows in lists if (fault := count_fault(f"{path}.{name}", len(rows)))]
 
 
 def faults(design: Design) -> list[Fault]:
-    """Every fault of a design, in the order of the file."""
-    return _faults_of_several(design) if design.listed else _faults_of_one(design)
+    """All faults of a design, in the order of the file."""
+    return _list_faults(design) if design.listed else _drive_faults(design)
 
 
 def blunders(design: Design) -> list[Fault]:
-    """The faults of a design that no other value can mend: a value outside of its own range, more rows than there may be, a name
-    by which a drive cannot be told apart."""
+    """Faults that no change of another value can remedy: values outside of their ranges, too many rows, equal names of drives."""
     tables = design.tables.items()
-    found = [fault for name in ("drives", "timing") if (fault := count_fault(name, len(getattr(design, name))))]
-    found += [fault for name, part in tables for fault in (_too_many(part, name) or _out_of_range(part, name))]
-    return [*found, *_names_differ(design)] if design.listed else found
+    result = [fault for name in ("drives", "timing") if (fault := count_fault(name, len(getattr(design, name))))]
+    result += [fault for name, part in tables for fault in (_too_many(part, name) or _out_of_range(part, name))]
+    return [*result, *_names_differ(design)] if design.listed else result
 
 
-def _faults_of_several(design: Design) -> list[Fault]:
-    """Of the shaft, of each drive as it stands alone, and of what ties them together."""
+def _list_faults(design: Design) -> list[Fault]:
+    """Faults of the shaft, of each drive by itself, and of their relations."""
     if over := [fault for name in ("drives", "timing") if (fault := count_fault(name, len(getattr(design, name))))]:
         return over
-    found = (
+    result = (
         [Fault("shaft", MISSING, "missing", "a table [shaft]")]
         if design.shaft is None
         else part_faults(design.shaft, "shaft")
     )
     for i, drive in enumerate(design.drives):
-        found += part_faults(drive, f"drives[{i}]")
-        alone = _faults_of_one(only(design, i))
-        found += [replace(fault, path=path_of(i, fault.path)) for fault in alone if not fault.path.startswith("shaft")]
-    for i, each in enumerate(design.timing):
-        found += part_faults(each, f"timing[{i}]")
-    found += [] if design.balancer is None else part_faults(design.balancer, "balancer")
-    return [*found, *_names_differ(design), *_directions(design), *_events_are_there(design)]
+        result += part_faults(drive, f"drives[{i}]")
+        single = _drive_faults(only(design, i))
+        result += [
+            replace(fault, path=path_of(i, fault.path)) for fault in single if not fault.path.startswith("shaft")
+        ]
+    for i, row in enumerate(design.timing):
+        result += part_faults(row, f"timing[{i}]")
+    result += [] if design.balancer is None else part_faults(design.balancer, "balancer")
+    return [*result, *_names_differ(design), *_directions(design), *_events_exist(design)]
 
 
 def _names_differ(design: Design) -> Iterator[Fault]:
-    """Every drive has a name of its own, by which columns and folders are told apart."""
+    """Every drive has a name with a unique slug, which names its columns and folders."""
     seen: dict[str, str] = {}
     for i, drive in enumerate(design.drives):
         path, name = f"drives[{i}].name", drive.name
         if name is None:
             yield Fault(path, MISSING, "missing", "any text with a letter or a digit")
             continue
-        own = slug(name)
-        if not own.strip("_"):
+        short = slug(name)
+        if not short.strip("_"):
             yield Fault(
                 path, name, "has no letter and no digit, so its slug is empty", "any text with a letter or a digit"
             )
-        elif len(own.encode()) > LONGEST:
+        elif len(short.encode()) > LONGEST:
             yield Fault(
                 path,
                 name,
                 "is too long for the name of a folder",
                 f"at most {LONGEST} bytes of letters and digits",
             )
-        elif own in RESERVED:
+        elif short in RESERVED:
             yield Fault(
-                path, name, f"its slug, {own}, is that of another column of shaft.csv", f"not {' nor '.join(RESERVED)}"
+                path,
+                name,
+                f"its slug, {short}, is that of another column of shaft.csv",
+                f"not {' nor '.join(RESERVED)}",
             )
-        elif own in seen:
-            yield Fault(path, name, f"has the slug of {seen[own]}, {own}", "names that differ in a letter or a digit")
-        seen.setdefault(own, path)
+        elif short in seen:
+            yield Fault(
+                path, name, f"has the slug of {seen[short]}, {short}", "names that differ in a letter or a digit"
+            )
+        seen.setdefault(short, path)
 
 
 def _directions(design: Design) -> Iterator[Fault]:
-    """What a drive carries goes along a direction in space, by a motion in mm, or at the end of an arm."""
+    """A carrying drive has a direction in space, and a motion in mm or an arm."""
     for i, drive in enumerate(design.drives):
         path, value = f"drives[{i}].carries", list(drive.carries)
         if value and (len(value) != 3 or not any(value)):
             yield Fault(path, value, "is no direction in space", "three numbers, not all 0: [0.0, 0.0, 1.0] is upwards")
         elif value and drive.carried_per_motion is None:
-            yield Fault(path, value, "has no motion that could carry anything", "a motion in mm, or an arm that swings")
+            yield Fault(path, value, "has no motion that could carry a part", "a motion in mm, or an arm that swings")
 
 
-def _events_are_there(design: Design) -> Iterator[Fault]:
-    """Timing names events of the drives' motions; where a drive's own name is wrong that is the fault, and not what follows from it."""
+def _events_exist(design: Design) -> Iterator[Fault]:
+    """Sequence conditions name existing events; a faulty name of a drive is reported alone."""
     if not design.timing or any(True for _ in _names_differ(design)):
         return
-    there, names = events(design), drive_names(design)
+    known, names = events(design), drive_names(design)
     for i, row in enumerate(design.timing):
         for key in ("first", "second"):
             event = getattr(row, key)
@@ -360,58 +365,69 @@ def _events_are_there(design: Design) -> Iterator[Fault]:
                 yield Fault(
                     f"timing[{i}].{key}",
                     event,
-                    f"no drive is called {drive_of(event)}",
+                    f"no drive has the name {drive_of(event)}",
                     f"events of {' | '.join(names)}",
                 )
-            elif named not in there:
-                near = [each for each in there if drive_of(each) == drive_of(named)]
-                allowed = " | ".join(near) or f"none: {drive_of(named)} neither rises nor returns"
+            elif named not in known:
+                same_drive = [event for event in known if drive_of(event) == drive_of(named)]
+                allowed = " | ".join(same_drive) or f"none: {drive_of(named)} neither rises nor returns"
                 yield Fault(f"timing[{i}].{key}", event, "unknown event", allowed)
 
 
-def _faults_of_one(design: Design) -> list[Fault]:
+def _drive_faults(design: Design) -> list[Fault]:
     tables = design.tables.items()
     if over := [fault for name, part in tables for fault in _too_many(part, name)]:
         return over
-    found = [fault for name, part in tables for fault in part_faults(part, name)]
-    wrong = {fault.path for fault in found}
+    result = [fault for name, part in tables for fault in part_faults(part, name)]
+    wrong = {fault.path for fault in result}
     for rule in (*(DRIVE_RULES if design.drive.is_linkage else ()), element_faults):
         for fault in rule(design.drive):
             if fault.path not in wrong:
                 wrong.add(fault.path)
-                found.append(fault)
-    servo = () if design.drive.servo is None else _servo_fits(design.drive, design.drive.servo)
-    return [*found, *_cam_comes_back(design.drive), *_one_face(design), *_one_form(design), *_one_speed(design), *servo]
+                result.append(fault)
+    servo = () if design.drive.servo is None else _servo_faults(design.drive, design.drive.servo)
+    return [
+        *result,
+        *_cam_repeats(design.drive),
+        *_face_agrees(design),
+        *_form_agrees(design),
+        *_speeds_agree(design),
+        *servo,
+    ]
 
 
-def _servo_fits(drive: Drive, servo: Servo) -> Iterator[Fault]:
-    """There is a motion for it; motor, gear and what it moves are of the motion's kind: a slide has a mass, what swings an inertia."""
+def _servo_faults(drive: Drive, servo: Servo) -> Iterator[Fault]:
+    """A servo needs a motion; motor, gear and moved mass or inertia agree with its unit."""
     if drive.motion is None:
         yield Fault(
-            "servo", "[servo]", "a crank turns at constant speed: there is no motion to make", "a design with [motion]"
+            "servo", "[servo]", "a crank turns at constant speed: the drive has no motion", "a design with [motion]"
         )
         return
     slides, linear, travel = drive.motion.unit == "mm", servo.kind == LINEAR, servo.travel_mm_per_turn
     if linear and not slides:
         yield Fault("servo.kind", servo.kind, "a linear motor makes no motion in degrees", ROTARY)
     if slides and not linear and travel is None:
-        yield Fault("servo.travel_mm_per_turn", MISSING, "a rotary motor moves a slide by so much a turn", "> 0 mm")
+        yield Fault(
+            "servo.travel_mm_per_turn", MISSING, "a rotary motor needs the travel of the slide per turn", "> 0 mm"
+        )
     if travel is not None and (linear or not slides):
-        yield Fault("servo.travel_mm_per_turn", travel, "no turning shaft moves a slide here", "leave it out")
+        yield Fault("servo.travel_mm_per_turn", travel, "there is no shaft that moves a slide", "leave it out")
     shaft = ("inertia_kg_m2", "friction_nm")
-    taken = ("mass_kg", "friction_n") if linear else (*shaft, "mass_kg", "friction_n") if slides else shaft
+    allowed = ("mass_kg", "friction_n") if linear else (*shaft, "mass_kg", "friction_n") if slides else shaft
     for name in (*shaft, "mass_kg", "friction_n"):
-        if name not in taken and getattr(servo, name) is not None:
-            yield Fault(f"servo.{name}", getattr(servo, name), "what this motor moves has none such", " | ".join(taken))
-    for name, usual in (("rotor_inertia_kg_m2", 0.0), ("gear_ratio", 1.0)):
-        if linear and getattr(servo, name) != usual:
+        if name not in allowed and getattr(servo, name) is not None:
+            yield Fault(
+                f"servo.{name}", getattr(servo, name), "the part that this motor moves has none", " | ".join(allowed)
+            )
+    for name, default in (("rotor_inertia_kg_m2", 0.0), ("gear_ratio", 1.0)):
+        if linear and getattr(servo, name) != default:
             yield Fault(f"servo.{name}", getattr(servo, name), "a linear motor has none", "leave it out")
 
 
-def _one_face(design: Design) -> Iterator[Fault]:
-    """Follower, cam and loads are those of the face; a roller does not rub."""
+def _face_agrees(design: Design) -> Iterator[Fault]:
+    """Follower, cam and loads belong to the face; a roller has no sliding friction."""
     drive = design.drive
-    if any(part is None for part in (drive.mechanism, drive.cam, drive.loads)):  # of a file that could not be read
+    if any(part is None for part in (drive.mechanism, drive.cam, drive.loads)):  # of a file with unreadable tables
         return
     if not drive.is_linkage:
         kinds = FOLLOWER_KINDS[drive.kind].under(drive.follower.face.face)
@@ -431,33 +447,33 @@ def _one_face(design: Design) -> Iterator[Fault]:
         )
 
 
-def _one_form(design: Design) -> Iterator[Fault]:
-    """Only a roller runs in a groove, or in a conjugate pair; only of that a second one stands on the follower."""
+def _form_agrees(design: Design) -> Iterator[Fault]:
+    """A groove or a conjugate pair needs a roller; only a conjugate pair has a second one."""
     drive = design.drive
     if drive.mechanism is None or drive.cam is None:
         return
     form = drive.cam.form
     if form.holds and drive.face.face != Roller.face:
-        yield Fault(f"cam.{FORM}", form.form, f"takes a roller, no {drive.face.noun}", f"{Open.form}, or another face")
+        yield Fault(
+            f"cam.{FORM}", form.form, f"needs a roller, not a {drive.face.noun}", f"{Open.form}, or another face"
+        )
     if drive.is_linkage:
         return
     kind: Any = type(drive.follower)
     second = getattr(drive.follower, "second", None)
     if isinstance(form, Conjugate) and second is None:
-        places = [slot.placing.kind for slot in slots(kind) if slot.key == "second"]
-        keys = ", ".join(slot.key for place in places for slot in slots(place))
+        classes = [slot.placing.kind for slot in slots(kind) if slot.key == "second"]
+        keys = ", ".join(slot.key for class_ in classes for slot in slots(class_))
         yield Fault(
-            "follower.second", MISSING, "missing", f"where the second roller of the conjugate pair stands: {keys}"
+            "follower.second", MISSING, "missing", f"the position of the second roller of the conjugate pair: {keys}"
         )
     elif second is not None and not isinstance(form, Conjugate):
         problem = f"a cam of the form {form.form} has no second roller"
-        yield Fault(
-            "follower.second", "[follower.second]", problem, f'cam.{FORM} = "{Conjugate.form}", or take it away'
-        )
+        yield Fault("follower.second", "[follower.second]", problem, f'cam.{FORM} = "{Conjugate.form}", or remove it')
 
 
-def _one_speed(design: Design) -> Iterator[Fault]:
-    """A linkage's shaft turns as its driver does."""
+def _speeds_agree(design: Design) -> Iterator[Fault]:
+    """The shaft of a linkage has the speed of its driver."""
     if not design.drive.is_linkage or design.shaft is None:
         return
     driver, shaft = design.drive.linkage.driver.speed_rpm, design.shaft.signed_rpm
@@ -465,15 +481,17 @@ def _one_speed(design: Design) -> Iterator[Fault]:
         yield Fault(
             "linkage.driver.speed_rpm",
             driver,
-            "is not the shaft's, clockwise negative",
+            "differs from the shaft's speed, clockwise negative",
             f"{shaft:.12g} rpm, or leave it out",
         )
 
 
-def whole_faults(motion: Motion, path: str) -> list[Fault]:
-    """Those faults of a motion that tell that it is not whole yet: it makes no turn, does not come back, or a law does
-    not fit its rise. Each is mended by another value somewhere in the motion."""
-    found = [*_spans_make_a_turn(motion, path), *_rises_return_to_start(motion, path)] if motion.segments else []
+def incomplete_faults(motion: Motion, path: str) -> list[Fault]:
+    """Faults of an incomplete motion: the spans make no turn, the rises do not add up, or a law does not fit its rise.
+
+    Each is remedied by another value in the motion.
+    """
+    result = [*_spans_make_a_turn(motion, path), *_rises_return_to_start(motion, path)] if motion.segments else []
     for i, segment in enumerate(motion.segments):
-        found.extend(_law_fits_rise(segment, f"{path}.segments[{i}]", motion.unit))
-    return found
+        result.extend(_law_fits_rise(segment, f"{path}.segments[{i}]", motion.unit))
+    return result

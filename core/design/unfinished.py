@@ -25,7 +25,7 @@ from core.design.motion_edits import (
 )
 from core.design.parts import Motion, NamedCurve, Segment
 from core.design.paths import all_paths
-from core.design.rules import CLOSING, faults, part_faults, total_of, whole_faults
+from core.design.rules import CLOSING, faults, incomplete_faults, part_faults, total_of
 from core.errors import Fault
 from core.laws import find_law
 
@@ -56,7 +56,7 @@ def lacks(design: Design) -> list[Fault]:
         singles = ((i, lacks(only(design, i))) for i in range(len(design.drives)))
         return [replace(fault, path=path_of(i, fault.path)) for i, found in singles for fault in found]
     motion = motion_of(design)
-    return [] if motion is None else whole_faults(motion, "motion")
+    return [] if motion is None else incomplete_faults(motion, "motion")
 
 
 def laid_out(design: Design, path: str, value: object, typed: Collection[str] = ()) -> Design:

@@ -254,7 +254,7 @@ WORDS = {
     "printed": "off as printed", "corrected": "off as corrected", "off": "off", "bound": "may be off by", "eta": "η",
     "used": "off where it is used", "elsewhere": "off elsewhere", "in_doubles": "in doubles, °",
     "numerators": "numerator of the tangent of half the angle, root", "denominator": "its denominator", "ours": "angle here, °",
-    "weight": "μW, N", "rubbed": "largest μ|N|, N", "fitted": "columns that make the motion", "columns": "columns", "rows": "rows",
+    "weight": "μW, N", "friction": "largest μ|N|, N", "fitted": "columns that make the motion", "columns": "columns", "rows": "rows",
     "velocity_off": "velocity off, mm/s", "acceleration_off": "acceleration off, mm/s²",
     "velocity_jump": "largest jump of velocity, of its largest", "acceleration_jump": "largest jump of acceleration, of its largest",
     "constant": "constant acceleration, mm/°²", "span": "over a span of, °", "crank_pin": "crank pin's velocity, cm/s",

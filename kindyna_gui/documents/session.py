@@ -31,7 +31,7 @@ from core.design import (
     with_motion,
     with_only,
 )
-from core.design.linkage_rules import only_unfinished
+from core.design.linkage_rules import only_incomplete
 from core.errors import DesignError, Fault, KindynaError
 from core.followers.cam_slider import LAYOUT, in_layout
 from core.mechanism.unfinished import is_overconstrained
@@ -269,7 +269,7 @@ class Session(QObject):
         if whole.listed or not whole.drive.links:
             return False
         if wrong := faults(whole):
-            return only_unfinished(whole.drive, wrong)
+            return only_incomplete(whole.drive, wrong)
         return is_overconstrained(whole.drive.linkage)
 
     @property

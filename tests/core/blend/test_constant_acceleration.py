@@ -194,5 +194,5 @@ def test_a_design_has_it_in_its_file_and_refuses_it_elsewhere(tmp_path: Path) ->
     (fault,) = faults(wrong)
     assert (fault.path, fault.allowed) == ("motion.segments[2].flat_fraction", "0, or c1 ... c4")
     path.write_text(path.read_text().replace('law = "cv1"', 'law = "cv1"\nflat_fraction = 0.4'))
-    with pytest.raises(DesignError, match="cv1 has no stretch of constant acceleration"):
+    with pytest.raises(DesignError, match="cv1 cannot have a constant acceleration"):
         project.load(path)

@@ -551,7 +551,7 @@ def test_what_a_form_needs_and_what_belongs_to_another_is_named() -> None:
     ]
     assert told(GROOVE, cam={"play_mm": -1.0}) == ["cam.play_mm = -1.0: outside its range; allowed: 0 ... 1e+09 mm"]
     assert told(PAIR, follower={"second": None}) == [
-        "follower.second: missing; allowed: where the second roller of the conjugate pair stands: arm_mm, angle_deg"
+        "follower.second: missing; allowed: the position of the second roller of the conjugate pair: arm_mm, angle_deg"
     ]
     (second,) = told(PAIR, cam={"second": None})
     assert second.startswith("cam.second: missing")
@@ -560,16 +560,16 @@ def test_what_a_form_needs_and_what_belongs_to_another_is_named() -> None:
     ]
     (unpaired,) = told(PAIR, cam={"form": "groove", "second": None})
     assert unpaired.startswith("follower.second = '[follower.second]': a cam of the form groove has no second roller")
-    assert told(GROOVE, cam={"hub_mm": 40.0}) == ["cam.hub_mm = 40.0: no larger than the bore; allowed: > 40 mm"]
+    assert told(GROOVE, cam={"hub_mm": 40.0}) == ["cam.hub_mm = 40.0: not larger than the bore; allowed: > 40 mm"]
     assert told(GROOVE, cam={"keyway_width_mm": 41.0}) == [
-        "cam.keyway_width_mm = 41.0: no narrower than the bore; allowed: < 40 mm"
+        "cam.keyway_width_mm = 41.0: not narrower than the bore; allowed: < 40 mm"
     ]
     assert told(load(EXAMPLES / "tappet_knife.toml"), cam={"form": "groove"}) == [
-        "cam.form = 'groove': takes a roller; allowed: open, or face = \"roller\""
+        "cam.form = 'groove': requires a roller; allowed: open, or face = \"roller\""
     ]
     coupler = edited(load(EXAMPLES / "four_bar_coupler_cam.toml"), "cam.face", "shoe")
     (shoe,) = told(coupler, cam={"form": "groove"})
-    assert shoe.startswith("cam.form = 'groove': takes a roller, no shoe")
+    assert shoe.startswith("cam.form = 'groove': needs a roller, not a shoe")
     pair = edited(load(EXAMPLES / "four_bar_coupler_cam.toml"), "cam.form", "conjugate")
     assert told(pair, cam={"second": {"link": 3, "point": "X", "roller_radius_mm": 9.0}})[0].startswith(
         "cam.second.point = 'X': link 3 has no such point"

@@ -142,11 +142,11 @@ BAD: dict[str, tuple[Callable[[dict[str, Any]], object], dict[str, str]]] = {
     ),
     "drive of an event": (
         lambda file: file["timing"][1].update(second="Lfit.return.1.start"),
-        {"timing[1].second": "no drive is called Lfit; allowed: events of Feed | Clamp"},
+        {"timing[1].second": "no drive has the name Lfit; allowed: events of Feed | Clamp"},
     ),
     "speed": (
         drives(lambda d: d[4].update(mirrored=True)),
-        {"drives[4].linkage.driver.speed_rpm": "is not the shaft's"},
+        {"drives[4].linkage.driver.speed_rpm": "differs from the shaft's speed"},
     ),
 }
 
@@ -548,7 +548,7 @@ def test_commands_on_one_drive_ask_which_one(tmp_path: Path, capsys: pytest.Capt
         assert main([command[0], str(stiff), *command[1:], "--drive", "Lift"]) == 2
         said = capsys.readouterr().err
         assert said.startswith("drives[2].follower.rod_mm: "), said
-        assert ("cannot be assembled as it stands" in said) == (command[0] == "find")
+        assert ("the present design cannot be assembled" in said) == (command[0] == "find")
     into = tmp_path / "smaller.toml"
     assert main(["find", file, "base-radius", "--drive", "Clamp", "--into", str(into)]) in (0, 1)
     smaller = load(into)

@@ -183,7 +183,7 @@ def test_many_racks_are_as_each_alone() -> None:
     [
         (RACK, r"drivers\[0\]\.ratio.* missing.*radius_mm, or teeth and module_mm, of the pinion, and 0 of the rack"),
         (RACK + "radius_mm = [20.0, 0.0]\nratio = 1.0", r"drivers\[0\]\.ratio = 1.*another ratio"),
-        (RACK + "radius_mm = [0.0, 20.0]", r"drivers\[0\]\.radius_mm.*0 is of the link that turns.*\[pinion, 0\]"),
+        (RACK + "radius_mm = [0.0, 20.0]", r"drivers\[0\]\.radius_mm.*0 is the radius of the link that turns.*\[pinion, 0\]"),
         (RACK + "radius_mm = [20.0, 0.0]\noffset_deg = 5.0", r"drivers\[0\]\.offset_deg = 5.*link 3 slides.*offset_mm"),
         ("link = 3\non = 1\nkind = \"gear\"\nteeth = [20, 40]", r"drivers\[0\]\.kind = .gear.*link 3 slides.*rack"),
     ],

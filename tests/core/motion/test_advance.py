@@ -185,7 +185,7 @@ def test_a_disk_cam_with_an_advance_is_refused_in_one_line(tmp_path: Path) -> No
     run = subprocess.run(command, capture_output=True, text=True, check=False)
     assert run.returncode == 2
     assert run.stderr.count("\n") == 1
-    assert run.stderr.startswith("motion.advance_mm = 5.0: a disk cam is where it was after a turn")
+    assert run.stderr.startswith("motion.advance_mm = 5.0: a disk cam repeats its motion every turn")
 
 
 # -- figures of a turn ---------------------------------------------------------------------------------------
@@ -249,7 +249,7 @@ def test_an_advance_that_never_comes_to_the_same_stops_is_noted(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = tmp_path / "cam.toml"
-    for advance, told in ((50.0, "51.4285714 deg is the next"), (60.0, ""), (720.0, "")):
+    for advance, told in ((50.0, "nearest advance that does is 51.4285714 deg"), (60.0, ""), (720.0, "")):
         rises = "\n".join(
             f'[[motion.segments]]\nlaw = "{law}"\nspan_deg = 180.0\nrise_deg = {rise}'
             for law, rise in (("3-4-5", advance), ("dwell", 0.0))
@@ -259,5 +259,5 @@ def test_an_advance_that_never_comes_to_the_same_stops_is_noted(
         )
         assert main(["check", str(file)]) == 0
         out = capsys.readouterr().out
-        assert ("next" in out) == bool(told)
+        assert ("nearest" in out) == bool(told)
         assert told in out

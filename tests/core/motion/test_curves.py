@@ -313,8 +313,8 @@ def test_a_spline_costs_less_jerk_than_its_rivals() -> None:
     ("points", "words"),
     [
         ((SplinePoint(120.0, value=1.0),), "points[0].at_deg = 120.0: beyond its segment; allowed: 0 ... 80 deg"),
-        ((SplinePoint(20.0),), "points[0]: says nothing"),
-        ((SplinePoint(20.0, value=1.0), SplinePoint(20.0, value=2.0)), "points[1].at_deg = 20.0: said twice"),
+        ((SplinePoint(20.0),), "points[0]: has no value"),
+        ((SplinePoint(20.0, value=1.0), SplinePoint(20.0, value=2.0)), "points[1].at_deg = 20.0: given twice"),
     ],
 )
 def test_a_wrong_point_is_named(points: tuple[SplinePoint, ...], words: str) -> None:
@@ -418,7 +418,7 @@ def test_the_ends_of_a_table_are_joined_stopped_or_free() -> None:
 def test_a_table_is_not_joined_to_one_that_is_joined() -> None:
     last = 'law = "table"\nspan_deg = 160.0\nrise_mm = -30.0\nstart = "joined"\npoints = [[0.0, 0.0], [160.0, -30.0]]\n'
     text = JOINING[: JOINING.index('law = "3-4-5"')] + last
-    with pytest.raises(DesignError, match=r"segments\[2\]\.start = .joined.: the segment beside it is joined itself"):
+    with pytest.raises(DesignError, match=r"segments\[2\]\.start = .joined.: the adjacent segment is joined itself"):
         loads(text)
     with pytest.raises(DesignError, match=r"segments\[1\]\.end = .loose.: .*rest \| stop \| free \| joined"):
         loads(JOINING.replace('"stop"', '"loose"'))

@@ -170,7 +170,7 @@ def test_a_motion_driver_need_not_say_its_speed() -> None:
     ("example", "edits", "expected"),
     [
         # kinds
-        (SIX, {"drives": [{}]}, {"drives": "stands beside linkage"}),
+        (SIX, {"drives": [{}]}, {"drives": "cannot be combined with linkage"}),
         (SIX, {"shaft": {}}, {"shaft.rotation": "missing", "shaft.speed_rpm": "missing"}),
         (SIX, {"format": 2, "name": " "}, {"format": "unknown format", "name": "empty"}),
         # the table
@@ -182,7 +182,7 @@ def test_a_motion_driver_need_not_say_its_speed() -> None:
         (SIX, {"linkage.links[2].number": GONE}, {"linkage.links[2].number": "missing; allowed: 1 ... 999"}),
         (SIX, {"linkage.links[2].number": 3.0}, {"linkage.links[2].number": "must be a whole number"}),
         (SIX, {"linkage.links[2].number": True}, {"linkage.links[2].number": "must be a whole number"}),
-        (SIX, {"linkage.links[2].number": 4}, {"linkage.links[3].number": "said twice",
+        (SIX, {"linkage.links[2].number": 4}, {"linkage.links[3].number": "given twice",
                                                "loads.masses[1].link": "no such moving link"}),
         (SIX, {"linkage.links[0].number": 9}, {"linkage.links": "no frame; allowed: a link with number = 1",
                                                "linkage.sliders[0].on": "no such link"}),
@@ -197,10 +197,10 @@ def test_a_motion_driver_need_not_say_its_speed() -> None:
         (SIX, {"linkage.links[2].points.B": [math.nan, 0.0]}, {"linkage.links[2].points.B": "outside its range"}),
         (SIX, {"linkage.links[2].points": {"A": [0.0, 0.0], "B": [9.0, 0.0], "a,b": [1.0, 1.0]}},
          {"linkage.links[2].points": "no name of a point"}),
-        (SIX, {"linkage.links[2].points.B": [0.0, 0.0]}, {"linkage.links[2].points.B": "lies on A"}),
+        (SIX, {"linkage.links[2].points.B": [0.0, 0.0]}, {"linkage.links[2].points.B": "coincides with A"}),
         (SIX, {"linkage.links[4].points.B": [5.0, 5.0]}, {"linkage.links[4].points": "two pins make them one body"}),
         # structure
-        (SIX, {"linkage.links[5].points": {"E": [0.0, 0.0]}}, {"linkage": "mobility (Grübler) is not 1: the driver does not lead"}),
+        (SIX, {"linkage.links[5].points": {"E": [0.0, 0.0]}}, {"linkage": "mobility (Grübler) is not 1: the driver does not determine"}),
         (SIX, {"linkage.links[6]": {"number": 7, "points": {"Q": [0.0, 0.0]}}}, {"linkage.links[6]": "is joined to no other"}),
         (SIX, {"linkage.links[0].points.C": [10.0, 50.0]},
          {"linkage.links[3].points": "two pins make them one body"}),
@@ -217,12 +217,12 @@ def test_a_motion_driver_need_not_say_its_speed() -> None:
         (SIX, {"linkage.driver.link": GONE}, {"linkage.driver.link": "missing"}),
         (SIX, {"linkage.driver.link": 9}, {"linkage.driver.link": "no such moving link; allowed: 2 | 3 | 4 | 5 | 6"}),
         (SIX, {"linkage.driver.link": 1}, {"linkage.driver": "missing"}),
-        (SIX, {"linkage.driver.link": 3}, {"linkage.driver.link": "not held on the frame by one pair"}),
+        (SIX, {"linkage.driver.link": 3}, {"linkage.driver.link": "has no single pair with the frame"}),
         (SIX, {"linkage.driver.link": 6}, {"linkage.driver.kind": "link 6 slides on the frame; allowed: motion"}),
         (SIX, {"linkage.driver.kind": "crnk"}, {"linkage.driver.kind": "did you mean 'crank'?"}),
         (SIX, {"linkage.driver.kind": GONE}, {"linkage.driver.kind": "missing; allowed: crank | motion"}),
         (SIX, {"linkage.driver.speed_rpm": GONE}, {"linkage.driver.speed_rpm": "missing"}),
-        (SIX, {"linkage.driver.speed_rpm": 0.0}, {"linkage.driver.speed_rpm": "stands still"}),
+        (SIX, {"linkage.driver.speed_rpm": 0.0}, {"linkage.driver.speed_rpm": "is zero"}),
         (SIX, {"linkage.driver.speed_rpm": "fast"}, {"linkage.driver.speed_rpm": "must be a number"}),
         (SIX, {"linkage.driver.kind": "motion"}, {"motion": "missing; allowed: a table [motion] that the driver follows"}),
         # branches
@@ -233,7 +233,7 @@ def test_a_motion_driver_need_not_say_its_speed() -> None:
         (SIX, {"linkage.branch": [1]}, {"linkage.branch": "must be a table"}),
         (INVERTED, {"linkage.branch": {"4": 1}}, {"linkage.branch.4": "no joint with two sides; allowed: 3"}),
         # motion, cam, loads
-        (SIX, {"motion": TABLES[CAM]["motion"]}, {"motion": "nothing follows it"}),
+        (SIX, {"motion": TABLES[CAM]["motion"]}, {"motion": "no driver follows it"}),
         (CAM, {"motion.start_deg": GONE}, {"motion.start_deg": "missing"}),
         (CAM, {"motion.start_deg": GONE, "motion.start_mm": 3.0}, {"motion.start_mm": "wrong unit; allowed: start_deg"}),
         (LIFT, {"motion.segments[1].rise_mm": -140.0}, {"motion.segments": "rises add up to 10 mm"}),

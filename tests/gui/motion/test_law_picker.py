@@ -268,7 +268,7 @@ def test_widths_are_typed_and_refused_where_they_are_too_much(user: User) -> Non
     user.enter("motion.segments[1].flat_fraction", "0.5")
     assert curve(user) == SccaCurve(0.0, 0.25, 0.5)
     user.enter("motion.segments[1].ramp_fraction", "0.6")
-    assert "more than the whole" in user.motion().curve.fields["motion.segments[1].ramp_fraction"].trouble
+    assert "more than the full span" in user.motion().curve.fields["motion.segments[1].ramp_fraction"].trouble
     assert curve(user) == SccaCurve(0.0, 0.25, 0.5)
 
 
@@ -383,7 +383,7 @@ def test_a_point_that_cannot_be_is_told(user: User) -> None:
     assert "point 1 angle: beyond its segment; allowed: 0 ... 41.5°" in user.motion().draft.trouble.text()
     assert points(user).model.faulty(0, 0)
     enter_point(user, 0, 1, "")  # a point that says nothing
-    assert user.motion().draft.trouble.text().endswith("says nothing; allowed: value, velocity or acceleration")
+    assert user.motion().draft.trouble.text().endswith("has no value; allowed: value, velocity or acceleration")
     enter_point(user, 0, 1, "-60")
     assert curve(user) == good
     enter_point(user, 0, 0, "30")
