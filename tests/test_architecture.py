@@ -226,8 +226,6 @@ UNDOCUMENTED: tuple[str, ...] = (
     "core/design/",
     "core/linkage_programs/",
     "core/project/",
-    "core/study/",
-    "core/varying/",
 )
 """Rooms and modules whose docstrings are still to be written in sections; each that is done leaves this list."""
 

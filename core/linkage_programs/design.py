@@ -610,7 +610,7 @@ def read_linkage(
     text: str, format: str = "", *, name: str = "", units: str = "", mirror: bool = False, inputs: Sequence[str] = ()
 ) -> Made:
     """The design of a text; units: of its lengths, where it does not say; inputs: names of driven joints. Raises DesignError."""
-    if len(text.encode()) > PROGRAM_BYTES:
+    if len(text.encode(errors="replace")) > PROGRAM_BYTES:
         raise refused("text", "too long", f"at most {PROGRAM_BYTES / 1e6:g} MB")
     text = text.strip().removeprefix("\ufeff")
     row = FORMATS[format] if format else next((r for r in FORMATS.values() if r.begins(text)), None)
