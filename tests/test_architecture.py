@@ -225,8 +225,6 @@ UNDOCUMENTED: tuple[str, ...] = (
     "core/commands/",
     "core/design/",
     "core/project/",
-    "core/study/",
-    "core/varying/",
 )
 """Rooms and modules whose docstrings are still to be written in sections; each that is done leaves this list."""
 
