@@ -146,7 +146,7 @@ def test_a_table_that_is_not_closed_stays_as_typed_and_says_what_to_give(same_wi
     before = user.design
     user.enter("loads.process[0].points[2].value", "7")
     field = user.field("loads.process[0].points[2].value")
-    assert "the table is not closed; allowed: 1, or leave the row at 360 deg out" in field.trouble.replace("°", " deg")
+    assert "the table is not closed; allowed: 1, or remove the row at 360 deg" in field.trouble.replace("°", " deg")
     assert (user.number(field.spec.path).text(), user.design) == ("7", before)
     user.enter("loads.process[0].points[1].deg", "400")
     assert user.design == before
