@@ -67,7 +67,7 @@ def test_a_motion_is_saved_and_taken_over_without_loss(tmp_path: Path) -> None:
     assert main(["motion", str(file)]) == 2
     with pytest.raises(DesignError, match="this design's is in mm"):
         with_motion_of(LIFT, loads(DEFAULT_CAM))
-    with pytest.raises(DesignError, match="a disk cam is where it was"):
+    with pytest.raises(DesignError, match="a disk cam repeats its motion"):
         with_motion_of(LIFT, loads(FEED))
     assert alone(LIFT).shaft.speed_rpm == LIFT.shaft.speed_rpm
 
