@@ -38,7 +38,7 @@ def epigraph(
     Parameters
     ----------
     rows : callable
-        Point (k,) -> values f (c,) and slopes (c, k).
+        Point (k,) -> values f (c,) and slopes (c, k) [unit of f].
     bound : ndarray (c,) [unit of f]
         Bounds b; NaN for the functions whose largest is minimised.
     scale : ndarray (c,) [unit of f]
