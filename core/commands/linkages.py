@@ -16,7 +16,7 @@ from core.design.fields import choice, flag, number, whole
 from core.design.topology import driver_turns
 from core.errors import KindynaError
 from core.frozen import frozen
-from core.linkage_programs import FORMATS, Made, read_linkage
+from core.linkage_programs import FORMATS, LinkageImport, read_linkage
 from core.linkage_programs.design import UNITS, decoded
 from core.mechanism.drivers import Circuit, circuits, with_drawn_pose, with_signs
 from core.output.lines import printable
@@ -264,12 +264,12 @@ def run_linkage_from(arguments: LinkageFromArguments, painter: Painter | None) -
     return DONE
 
 
-def _data(made: Made) -> dict[str, object]:
+def _data(made: LinkageImport) -> dict[str, object]:
     left = [{"what": each.what, "why": each.why} for each in made.left_out]
     return {"links": made.links, "joints": made.joints, "left_out": left}
 
 
-def _text(made: Made) -> str:
+def _text(made: LinkageImport) -> str:
     lines = [f"{printable(made.design.name)}: {made.links} links, {made.joints} joints"]
     lines += [f"left out: {printable(each.what)}: {printable(each.why)}" for each in made.left_out]
     return "\n".join(lines) + "\n"

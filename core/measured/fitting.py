@@ -15,9 +15,9 @@ from core.design import (
     SplineCurve,
     SplinePoint,
     TableCurve,
-    laid_out,
     require_motion,
     with_motion,
+    with_value,
 )
 from core.design.motion_edits import without_marks
 from core.design.rules import MOST_OF_LIST
@@ -112,7 +112,7 @@ def segment_from_table(
     segment, at = require_motion(design).segments[index], f"motion.segments[{index}]"
     if as_is:
         for key, value in (("law", TableCurve.law), ("span_deg", float(x[-1])), ("rise", float(y[-1]))):
-            design = laid_out(design, f"{at}.{key}", value)
+            design = with_value(design, f"{at}.{key}", value)
     elif abs(y[-1]) <= RETURNS * np.ptp(y) and segment.rise:
         raise TableError(
             sheet.name,
