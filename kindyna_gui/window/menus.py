@@ -532,7 +532,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             Item("Fi&nding dimensions", "show_help", "finding", None, "The smallest dimension within your limits, or the best one"),
             Item("Studies of man&y designs", "show_help", "studies", None, "Tables of many designs, tolerances, the best design"),
             Item("Lin&kages", "show_help", "linkages", None, "Links, pins and guides; centres and velocities"),
-            Item("&Stability of the camshaft", "show_help", "stability", None, "Stability chart and verdicts, compared with the claims of Kim (1990)"),
+            Item("&Stability of the camshaft", "show_help", "stability", None, "Chart and verdicts; the claims of Kim (1990) checked"),
             Item("Figures of the &papers...", "show_papers", None, None, "Figures and statements of the papers, compared with KINDYNA"),
             Item("T&he four papers", "show_help", "papers", None, "The papers: claims checked, and misprints"),
             Item("C&ontrollers", "show_help", "controllers", None, "Electronic cams: what a servo controller makes of a table"),
