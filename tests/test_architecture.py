@@ -222,7 +222,6 @@ def test_files_that_are_named_to_a_reader_are_there(page: str) -> None:
 # -- docstrings --------------------------------------------------------------------------------------------
 
 UNDOCUMENTED: tuple[str, ...] = (
-    "core/commands/",
     "core/design/",
     "core/linkage_programs/",
     "core/project/",
