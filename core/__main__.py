@@ -19,7 +19,7 @@ with importing():
     from core.commands import COMMANDS, NOTHING_DONE, Command, Painter
     from core.errors import KindynaError
     from core.process import keep_freed_memory, skip_last_collection
-    from core.project.files import inputs_kept
+    from core.project.files import inputs_protected
 
 MOST_LINES = 100
 
@@ -94,7 +94,7 @@ def _run(argv: Sequence[str] | None, painter: Painter | None, program: str, rows
     from core.requests import build_request
 
     try:
-        with inputs_kept():
+        with inputs_protected():
             return row.run(build_request(row.arguments(), vars(arguments)), painter)
     except KindynaError as error:
         from core.commands.common import named_in_file

@@ -58,9 +58,9 @@ def with_blend_as_motion(design: Design, blended: BlendResult) -> Design:
 def with_blend_between(design: Design, blended: BlendResult) -> Design:
     """Design whose motion is replaced between the cam angles of the blended curves; dwells are shortened there.
 
-    Where the curves end at another level, the next moving segment returns the follower; where no other segment moves, the
-    blended curves do so, run backwards. Raises DesignError where a moving segment would be split, no angle is left for the
-    return, or the units differ.
+    Where the curves end at another level, the next moving segment returns the follower; where no other segment moves,
+    the blended curves do so, run backwards. Raises DesignError where a moving segment would be split, no angle is left
+    for the return, or the units differ.
     """
     _require_unit(design, blended)
     motion, request = require_motion(design), blended.request
@@ -182,8 +182,8 @@ def blend(request: Request) -> BlendResult:
 def best(request: Request, goal: str) -> BlendResult:
     """Optimal motion by a goal in ``GOALS`` among all sequences of the request, with its settings.
 
-    ``length`` and ``length2`` are lower limits of the spans of constant velocity. Raises BlendError, also where a constant
-    velocity is requested and the optimum has none.
+    ``length`` and ``length2`` are lower limits of the spans of constant velocity. Raises BlendError, also where a
+    constant velocity is requested and the optimum has none.
     """
     if goal not in GOALS:
         raise BlendError(f"best {goal!r}: unknown; allowed: {' | '.join(GOALS)}")

@@ -72,7 +72,7 @@ class FamilyEquations:
 
     @cached_property
     def exact(self) -> Mapping[str, Row]:
-        """Name of a form -> its polynomials by 1, x_1, ..., all times the same power of t; the empty name is the form 1."""
+        """Form -> its polynomials by 1, x_1, ..., all times the same power of t; the empty name is the form 1."""
         width, count = len(self.numbers) + 1, self._powers.size
         columns = [column for form in self._forms.values() for column in form[-count:].T.tolist()]
         reduced = without_common_factor(Polynomial(map(to_integer, column)) for column in columns)
@@ -159,7 +159,7 @@ class PointFamily:
     top: float
 
     def form(self, name: str) -> Row:
-        """A form by 1, y1, ... as polynomials in p, all forms times the same polynomial; the empty name is the form 1."""
+        """A form by 1, y1, ... as polynomials in p, all forms times the same one; the empty name is the form 1."""
         row = self.equations.exact[name]
         if self.t is not None:
             powers = [to_integer(self.t**e) for e in range(max(map(len, row)))]
@@ -322,7 +322,7 @@ class BlendSolution:
 
 
 def peak_of(curve: str, flat: float) -> float:
-    """Factor c of the largest acceleration |a| = c h/β² of a curve with constant acceleration over a fraction of its span.
+    """Factor c in the largest |a| = c h/β² of a curve with constant acceleration over a fraction of its span.
 
     The area under the acceleration is the velocity 2h/β; under a quarter sine it is 2/π of the peak.
     """
@@ -348,8 +348,8 @@ class Family:
     Attributes
     ----------
     mirrored : the return is the rise run backwards
-    flats : heights of half cycloids with constant acceleration, and its fraction of the total span; of a mirrored family
-        those of the rise
+    flats : heights of half cycloids with constant acceleration, and its fraction of the total span; of a mirrored
+        family those of the rise
     """
 
     sequence: CurveSequence
@@ -469,7 +469,7 @@ class Family:
         return self._with_speeds(task, height_by_name, self._speed_ratio(task, t))
 
     def _return_heights(self, task: BlendTask, rise: Mapping[str, float], square: float) -> dict[str, float]:
-        """Heights of the return from those of the rise, so that accelerations at the joins are equal to the last bit; square = r²."""
+        """Heights of the return from those of the rise, with exactly equal accelerations at the joins; square = r²."""
         h4 = square * rise["h3"]
         h6 = square * rise["h1"] if self.harmonic else rise["h6"] if self.has_constant_return else task.back - h4
         middle = {"h5": max(task.back - h4 - h6, 0.0)} if self.has_constant_return else {}
@@ -523,7 +523,7 @@ def _without_freedom(sequence: CurveSequence, task: BlendTask) -> tuple[tuple[fl
 
 @lru_cache(maxsize=256)
 def _equations(family: Family, g: float) -> FamilyEquations:
-    """Forms of all heights, of W and R, and of ``up``, the span of the rise times its speed; g: ratio of the strokes."""
+    """Forms of all heights, of W, R and ``up``, the span of the rise times its speed; g: ratio of the strokes."""
     numbers = family.linear
     free = {name: term(len(numbers), j) for j, name in enumerate(("", *numbers))}
     one = free[""]

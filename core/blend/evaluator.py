@@ -196,7 +196,7 @@ class Evaluator:
         return h, span
 
     def _level(self, at: float, forms: np.ndarray) -> np.ndarray:
-        """Displacement above the lowest level at a fraction of the span, evaluated on the first curve that reaches it."""
+        """Displacement above the lowest level at a fraction of the span, on the first curve that reaches it."""
         start, level, result = (np.zeros_like(forms[0]) for _ in range(3))
         level[0] = self._start_level
         waiting = np.ones(forms.shape[2], dtype=bool)
@@ -295,7 +295,7 @@ class Evaluator:
         return is_finite & (least > INDEPENDENT)
 
     def _slopes(self, constraints: Sequence[Constraint], z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Residuals (n, constraints) at points, and their derivatives by relative changes (n, constraints, 1 + numbers)."""
+        """Residuals (n, constraints), and derivatives by relative changes (n, constraints, 1 + numbers)."""
         forms = self.forms(z[0], z[1:], slopes=True)
         rows = np.array([self.residual(c, forms) for c in constraints])
         return rows[:, 0].T, (rows[:, 1:] * np.abs(z)).transpose(2, 0, 1)

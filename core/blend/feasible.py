@@ -46,8 +46,8 @@ def feasible_ranges(request: Request, setting: str, at: float = 0.0) -> list[Set
     """Feasible ranges of a setting under the other settings, as the request writes it; empty where there are none.
 
     The request may contain the setting; its value has no effect. A ``point`` has the cam angle ``at`` [deg]. Where the
-    request with the setting is complete for some sequences, the ranges are those of these sequences; else missing settings
-    are free. A setting that the others determine has one value. Raises BlendError for an invalid request.
+    request with the setting is complete for some sequences, the ranges are those of these sequences; else missing
+    settings are free. A setting that the others determine has one value. Raises BlendError for an invalid request.
     """
     request.validate()
     if setting not in (*SETTINGS, POINT):
@@ -239,8 +239,8 @@ def _directions(family: Family, strokes: float, name: str, at: float) -> np.ndar
 def refusal(request: Request, complete: Sequence[BlendCandidate], constraints: Sequence[Constraint]) -> BlendError:
     """Error where no sequence satisfies the constraints.
 
-    Reports a setting that others determine; else the last one with a range under the others, nonlinear ones first; else the
-    first one outside its range under the previous ones.
+    Reports a setting that others determine; else the last one with a range under the others, nonlinear ones first; else
+    the first one outside its range under the previous ones.
     """
     for name in (given for given in request.settings if given in FLATS):
         allowed = flat_ranges(request, name)

@@ -198,7 +198,7 @@ def _within(p: Floats, a: float, b: float) -> list[float]:
 
 
 def _bracketed(p: Floats, derivative: Floats, a: float, b: float, fa: float) -> float:
-    """The root between a and b by Newton's method, with bisection where a step leaves the bracket or converges slowly."""
+    """The root between a and b by Newton's method; bisection where a step leaves the bracket or is slow."""
     x, last = 0.5 * (a + b), b - a
     for _ in range(STEPS):
         value = evaluate(p, x)

@@ -219,7 +219,7 @@ class Request:
         return _RETURN_NAMES.get(name, name) if MOTION_TYPES[self.type].rise is None else name
 
     def flat_name(self, height: str) -> str:
-        """Setting for the span of constant acceleration in the curve of a height; a return alone counts its curves from 1."""
+        """Setting for the span of constant acceleration in the curve of a height; a return alone counts from 1."""
         name = f"flat{height[-1]}"
         names = {standard: requested for requested, standard in _RETURN_NAMES.items()}
         return names.get(name, name) if MOTION_TYPES[self.type].rise is None else name
@@ -325,8 +325,8 @@ class SequenceRequest:
     Attributes
     ----------
     curves : names in order, such as ``C1``, ``H2``, ``P2``
-    settings : h1, span1 [deg], v1 [per deg], a1 [per deg²], end1, a cam angle [deg], of the curves counted from 1; rise1,
-        return1 of the strokes, each of adjacent curves in one direction
+    settings : h1, span1 [deg], v1 [per deg], a1 [per deg²], end1, a cam angle [deg], of the curves counted from 1;
+        rise1, return1 of the strokes, each of adjacent curves in one direction
     """
 
     curves: tuple[str, ...]
@@ -347,7 +347,7 @@ class SequenceRequest:
 
     @property
     def is_closed(self) -> bool:
-        """Whether the last curve joins the first one in the next turn: over the full turn, equal end states, no dwell."""
+        """Whether the last curve joins the first in the next turn: over the full turn, equal end states, no dwell."""
         joins = ELEMENTS[self.curves[0]].start == ELEMENTS[self.curves[-1]].end != DWELL
         return joins and self.end - self.start == 360.0
 
@@ -405,7 +405,7 @@ class SequenceRequest:
 
 @frozen
 class BlendResult:
-    """A blended motion: curves in order with their spans [deg] and signed rises, from cam angle ``start`` of the request."""
+    """A blended motion: curves in order with spans [deg] and signed rises, from ``start`` of the request."""
 
     request: Request | SequenceRequest
     solution: BlendSolution

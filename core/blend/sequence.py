@@ -1,9 +1,10 @@
 """Sequences of any number of Yang's curves: as many conditions as unknowns, solved simultaneously.
 
-Unknowns are height h and span β of every curve. Where curves meet while moving, their speeds c h/β are equal; where they
-meet at rest with acceleration, their accelerations c h/β² are (Yang eqs. 1-4). These, and most settings, are products of
-powers, which are linear in the logarithms; the total span, the stroke of a rise or return and the cam angle of a join are
-sums. Newton's method solves the conditions in logarithms, where heights and spans are positive, from many starts.
+Unknowns are height h and span β of every curve. Where curves meet while moving, their speeds c h/β are equal; where
+they meet at rest with acceleration, their accelerations c h/β² are (Yang eqs. 1-4). These, and most settings, are
+products of powers, which are linear in the logarithms; the total span, the stroke of a rise or return and the cam angle
+of a join are sums. Newton's method solves the conditions in logarithms, where heights and spans are positive, from many
+starts.
 """
 
 from __future__ import annotations
@@ -262,7 +263,7 @@ class SequenceProblem:
 
     @cached_property
     def _directions(self) -> tuple[np.ndarray, np.ndarray]:
-        """Some motions with continuous joins, and a basis of the changes that keep joins and total span (k, 2n, freedom)."""
+        """Some motions, and a basis (k, 2n, freedom) of the changes that preserve joins and total span."""
         unconstrained = SequenceProblem(self.request, {})
         z = unconstrained.motions[:6]
         rows = np.stack([c.slopes(z) for c in self.always], axis=1)
@@ -343,7 +344,7 @@ def blend_sequence(request: SequenceRequest) -> BlendResult:
 
 
 def best_of_sequence(request: SequenceRequest, goal: str) -> BlendResult:
-    """Optimal motion of a sequence by a goal in ``GOALS``, over the variables its settings leave free. Raises BlendError."""
+    """Optimal motion of a sequence by a goal in ``GOALS``, over its free variables. Raises BlendError."""
     from scipy.optimize import minimize
 
     problem = _valid_problem(request)
@@ -394,7 +395,7 @@ def _coefficient(curve: str, goal: str) -> float:
 
 
 def sequence_ranges(request: SequenceRequest, name: str) -> list[SettingRange]:
-    """Feasible ranges of a setting under the other settings; empty where there are none, or where these determine it."""
+    """Feasible ranges of a setting under the other settings; empty where there are none, or these determine it."""
     request.validate()
     problem = SequenceProblem(request, {k: v for k, v in request.settings.items() if k != name})
     if problem.rank(list(problem.settings)) == problem.rank([*problem.settings, name]):
@@ -527,7 +528,7 @@ def _wrong_number(problem: SequenceProblem) -> BlendError:
 
 
 def _refusal(request: SequenceRequest) -> BlendError:
-    """Refusal of the last setting that has a range under all others; else of the first outside the range under the previous."""
+    """Refusal of the last setting with a range under all others; else of the first outside its range."""
     names = list(request.settings)
     for name in reversed(names):
         others = [setting for setting in names if setting != name]

@@ -145,7 +145,7 @@ _ACCELERATES = {-1: "with acceleration downwards", 0: "without acceleration", 1:
 
 @frozen
 class CurveEnds:
-    """Row of Yang's Table 1: signs of displacement, velocity and acceleration at both ends, and the curves that may follow."""
+    """Row of Yang's Table 1: signs of s, v, a at both ends of a curve, and the curves that may follow."""
 
     curve: str
     displacement: tuple[int, int]

@@ -49,8 +49,8 @@ class Subproblem:
     def minimise(self, start: Point) -> tuple[float, Point] | None:
         """Run one search (SLSQP); None where it ends at no feasible point.
 
-        Unknowns are log t, log x1, ... and the upper bound of all goals: speeds and heights are sums of products of powers, so
-        that most quantities are convex in the logarithms.
+        Unknowns are log t, log x1, ... and the upper bound of all goals: speeds and heights are sums of products of
+        powers, so that most quantities are convex in the logarithms.
         """
         from scipy.optimize import minimize
 
@@ -469,7 +469,7 @@ class BlendCandidate:
 
 
 def candidates(request: Request) -> list[BlendCandidate]:
-    """Sequences of a type of motion with their families, fewest curves first. Raises BlendError where there is no room."""
+    """Sequences of a type of motion with their families, fewest curves first. Raises BlendError without room."""
     request.validate_angles()
     rise, back = request.strokes
     flats = tuple((height, value / (request.end - request.start)) for height, value in sorted(request.flats.items()))
@@ -511,7 +511,7 @@ def _candidates(
 
 
 def flat_heights(sequence: CurveSequence) -> dict[str, str]:
-    """Height -> curve of the half cycloids that may have a constant acceleration: those in a stroke of several curves."""
+    """Height -> curve of the half cycloids, in strokes of several curves, that may have a constant acceleration."""
     strokes = ((sequence.rise, RISE), (sequence.back, RETURN))
     rows = [
         (n, c)

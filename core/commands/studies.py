@@ -67,8 +67,8 @@ def run_optimise(arguments: OptimiseArguments, painter: Painter | None) -> int:
     optimum = optimise(study_file, _Progress().report)
     notes = remarks(study_file, optimum)
     print(to_json(_data(optimum, notes)) if arguments.json else _optimum_text(optimum, notes), end="")
-    if not optimum.kept:
-        against = f": {optimum.against}" if optimum.against else ""
+    if not optimum.is_feasible:
+        against = f": {optimum.rejection}" if optimum.rejection else ""
         print(
             f"optimise: no design satisfies the limits; the one above violates them least{against}",
             file=sys.stderr,
@@ -101,22 +101,22 @@ def _data(optimum: Optimum, notes: Sequence[str]) -> dict[str, Any]:
         "answer": dict(optimum.answer),
         "goal": next(iter(optimum.goals.values())) if len(optimum.goals) == 1 else dict(optimum.goals),
         "before": next(iter(optimum.before.values())) if len(optimum.before) == 1 else dict(optimum.before),
-        "kept": optimum.kept,
-        "better": optimum.better,
+        "kept": optimum.is_feasible,
+        "better": optimum.is_better,
         "binding": [{"limit": bound.limit, "per_percent": bound.per_percent} for bound in optimum.binding],
         "starts": optimum.starts,
         "agreeing": optimum.agreeing,
         "front": [dict(point) for point in optimum.front],
         "share": None if optimum.share is None else {"share": optimum.share.value, "low": optimum.share.interval[0]},
-        "taken": dict(optimum.taken),
-        "against": optimum.against,
+        "taken": dict(optimum.also_set),
+        "against": optimum.rejection,
         "remarks": list(notes),
     }
 
 
 def _optimum_text(optimum: Optimum, notes: Sequence[str]) -> str:
-    heading = "the best design:" if optimum.better else "no better design; the present one:"
-    lines = [heading if optimum.kept else "the design that violates the limits least:"]
+    heading = "the best design:" if optimum.is_better else "no better design; the present one:"
+    lines = [heading if optimum.is_feasible else "the design that violates the limits least:"]
     lines += [
         f"  {path} = {value if isinstance(value, str) else f'{value:.9g}'}" for path, value in optimum.answer.items()
     ]
@@ -126,9 +126,9 @@ def _optimum_text(optimum: Optimum, notes: Sequence[str]) -> str:
         f"at its limit {bound.limit}: 1 % more of it changes the goal by {bound.per_percent:.4g}"
         for bound in optimum.binding
     ]
-    if optimum.better:
+    if optimum.is_better:
         lines.append(f"{optimum.agreeing} of {optimum.starts} starts lead there")
-    lines += [f"set in the design: {path} = {value:.9g}" for path, value in optimum.taken.items()]
+    lines += [f"set in the design: {path} = {value:.9g}" for path, value in optimum.also_set.items()]
     if optimum.front:
         points = "point: --json lists it" if len(optimum.front) == 1 else "points: --json lists them"
         lines.append(f"front of {len(optimum.front)} {points}")
@@ -136,8 +136,8 @@ def _optimum_text(optimum: Optimum, notes: Sequence[str]) -> str:
         lines.append(
             f"{optimum.share.value:.2%} of random machines keep the limits, {optimum.share.interval[0]:.2%} at least with 95 %"
         )
-    if optimum.against:
-        lines.append(f"a better one was refused: {optimum.against}")
+    if optimum.rejection:
+        lines.append(f"a better one was refused: {optimum.rejection}")
     lines += notes
     return "\n".join(lines) + "\n"
 

@@ -1,4 +1,4 @@
-"""Rules of force elements: that what they hold on to is there, and that they can act at all. Each must bear any number, nan included."""
+"""Rules of force elements: their attachments exist, and they can act. A rule must accept any number, NaN included."""
 
 from __future__ import annotations
 
@@ -18,83 +18,83 @@ Pairs = Mapping[str, tuple[bool, tuple[int, ...]]]
 """Name of a pair -> whether it is a pin, and its links."""
 
 
-class _Built:
-    """What a follower builds: its links by number, their names and points, and its pairs."""
+class _FollowerLinks:
+    """Links of a follower by number, with their names and points, and its pairs."""
 
     def __init__(self, links: Mapping[int, tuple[str, tuple[str, ...]]], pairs: Pairs, second: int) -> None:
         self.links, self.pairs, self.second = MappingProxyType(links), MappingProxyType(pairs), second
 
 
-_ARM = _Built({1: ("frame", ("pivot",)), 2: ("arm", ("pivot", "roller"))}, {"pivot": (True, (1, 2))}, 2)
-FOLLOWER_LINKS: Mapping[type, _Built] = MappingProxyType(
+_ARM = _FollowerLinks({1: ("frame", ("pivot",)), 2: ("arm", ("pivot", "roller"))}, {"pivot": (True, (1, 2))}, 2)
+FOLLOWER_LINKS: Mapping[type, _FollowerLinks] = MappingProxyType(
     {
-        CamSlider: _Built(
+        CamSlider: _FollowerLinks(
             {
                 1: ("frame", ("pivot",)), 2: ("arm", ("pivot", "arm_pin", "roller")), 3: ("rod", ("arm_pin", "slider_pin")),
                 4: ("slider", ("slider_pin",)),
             },
             {"pivot": (True, (1, 2)), "arm_pin": (True, (2, 3)), "slider_pin": (True, (3, 4)), "guide": (False, (4, 1))}, 2,
         ),
-        Translating: _Built({1: ("frame", ()), 2: ("follower", ("roller",))}, {"guide": (False, (2, 1))}, 2),
+        Translating: _FollowerLinks({1: ("frame", ()), 2: ("follower", ("roller",))}, {"guide": (False, (2, 1))}, 2),
         Oscillating: _ARM,
         OscillatingFlat: _ARM,
-        Output: _Built({1: ("frame", ()), 2: ("output", ())}, {}, 2),
+        Output: _FollowerLinks({1: ("frame", ()), 2: ("output", ())}, {}, 2),
     }
 )  # fmt: skip
-"""Follower -> the links and pairs that it builds; ``second``: the link with the second roller of a conjugate pair."""
+"""Follower -> its links and pairs; ``second`` is the link with the second roller of a conjugate pair."""
 
 
 def link_points(drive: Drive) -> Mapping[int, tuple[str, ...]]:
-    """The links of a drive by number, each with the names of its points."""
+    """Number of a link -> names of its points."""
     if drive.is_linkage:
         return {link.number: tuple(link.places) for link in drive.linkage.links}
-    built = FOLLOWER_LINKS[type(drive.mechanism)]
+    follower = FOLLOWER_LINKS[type(drive.mechanism)]
     second = getattr(drive.mechanism, "second", None) is not None
     return {
-        n: (*points, *(("second_roller",) if second and n == built.second else ()))
-        for n, (_, points) in built.links.items()
+        n: (*points, *(("second_roller",) if second and n == follower.second else ()))
+        for n, (_, points) in follower.links.items()
     }
 
 
 def link_names(drive: Drive) -> Mapping[int, str]:
-    """What the links of a drive are called: ``2 (arm)``."""
+    """Number of a link -> its name, ``2 (arm)``."""
     if drive.is_linkage:
         return {n: f"{n} (frame)" if n == FRAME_LINK else str(n) for n in sorted(link_points(drive))}
     return {n: f"{n} ({name})" for n, (name, _) in FOLLOWER_LINKS[type(drive.mechanism)].links.items()}
 
 
 def pairs_of(drive: Drive) -> Pairs:
-    """The pairs of a drive in which there may be friction."""
+    """Pairs of a drive, in which there may be friction."""
     if not drive.is_linkage:
         return FOLLOWER_LINKS[type(drive.mechanism)].pairs
-    found: dict[str, tuple[bool, tuple[int, ...]]] = {pin.name: (True, pin.links) for pin in pins(drive.linkage)}
-    return found | {str(s.link): (False, (s.link, s.on)) for s in drive.linkage.sliders}
+    pinned: dict[str, tuple[bool, tuple[int, ...]]] = {pin.name: (True, pin.links) for pin in pins(drive.linkage)}
+    return pinned | {str(s.link): (False, (s.link, s.on)) for s in drive.linkage.sliders}
 
 
 def turning_links(drive: Drive) -> tuple[int, ...]:
-    """The links of a drive that can turn: no slide leads from them to the frame. None of a follower on a guide."""
-    slides, still = [set(links) for pin, links in pairs_of(drive).values() if not pin], {FRAME_LINK}
-    while more := set().union(*(links for links in slides if links & still)) - still:
-        still |= more
-    return tuple(n for n in link_names(drive) if n not in still)
+    """Links of a drive that can turn, those without a chain of slides to the frame."""
+    slides, parallel = [set(links) for pin, links in pairs_of(drive).values() if not pin], {FRAME_LINK}
+    while more := set().union(*(links for links in slides if links & parallel)) - parallel:
+        parallel |= more
+    return tuple(n for n in link_names(drive) if n not in parallel)
 
 
 def element_faults(drive: Drive) -> Iterator[Fault]:
-    """Every fault of the force elements of a drive."""
+    """Faults of the force elements of a drive."""
     loads = drive.loads
     if not isinstance(loads, ForceElements) or drive.mechanism is None:
         return
     for name, rule in _RULES.items():
         for i, row in enumerate(getattr(loads, name)):
             yield from rule(row, drive, f"loads.{name}[{i}]")
-    yield from _rubs_once(loads, drive)
+    yield from _friction_given_once(loads, drive)
     if loads.follower_stiffness_n_per_mm and drive.cam is None:
         path = "loads.follower_stiffness_n_per_mm"
         yield Fault(
             path,
             loads.follower_stiffness_n_per_mm,
             "there is no cam that drives an elastic follower",
-            "none, or give a cam",
+            "none, or add a cam",
         )
 
 
@@ -109,13 +109,13 @@ def _attached(at: Attachment, drive: Drive, path: str) -> Iterator[Fault]:
         yield from absent
         return
     points = link_points(drive)[at.link]
-    known = " | ".join((*points, "at = [x, y]"))
+    allowed = " | ".join((*points, "at = [x, y]"))
     if at.point is None and (at.x_mm is None or at.y_mm is None):
-        yield Fault(f"{path}.point", MISSING, f"where on link {at.link} is not said", known)
+        yield Fault(f"{path}.point", MISSING, f"the point on link {at.link} is missing", allowed)
     elif at.point is not None and (at.x_mm is not None or at.y_mm is not None):
-        yield Fault(f"{path}.at", [at.x_mm, at.y_mm], "stands beside point", "one of the two")
+        yield Fault(f"{path}.at", [at.x_mm, at.y_mm], "cannot be combined with point", "one of the two")
     elif at.point is not None and at.point not in points:
-        yield Fault(f"{path}.point", at.point, f"link {at.link} has no such point", known)
+        yield Fault(f"{path}.point", at.point, f"link {at.link} has no such point", allowed)
 
 
 def _spring(row: PointSpring, drive: Drive, path: str) -> Iterator[Fault]:
@@ -126,11 +126,11 @@ def _spring(row: PointSpring, drive: Drive, path: str) -> Iterator[Fault]:
         yield Fault(
             f"{path}.to.link",
             row.to.link,
-            "both ends are on one link, whose points keep their distance",
+            "both ends are on one link, so that the length is constant",
             "another link",
         )
     elif row.from_.point is not None and row.from_.point == row.to.point:
-        problem = f"lies on the other end: {row.to.point} joins both links, so that the spring has no length"
+        problem = f"coincides with the first end: {row.to.point} joins both links, so that the spring has no length"
         yield Fault(f"{path}.to.point", row.to.point, problem, "another point")
 
 
@@ -138,7 +138,7 @@ def _torsion(row: TorsionSpring, drive: Drive, path: str) -> Iterator[Fault]:
     yield from _no_link(drive, row.link, f"{path}.link")
     yield from _no_link(drive, row.on, f"{path}.on")
     if row.link == row.on:
-        yield Fault(f"{path}.on", row.on, "a link does not turn against itself", "another link")
+        yield Fault(f"{path}.on", row.on, "a link cannot turn relative to itself", "another link")
 
 
 def _friction(row: PairFriction, drive: Drive, path: str) -> Iterator[Fault]:
@@ -147,33 +147,33 @@ def _friction(row: PairFriction, drive: Drive, path: str) -> Iterator[Fault]:
         yield Fault(f"{path}.pair", row.pair, "no such pair", " | ".join(known) or "none: no pin and no slide")
         return
     pin, links = known[row.pair]
-    named = (row.link, row.other)
-    several = " or ".join(f"[{min(links)}, {n}]" for n in sorted(links)[1:])
+    stated = (row.link, row.other)
+    allowed = " or ".join(f"[{min(links)}, {n}]" for n in sorted(links)[1:])
     if pin and row.radius_mm is None:
         yield Fault(f"{path}.radius_mm", MISSING, "missing", "> 0 mm, of the pin")
     if pin and row.length_mm is not None:
         yield Fault(f"{path}.length_mm", row.length_mm, f"{row.pair} is a pin", "radius_mm")
     if not pin and row.radius_mm is not None:
         yield Fault(f"{path}.radius_mm", row.radius_mm, f"{row.pair} is a slide", "length_mm, or nothing")
-    if named == (None, None) and len(links) > 2:
-        yield Fault(f"{path}.links", MISSING, f"the pin joins links {', '.join(map(str, links))}", several)
-    elif named != (None, None) and (row.link == row.other or not set(named) <= set(links)):
-        yield Fault(f"{path}.links", list(named), f"are not two links joined by {row.pair}", several)
+    if stated == (None, None) and len(links) > 2:
+        yield Fault(f"{path}.links", MISSING, f"the pin joins links {', '.join(map(str, links))}", allowed)
+    elif stated != (None, None) and (row.link == row.other or not set(stated) <= set(links)):
+        yield Fault(f"{path}.links", list(stated), f"are not two links joined by {row.pair}", allowed)
 
 
-def _rubs_once(loads: ForceElements, drive: Drive) -> Iterator[Fault]:
-    """The friction of a pair is stated once: of a guide, either as the loads' own or among those of the pairs."""
+def _friction_given_once(loads: ForceElements, drive: Drive) -> Iterator[Fault]:
+    """The friction of a pair is given once; that of a guide by its field or in the list of pairs."""
     seen: set[tuple[Any, ...]] = set()
     for i, row in enumerate(loads.pair_friction):
         path, key = f"loads.pair_friction[{i}].pair", (row.pair, frozenset((row.link, row.other)))
-        own = getattr(loads, "friction", 0.0) if row.pair == "guide" and not drive.is_linkage else 0.0
+        guide = getattr(loads, "friction", 0.0) if row.pair == "guide" and not drive.is_linkage else 0.0
         if key in seen:
             yield Fault(path, row.pair, "has its friction already, in another row", "each pair once")
-        elif own > 0.0:
+        elif guide > 0.0:
             yield Fault(
                 path,
                 row.pair,
-                f"has its friction already, Guide friction = {own:g}",
+                f"has its friction already, Guide friction = {guide:g}",
                 "Guide friction = 0, or another pair",
             )
         seen.add(key)
@@ -193,22 +193,24 @@ def _process(row: Process, drive: Drive, path: str) -> Iterator[Fault]:
         yield from _table(row, path)
     if row.points and (row.force_n or row.torque_nm):
         key = "force_n" if row.force_n else "torque_nm"
-        yield Fault(f"{path}.{key}", getattr(row, key), "stands beside points", "one of the two")
+        yield Fault(f"{path}.{key}", getattr(row, key), "cannot be combined with points", "one of the two")
 
 
 def _when(row: Process, drive: Drive, path: str) -> Iterator[Fault]:
-    """Over a part of the turn, at a part of the motion, or by a table: one of them, whole."""
+    """A process force acts over a part of the turn, at a part of the motion, or by a table: one of them, complete."""
     given = [keys for keys in _WINDOWS if any(getattr(row, key) is not None for key in keys)]
     if not given and not row.points:
         yield Fault(
             f"{path}.cam_from_deg",
             MISSING,
-            "when it acts is not said",
+            "the time at which it acts is missing",
             "cam_from_deg and cam_to_deg, positions, or points",
         )
     for keys in given[1:] if not row.points else given:
-        beside = "points" if row.points else given[0][0]
-        yield Fault(f"{path}.{keys[0]}", getattr(row, keys[0]), f"stands beside {beside}", "one of the two")
+        first_given = "points" if row.points else given[0][0]
+        yield Fault(
+            f"{path}.{keys[0]}", getattr(row, keys[0]), f"cannot be combined with {first_given}", "one of the two"
+        )
     for first, last in given[:1] if not row.points else ():
         low, high = getattr(row, first), getattr(row, last)
         by_angle = first == "cam_from_deg"
@@ -226,21 +228,24 @@ def _when(row: Process, drive: Drive, path: str) -> Iterator[Fault]:
             yield Fault(
                 f"{path}.{last}",
                 high,
-                f"is {first}: it never acts",
-                "another one" + (", or 0 and 360" if by_angle else ""),
+                f"equals {first}: it never acts",
+                "another value" + (", or 0 and 360" if by_angle else ""),
             )
         elif not by_angle and low > high:
-            yield Fault(f"{path}.{last}", high, f"lies before {first}", f"> {low:g} {unit}")
+            yield Fault(f"{path}.{last}", high, f"is less than {first}", f"> {low:g} {unit}")
 
 
 def _where(row: Process, drive: Drive, path: str) -> Iterator[Fault]:
-    """On the output along its motion, or at a point of a link."""
+    """A process force acts on the output along its motion, or at a point of a link."""
     directed = row.direction_deg is not None
     if row.link is None:
         for key in ("point", "direction_deg"):
             if getattr(row, key) is not None:
                 yield Fault(
-                    f"{path}.link", MISSING, f"missing beside {key}", " | ".join(list(link_names(drive).values())[1:])
+                    f"{path}.link",
+                    MISSING,
+                    f"missing, required by {key}",
+                    " | ".join(list(link_names(drive).values())[1:]),
                 )
                 return
         if drive.is_linkage:
@@ -270,14 +275,14 @@ def _where(row: Process, drive: Drive, path: str) -> Iterator[Fault]:
 
 
 def _table(row: Process, path: str) -> Iterator[Fault]:
-    """Rows in the order of their angles, one an angle; where the last stands at 360 deg it is the first at 0 deg again."""
+    """The rows of a table have ascending angles; a row at 360 deg equals the one at 0 deg."""
     rows = row.points
     if len(rows) < 2:
-        yield Fault(f"{path}.points", [[p.deg, p.value] for p in rows], "one row makes no table", "two rows at least")
-    for i, (one, other) in enumerate(itertools.pairwise(rows), 1):
-        if not other.deg > one.deg:
-            problem = f"comes after {one.deg:g} deg: the rows are not sorted"
-            yield Fault(f"{path}.points[{i}].deg", other.deg, problem, f"> {one.deg:g} deg")
+        yield Fault(f"{path}.points", [[p.deg, p.value] for p in rows], "a table needs two rows", "at least two rows")
+    for i, (previous, row_i) in enumerate(itertools.pairwise(rows), 1):
+        if not row_i.deg > previous.deg:
+            problem = f"follows {previous.deg:g} deg: the rows are not sorted"
+            yield Fault(f"{path}.points[{i}].deg", row_i.deg, problem, f"> {previous.deg:g} deg")
             return
     first, last = rows[0], rows[-1]
     if first.deg == 0.0 and last.deg == 360.0 and first.value != last.value:
@@ -286,7 +291,7 @@ def _table(row: Process, path: str) -> Iterator[Fault]:
             f"{path}.points[{len(rows) - 1}].value",
             last.value,
             problem,
-            f"{first.value:g}, or leave the row at 360 deg out",
+            f"{first.value:g}, or remove the row at 360 deg",
         )
 
 

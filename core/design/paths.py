@@ -1,6 +1,6 @@
-"""Addresses inside a design, spelled as in the file: ``follower.rod_mm``, ``motion.segments[2].rise_mm``,
-``linkage.links[2].points.A``. One walk over the entries of its tables (``fields.slots_of``) serves forms, ranges, edits,
-``assumed`` and files alike.
+"""Paths of values in a design, as in the file: ``follower.rod_mm``, ``motion.segments[2].rise_mm``, ``linkage.links[2].points.A``.
+
+Forms, ranges, edits, assumed values and files all walk over the same entries (``fields.slots_of``).
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from core.frozen import frozen
 from core.numerics.lazy import Column
 from core.units import NO_UNIT, Unit, split_unit
 
-# -- addresses inside a design, spelled as in the file ----------------------------------------------------------
+# -- entries of a design ----------------------------------------------------------------------------------------
 
 
 _STEP = re.compile(r"(\w+)(?:\[(\d{1,9})\])?$")
@@ -33,8 +33,14 @@ P = TypeVar("P")
 
 @frozen
 class Entry:
-    """One value that can be edited: its path, what is known of it, its unit, what stands there; in_file: path of the entry
-    of the file, which of a pair holds both."""
+    """One value that can be edited.
+
+    Attributes
+    ----------
+    path : of the value
+    info, unit, value : its metadata, unit and present value
+    in_file : path of its entry in the file, which for a pair has both values
+    """
 
     path: str
     info: Info
@@ -47,41 +53,45 @@ class Entry:
 
 
 def row_at(path: str, rows: str = "") -> tuple[str, int, str]:
-    """The row of a list that a path leads to or into: the list's path, the row's number from 0, and what of the path lies in the
-    row; "", -1 and the path where it leads into none. rows: path of the only list that counts; else the first on the way."""
+    """Split a path at a row of a list: the list's path, the row's number from 0, and the rest of the path.
+
+    ("", -1, path) where the path has no row. ``rows`` is the path of the list; without it the first list counts.
+    """
     name = re.escape(rows) or r"[\w.]+"
     match = re.match(rf"({name})\[(\d{{1,9}})\]\.?", path)
     return (match[1], int(match[2]), path[match.end() :]) if match else ("", -1, path)
 
 
 def followed(marks: Sequence[str], rows: str, order: Sequence[int | None]) -> tuple[str, ...]:
-    """The paths, those into rows of a list with the rows' new numbers, those of rows that are gone left out; order: for each
-    row the number that it, or what it is a copy of, had, None where it is new."""
-    made: list[str] = []
+    """Paths with the new numbers of reordered rows of a list, without those of removed rows.
+
+    ``order`` is the previous number of each row or of its original, None for a new row.
+    """
+    result: list[str] = []
     for mark in marks:
         name, number, _ = row_at(mark, rows)
         rest = mark.removeprefix(f"{name}[{number}]")
-        made += [f"{rows}[{new}]{rest}" for new, old in enumerate(order) if old == number] if name else [mark]
-    return tuple(made)
+        result += [f"{rows}[{new}]{rest}" for new, old in enumerate(order) if old == number] if name else [mark]
+    return tuple(result)
 
 
-# -- entries ----------------------------------------------------------------------------------------------
+# -- entries of a table -----------------------------------------------------------------------------------
 
 
 def entries(design: Design, name: str) -> Iterator[Entry]:
-    """The entries of one table of the design, in the order of the file; none where it lacks the table."""
+    """Entries of one table of the design, in the order of the file; empty without the table."""
     part = design.tables.get(name)
     if part is not None:
         yield from entries_of(part, name)
 
 
 def entries_of(part: Any, path: str) -> Iterator[Entry]:
-    """The entries of a part and of the parts in it, in the order of the file."""
+    """Entries of a part and of its inner parts, in the order of the file."""
     return (entry for _, entry in _walk(part, path, getattr(part, "unit", "")) if entry is not None)
 
 
 def entry_at(design: Design, path: str) -> Entry | None:
-    """The entry at a path; None where the design has none there."""
+    """Entry at a path; None where the design has none."""
     for name, part in design.tables.items():
         if path.startswith(f"{name}."):
             for at, entry in _walk(part, name, getattr(part, "unit", ""), path):
@@ -91,35 +101,37 @@ def entry_at(design: Design, path: str) -> Entry | None:
 
 
 def by_weight(rows: Iterable[Entry]) -> list[Entry]:
-    """Entries with what matters most first: by their weight and order, else as they are; those of each row of a list stay together."""
-    found, lists, ranks = list(rows), dict[str, int](), []
-    for i, row in enumerate(found):
+    """Entries sorted by weight, then order; entries of one row of a list stay together."""
+    unsorted, lists, ranks = list(rows), dict[str, int](), []
+    for i, row in enumerate(unsorted):
         of_list, inside, _ = row.path.partition("]")
         at = lists.setdefault(of_list if inside else "", len(lists))
         ranks.append((at, -row.info.weight, row.info.order, i))
-    return [found[rank[-1]] for rank in sorted(ranks)]
+    return [unsorted[rank[-1]] for rank in sorted(ranks)]
 
 
 def names_a_link(path: str, info: Info) -> bool:
-    """Whether the whole number at a path says which link is meant, and counts nothing."""
+    """Whether the whole number at a path is the number of a link, not a count."""
     return info.whole and path.rpartition(".")[2] in ("number", "link", "on", "other")
 
 
 def all_paths(design: Design) -> Iterator[str]:
-    """Every path that may be assumed, in the order of the file: of what stands there as one entry, that one too."""
+    """All paths that can be assumed, in the order of the file, with those of pairs and lists that are one entry."""
     for name, part in design.tables.items():
         for path, _ in _walk(part, name, getattr(part, "unit", "")):
             yield path
 
 
 def in_order(part: Any, unit: str = "") -> list[FileEntry]:
-    """The entries of a part's table in the order of the file: a segment's law comes first."""
+    """Entries of a part's table in the order of the file, a segment's law first."""
     return sorted(slots_of(part, unit), key=lambda slot: slot.key != LAW)
 
 
 def _walk(part: Any, path: str, unit: str, to: str = "") -> Iterator[tuple[str, Entry | None]]:
-    """Every path in a part that may be assumed, in the order of the file, with its entry; None of what is no single value:
-    a law, a pair, a list of points. to: a path; parts that it does not lead into are left out."""
+    """Paths in a part that can be assumed, in the order of the file, with their entries; None for a law, a pair or a list.
+
+    With a path ``to``, only parts on the way to it are visited.
+    """
     for slot in in_order(part, unit):
         holder = getattr(part, slot.within) if slot.within else part
         at, kind = f"{path}.{slot.key}", slot.placing.kind
@@ -145,7 +157,7 @@ def _walk(part: Any, path: str, unit: str, to: str = "") -> Iterator[tuple[str, 
 
 
 def _values(part: Any, slot: FileEntry, at: str, path: str) -> Iterator[tuple[str, Entry | None]]:
-    """The paths of one entry of the file; at: its own, path: of the part whose fields hold it."""
+    """Paths of one entry of the file; ``at`` is its path, ``path`` that of the part with its fields."""
     if slot.info is None:
         if slot.key == LAW:
             yield at, None
@@ -163,32 +175,44 @@ def _values(part: Any, slot: FileEntry, at: str, path: str) -> Iterator[tuple[st
 
 
 def get(design: Design, path: str) -> Any:
-    """The value at a path; of a point its pair of coordinates. Raises KeyError where the path leads nowhere."""
+    """Value at a path; for a point its pair of coordinates.
+
+    Raises
+    ------
+    KeyError
+        Where the design has no such path.
+    """
     (name, index), *steps = _steps(path)
     if not steps and index is None and name in ("name", "assumed", "shaft", "drives", "timing", "balancer"):
         return getattr(design, name)
     part, rest, _ = _table(design, path)
-    value, _ = _opened(part, rest, path)
-    return _nowhere(path) if value is _NO_ROW else value
+    value, _ = _lens(part, rest, path)
+    return _no_entry(path) if value is _NO_ROW else value
 
 
 def put(design: Design, path: str, value: Any) -> Design:
-    """The design with the value at a path replaced. Raises KeyError where the path leads nowhere."""
+    """Design with the value at a path replaced.
+
+    Raises
+    ------
+    KeyError
+        Where the design has no such path.
+    """
     (name, index), *steps = _steps(path)
     if not steps and index is None and name in ("name", "assumed", "drives", "timing"):
         return replace(design, **{name: value})
     part, rest, with_part = _table(design, path)
-    return with_part(_opened(part, rest, path)[1](value))
+    return with_part(_lens(part, rest, path)[1](value))
 
 
 def _table(design: Design, path: str) -> tuple[Any, Sequence[Step], Callable[[Any], Design]]:
-    """The table of the design that a path begins with, None where the design could have it; the steps from there on; the
-    function that gives the design with another one."""
+    """Table at the start of a path, None where the design could have it; the remaining steps; and a function of a new table
+    that returns the changed design."""
     (name, index), *steps = _steps(path)
     if name in _LISTS and index is not None and design.listed:
         rows = getattr(design, name)
         if index >= len(rows):
-            return _nowhere(path)
+            return _no_entry(path)
 
         def with_row(row: Any) -> Design:
             changed: dict[str, Any] = {name: (*rows[:index], row, *rows[index + 1 :])}
@@ -198,7 +222,7 @@ def _table(design: Design, path: str) -> tuple[Any, Sequence[Step], Callable[[An
             drive, (table, rest) = rows[index], _named(steps)
             part = drive.tables.get(table)
             return (
-                _nowhere(path)
+                _no_entry(path)
                 if part is None and rest
                 else (part, rest, lambda new: with_row(with_drive_table(drive, table, new)))
             )
@@ -206,20 +230,20 @@ def _table(design: Design, path: str) -> tuple[Any, Sequence[Step], Callable[[An
     name, steps = _named([(name, None), *steps])
     part = design.tables.get(name)
     if index is not None or name not in design.sections or (steps and part is None):
-        return _nowhere(path)
+        return _no_entry(path)
     return part, steps, lambda new: with_table(design, name, new)
 
 
 def _named(steps: Sequence[Step]) -> tuple[str, list[Step]]:
-    """The name of the table that steps begin with, and the rest: of a second driver's motion two of them are the name."""
+    """Name of the table at the start of steps, and the rest; the name of a second driver's motion has two steps."""
     (name, _), *rest = steps
     if f"{name}." == MOTIONS and rest:
         return f"{MOTIONS}{rest[0][0]}", rest[1:]
     return name, rest
 
 
-def _opened(part: Any, steps: Sequence[Step], path: str) -> tuple[Any, Callable[[Any], Any]]:
-    """What stands at the steps from a part, and the function that gives the part with another value there."""
+def _lens(part: Any, steps: Sequence[Step], path: str) -> tuple[Any, Callable[[Any], Any]]:
+    """Value at steps from a part, and a function of a new value that returns the changed part."""
     if not steps:
         return part, lambda value: value
     (name, index), *rest = steps
@@ -232,7 +256,7 @@ def _opened(part: Any, steps: Sequence[Step], path: str) -> tuple[Any, Callable[
             part, **{slot.within: of_class(slot.placing.words[value], old)}
         )
     if slot.within:
-        inner, put_inner = _opened(getattr(part, slot.within), steps, path)
+        inner, put_inner = _lens(getattr(part, slot.within), steps, path)
         return inner, lambda value: replace(part, **{slot.within: put_inner(value)})
     if slot.info is not None and index is None and not rest:
         return _value(part, slot, name)
@@ -243,85 +267,84 @@ def _opened(part: Any, steps: Sequence[Step], path: str) -> tuple[Any, Callable[
     if slot.placing.key and rest:
         inner, put_inner = _row(old, slot, rest, path)
     elif index is None:
-        inner, put_inner = _opened(old, rest, path)
+        inner, put_inner = _lens(old, rest, path)
     elif isinstance(old, tuple) and index < len(old):
-        inner, put_row = _opened(old[index], rest, path)
+        inner, put_row = _lens(old[index], rest, path)
 
         def put_inner(value: Any) -> Any:
             return (*old[:index], put_row(value), *old[index + 1 :])
     else:
-        return _nowhere(path)
+        return _no_entry(path)
     return inner, lambda value: replace(part, **{field: put_inner(value)})
 
 
-def of_class(kind: type[P], *others: Any, **values: Any) -> P:
-    """A part of this class: each field as given, else as another part has it that has a field of that name, else at its
-    default; no number where there is none."""
-    made: dict[str, Any] = {}
-    for each in fields(kind):  # type: ignore[arg-type]
-        given = [getattr(other, each.name) for other in others if hasattr(other, each.name)]
-        if each.name in values or given:
-            made[each.name] = values[each.name] if each.name in values else given[0]
-        elif each.default is MISSING and each.default_factory is MISSING:
-            made[each.name] = nan
-    return kind(**made)
+def of_class(kind: type[P], *sources: Any, **values: Any) -> P:
+    """Part of a class, with each field from the values, else from the first source part that has it, else its default or NaN."""
+    arguments: dict[str, Any] = {}
+    for part in fields(kind):  # type: ignore[arg-type]
+        given = [getattr(source, part.name) for source in sources if hasattr(source, part.name)]
+        if part.name in values or given:
+            arguments[part.name] = values[part.name] if part.name in values else given[0]
+        elif part.default is MISSING and part.default_factory is MISSING:
+            arguments[part.name] = nan
+    return kind(**arguments)
 
 
 def _value(part: Any, slot: FileEntry, name: str) -> tuple[Any, Callable[[Any], Any]]:
-    """The entry of a part, or one of the two fields of a pair."""
+    """Value of an entry of a part, or of one field of a pair, and a function that replaces it."""
     names = (name,) if name in slot.names else slot.names
     if len(names) == 1:
         return getattr(part, names[0]), lambda value: replace(part, **{names[0]: value})
-    pair = tuple(getattr(part, each) for each in names)
+    pair = tuple(getattr(part, field) for field in names)
     return pair, lambda value: value if is_dataclass(value) else replace(part, **dict(zip(names, value, strict=True)))
 
 
 def _row(rows: tuple[Any, ...], slot: FileEntry, steps: Sequence[Step], path: str) -> tuple[Any, Callable[[Any], Any]]:
-    """A row that is told by its name, or a value of it; a new one where there is none of that name and it is one value."""
+    """Row of a list by its name, or a value in it; an unknown name adds a row where rows have one value."""
     key, only = slots(slot.placing.kind)
     (name, _), *rest = steps
-    place = next((i for i, row in enumerate(rows) if getattr(row, key.key) == name), len(rows))
-    if place == len(rows):
+    index = next((i for i, row in enumerate(rows) if getattr(row, key.key) == name), len(rows))
+    if index == len(rows):
         if rest or len(only.names) > 1:
-            return _nowhere(path)
+            return _no_entry(path)
         return _NO_ROW, lambda value: (*rows, slot.placing.kind(name, value))
-    inner, put_inner = _opened(rows[place], rest, path) if rest else _value(rows[place], only, only.key)
-    return inner, lambda value: (*rows[:place], put_inner(value), *rows[place + 1 :])
+    inner, put_inner = _lens(rows[index], rest, path) if rest else _value(rows[index], only, only.key)
+    return inner, lambda value: (*rows[:index], put_inner(value), *rows[index + 1 :])
 
 
 def _slot(part: Any, name: str, path: str) -> FileEntry:
-    """The entry of a part's table of this key, or held in a field of this name."""
+    """Entry of a part's table by its key, or by the name of its field."""
     if not is_dataclass(part):
-        return _nowhere(path)
+        return _no_entry(path)
     plain = _UNIT_OF_MOTION.sub("", name)
     for slot in slots_of(part):
         if name == slot.key or name in slot.names or (slot.info and slot.info.of_motion and plain == slot.key):
             return slot
-    return next((slot for slot in slots_of(part) if slot.placing.spread), None) or _nowhere(path)
+    return next((slot for slot in slots_of(part) if slot.placing.spread), None) or _no_entry(path)
 
 
 def _steps(path: str) -> list[Step]:
     matches = [_STEP.match(text) for text in path.split(".")]
     return [
-        (match[1], None if match[2] is None else int(match[2])) if match is not None else _nowhere(path)
+        (match[1], None if match[2] is None else int(match[2])) if match is not None else _no_entry(path)
         for match in matches
     ]
 
 
-def _nowhere(path: str) -> Any:
+def _no_entry(path: str) -> Any:
     raise KeyError(f"{path}: no such entry in this design")
 
 
-# -- what is assumed --------------------------------------------------------------------------------------
+# -- assumed values ---------------------------------------------------------------------------------------
 
 
 def is_assumed(design: Design, path: str) -> bool:
-    """Whether the value at a path is assumed, itself or with the point or the table of points it stands in."""
-    return path in design.assumed or any(path.startswith(f"{each}.") for each in design.assumed)
+    """Whether the value at a path is assumed, by itself or with its point or list of points."""
+    return path in design.assumed or any(path.startswith(f"{mark}.") for mark in design.assumed)
 
 
 def with_guesses_marked(design: Design, given: Container[str] = ()) -> Design:
-    """The numbers of the shaft that are guessed marked as assumed, but those of the given keys."""
+    """Design with the default numbers of the shaft marked as assumed, except those of the given keys."""
     for slot in slots(Shaft):
         if slot.info is not None and slot.info.guessed and slot.key not in given:
             design = with_assumed(design, f"shaft.{slot.key}", True)
@@ -329,30 +352,32 @@ def with_guesses_marked(design: Design, given: Container[str] = ()) -> Design:
 
 
 def with_assumed(design: Design, path: str, on: bool) -> Design:
-    """A path marked as assumed, in the order of the file, or no longer: of what is assumed as a whole the other values
-    stay so."""
-    kept = list(dict.fromkeys(each for each in design.assumed if each != path))
-    order = {each: i for i, each in enumerate(all_paths(design))}
+    """Design with a path marked as assumed, in the order of the file, or unmarked.
+
+    Where a list or a pair is marked in one entry, unmarking a value of it leaves its other values marked.
+    """
+    marks = list(dict.fromkeys(mark for mark in design.assumed if mark != path))
+    order = {entry: i for i, entry in enumerate(all_paths(design))}
     new = [path] if on else []
-    for each in [each for each in kept if not on and path.startswith(f"{each}.")]:
-        kept.remove(each)
+    for mark in [mark for mark in marks if not on and path.startswith(f"{mark}.")]:
+        marks.remove(mark)
         new += [
             p
             for p in order
-            if p.startswith(f"{each}.") and p != path and not path.startswith(f"{p}.") and p not in kept
+            if p.startswith(f"{mark}.") and p != path and not path.startswith(f"{p}.") and p not in marks
         ]
-    for each in new:
-        place = order.get(each, len(order))
-        at = next((i for i, p in enumerate(kept) if order.get(p, -1) > place), len(kept))
-        kept.insert(at, each)
-    return replace(design, assumed=tuple(kept))
+    for mark in new:
+        rank = order.get(mark, len(order))
+        at = next((i for i, p in enumerate(marks) if order.get(p, -1) > rank), len(marks))
+        marks.insert(at, mark)
+    return replace(design, assumed=tuple(marks))
 
 
-# -- the parts of a design in SI units and radians --------------------------------------------------------------
+# -- SI units and radians ---------------------------------------------------------------------------------------
 
 
 class SI:
-    """The same part in SI and radians; names lose their unit suffix: ``rod_mm`` -> ``rod`` [m]."""
+    """A part in SI units and radians; its fields have no unit suffix: ``rod_mm`` becomes ``rod`` [m]."""
 
     def __init__(self, part: Any) -> None:
         for f in fields(part):
@@ -370,5 +395,5 @@ class SI:
 
 @lru_cache(maxsize=64)
 def si(part: Any) -> SI:
-    """The part of a design in SI units and radians (cached: parts are frozen)."""
+    """Part of a design in SI units and radians; cached, since parts are frozen."""
     return SI(part)

@@ -249,7 +249,7 @@ class _Detection:
         return replace(self.choice, column=str(self.letters[first] + 1), quantity=first)
 
     def _find_other_columns(self, angle: int, value: int, fitted: str) -> Iterator[OtherColumn]:
-        """Columns named by letters, in the unit of their header or the default unit; else one of each quantity with a unit.
+        """Columns named by letters, in the unit of their header or by default; else one of each quantity with a unit.
 
         Columns that cannot be read without a speed or a unit are reported.
         """

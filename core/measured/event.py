@@ -1,4 +1,4 @@
-"""Events of a fitted motion: lift off the base circle and return to it, durations above a lift, ramps, velocity jumps."""
+"""Events of a fitted motion: lift off the base circle and return, durations above a lift, ramps, velocity jumps."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class VelocityJump:
 
 @frozen
 class Event:
-    """Interval off the base circle: start and end [deg], the end may exceed 360; lift: the greatest, in the motion's unit."""
+    """Interval off the base circle: start and end [deg], the end may exceed 360; greatest lift."""
 
     start: float
     end: float
@@ -65,8 +65,8 @@ class Event:
 def events(fit: MotionFit, lifts: Sequence[float] = ()) -> tuple[Event, ...]:
     """Events of a motion whose lowest level is a dwell on the base circle; empty for other motions.
 
-    ``lifts`` are the lifts at which durations are stated, by default those of the motion's unit; lifts that an event does
-    not reach are omitted.
+    ``lifts`` are the lifts at which durations are stated, by default those of the motion's unit; lifts that an event
+    does not reach are omitted.
     """
     motion = fit.motion
     stroke = fit.stroke

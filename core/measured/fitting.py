@@ -15,9 +15,9 @@ from core.design import (
     SplineCurve,
     SplinePoint,
     TableCurve,
-    laid_out,
     require_motion,
     with_motion,
+    with_value,
 )
 from core.design.motion_edits import without_marks
 from core.design.rules import MOST_OF_LIST
@@ -94,8 +94,8 @@ def segment_from_table(
         Number of the segment, from 0.
     sheet : Worksheet
     as_is : bool
-        Give the segment the span [deg] and rise [unit of the motion] of the table, which the next segments compensate; else
-        the table is scaled to the segment.
+        Give the segment the span [deg] and rise [unit of the motion] of the table, which the next segments compensate;
+        else the table is scaled to the segment.
     joined : bool
         Give its ends velocity and acceleration of the neighbouring segments; else the table starts and ends at rest.
 
@@ -112,7 +112,7 @@ def segment_from_table(
     segment, at = require_motion(design).segments[index], f"motion.segments[{index}]"
     if as_is:
         for key, value in (("law", TableCurve.law), ("span_deg", float(x[-1])), ("rise", float(y[-1]))):
-            design = laid_out(design, f"{at}.{key}", value)
+            design = with_value(design, f"{at}.{key}", value)
     elif abs(y[-1]) <= RETURNS * np.ptp(y) and segment.rise:
         raise TableError(
             sheet.name,
@@ -139,7 +139,7 @@ def segment_from_table(
 
 
 def _neighbours(design: Design, index: int) -> list[tuple[float, float]]:
-    """Velocity and acceleration [unit per degree, per degree²] at the end of the previous and the start of the next segment."""
+    """Velocity and acceleration [per deg, per deg²] at the end of the previous and the start of the next segment."""
     motion = require_motion(design)
     compiled = program(motion)
     before, after = (index - 1) % len(motion.segments), (index + 1) % len(motion.segments)
@@ -211,7 +211,8 @@ class MotionFit:
     left_out : rows that the curve ignores: wrong and possibly wrong ones
     gaps : intervals without rows
     offset : constant that the table adds to a velocity or acceleration [unit of the table], 0 for a displacement
-    smoothing : λ of mean square residual + λ ∫ (d³s/dθ³)² dθ [deg^(5 - 2k)] for derivative k, of the first smoothed interval
+    smoothing : λ of mean square residual + λ ∫ (d³s/dθ³)² dθ [deg^(5 - 2k)] for derivative k, of the first smoothed
+        interval
     freedom : number of free values of the motion
     stroke, lowest : highest minus lowest position, and lowest position [mm or deg]
     """
@@ -328,14 +329,15 @@ def fit(
 ) -> MotionFit:
     """Motion of a table: dwells, laws recognised within the error, and the least jerk that the errors allow elsewhere.
 
-    Where columns contradict each other, the trusted ones (``ColumnChoice.trust``) determine the motion, else each column
-    that agrees with the previous one; the result lists the others (``contradicted``, ``compared``).
+    Where columns contradict each other, the trusted ones (``ColumnChoice.trust``) determine the motion, else each
+    column that agrees with the previous one; the result lists the others (``contradicted``, ``compared``).
 
     Parameters
     ----------
     table : MeasuredTable
     error : Errors
-        0: the rows are exact to their last digit; None: estimated from the rows, at least the rounding of the last digit.
+        0: the rows are exact to their last digit; None: estimated from the rows, at least the rounding of the last
+        digit.
     lowest : float [mm or deg], optional
         Lowest position of the motion; default: as measured, 0 for velocities and accelerations.
     keep_all : bool
@@ -357,8 +359,8 @@ def fit(
         Where the error is invalid or exceeds the motion, trusted columns contradict each other, the rows leave the turn
         open, or no motion is near them.
     Contradiction
-        Where rows contradict each other and it cannot be decided which of them are wrong, unless all are used or the error
-        is 0.
+        Where rows contradict each other and it cannot be decided which of them are wrong, unless all are used or the
+        error is 0.
 
     References
     ----------
@@ -494,7 +496,7 @@ def _stated(table: MeasuredTable, error: Errors) -> dict[str, float]:
 
 
 def _compared(table: MeasuredTable, rows: TurnRows | None, contradicted: Collection[Disagreement]) -> tuple[int, ...]:
-    """Orders of the columns that do not determine the motion. Raises FitError where trusted columns contradict each other."""
+    """Orders of the columns that do not determine the motion. Raises FitError where trusted columns disagree."""
     available, trusted = [column.order for column in table.columns], table.layout.trusted
     if not trusted:
         return tuple(order for order in available if any(column.order <= order < 3 for column in contradicted))
@@ -619,7 +621,7 @@ def guess_error(table: MeasuredTable, left_out: tuple[int, ...] = (), column: in
 
 
 def with_measured_motion(design: Design, fit: MotionFit) -> Design:
-    """Design with its motion replaced by a measured one. Raises DesignError where its follower moves in another unit."""
+    """Design with its motion replaced by a measured one. Raises DesignError where the units differ."""
     unit = require_motion(design).unit
     if fit.motion.unit != unit:
         value = f"measured in {fit.motion.unit}"
@@ -632,7 +634,7 @@ def with_measured_motion(design: Design, fit: MotionFit) -> Design:
 
 @frozen(eq=False)
 class _SplineSolution:
-    """Spline by u = angle/360: knots [deg], states s, s', s'' there (m, 3), and the offset that the table adds, by degrees."""
+    """Spline by u = angle/360: knots [deg], states s, s', s'' (m, 3), and the offset of the table, by degrees."""
 
     knots: np.ndarray
     at: np.ndarray

@@ -133,7 +133,7 @@ def with_dwell_rows(table: MeasuredTable, between: Sequence[Gap]) -> MeasuredTab
     added = [
         np.linspace(gap.start, gap.end, max(2, ceil((gap.end - gap.start) / step - 1e-6) + 1))[1:-1] for gap in dwells
     ]
-    level = np.concatenate([np.full(each.size, gap.level) for each, gap in zip(added, dwells, strict=True)])
+    level = np.concatenate([np.full(column.size, gap.level) for column, gap in zip(added, dwells, strict=True)])
     angles = np.mod(np.concatenate(added), 360.0)
     return replace(
         table,
@@ -141,7 +141,7 @@ def with_dwell_rows(table: MeasuredTable, between: Sequence[Gap]) -> MeasuredTab
         angles=np.append(table.angles, angles),
         values=np.append(table.values, level),
         other_columns=tuple(
-            replace(each, values=np.append(each.values, np.zeros(angles.size))) for each in table.other_columns
+            replace(column, values=np.append(column.values, np.zeros(angles.size))) for column in table.other_columns
         ),
     )
 
@@ -149,8 +149,8 @@ def with_dwell_rows(table: MeasuredTable, between: Sequence[Gap]) -> MeasuredTab
 def mirror_rows(table: MeasuredTable) -> MeasuredTable:
     """Table completed by the reflection of its rows at that of the largest displacement, its first or last.
 
-    Raises TableError where the table has no displacements, the largest is another row, or the rows cover more than half a
-    turn.
+    Raises TableError where the table has no displacements, the largest is another row, or the rows cover more than half
+    a turn.
     """
 
     def refuse(problem: str) -> TableError:

@@ -5,9 +5,10 @@ T - COST m is left out where that exceeds START, and all is computed again, a to
 have the same error are tried, with the score T - 2 COST. Rows inside a run that agree with all others are restored. At
 last a run is divided in two where these explain more.
 
-Then each run is evaluated with the others left out: the weights exp(score/2) of all runs, and exp(START/2) of no run, give
-the probability of each row to be wrong. From CERTAIN on a row is reported as wrong. A run without such a row is not
-decided, nor are two runs that a step between valid rows explains as well: the rows between may be a longer wrong run.
+Then each run is evaluated with the others left out: the weights exp(score/2) of all runs, and exp(START/2) of no run,
+give the probability of each row to be wrong. From CERTAIN on a row is reported as wrong. A run without such a row is
+not decided, nor are two runs that a step between valid rows explains as well: the rows between may be a longer wrong
+run.
 """
 
 from __future__ import annotations
@@ -194,7 +195,7 @@ def step_row(precision: np.ndarray, pull: np.ndarray, run: np.ndarray) -> int | 
 
 
 def deviation(sizes: np.ndarray) -> float:
-    """Robust standard deviation of normal numbers: the mean of those below 2.5 deviations, first estimated by the median.
+    """Robust standard deviation of normal numbers from the mean of those below 2.5 deviations.
 
     The mean is used because the median of rounded rows varies in steps of their last digit.
 
@@ -236,23 +237,23 @@ class TableRows:
         """Whether the rows are numerous, do not repeat angles many times, and are not constant."""
         return self.longest > 1 and self.x.size <= REPEATS * self.angles and bool(np.ptp(self.y))
 
-    def around(self, kept: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def around(self, remaining: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Row numbers and ascending angles at positions that may exceed either end of the remaining rows.
 
         Parameters
         ----------
-        kept : ndarray (m,), dimensionless
+        remaining : ndarray (m,), dimensionless
             Numbers of the remaining rows.
         at : ndarray (k,), dimensionless
-            Positions in ``kept``, modulo m.
+            Positions in ``remaining``, modulo m.
 
         Returns
         -------
         number : ndarray (k,), dimensionless
         angles : ndarray (k,) [deg]
         """
-        number = kept[np.mod(at, kept.size)]
-        return number, self.x[number] + 360.0 * (at // kept.size)
+        number = remaining[np.mod(at, remaining.size)]
+        return number, self.x[number] + 360.0 * (at // remaining.size)
 
     def scatter(self) -> float:
         """Error of a value from the differences of the rows, robust against wrong rows; at least 1e-7 of the range."""
@@ -264,12 +265,12 @@ class TableRows:
             sizes.append(np.abs(weights @ self.y[number]) / np.sqrt((weights**2).sum(axis=1)))
         return max(deviation(np.concatenate(sizes)), 1e-7 * float(np.ptp(self.y)))
 
-    def changes(self, kept: np.ndarray, error: float, least: float) -> np.ndarray:
+    def changes(self, remaining: np.ndarray, error: float, least: float) -> np.ndarray:
         """Scale a of the changes at each row, computed from the remaining rows.
 
         Parameters
         ----------
-        kept : ndarray (m,), dimensionless
+        remaining : ndarray (m,), dimensionless
             Numbers of the remaining rows.
         error : float
             Error of a value.
@@ -280,25 +281,25 @@ class TableRows:
         -------
         ndarray (n,) [unit of the values per deg^(p - 1)]
         """
-        uniform = np.full(self.x.size, max(0.5 * self.largest(kept, error), least))
+        uniform = np.full(self.x.size, max(0.5 * self.largest(remaining, error), least))
         if self.order < 3:
             return uniform
-        x, curvature = self.curvatures(kept, 1)
+        x, curvature = self.curvatures(remaining, 1)
         opposite = [_around(np.maximum(sign * curvature, 0.0), self.longest) for sign in (-1.0, 1.0)]
         noise = 1.5 * sqrt(6.0) * error / self.distance**2
         one_sided = np.where(curvature > 0.0, *opposite) < ONE_SIDED * np.abs(curvature) + noise
         local = _around(np.where(one_sided, np.abs(curvature), 0.0), 1)
         return np.maximum(uniform, 0.5 * np.interp(self.x, x, local, period=360.0))
 
-    def largest(self, kept: np.ndarray, error: float) -> float:
+    def largest(self, remaining: np.ndarray, error: float) -> float:
         """Scale A of the remaining rows: the second largest peak of |s^(p-1)|.
 
-        Computed from means over the fewest rows for which the error is at most a quarter of it; over half of the longest run
-        where no number suffices.
+        Computed from means over the fewest rows for which the error is at most a quarter of it; over half of the
+        longest run where no number suffices.
 
         Parameters
         ----------
-        kept : ndarray (m,), dimensionless
+        remaining : ndarray (m,), dimensionless
             Numbers of the remaining rows.
         error : float
             Error of a value.
@@ -309,7 +310,7 @@ class TableRows:
         """
         power = self.order - 1
         for width in range(1 if self.angles < MANY_ANGLES else 2, max(2, self.longest // 2) + 1):
-            size = np.abs(self.curvatures(kept, width)[1])
+            size = np.abs(self.curvatures(remaining, width)[1])
             from_peak = np.abs(
                 np.mod(np.arange(size.size) - np.argmax(size) + size.size // 2, size.size) - size.size // 2
             )
@@ -319,12 +320,12 @@ class TableRows:
                 break
         return largest
 
-    def curvatures(self, kept: np.ndarray, width: int) -> tuple[np.ndarray, np.ndarray]:
+    def curvatures(self, remaining: np.ndarray, width: int) -> tuple[np.ndarray, np.ndarray]:
         """Derivative s^(p-1) of the remaining rows from means over ``width`` rows; very close rows count as one.
 
         Parameters
         ----------
-        kept : ndarray (m,), dimensionless
+        remaining : ndarray (m,), dimensionless
             Numbers of the remaining rows.
         width : int
 
@@ -334,8 +335,8 @@ class TableRows:
             In the middle of the rows used.
         derivative : ndarray (k,) [unit of the values per deg^(p - 1)]
         """
-        _, index = np.unique(np.rint((self.x[kept] - self.x[kept[0]]) / self.distance), return_inverse=True)
-        x, values = (np.bincount(index, v) / np.bincount(index) for v in (self.x[kept], self.y[kept]))
+        _, index = np.unique(np.rint((self.x[remaining] - self.x[remaining[0]]) / self.distance), return_inverse=True)
+        x, values = (np.bincount(index, v) / np.bincount(index) for v in (self.x[remaining], self.y[remaining]))
         n, positions = x.size, np.arange(x.size + 3 * width)
         x, values = x[positions % n] + 360.0 * (positions // n), values[positions % n]
         x, values = (np.convolve(v, np.full(width, 1.0 / width), "valid") for v in (x, values))
@@ -375,8 +376,8 @@ class Outliers:
     wrong : rows that contradict their neighbours
     possible : rows at the ends of wrong runs that may be wrong, too
     undecided : intervals of rows that contradict each other, where it cannot be decided which of them are wrong
-    readings : of two steps without a wrong side, the rows that would be wrong, those between the steps or all others, the
-        fewest first
+    readings : of two steps without a wrong side, the rows that would be wrong, those between the steps or all others,
+        the fewest first
     """
 
     wrong: tuple[int, ...] = ()
@@ -451,15 +452,15 @@ class _Search:
         least = LEAST_CHANGE * self.error / self.rows.distance ** (self.rows.order - 1)
         return self.rows.changes(np.flatnonzero(~left_out), self.error, least)
 
-    def scores(self, kept: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Scores (2, m, longest) of the runs of 1 ... rows from each remaining row in a searched block; positions (m,) of these rows."""
+    def scores(self, remaining: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Scores (2, m, longest) of the runs from each searched remaining row; positions (m,) of these rows."""
         longest, parts, positions = self.rows.longest, [], []
-        margin = min(MARGIN, (kept.size - 1) // 2)
+        margin = min(MARGIN, (remaining.size - 1) // 2)
         for first in self.blocks:
             checkpoint()
-            start, end = np.searchsorted(kept, (first, first + CORE))
+            start, end = np.searchsorted(remaining, (first, first + CORE))
             positions.append(np.arange(start, end))
-            number, x = self.rows.around(kept, np.arange(start - margin, end + margin + longest))
+            number, x = self.rows.around(remaining, np.arange(start - margin, end + margin + longest))
             key = (change[number].tobytes(), number.tobytes())
             if key not in self._blocks:
                 precision = precision_matrix(x, self.rows.order, change[number], self.error)
@@ -472,8 +473,8 @@ class _Search:
         """Rows (n,) to leave out, largest score first; None where they are too many, or the search does not end."""
         left_out, is_shifted = np.zeros((2, self.rows.x.size), dtype=bool)
         for _ in range(PASSES):
-            kept, change = np.flatnonzero(~left_out), self.change(left_out)
-            (single, shifted), positions = self.scores(kept, change)
+            remaining, change = np.flatnonzero(~left_out), self.change(left_out)
+            (single, shifted), positions = self.scores(remaining, change)
             scores = single if single.max() >= START else shifted
             best = scores.max(axis=1)
             if best.max() < START:
@@ -482,10 +483,10 @@ class _Search:
             while best.max() >= least:  # the largest, and independent ones
                 chosen = int(np.argmax(best))
                 first = int(positions[chosen])
-                run = kept[np.mod(np.arange(first, first + 1 + int(np.argmax(scores[chosen]))), kept.size)]
+                run = remaining[np.mod(np.arange(first, first + 1 + int(np.argmax(scores[chosen]))), remaining.size)]
                 left_out[run] = True
                 is_shifted[run] |= scores is shifted
-                distance = np.abs(np.mod(positions - first + kept.size // 2, kept.size) - kept.size // 2)
+                distance = np.abs(np.mod(positions - first + remaining.size // 2, remaining.size) - remaining.size // 2)
                 best[distance <= 3 * LONGEST] = -np.inf
             for run in true_runs(left_out & ~is_shifted):
                 self.restore(left_out, run, change)
@@ -494,13 +495,13 @@ class _Search:
         return None
 
     def near(self, left_out: np.ndarray, run: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Row numbers (m,) around a run that is left out, and their Q (m, m), with the run but without other left out rows."""
+        """Row numbers (m,) around a left out run, and their Q (m, m), with the run but no other left out rows."""
         others = left_out.copy()
         others[run] = False
-        kept = np.flatnonzero(~others)
-        first = int(np.searchsorted(kept, run[0]))
-        before = min(2 * MARGIN, (kept.size - run.size) // 2)
-        number, x = self.rows.around(kept, np.arange(first - before, first + run.size + before))
+        remaining = np.flatnonzero(~others)
+        first = int(np.searchsorted(remaining, run[0]))
+        before = min(2 * MARGIN, (remaining.size - run.size) // 2)
+        number, x = self.rows.around(remaining, np.arange(first - before, first + run.size + before))
         return number, precision_matrix(x, self.rows.order, change[number], self.error)
 
     def restore(self, left_out: np.ndarray, run: np.ndarray, change: np.ndarray) -> None:
@@ -509,16 +510,16 @@ class _Search:
         positions = np.flatnonzero(np.isin(number, run))
         covariance = np.linalg.inv(precision[np.ix_(positions, positions)])
         errors = covariance @ (precision @ self.rows.y[number])[positions]
-        best, kept = 0.0, slice(0)
+        best, restored = 0.0, slice(0)
         for length in range(1, run.size):
             part = np.arange(run.size - length + 1)[:, None] + np.arange(length)
             gain = COST * length - quadratic_forms(covariance, errors, part)[:, -1]
             if gain.max() > best:
                 first = int(np.argmax(gain))
-                best, kept = float(gain[first]), slice(first, first + length)
+                best, restored = float(gain[first]), slice(first, first + length)
         if best > 0.0:
-            left_out[run[kept]] = False
-            for remainder in (run[: kept.start], run[kept.stop :]):
+            left_out[run[restored]] = False
+            for remainder in (run[: restored.start], run[restored.stop :]):
                 if remainder.size > 1:
                     self.restore(left_out, remainder, change)
 
@@ -536,28 +537,28 @@ class _Search:
             without_run[run] = False
             result = run
             for part in (positions[end] for k in range(1, positions.size) for end in (slice(k), slice(k, None))):
-                kept = np.delete(np.arange(number.size), part)
-                rest, pull, explained = leave_out(precision, self.rows.y[number], part, kept)
-                first = int(np.searchsorted(kept, positions[0]))
+                remaining = np.delete(np.arange(number.size), part)
+                reduced, pull, explained = leave_out(precision, self.rows.y[number], part, remaining)
+                first = int(np.searchsorted(remaining, positions[0]))
                 starts = np.arange(max(first - LONGEST, 0), first + positions.size)
-                runs = starts[:, None] + np.arange(min(self.rows.longest, kept.size - starts[-1]))
-                scores = run_scores(rest, pull, runs).max(axis=0)
+                runs = starts[:, None] + np.arange(min(self.rows.longest, remaining.size - starts[-1]))
+                scores = run_scores(reduced, pull, runs).max(axis=0)
                 score = explained - COST * part.size + float(scores.max()) - START
                 if score > best:
                     row, last = np.unravel_index(np.argmax(scores), scores.shape)
-                    best, result = score, number[np.append(part, kept[runs[row, : last + 1]])]
+                    best, result = score, number[np.append(part, remaining[runs[row, : last + 1]])]
             left_out[:] = without_run
             left_out[result] = True
 
     def probabilities(
         self, left_out: np.ndarray, ends: set[int]
     ) -> tuple[np.ndarray, list[np.ndarray], list[np.ndarray]]:
-        """Probability (n,) of each row to be wrong; undecided intervals; the alternatives of two steps, the fewest rows first.
+        """Probability (n,) of each row to be wrong; undecided intervals; alternatives of two steps, fewest rows first.
 
-        ``ends`` are the first and the last row of the file, where they are adjacent. Each run is evaluated with the others left
-        out; where that changes the rows left out, all are evaluated again. Two steps may bound a long run of wrong rows on either
-        side; a step between the ends of the file may be a drift of all rows. Rows close to an undecided run are undecided, and so
-        are runs longer than those tested.
+        ``ends`` are the first and the last row of the file, where they are adjacent. Each run is evaluated with the
+        others left out; where that changes the rows left out, all are evaluated again. Two steps may bound a long run
+        of wrong rows on either side; a step between the ends of the file may be a drift of all rows. Rows close to an
+        undecided run are undecided, and so are runs longer than those tested.
         """
         untested = [run for run in true_runs(left_out) if run.size > self.rows.longest]
         for _ in range(PASSES):
@@ -592,16 +593,16 @@ class _Search:
 
     def contradicting(self, left_out: np.ndarray, change: np.ndarray) -> np.ndarray:
         """Rows (n,) of the run with the largest remaining score."""
-        kept, result = np.flatnonzero(~left_out), np.zeros(left_out.size, dtype=bool)
-        pair, positions = self.scores(kept, change)
+        remaining, result = np.flatnonzero(~left_out), np.zeros(left_out.size, dtype=bool)
+        pair, positions = self.scores(remaining, change)
         scores = pair.max(axis=0)
         if scores.max() >= START:
             chosen, last = np.unravel_index(np.argmax(scores), scores.shape)
-            result[kept[np.mod(positions[chosen] + np.arange(last + 1), kept.size)]] = True
+            result[remaining[np.mod(positions[chosen] + np.arange(last + 1), remaining.size)]] = True
         return result
 
     def probability(self, left_out: np.ndarray, run: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, int | None]:
-        """Probability (n,) of each row to belong to a wrong run at the position of a left out one; row after an equivalent step."""
+        """Probability (n,) of each row to be in a wrong run where one is left out; row after an equivalent step."""
         number, precision = self.near(left_out, run, change)
         pull = precision @ self.rows.y[number]
         runs = np.arange(number.size - self.rows.longest + 1)[:, None] + np.arange(self.rows.longest)

@@ -4,9 +4,9 @@ A stroke goes from rest to rest. Its model is
 
     s = y₀ + (y₁ - y₀) S((θ - θ₀)/(θ₁ - θ₀)),   S the law, y = y₀ before θ₀ and y₁ after θ₁ where a dwell is there,
 
-fitted by least squares in the angles θ₀, θ₁, the level of a reversal, and the open parameters of the law. A law is accepted
-where χ² agrees with the errors and no row is far from it; a named law only where no other fits as well. Families of laws
-are tried where no named law fits.
+fitted by least squares in the angles θ₀, θ₁, the level of a reversal, and the open parameters of the law. A law is
+accepted where χ² agrees with the errors and no row is far from it; a named law only where no other fits as well.
+Families of laws are tried where no named law fits.
 
 First every law is estimated: in the inverse function, u of a row's fraction of the rise, the model is linear in θ₀ and
 θ₁ - θ₀, so that a linear regression gives both and χ². Laws with a large estimate of χ² are not fitted.
@@ -55,7 +55,7 @@ _FACTOR = {"c1": 0.5, "c2": 0.5, "h1": 2.0 / np.pi, "h2": 2.0 / np.pi, "cv1": 1.
 
 _LEAST = (0.01, 0.05, 0.15, 0.3, 0.45)
 _TRIED = {
-    2: tuple((each,) for share in _LEAST for each in (share, 1.0 - share)),
+    2: tuple((fraction,) for share in _LEAST for fraction in (share, 1.0 - share)),
     3: tuple(
         {(a, b): 0 for x, y in product(_LEAST, repeat=2) for a, b in ((x, y), (x, 1.0 - x - y), (1.0 - x - y, y))}
     ),
@@ -325,10 +325,10 @@ class StrokeFit:
         return solution.x, 2.0 * float(solution.cost), _spread(solution.jac), problem.count
 
     def estimates(self, candidate: Candidate, levels: tuple[float, float]) -> list[tuple[float, list[float]]]:
-        """χ² and initial parameters for the tried fractions of a law, best first; empty for a stroke with very few rows.
+        """χ² and initial parameters for the tried fractions of a law, best first; empty for very few rows.
 
-        In the inverse function a row at x has u(share) of its law: x = θ₀ + (θ₁ - θ₀) u. An error d in the level of a reversal
-        changes u by -d (1 - share)/s' at the lower end, by -d share/s' at the upper end.
+        In the inverse function a row at x has u(share) of its law: x = θ₀ + (θ₁ - θ₀) u. An error d in the level of a
+        reversal changes u by -d (1 - share)/s' at the lower end, by -d share/s' at the upper end.
         """
         at, (low, high) = self.at, levels
         (rows,) = self.rows(MOST_TRIED)
@@ -455,8 +455,8 @@ class StrokeFit:
 class _Problem:
     """Residuals of the rows of strokes, of the angles of reversals, and of acceleration jumps that should be 0.
 
-    Parameters are [angles of the rests, levels of the reversals, open fractions]. The angle of a reversal is that of its row
-    within the distance of its neighbours, which matters where nothing else determines it.
+    Parameters are [angles of the rests, levels of the reversals, open fractions]. The angle of a reversal is that of
+    its row within the distance of its neighbours, which matters where nothing else determines it.
     """
 
     def __init__(
@@ -503,7 +503,7 @@ class _Problem:
         return np.concatenate((residuals, (p[self.opened] - self.turns) / self.reach, jumps))
 
     def slopes(self, p: np.ndarray) -> np.ndarray:
-        """Derivatives (n, parameters) of the residuals, by fractions and of jumps as difference quotients, else in closed form."""
+        """Derivatives (n, parameters) of the residuals; by fractions, and of jumps, as difference quotients."""
         n, count = len(self.fit.rests), self.count
         columns = {i: n + k for k, i in enumerate(self.opened)}
         jacobian = np.zeros((count + len(self.opened) + len(self.smooth), len(p)))
@@ -556,7 +556,7 @@ class _Model:
         return float(self.table.at(np.array([u]))[2][0]) * self._rise / self.span**2
 
     def jump(self, before: _Model) -> float:
-        """Jump of the acceleration from the end of the previous stroke to the start of this one, relative to the larger one."""
+        """Jump of the acceleration from the previous stroke to this one, relative to the larger acceleration."""
         left, right = before._acceleration(1.0), self._acceleration(0.0)
         return (right - left) / (max(abs(left), abs(right)) or 1.0)
 
@@ -709,8 +709,8 @@ def _stroke(fit: StrokeFit, law_fit: _LawFit) -> Stroke:
 def fitted_together(at: UnrolledRows, strokes: Sequence[Stroke]) -> list[Stroke] | None:
     """Recognised strokes between which are reversals, fitted together; None where they do not fit.
 
-    Angles and levels are rounded within their errors. Where the accelerations of curves with open fractions almost agree at
-    a reversal, they are made equal if all rows agree.
+    Angles and levels are rounded within their errors. Where the accelerations of curves with open fractions almost
+    agree at a reversal, they are made equal if all rows agree.
     """
     fit = StrokeFit(at, (*(stroke.left for stroke in strokes), strokes[-1].right))
     chosen = [stroke.candidate for stroke in strokes]

@@ -58,8 +58,8 @@ def turn_rows(
 ) -> TurnRows:
     """Rows of a table without those left out.
 
-    ``errors``: error of each column [unit of the motion per deg^order], 0 for exact rows; ``others``: order of a column ->
-    further rows that are left out of it.
+    ``errors``: error of each column [unit of the motion per deg^order], 0 for exact rows; ``others``: order of a column
+    -> further rows that are left out of it.
     """
     used = table.used_rows(left_out)
     x, index = distinct_angles(table.angles[used])
@@ -83,9 +83,9 @@ def turn_rows(
 def integrated(rows: TurnRows) -> tuple[TurnRows, float]:
     """Rows with displacements integrated from velocities or accelerations, and the mean by degrees that was subtracted.
 
-    The column of least order is integrated by the cubic through the two rows before and the two after each step, minus its
-    gain over a turn. Rows with displacements are unchanged. The error of the displacement is the accumulated error of the
-    rows, at least the difference of the cubic from the parabola.
+    The column of least order is integrated by the cubic through the two rows before and the two after each step, minus
+    its gain over a turn. Rows with displacements are unchanged. The error of the displacement is the accumulated error
+    of the rows, at least the difference of the cubic from the parabola.
     """
     order, gain = min(rows.values), 0.0
     x, values, errors, sizes = rows.x, dict(rows.values), dict(rows.errors), dict(rows.sizes)
@@ -109,7 +109,7 @@ def integrated(rows: TurnRows) -> tuple[TurnRows, float]:
 
 
 def _rises(x: np.ndarray, step: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Integral of y from each row to the next (n,) by the cubic through four rows, and its difference from that of the parabola."""
+    """Integral of y from each row to the next (n,) by the cubic through four rows; its difference from the parabola's."""
     before, after, next_y = np.roll(step, 1), np.roll(step, -1), np.roll(y, -1)
     slope = (next_y - y) / step
     second_differences = [
@@ -125,8 +125,8 @@ def _rises(x: np.ndarray, step: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, 
 def scatter(x: np.ndarray, y: np.ndarray, derivative: int = 0) -> float:
     """Error of a value that the rows show: the deviation of their normalised divided differences.
 
-    The lowest order whose higher orders show no less is used: what is smooth between the joins decreases with the order, an
-    error does not.
+    The lowest order whose higher orders show no less is used: what is smooth between the joins decreases with the
+    order, an error does not.
 
     Parameters
     ----------
@@ -165,12 +165,12 @@ def scatter(x: np.ndarray, y: np.ndarray, derivative: int = 0) -> float:
 def spoiled_runs(
     x: np.ndarray, before: np.ndarray, y: np.ndarray, error_before: float, error: float
 ) -> list[tuple[int, ...]]:
-    """Runs of up to 15 rows whose y contradicts the differences of the previous column, while the rows around them agree.
+    """Runs of up to 15 rows whose y contradicts the differences of the previous column, amid rows that agree.
 
-    Between two rows Δ(before)/h differs from the mean of y by r, apart from h²/12 of the third derivative, which the previous
-    column shows. Rows with errors d_k have r_k = -(d_k + d_(k+1))/2: from the first contradiction on d_(k+1) = -2 r_k - d_k,
-    and the run ends where this returns to 0. A jump or a step contradicts between two rows only and does not return; an error
-    that grows and shrinks gradually has no end of its own and is no run either.
+    Between two rows Δ(before)/h differs from the mean of y by r, apart from h²/12 of the third derivative, which the
+    previous column shows. Rows with errors d_k have r_k = -(d_k + d_(k+1))/2: from the first contradiction on d_(k+1) =
+    -2 r_k - d_k, and the run ends where this returns to 0. A jump or a step contradicts between two rows only and does
+    not return; an error that grows and shrinks gradually has no end of its own and is no run either.
 
     Parameters
     ----------
@@ -248,8 +248,8 @@ class Disagreement:
 def disagreements(rows: TurnRows) -> list[Disagreement]:
     """Columns that contradict the previous one on more than single rows.
 
-    From row to row Δy is h times the mean of y' minus h²/12 Δy''. The bound on Δy'' comes from the second differences of y',
-    which include its jumps.
+    From row to row Δy is h times the mean of y' minus h²/12 Δy''. The bound on Δy'' comes from the second differences
+    of y', which include its jumps.
     """
     result, orders = [], sorted(rows.values)
     for before, order in pairwise(orders):

@@ -243,8 +243,8 @@ def _is_korean(text: str) -> bool:
 def number(cell: str, decimal: str) -> float | None:
     """Number in a cell, None where it is none; ``decimal`` is a key of ``DECIMALS``.
 
-    Thousands may be grouped where that is unambiguous: by thin spaces or apostrophes, or by the mark that is not the decimal
-    one, at least twice or together with decimals.
+    Thousands may be grouped where that is unambiguous: by thin spaces or apostrophes, or by the mark that is not the
+    decimal one, at least twice or together with decimals.
     """
     text = cell.strip().strip('"').strip().replace("\u2212", "-")
     if len(text) > DIGITS:
@@ -337,7 +337,8 @@ def read_sheet(
 ) -> Worksheet:
     """Cells of a file; delimiter, decimal mark and number of columns are detected where None.
 
-    Blank lines are skipped, and comments, which start with #, % or //. Raises TableError where no row contains two numbers.
+    Blank lines are skipped, and comments, which start with #, % or //. Raises TableError where no row contains two
+    numbers.
     """
     is_utf16 = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     if not is_utf16 and data.count(b"\n") > LONG and data.count(b"\r") == data.count(b"\r\n"):
@@ -369,8 +370,8 @@ def read_sheet(
 def _long_sheet(data: bytes, name: str, delimiter: str | None, decimal: str | None) -> Worksheet | None:
     """A long table read as one array; None where this is not possible.
 
-    Its head may have any encoding and determines the format, its rows must be ASCII numbers throughout. Only the positions of
-    the line ends are stored.
+    Its head may have any encoding and determines the format, its rows must be ASCII numbers throughout. Only the
+    positions of the line ends are stored.
     """
     ends = np.flatnonzero(np.frombuffer(data, np.uint8) == ord("\n")).astype(np.int32)  # no file exceeds 2 GB
     try:
@@ -447,7 +448,7 @@ def _first_row(plain: Sequence[int], lines: Sequence[str], delimiter: str, decim
 
 
 def _names(above: Sequence[str], columns: int, delimiter: str) -> tuple[str, ...]:
-    """Header of each column: the last line above the rows with as many cells, and the line above it where it has only units."""
+    """Header of each column: the last line with as many cells, and the one above where it has only units."""
     result: list[tuple[str, ...]] = []
     for line in reversed(above):
         cells = _header_cells(line, columns, delimiter)
@@ -519,8 +520,8 @@ def sheet_names(data: bytes, name: str) -> tuple[str, ...]:
 def read_workbook(data: bytes, name: str, sheet: str = "", cells: str = "") -> Worksheet:
     """Sheet of a workbook, by default the first; ``cells``: range such as ``A1:C400``, by default all.
 
-    Lines are rows of the sheet. Raises TableError where the sheet does not exist or contains no table, or no library for
-    workbooks is installed.
+    Lines are rows of the sheet. Raises TableError where the sheet does not exist or contains no table, or no library
+    for workbooks is installed.
     """
     match = _RANGE.fullmatch(cells.strip()) if cells else None
     if cells and match is None:

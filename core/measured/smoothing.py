@@ -2,8 +2,8 @@
 
     minimise  Σ_k Σ_i ((y_ki - s⁽ᵏ⁾(x_i))/σ_k)² + λ ∫ s'''²
 
-over curves that are quintics between knots, with s, s', s'' at each (``laws.polynomial``); λ so that the mean square is 1
-(Reinsch 1967), or less where the only error is the rounding of many digits. Known values at an end hold exactly. The
+over curves that are quintics between knots, with s, s', s'' at each (``laws.polynomial``); λ so that the mean square is
+1 (Reinsch 1967), or less where the only error is the rounding of many digits. Known values at an end hold exactly. The
 equations are banded, so that the cost is linear in rows and knots.
 """
 

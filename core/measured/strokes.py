@@ -197,7 +197,7 @@ def _without_slow_parts(at: UnrolledRows, dwells: list[Rest]) -> list[Rest]:
 
 
 def _merged(at: UnrolledRows, dwells: list[Rest], error: float) -> list[Rest]:
-    """Neighbouring dwells without rows outside their levels are merged; where the levels differ (drift), the longer one is used."""
+    """Neighbouring dwells without rows outside their levels are merged; where they drift, the longer one is used."""
     result: list[Rest] = []
     for rest in dwells:
         if result:

@@ -86,7 +86,8 @@ class Structure:
 class _Part:
     """Interval [start, end] deg, which may exceed the turn, with its levels and its meaning.
 
-    ``jumps_at_ends``: whether the acceleration jumps at its start and end, next to a dwell; ``number``: number of a stroke with a law.
+    ``jumps_at_ends``: whether the acceleration jumps at its start and end, next to a dwell; ``number``: number of a
+    stroke with a law.
     """
 
     start: float
@@ -415,7 +416,8 @@ def onset(at: UnrolledRows, rest: Rest, at_end: bool, gap: int) -> tuple[float, 
     """Cam angle [deg] where a dwell ends, or starts, and whether the acceleration jumps there.
 
     The displacement is c |θ - θ₀|ᵖ with the power p = 3, 4 or 2 that fits the neighbouring rows best, 2 only where the
-    others are clearly worse. The angle is not beyond the first row that has left the level. Exact rows give it directly.
+    others are clearly worse. The angle is not beyond the first row that has left the level. Exact rows give it
+    directly.
 
     Parameters
     ----------
@@ -458,7 +460,7 @@ def onset(at: UnrolledRows, rest: Rest, at_end: bool, gap: int) -> tuple[float, 
 
 
 def _onset_distance(at: UnrolledRows, rest: Rest, at_end: bool, reach: int) -> tuple[float, bool, bool]:
-    """Distance [deg] from the last row of a dwell to its end, whether the acceleration jumps there, and whether the rows agree."""
+    """Distance [deg] from the last row of a dwell to its end, whether the acceleration jumps, whether rows agree."""
     sign, edge, n = (1, rest.last, at.count) if at_end else (-1, rest.first, at.count)
     inside = min((rest.last - rest.first) // 2, 2 * reach + LEAST_STEPS)
     numbers = edge + sign * np.arange(-inside, reach + 1)
@@ -640,11 +642,11 @@ class _Assembly:
                 after = float(states[2, cut + 1])
                 part[2, -1] = 2.0 * (states[1, cut + 1] - states[1, cut]) / h[cut] - states[2, cut]
                 self.jumps.append(AccelerationJump(float(x[cut + 1] % 360.0), float(part[2, -1]), after))
-            kept_rows = _thinned(x[begin : cut + 2], part, self.at.rows)
+            selected = _thinned(x[begin : cut + 2], part, self.at.rows)
             segments.append(
-                _segment(x[begin : cut + 2][kept_rows], part.T[kept_rows], float(part[0, 0]), float(part[0, -1]))
+                _segment(x[begin : cut + 2][selected], part.T[selected], float(part[0, 0]), float(part[0, -1]))
             )
-            self.freedom += 3.0 * kept_rows.size
+            self.freedom += 3.0 * selected.size
             begin = cut + 1
         return segments
 
@@ -689,18 +691,18 @@ def _quintic(knots: np.ndarray, states: np.ndarray, x: np.ndarray, order: int = 
 
 def _thinned(x: np.ndarray, states: np.ndarray, rows: TurnRows) -> np.ndarray:
     """Row numbers (k,), by successive halving, whose quintics fit all other rows."""
-    kept_rows = np.unique(np.linspace(0, x.size - 1, min(x.size, 13)).astype(int))
-    while kept_rows.size < x.size:
+    selected = np.unique(np.linspace(0, x.size - 1, min(x.size, 13)).astype(int))
+    while selected.size < x.size:
         is_off = np.zeros(x.size, dtype=bool)
         for order in range(3):
-            curve = _quintic(x[kept_rows], states.T[kept_rows], x, order)
+            curve = _quintic(x[selected], states.T[selected], x, order)
             is_off |= np.abs(curve - states[order]) > rows.errors[order]
-        is_off[kept_rows] = False
+        is_off[selected] = False
         if not is_off.any():
             break
-        interval = np.unique(np.searchsorted(kept_rows, np.flatnonzero(is_off)))
-        kept_rows = np.union1d(kept_rows, (kept_rows[interval - 1] + kept_rows[interval]) // 2)
-    return kept_rows
+        interval = np.unique(np.searchsorted(selected, np.flatnonzero(is_off)))
+        selected = np.union1d(selected, (selected[interval - 1] + selected[interval]) // 2)
+    return selected
 
 
 # -- cam angle 0 ------------------------------------------------------------------------------------------

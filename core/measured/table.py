@@ -155,8 +155,8 @@ def read_table(
 ) -> MeasuredTable:
     """Numbers of the columns of a layout, in the order of the file, without the lines that are left out.
 
-    Raises TableError with every faulty row: a cell without a number, a row that is too short, an angle out of order. Where
-    many rows have the same fault, the first one lists the others.
+    Raises TableError with every faulty row: a cell without a number, a row that is too short, an angle out of order.
+    Where many rows have the same fault, the first one lists the others.
     """
     if missing := set(leave_out) - {row.line for row in sheet.rows} if leave_out else set():
         raise TableError(
@@ -434,7 +434,7 @@ def _notes(
 
 
 def _closing(unwrapped: np.ndarray, angles: np.ndarray) -> tuple[int, int] | None:
-    """The row a full turn after the first, and the first; ``unwrapped``: angles [deg] before the reduction to one turn."""
+    """The row a full turn after the first, and the first; ``unwrapped``: angles [deg] before their reduction."""
     first, last = int(np.argmin(unwrapped)), int(np.argmax(unwrapped))
     closed = abs(unwrapped[last] - unwrapped[first] - 360.0) <= SAME and abs(angles[last] - angles[first]) <= SAME
     return (last, first) if closed else None

@@ -152,7 +152,7 @@ def unknown_unit(name: str) -> str:
 
 
 def unit_in(text: str) -> str:
-    """Unit at the end of a column's name: in brackets, after a comma, slash, ``in``, underscore or space; else empty."""
+    """Unit at the end of a column's name: in brackets, after comma, slash, ``in``, underscore or space; else empty."""
     text = text[-LONGEST:]
     for bracketed in re.findall(r"[\[({<]([^\[({<\])}>]*)[\])}>]", text):
         if unit_of(bracketed):

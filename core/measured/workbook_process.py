@@ -3,9 +3,9 @@
 A few bytes of a workbook can require any amount of either. The file is run as a script and imports only the library for
 workbooks.
 
-Standard input: the workbook. Arguments: limits of bytes, seconds, rows, columns and cells; ``sheet`` or ``names``; name of
-the sheet. Standard output: a line of JSON, ``{"names": [...]}`` or ``{"fault": "..."}``; then the rows of the sheet with
-tabs between cells.
+Standard input: the workbook. Arguments: limits of bytes, seconds, rows, columns and cells; ``sheet`` or ``names``; name
+of the sheet. Standard output: a line of JSON, ``{"names": [...]}`` or ``{"fault": "..."}``; then the rows of the sheet
+with tabs between cells.
 """
 
 import json

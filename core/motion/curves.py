@@ -101,8 +101,8 @@ def _table(curve: TableCurve, segment: Segment, whole_turn: bool, path: str) -> 
 def with_joined_ends(motion: Motion, index: int) -> Segment:
     """A segment whose joined ends are resolved.
 
-    Where the start or end of a table is joined, its first or last row receives velocity and acceleration (per degree) of
-    the neighbouring segment.
+    Where the start or end of a table is joined, its first or last row receives velocity and acceleration (per degree)
+    of the neighbouring segment.
     """
     segment, count = motion.segments[index], len(motion.segments)
     curve = segment.curve

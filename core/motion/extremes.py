@@ -104,8 +104,8 @@ def piecewise_angles(program: Pieces) -> Angles:
 def find_extremes(quantities: Quantities, program: Pieces) -> dict[str, Extremes]:
     """Smallest and largest value of each quantity over one turn.
 
-    All quantities are refined together, so that a pass costs one evaluation. Infinite values count, NaN is ignored. Where
-    several angles share an extreme, the smallest angle is returned.
+    All quantities are refined together, so that a pass costs one evaluation. Infinite values count, NaN is ignored.
+    Where several angles share an extreme, the smallest angle is returned.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ def find_extremes(quantities: Quantities, program: Pieces) -> dict[str, Extremes
 
 
 def find_highest(quantities: Quantities, program: CompiledMotion) -> dict[str, Extreme]:
-    """Largest value of each quantity over one turn, as in ``find_extremes``; -inf where a quantity is NaN throughout."""
+    """Largest value of each quantity over one turn, as in ``find_extremes``; -inf where it is NaN throughout."""
     return {name: highest for (name, _), highest in _refined(quantities, program, (1.0,)).items()}
 
 
@@ -200,8 +200,8 @@ class _Bracket:
     def sample_angles(self, most: int) -> np.ndarray:
         """Chebyshev points of the bracket; equally spaced angles where their polynomial was not exact.
 
-        The equally spaced angles are an odd number, so that they contain the middle, where the highest sample was; their
-        distance is at least a quarter of the final half width.
+        The equally spaced angles are an odd number, so that they contain the middle, where the highest sample was;
+        their distance is at least a quarter of the final half width.
         """
         if not self._is_fitted:
             theta = 0.5 * (self.left + self.right) + 0.5 * (self.right - self.left) * _CHEBYSHEV_POINTS
@@ -253,7 +253,7 @@ Top = tuple[float, float, float]
 
 
 def _smooth_tops(values: np.ndarray) -> list[Top | None]:
-    """Tops of the polynomials through values (b, DEGREE + 1) of brackets at their Chebyshev points; None where inexact."""
+    """Tops of the polynomials through values (b, DEGREE + 1) at Chebyshev points; None where inexact."""
     values = np.where(np.isfinite(values).all(axis=1)[:, None], values, np.nan)
     coefficients = _in_chebyshev(values)
     smooth = np.abs(coefficients[:, -2:]).max(axis=1) <= TAIL * np.abs(values).max(axis=1)
@@ -323,7 +323,8 @@ def _room(theta: np.ndarray, value: np.ndarray, left: np.ndarray, right: np.ndar
     """Largest possible excess of a quantity above its samples (q, n), up to the neighbouring samples.
 
     A parabola adds an eighth of the second difference, at the end of a piece that of the next samples inside; the bound
-    is eight times as large. Where the neighbour on one side is farther away, the slope of the other side is extrapolated.
+    is eight times as large. Where the neighbour on one side is farther away, the slope of the other side is
+    extrapolated.
     """
     gap = np.diff(theta, prepend=theta[-1], append=theta[0])
     second_right, second_left = np.roll(right, -1, axis=-1), np.roll(left, 1, axis=-1)  # two samples away
@@ -477,7 +478,7 @@ def crossings(quantity: Quantity, angles: Angles, value: np.ndarray) -> Angles:
 
 
 def _dips(angles: Angles, value: np.ndarray) -> np.ndarray:
-    """Samples closer to zero than their neighbours of the same sign and piece, with a second difference that may reach zero.
+    """Samples closer to zero than their neighbours of the same sign and piece, between which a zero is possible.
 
     The second difference is taken eightfold, as for a parabola.
     """

@@ -138,7 +138,7 @@ class CompiledMotion:
 
     @classmethod
     def from_columns(cls, motion: Motion, count: int) -> CompiledMotion:
-        """Compile many motions at once whose spans and rises are columns (count,) and whose curves have the same pieces."""
+        """Compile many motions whose spans and rises are columns (count,) and whose curves have the same pieces."""
         pieces, rows = _table_rows(motion)
         compiled = cls.__new__(cls)
         compiled._table, compiled._copies = PieceTable(pieces), count
@@ -242,7 +242,7 @@ class CompiledMotion:
 
     @cached_property
     def powers(self) -> np.ndarray:
-        """Coefficients (k, m) [SI] of each piece's polynomial in the cam angle from its start; ``sines`` are added to it."""
+        """Coefficients (k, m) [SI] of each piece's polynomial in the cam angle from its start, without ``sines``."""
         polynomial = self._table.derivatives[0]
         rows = self._gain[0] * polynomial / self._span ** np.arange(polynomial.shape[0])[:, None]
         rows[0] += self._base
@@ -250,7 +250,7 @@ class CompiledMotion:
 
     @cached_property
     def sines(self) -> np.ndarray:
-        """Amplitude [SI], frequency [per radian] and phase [rad] (3, j, m) of the sines of each piece, in the cam angle from its start."""
+        """Amplitude [SI], frequency [1/rad], phase [rad] (3, j, m) of each piece's sines in the angle from its start."""
         amplitude, frequency, phase = self._table.sines
         return np.array([self._gain[0] * amplitude, frequency / self._span, phase])
 

@@ -69,8 +69,8 @@ def with_segment_split(motion: Motion, index: int, angle: float | None = None) -
 def with_segment_copied(motion: Motion, index: int) -> Motion:
     """Replace a segment by two copies, each with half of its span and half of its rise.
 
-    Where the segment has no rise, each copy has its full height. Raises NoSpline where the points of a spline contradict
-    each other.
+    Where the segment has no rise, each copy has its full height. Raises NoSpline where the points of a spline
+    contradict each other.
     """
     segment = motion.segments[index]
     if len(motion.segments) == 1 and isinstance(segment.curve, SplineCurve):
@@ -122,8 +122,8 @@ def add_point(design: Design, index: int, angle: float | None = None) -> Design:
 def shift_motion(design: Design, by_deg: float) -> Design:
     """Shift a motion to later cam angles: y(θ - by).
 
-    The segment that contains the new start of the turn is split, and adjacent dwells are merged. Raises DesignError where
-    that segment cannot be split, because parts of its law are no laws.
+    The segment that contains the new start of the turn is split, and adjacent dwells are merged. Raises DesignError
+    where that segment cannot be split, because parts of its law are no laws.
     """
     motion = require_motion(design)
     at = balance(360.0, (by_deg % 360.0,)) % 360.0
@@ -187,7 +187,7 @@ def _with_exact_end(curve: Curve, rounded: float, span: float) -> Curve:
 
 
 def _state(motion: Motion, index: int, at_deg: float) -> tuple[float, float, float, float]:
-    """s, v, a, j of a segment at an angle from its start: unit of the motion, per degree; s is relative to the start."""
+    """s, v, a, j of a segment at an angle from its start [unit of the motion, per degree]; s from its start."""
     segment = motion.segments[index]
     shape = segment_shape(with_joined_ends(motion, index), len(motion.segments) == 1, f"motion.segments[{index}]")
     curve = PieceTable(shape.pieces).at(np.array([at_deg / segment.span_deg])).all[:, 0]

@@ -41,7 +41,7 @@ from core.output.summary import to_json
 from core.process import resources
 from core.project import dumps
 from core.project.files import is_folder, read_own, remove_listed, write, write_into
-from core.project.origins import with_own_motions
+from core.project.origins import with_unlinked_motions
 from core.requests import option, text_option
 from core.study import Study, findings_of
 from core.study.quantities import shape_of
@@ -402,7 +402,9 @@ def handover(design: Design, request: HandoverRequest) -> Handover:
     """
     if request.controller:
         controller(request.controller)
-    files = [HandoverFile("design.toml", "the design, to open in KINDYNA", dumps(with_own_motions(design)).encode())]
+    files = [
+        HandoverFile("design.toml", "the design, to open in KINDYNA", dumps(with_unlinked_motions(design)).encode())
+    ]
     left_out: list[tuple[str, str]] = []
     study = Study(design)
     for folder, name, drive in drive_folders(study):

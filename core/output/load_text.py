@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from core.design import HOLDS, Design, Held, PairPlace, get, holds_of, link_names, pairs_of
+from core.design import HOLDS, Design, PairTarget, Target, get, holds_of, link_names, pairs_of
 from core.output.lines import shortest
 
 ROW = re.compile(r"loads\.(\w+)\[(\d+)\]")
@@ -51,11 +51,11 @@ def link_text(design: Design, number: int) -> str:
     return f"link {number}" if name == str(number) else name.partition("(")[2].rstrip(")")
 
 
-def attachment_text(design: Design, attachment: Held | None) -> str:
+def attachment_text(design: Design, attachment: Target | None) -> str:
     """An attachment in words: ``A of link 2``, ``frame at (-50, 20)``, ``pin A``, ``slide of link 4``."""
     if attachment is None:
         return "output, along its motion"
-    if isinstance(attachment, PairPlace):
+    if isinstance(attachment, PairTarget):
         pin = pairs_of(design.drive).get(attachment.pair, (True, ()))[0]
         links = "" if attachment.link is None else f", links {attachment.link} and {attachment.other}"
         return (

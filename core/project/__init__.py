@@ -1,4 +1,4 @@
-"""Design files: TOML into a design, with all faults of the file reported at once, and back as typed."""
+"""Design files: a design from TOML, with all faults of the file reported at once, and TOML from a design."""
 
 from __future__ import annotations
 
@@ -29,23 +29,25 @@ __all__ = [
 
 
 def load(path: AnyPath) -> Design:
-    """The design in a file. Raises FileError where it cannot be read, DesignError with all its faults."""
+    """Design in a file. Raises FileError where it cannot be read, DesignError with all its faults."""
     return loads(read_text(path), source=str(path))
 
 
 def load_one(path: AnyPath, drive: str = "") -> Design:
-    """The design of one drive in a file, as it stands on its shaft: of several the one of this name, called by it and the machine.
-    Raises FileError, DesignError, and KindynaError where it is not clear which one."""
+    """Design of one drive in a file, on the shaft of its machine; the name is needed where there are several drives.
+
+    Raises FileError, DesignError, and KindynaError where the name is missing or unknown.
+    """
     return one_of(load(path), drive)
 
 
 def one_of(design: Design, drive: str = "") -> Design:
-    """The same of a design; the drive need not be named where there is but one. Raises KindynaError."""
+    """Design of one drive of a design; the name is needed where there are several. Raises KindynaError."""
     return in_machine(design, only(design, number_of(design, drive)))
 
 
 def number_of(design: Design, drive: str = "") -> int:
-    """The number of that drive in the list."""
+    """Index of a drive by its name. Raises KindynaError."""
     if not design.listed and drive:
         raise KindynaError(f"drive {drive!r}: this design has one drive, without a name; leave --drive out")
     if drive == BALANCER and design.balancer is not None:
@@ -63,24 +65,43 @@ def number_of(design: Design, drive: str = "") -> int:
 
 
 def loads(text: str, source: str = "design", *, unfinished: bool = False, chain: Sequence[str] = ()) -> Design:
-    """The design in a text; ``source`` names it where it is no TOML; unfinished: its values need not fit together; chain: the files
-    being read, each linked from the one before. Raises DesignError with all faults."""
+    """Design in a text.
+
+    Parameters
+    ----------
+    text : str
+    source : str
+        Name of the text in faults, and its path for linked files.
+    unfinished : bool
+        Accept values that contradict each other.
+    chain : sequence of str
+        Files being read, each linked from the one before.
+
+    Returns
+    -------
+    Design
+
+    Raises
+    ------
+    DesignError
+        With all faults.
+    """
     chain = (*chain, os.path.abspath(source))
     return design_from_tables(parsed(text, source), load_linked, chain=chain, unfinished=unfinished)
 
 
 def load_linked(path: str, chain: Sequence[str]) -> Design:
-    """The design of the one drive in a file from which a motion follows; chain: the files being read. Raises as ``load_one``."""
+    """Design of the one drive in a file to which a motion is linked; chain: files being read. Raises as `load_one`."""
     return one_of(loads(read_text(path), path, chain=chain))
 
 
 def from_table(table: Mapping[str, Any]) -> Design:
-    """The design in the tables of a file. Raises DesignError with all faults; with one alone where there is too much of something."""
+    """Design in the tables of a file. Raises DesignError with all faults, or with the first count that is too large."""
     return design_from_tables(table, load_linked)
 
 
 def loads_drawing(text: str, source: str = "design") -> Design:
-    """The design in a text; a linkage that is drawn need be no mechanism yet. Raises DesignError with all other faults."""
+    """Design in a text, in which a drawn linkage may be incomplete. Raises DesignError with all other faults."""
     try:
         return loads(text, source)
     except DesignError as error:
@@ -91,14 +112,19 @@ def loads_drawing(text: str, source: str = "design") -> Design:
 
 
 def load_drawing(path: AnyPath) -> Design:
-    """The same of a file. Raises FileError where it cannot be read."""
+    """Design in a file, in which a drawn linkage may be incomplete. Raises FileError and DesignError."""
     return loads_drawing(read_text(path), str(path))
 
 
 def save(design: Design, path: AnyPath, *, in_place: bool = False) -> str:
-    """Write a design, whole or not at all; the text that the file holds now. in_place: as ``files.write`` has it.
+    """Write a design atomically and return the text of the file; in_place: as in `files.write`.
 
-    Raises FileError where it cannot be written, DesignError where ``loads_drawing`` would refuse it.
+    Raises
+    ------
+    FileError
+        The file cannot be written.
+    DesignError
+        `loads_drawing` would refuse the design.
     """
     from core.project.writing import dumps
 
@@ -113,7 +139,7 @@ def save(design: Design, path: AnyPath, *, in_place: bool = False) -> str:
 
 
 def parsed(text: str, source: str) -> dict[str, Any]:
-    """The tables of a TOML text; ``source`` names it where it is none. Raises DesignError."""
+    """Tables of a TOML text; `source` is its name in faults. Raises DesignError."""
     require_few_marks(text, _named(source))
     try:
         return tomllib.loads(text, parse_float=_bounded_float)
@@ -134,7 +160,7 @@ def _bounded_float(text: str) -> float:
 
 def _not_toml(source: str, reason: str) -> DesignError:
     line = " ".join(reason.split())
-    if len(line) > 200:  # it quotes a key; where it stands comes last
+    if len(line) > 200:  # a quoted key; its position is at the end
         line = f"{line[:140]}...{line[-50:]}"
     return DesignError([Fault(_named(source), MISSING, f"not TOML: {line}")])
 

@@ -1,4 +1,4 @@
-"""What differs between two designs, value by value."""
+"""Differences of two designs, value by value."""
 
 from __future__ import annotations
 
@@ -10,10 +10,9 @@ from core.errors import MISSING
 
 
 class ValueDifference(NamedTuple):
-    """One value that differs: its path as spelled in the file, what stands there before and after.
+    """A value that differs: its path as in the file, and the values before and after.
 
-    ``MISSING`` where nothing does: of a row of a list that has come or gone (``motion.segments[3]``) the other is the
-    whole row.
+    A value is MISSING where there is none; for an added or removed row of a list (`motion.segments[3]`) the other one is the row.
     """
 
     path: str
@@ -22,16 +21,16 @@ class ValueDifference(NamedTuple):
 
 
 def differences(before: Design | None, after: Design) -> list[ValueDifference]:
-    """Every value that differs, in the order of the file; all values where there is no design before.
+    """All values that differ, in the order of the file; all values of `after` where there is no design before.
 
-    Rows of lists are compared with the rows they correspond to: those that are equal, and between them in their order.
-    The index in a path is that of the row in ``after``, of a row that has gone in ``before``.
+    Rows of lists are matched where they are equal, and between these in their order. The index in a path is that in `after`, or
+    that in `before` for a removed row.
     """
-    from core.project.writing import to_table  # few commands write or compare
+    from core.project.writing import to_table  # late: few commands write or compare
 
     tables = [{} if design is None else to_table(design) for design in (before, after)]
     for table in tables:
-        table.pop("format", None)  # of the file, not of the design
+        table.pop("format", None)  # a key of the file, not of the design
     return list(_compare("", *tables))
 
 

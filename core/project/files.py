@@ -1,4 +1,4 @@
-"""Reading and writing files: whole or not at all, and every refusal is one clear line."""
+"""Atomic reading and writing of files, lock files, and the program's private files; every error is one line."""
 
 from __future__ import annotations
 
@@ -22,31 +22,35 @@ from core.errors import FileError
 
 _BUSY = (errno.EWOULDBLOCK, errno.EACCES, errno.EDEADLK)
 NO_LOCKS = (errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL)
-"""Numbers of the error on file systems that have no locks."""
+"""Error numbers of file systems without locks."""
 NO_LINK = getattr(os, "O_NOFOLLOW", 0)
-"""Flag of ``os.open``: an error where the file is a symbolic link."""
+"""Flag of `os.open`: an error where the file is a symbolic link."""
 
 
-def hold(path: str | os.PathLike[str], *, create: bool = True) -> int | None:
-    """Make a lock file, or open one that exists, and hold it: its handle, or None where another process or this one holds it.
+def acquire_lock(path: str | os.PathLike[str], *, create: bool = True) -> int | None:
+    """Lock a file, which is created where it is missing: its handle, or None where it is locked already.
 
-    The system gives the lock free with the handle, so also where the process is killed. Raises OSError where the file
-    cannot be made or is a link, and one of ``NO_LOCKS`` where the file system has no locks.
+    The system releases the lock when the handle is closed, and also when the process is killed.
+
+    Raises
+    ------
+    OSError
+        The file cannot be created or is a link, or, with a number in `NO_LOCKS`, the file system has no locks.
     """
     handle = os.open(path, os.O_RDWR | (os.O_CREAT if create else 0) | NO_LINK, 0o600)
     try:
-        held = _lock(handle) and _still_there(path, handle)
+        is_locked = _lock(handle) and _is_same_file(path, handle)
     except BaseException:
         os.close(handle)
         raise
-    if not held:
+    if not is_locked:
         os.close(handle)
         return None
     return handle
 
 
-def _still_there(path: str | os.PathLike[str], handle: int) -> bool:
-    """False where it was taken away by another between making and locking."""
+def _is_same_file(path: str | os.PathLike[str], handle: int) -> bool:
+    """Whether the path still leads to the open file, which another process may have removed before it was locked."""
     try:
         return os.path.samestat(os.fstat(handle), os.lstat(path))
     except FileNotFoundError:
@@ -79,8 +83,8 @@ Content = bytes | str | Iterator[bytes]
 _REASONS: Mapping[int, str] = MappingProxyType(
     {
         errno.ENOENT: "no such file or folder; check the spelling",
-        errno.ENOTDIR: "a file stands where a folder should be; choose another folder",
-        errno.EEXIST: "a file stands where a folder should be; choose another folder",
+        errno.ENOTDIR: "there is a file instead of a folder; choose another folder",
+        errno.EEXIST: "there is a file instead of a folder; choose another folder",
         errno.EISDIR: "it is a folder; name a file",
         errno.EACCES: "permission denied; change its permissions or choose another place",
         errno.EPERM: "permission denied; change its permissions or choose another place",
@@ -89,18 +93,18 @@ _REASONS: Mapping[int, str] = MappingProxyType(
         errno.EDQUOT: "your share of the disk is full; free some space or choose another place",
         errno.EFBIG: "larger than the disk's limit for a file; choose another place",
         errno.ENAMETOOLONG: "the name is too long; shorten it",
-        errno.ELOOP: "its symbolic links lead in a circle; mend them",
-        errno.EIO: "the disk does not answer; check it",
+        errno.ELOOP: "its symbolic links lead in a circle; correct them",
+        errno.EIO: "the disk does not respond; check it",
     }
 )
 
 
-_inputs: set[tuple[int, int]] | None = None  # device and number of each file that the command at work has read
+_inputs: set[tuple[int, int]] | None = None  # device and number of each file that the running command has read
 
 
 @contextmanager
-def inputs_kept() -> Iterator[None]:
-    """Within it no file that was read is written over, but in place: a name typed twice costs nobody a measured table."""
+def inputs_protected() -> Iterator[None]:
+    """Context in which files that were read are only overwritten in place, so that a mistyped name destroys no input."""
     global _inputs
     before, _inputs = _inputs, set()
     try:
@@ -110,7 +114,7 @@ def inputs_kept() -> Iterator[None]:
 
 
 def read_bytes(path: AnyPath, most_bytes: int = BYTES) -> bytes:
-    """What a file holds. Raises FileError where it is missing, no ordinary file, not to be read or too large."""
+    """Content of a file. Raises FileError where it is missing, not an ordinary file, not readable or too large."""
     with as_file_error(path, "read"):
         status = os.stat(path)
         _ordinary(path, status, "read")
@@ -126,9 +130,9 @@ def read_bytes(path: AnyPath, most_bytes: int = BYTES) -> bytes:
 
 
 def read_text(path: AnyPath, most_bytes: int = BYTES) -> str:
-    """The text of a UTF-8 file, without its byte order mark.
+    """Text of a UTF-8 file without its byte order mark.
 
-    Raises FileError where it is missing, no ordinary file, not to be read, too large or no UTF-8.
+    Raises FileError where it is missing, not an ordinary file, not readable, too large or not UTF-8.
     """
     data = read_bytes(path, most_bytes)
     try:
@@ -138,26 +142,27 @@ def read_text(path: AnyPath, most_bytes: int = BYTES) -> str:
 
 
 def write(path: AnyPath, data: bytes | str, *, in_place: bool = False) -> None:
-    """Write one file, whole or not at all; permissions are kept, symbolic links followed to their target.
+    """Write one file atomically; its permissions do not change, and symbolic links are followed.
 
-    in_place: it is to be changed, whether it was read or not. Raises FileError where it cannot be written; then nothing has changed.
+    in_place: also where the file was read within `inputs_protected`. Raises FileError where it cannot be written; then nothing has
+    changed.
     """
     _replace_all({Path(path): data}, create_folders=False, in_place=in_place)
 
 
 def write_all(folder: AnyPath, files: Mapping[str, Content]) -> None:
-    """Write all files (name: content) or none; folders that are missing are created. A content of parts is written as its
-    parts come; what making them raises is raised here. The user chose the names: symbolic links are followed.
+    """Write all files (name: content) or none; missing folders are created, and symbolic links are followed.
 
-    Raises FileError where one cannot be written; then nothing has changed.
+    An iterator is written as its parts are produced, and its errors are raised. Raises FileError where a file cannot be written;
+    then nothing has changed.
     """
     _replace_all({Path(folder) / name: data for name, data in files.items()}, create_folders=True)
 
 
 def write_into(folder: AnyPath, files: Mapping[str, Content], *, typed: str = "") -> None:
-    """As ``write_all``, under names that the program chose, but the one that the user typed.
+    """Write files as `write_all` does, under names of which the user typed at most one.
 
-    Raises FileError also where one of the others is a symbolic link, or lies in a folder that is one.
+    Raises FileError also where one of the other files is a symbolic link, or is in a folder that is one.
     """
     paths = {Path(folder) / name: data for name, data in files.items()}
     _replace_all(paths, create_folders=True, without_links=(Path(folder), typed))
@@ -170,35 +175,35 @@ def _replace_all(
     in_place: bool = False,
     without_links: tuple[Path, str] | None = None,
 ) -> None:
-    """First everything that can fail for lack of space or permission, under other names; then the moves.
+    """Write all files under temporary names, where space or permission may be lacking, and then move them.
 
-    What is to be taken back or swept up is noted before it is made, so that an interrupt finds it noted.
-    The stacks unwind from right to left: old contents back, other names swept up, new folders removed.
+    Every step that must be undone is registered before it is taken, so that an interrupt can undo it. The stacks unwind from right
+    to left: old contents restored, temporary names removed, new folders removed.
     """
     with ExitStack() as folders, ExitStack() as leftovers, ExitStack() as undo:
-        others = _OtherNames(leftovers)
+        temporary = _TemporaryNames(leftovers)
         targets = {path: _target(path) for path in files}
         if without_links is not None:
             _require_inside(targets, *without_links)
         modes = {path: _permissions(path, target, in_place) for path, target in targets.items()}
-        made, identities = {}, {}
+        written, identities = {}, {}
         for path, data in files.items():
             with as_file_error(path, "written"):
                 if create_folders:
                     _create_folders(targets[path].parent, folders)
-                made[path] = others.beside(targets[path])
-                identities[path] = _write_new(made[path], data, modes[path])
-        kept = {}
-        if len(files) > 1:  # a single move needs no way back
+                written[path] = temporary.name_for(targets[path])
+                identities[path] = _write_new(written[path], data, modes[path])
+        backups = {}
+        if len(files) > 1:  # a single move needs no backup
             for path in (p for p in files if modes[p] is not None):
                 with as_file_error(path, "written"):
-                    kept[path] = others.beside(targets[path])
-                    _keep(targets[path], kept[path])
+                    backups[path] = temporary.name_for(targets[path])
+                    _back_up(targets[path], backups[path])
         for path, target in targets.items():
             with as_file_error(path, "written"):
                 if len(files) > 1:
-                    undo.callback(_take_back, target, kept.get(path), identities[path])
-                os.replace(made[path], target)
+                    undo.callback(_restore, target, backups.get(path), identities[path])
+                os.replace(written[path], target)
         undo.pop_all()
         folders.pop_all()
     for folder in {target.parent for target in targets.values()}:
@@ -206,13 +211,13 @@ def _replace_all(
 
 
 def _target(path: Path) -> Path:
-    """Where the links lead, so that a link stays a link."""
+    """Target of symbolic links, so that a link stays a link."""
     with as_file_error(path, "written"):
         return Path(os.path.realpath(path))
 
 
 def _require_inside(targets: Mapping[Path, Path], folder: Path, typed: str) -> None:
-    """Raises FileError for a file other than the typed one to which a link inside of the folder leads."""
+    """Raise FileError for a file, other than the typed one, to which a link inside the folder leads."""
     real = _target(folder)
     for path, target in targets.items():
         name = path.relative_to(folder)
@@ -229,18 +234,18 @@ def _permissions(path: Path, target: Path, in_place: bool) -> int | None:
             return None
         _ordinary(path, status, "written")
         if not in_place and (status.st_dev, status.st_ino) in (_inputs or ()):
-            _refuse(path, "written", "it is what is read here; choose another name")
+            _refuse(path, "written", "this command reads it; choose another name")
         effective = os.access in os.supports_effective_ids
-        if not os.access(target, os.W_OK, effective_ids=effective):  # a move would not mind
+        if not os.access(target, os.W_OK, effective_ids=effective):  # a move would replace it
             _refuse(path, "written", "it is write-protected; change its permissions or choose another name")
         return stat.S_IMODE(status.st_mode)
 
 
-class _OtherNames:
-    """Free names beside targets, each noted to be swept up: ``.kindyna-RUN-1.tmp``, ``.kindyna-RUN-2.tmp`` ...
+class _TemporaryNames:
+    """Free names in the folders of the targets, registered for removal: `.kindyna-RUN-1.tmp`, `.kindyna-RUN-2.tmp` ...
 
-    In each folder a lock file ``.kindyna-RUN.tmp`` is made before them, held, and removed after them. It lists them after a line
-    that marks it: names in it were left behind by a process that was killed where nobody holds it.
+    In each folder a locked file `.kindyna-RUN.tmp` is created first and removed last. After a first line that marks it, it lists the
+    names. Where it is not locked, a killed process has left them.
     """
 
     def __init__(self, leftovers: ExitStack) -> None:
@@ -248,18 +253,19 @@ class _OtherNames:
         self._runs: dict[Path, tuple[str, int | None]] = {}  # with the handle of the lock
         self._number = 0
 
-    def beside(self, target: Path) -> Path:
+    def name_for(self, target: Path) -> Path:
+        """A new name in the folder of the target."""
         folder = target.parent
         if folder not in self._runs:
             sweep(folder)
             self._runs[folder] = self._begin(folder)
         self._number += 1
         run, lock = self._runs[folder]
-        other = folder / f".kindyna-{run}-{self._number}.tmp"
+        path = folder / f".kindyna-{run}-{self._number}.tmp"
         if lock is not None:
-            os.write(lock, f"\n{other.name}".encode())
-        self._leftovers.callback(remove, other)
-        return other
+            os.write(lock, f"\n{path.name}".encode())
+        self._leftovers.callback(remove, path)
+        return path
 
     def _begin(self, folder: Path) -> tuple[str, int | None]:
         while True:
@@ -267,33 +273,33 @@ class _OtherNames:
             lock = folder / f".kindyna-{run}.tmp"
             self._leftovers.callback(remove, lock)
             try:
-                handle = hold(lock)
+                handle = acquire_lock(lock)
             except OSError as error:
                 if error.errno not in NO_LOCKS:
                     raise
                 return run, None
-            if handle is not None:  # else another's sweep was quicker
+            if handle is not None:  # else another process has removed the file
                 self._leftovers.callback(os.close, handle)
                 os.write(handle, _mark(run).encode())
                 return run, handle
 
 
-_OTHER_NAME = re.compile(r"\.kindyna-([0-9a-f]{16})(-\d+)?\.tmp")
+_TEMPORARY_NAME = re.compile(r"\.kindyna-([0-9a-f]{16})(-\d+)?\.tmp")
 
 
 def _mark(run: str) -> str:
-    """First line of a lock file: no other program writes it."""
+    """First line of a lock file, which no other program writes."""
     return f"KINDYNA write {run}"
 
 
 def sweep(folder: AnyPath, *, private: bool = False) -> None:
-    """Remove what killed writes have left in a folder: the names that their lock files list. The names of a write that still
-    runs stay, and files of the user that are called so.
+    """Remove the temporary files that killed processes have left in a folder and listed in their lock files.
 
-    private: the folder is the program's alone, where the name proves whose a file is.
+    Files of a running process stay, and files of the user with such a name. private: the folder belongs to the program, so that the
+    name alone identifies its files.
     """
     with suppress(OSError):
-        matches = [match for name in os.listdir(folder) if (match := _OTHER_NAME.fullmatch(name))]
+        matches = [match for name in os.listdir(folder) if (match := _TEMPORARY_NAME.fullmatch(name))]
         for run in {match[1] for match in matches}:
             with suppress(OSError):
                 _sweep(Path(folder), run, {match[0] for match in matches if match[1] == run}, private)
@@ -301,7 +307,7 @@ def sweep(folder: AnyPath, *, private: bool = False) -> None:
 
 def _sweep(folder: Path, run: str, names: set[str], private: bool) -> None:
     lock = folder / f".kindyna-{run}.tmp"
-    handle = hold(lock, create=private)
+    handle = acquire_lock(lock, create=private)
     if handle is None:
         return
     try:
@@ -315,11 +321,11 @@ def _sweep(folder: Path, run: str, names: set[str], private: bool) -> None:
 
 
 def _write_new(path: Path, data: Content, mode: int | None) -> Identity:
-    whole = data.encode() if isinstance(data, str) else data
+    content = data.encode() if isinstance(data, str) else data
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
     handle = os.open(path, flags, 0o666 if mode is None else mode)
     try:
-        for part in [whole] if isinstance(whole, bytes) else whole:
+        for part in [content] if isinstance(content, bytes) else content:
             rest = memoryview(part)
             while rest:
                 rest = rest[os.write(handle, rest) :]
@@ -333,7 +339,7 @@ def _write_new(path: Path, data: Content, mode: int | None) -> Identity:
 
 
 def _sync(folder: Path) -> None:
-    """Have the disk keep the names in a folder as they are now; some systems cannot, and do so by themselves."""
+    """Write the entries of a folder to the disk, on systems that allow it."""
     with suppress(OSError):
         handle = os.open(folder, os.O_RDONLY)
         try:
@@ -342,22 +348,22 @@ def _sync(folder: Path) -> None:
             os.close(handle)
 
 
-def _keep(target: Path, other: Path) -> None:
-    """A second name for the old content; a copy where the disk knows no second names."""
+def _back_up(target: Path, backup: Path) -> None:
+    """Give the old content a second name, or copy it where the disk has no hard links."""
     try:
-        os.link(target, other)
+        os.link(target, backup)
     except OSError:
-        import shutil  # slow to import, and few saves keep a copy
+        import shutil  # late: slow to import, and rarely needed
 
-        shutil.copy2(target, other)
+        shutil.copy2(target, backup)
 
 
-def _take_back(target: Path, kept: Path | None, identity: Identity) -> None:
-    if kept is None:
+def _restore(target: Path, backup: Path | None, identity: Identity) -> None:
+    if backup is None:
         remove(target, identity)
     else:
         with suppress(OSError):
-            os.replace(kept, target)
+            os.replace(backup, target)
 
 
 def _create_folders(folder: Path, undo: ExitStack) -> None:
@@ -365,9 +371,9 @@ def _create_folders(folder: Path, undo: ExitStack) -> None:
     while not folder.exists():
         missing.append(folder)
         folder = folder.parent
-    for each in reversed(missing):
-        undo.callback(_remove_folder, each)
-        each.mkdir(exist_ok=True)
+    for path in reversed(missing):
+        undo.callback(_remove_folder, path)
+        path.mkdir(exist_ok=True)
 
 
 def _remove_folder(path: Path) -> None:
@@ -375,18 +381,20 @@ def _remove_folder(path: Path) -> None:
         path.rmdir()
 
 
-# -- files of the program's own -----------------------------------------------------------------------------
+# -- files that belong to the program -----------------------------------------------------------------------
 
 Identity = tuple[int, int]
 """Device and number of a file."""
 
 MOST_OWN = 1 << 30
-"""Bytes of such a file."""
+"""Most bytes of such a file."""
 
 
 def remove(path: Path, identity: Identity | None = None) -> None:
-    """Delete a file that the program has written: nothing else deletes a file. A link, a folder, what is no ordinary file and what lies
-    in a folder that is a link stays, and a file of another identity where one is given."""
+    """Delete a file that the program has written; no other function deletes files.
+
+    Links, folders, other special files and files in a linked folder stay, and files with another identity than the given one.
+    """
     with suppress(OSError):
         status = os.lstat(path)
         if (
@@ -398,7 +406,7 @@ def remove(path: Path, identity: Identity | None = None) -> None:
 
 
 def remove_listed(folder: Path, names: Iterable[str]) -> None:
-    """Delete the files of a folder that a list of the program's own names, and the folders in it where they alone were."""
+    """Delete files in a folder by their relative names, and the folders in it that become empty."""
     for name in names:
         path = folder / name
         remove(path)
@@ -408,7 +416,7 @@ def remove_listed(folder: Path, names: Iterable[str]) -> None:
 
 
 def is_folder(path: Path) -> bool:
-    """Whether it is a folder, and no link to one."""
+    """Whether a path is a folder and not a link to one."""
     try:
         status = os.lstat(path)
     except OSError:
@@ -416,11 +424,11 @@ def is_folder(path: Path) -> bool:
     return stat.S_ISDIR(status.st_mode) and getattr(status, "st_reparse_tag", 0) != _JUNCTION
 
 
-_JUNCTION = 0xA0000003  # of Windows: a link that lstat takes for a folder
+_JUNCTION = 0xA0000003  # a link of Windows that lstat reports as a folder
 
 
 def read_own(path: Path) -> bytes:
-    """What an ordinary file holds, opened without following a link. Raises OSError."""
+    """Content of an ordinary file, opened without following a link. Raises OSError."""
     handle = os.open(path, os.O_RDONLY | NO_LINK | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
     with open(handle, "rb") as file:
         if not stat.S_ISREG(os.fstat(handle).st_mode):
@@ -429,21 +437,21 @@ def read_own(path: Path) -> bytes:
 
 
 def require_own_json(path: Path, keys: Iterable[str]) -> None:
-    """Raises FileError for a file that is no JSON object of the program's, which has these keys: it is not replaced unasked."""
+    """Raise FileError for an existing file that is not a JSON object with these keys, so that it is not overwritten."""
     import json
 
     if _permissions(path, _target(path), in_place=False) is None:
         return
     try:
-        own = json.loads(read_own(path)).keys() >= set(keys)
+        has_keys = json.loads(read_own(path)).keys() >= set(keys)
     except (OSError, ValueError, AttributeError, RecursionError):
-        own = False
-    if not own:
-        _refuse(path, "written", "it belongs to something else; choose another folder or name")
+        has_keys = False
+    if not has_keys:
+        _refuse(path, "written", "it belongs to another program; choose another folder or name")
 
 
 def listed(handle: int, mark: str) -> list[str] | None:
-    """The lines of an open list of the program's own behind the first, its mark; None where another line is the first."""
+    """Lines of an open list after its first line, the mark; None where the first line is another one."""
     os.lseek(handle, 0, os.SEEK_SET)
     data = b"".join(iter(lambda: os.read(handle, 1 << 20), b""))
     first, *lines = data.decode("utf-8", "replace").split("\n")
@@ -459,7 +467,7 @@ def _ordinary(path: AnyPath, status: os.stat_result, done: str) -> None:
 
 @contextmanager
 def as_file_error(path: AnyPath, done: str) -> Iterator[None]:
-    """Raise FileError, in one line, for an error of the system."""
+    """Context that raises a FileError of one line for an error of the system."""
     try:
         yield
     except OSError as error:
@@ -467,9 +475,9 @@ def as_file_error(path: AnyPath, done: str) -> Iterator[None]:
         reason = _REASONS.get(error.errno or 0, f"{text}; choose another place")
         _refuse(path, done, reason, error)
     except UnicodeEncodeError as error:
-        _refuse(path, done, "it holds characters that UTF-8 does not have; remove them", error)
+        _refuse(path, done, "it contains characters that UTF-8 cannot encode; remove them", error)
     except ValueError as error:  # a null character
-        _refuse(path, done, "that is no file name; choose another", error)
+        _refuse(path, done, "this is no file name; choose another", error)
 
 
 def _refuse(path: AnyPath, done: str, reason: str, cause: Exception | None = None) -> NoReturn:
@@ -478,7 +486,7 @@ def _refuse(path: AnyPath, done: str, reason: str, cause: Exception | None = Non
     raise FileError(f"{shown}: cannot be {done}: {reason}") from cause
 
 
-# -- A folder that the program makes, fills and deletes by itself -----------------------------------------------
+# -- folders that belong to the program -------------------------------------------------------------------------
 
 
 LIST = "kindyna-run"
@@ -487,7 +495,7 @@ _BINARY = getattr(os, "O_BINARY", 0)
 
 
 class OwnFolder:
-    """One such folder. It need not exist yet."""
+    """A folder that the program creates, fills and deletes; it need not exist yet."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -495,7 +503,7 @@ class OwnFolder:
         self._hashes: dict[str, str] = {}
 
     def is_own(self) -> bool:
-        """Whether the program has made the folder; its list is read anew."""
+        """Whether the program has created the folder; its list is read again."""
         self._hashes = {}
         rows = None
         with suppress(OSError):
@@ -510,7 +518,7 @@ class OwnFolder:
         return rows is not None and is_folder(self.path.parent)
 
     def is_usable(self) -> bool:
-        """Whether it does not exist yet, or is the program's and holds nothing that its list does not name; no link leads to it."""
+        """Whether the folder does not exist yet, or is the program's with nothing but listed files, and is not a link."""
         if not os.path.lexists(self.path):
             return is_folder(self.path.parent) or not os.path.lexists(self.path.parent)
         if not self.is_own():
@@ -520,7 +528,7 @@ class OwnFolder:
             return all(entry.name in names and entry.is_file(follow_symlinks=False) for entry in entries)
 
     def write(self, name: str, data: bytes) -> None:
-        """Put a file in place of one that is listed, or where none is. Raises FileError."""
+        """Write a new file, or replace a listed one. Raises FileError."""
         with as_file_error(self.path, "written"):
             if not os.path.lexists(self.path):
                 self.path.parent.mkdir(parents=True, exist_ok=True)
@@ -538,7 +546,7 @@ class OwnFolder:
             file.write(data)
 
     def read(self, name: str) -> bytes | None:
-        """A file as it was written; None where it is not listed, is gone, or holds anything else by now."""
+        """Content of a file as it was written; None where it is not listed, is missing, or has changed."""
         with suppress(OSError):
             data = read_own(self.path / name) if name in self._hashes else b""
             if hashlib.sha256(data).hexdigest() == self._hashes.get(name):
@@ -546,7 +554,7 @@ class OwnFolder:
         return None
 
     def delete(self) -> None:
-        """Delete the files that the list names; where nothing else is there, the list and the folder, too."""
+        """Delete the listed files, and the list and the folder where nothing else remains."""
         if self.is_own():
             remove_listed(self.path, self._hashes)
             self._hashes = {}

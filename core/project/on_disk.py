@@ -1,5 +1,4 @@
-"""Design files, and those that their motions follow from, compared with what was read from them or written to them last: has another
-program changed one since?"""
+"""Detection of changes of design files, and of the files linked to them, by other programs."""
 
 from __future__ import annotations
 
@@ -17,25 +16,25 @@ from core.project.files import read_bytes, read_text
 
 
 class OnDisk(Enum):
-    """A file, compared with what was read or written last."""
+    """State of a file, compared with its content when it was last read or written."""
 
     SAME = "same"
     CHANGED = "changed"
     GONE = "gone"
     SOURCE = "source"
-    """The file is as it was; one that its motions follow from is not."""
+    """The file is unchanged, but a linked file has changed."""
 
 
 class DesignFiles:
-    """Reads and writes designs and keeps the text that each file had then, and what its sources held; contents count, not times."""
+    """Reads and writes designs, and remembers the text of each file and the hashes of its linked files."""
 
     def __init__(self) -> None:
         self._texts: dict[Path, str] = {}
         self._sources: dict[Path, tuple[str, ...]] = {}
-        self._held: dict[str, bytes | None] = {}
+        self._hashes: dict[str, bytes | None] = {}
 
     def note(self, path: Path, design: Design | None = None) -> None:
-        """Take what a file holds now for what was read, and what the motions of its design follow from."""
+        """Remember the present content of a file, and of the files linked to its design."""
         with suppress(FileError):
             self._texts[path] = read_text(path)
             if design is not None:
@@ -43,18 +42,18 @@ class DesignFiles:
 
     def _note_sources(self, path: Path, design: Design) -> None:
         self._sources[path] = files_of(design)
-        self._held |= {name: _held(name) for name in self._sources[path]}
+        self._hashes |= {name: _hash(name) for name in self._sources[path]}
 
     def sources(self, path: Path) -> tuple[str, ...]:
-        """The files that the motions of a design follow from."""
+        """Files linked to a design."""
         return self._sources.get(path, ())
 
     def changed_sources(self, path: Path) -> tuple[str, ...]:
-        """Those of them that hold something else than when the design was read."""
-        return tuple(name for name in self.sources(path) if _held(name) != self._held[name])
+        """Linked files that have changed since the design was read."""
+        return tuple(name for name in self.sources(path) if _hash(name) != self._hashes[name])
 
     def read(self, path: Path) -> Design:
-        """The design in a file. Raises FileError, DesignError."""
+        """Design in a file. Raises FileError, DesignError."""
         text = read_text(path)
         design = loads_drawing(text, source=str(path))
         self._texts[path] = text
@@ -65,12 +64,12 @@ class DesignFiles:
         """Write a design. Raises FileError, DesignError."""
         self._texts[path] = save(design, path, in_place=True)
         self._sources[path] = files_of(design)
-        for name in self._sources[path]:  # the design in hand is still of what was read of the others
-            if name not in self._held:
-                self._held[name] = _held(name)
+        for name in self._sources[path]:  # the design still depends on the linked files as they were read
+            if name not in self._hashes:
+                self._hashes[name] = _hash(name)
 
     def state(self, path: Path) -> OnDisk:
-        """Whether a file holds what was read or written last; ``SAME`` for one that never was."""
+        """State of a file; SAME for a file that was never read or written."""
         if path not in self._texts:
             return OnDisk.SAME
         try:
@@ -81,8 +80,8 @@ class DesignFiles:
         return OnDisk.SOURCE if self.changed_sources(path) else OnDisk.SAME
 
 
-def _held(name: str) -> bytes | None:
-    """What a source holds, as a short sum; None where it is gone."""
+def _hash(name: str) -> bytes | None:
+    """Hash of a file's content; None where the file is missing."""
     with suppress(FileError):
         return sha256(read_bytes(name)).digest()
     return None

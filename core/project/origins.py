@@ -1,7 +1,7 @@
-"""Motions that follow from other files: a table, a sum of motions, the motion of a linkage's driver that makes its output do what is asked.
+"""Motions linked to other files: a table, a sum of motions, or the driver's motion that gives a linkage's output a required motion.
 
-What follows is a motion like any other. Where it has no closed form its jerk is a Chebyshev interpolant on each piece, with position,
-velocity and acceleration as its integrals from their true values: within rounding of the function at every angle.
+A linked motion without a closed form has a Chebyshev interpolant of the jerk on each piece. Position, velocity and acceleration are
+its integrals from their exact values at the start, within rounding of the function at every angle.
 """
 
 from __future__ import annotations
@@ -45,41 +45,84 @@ TURN = 2.0 * np.pi
 Loader = Callable[[str, Sequence[str]], Design]
 """Path of a design file, and the files being read, each linked from the one before -> the design of its one drive."""
 Rows = Callable[[np.ndarray, float], np.ndarray]
-"""Angles (n,) [rad] and one within the piece that they are taken to lie in -> value and three derivatives (4, n) [SI]."""
+"""Function of angles (n,) [rad], and of an angle inside their piece, for the value and three derivatives (4, n) [SI]."""
 
 
-def followed(origin: Origin, asked: Motion | None, unit: str, chain: Sequence[str], load: Loader) -> Motion:
-    """The motion of an origin; unit: of the design's motion as far as it is known; chain: the files being read, the design's own
-    last; load: reads a further one. Raises DesignError, naming field and file."""
+def linked_motion(origin: Origin, requested: Motion | None, unit: str, chain: Sequence[str], load: Loader) -> Motion:
+    """Motion of an origin.
+
+    Parameters
+    ----------
+    origin : Origin
+    requested : Motion or None
+        Required motion of the output, for an inverse.
+    unit : str
+        Unit of the design's motion, where it is known.
+    chain : sequence of str
+        Files being read, that of the design last.
+    load : Loader
+        Reads a further file.
+
+    Returns
+    -------
+    Motion
+
+    Raises
+    ------
+    DesignError
+        A file cannot be read or gives no motion.
+    """
     folder = os.path.dirname(chain[-1]) if chain else os.getcwd()
-    motion, files = _MADE[origin.key](_Request(origin, asked, unit, folder, chain, load))
-    made = (motion.start, motion.segments, motion.advance)
-    return replace(motion, follows=Follows(origin, folder, asked, tuple(dict.fromkeys(files)), made))
+    motion, files = _MOTIONS[origin.key](_Request(origin, requested, unit, folder, chain, load))
+    result = (motion.start, motion.segments, motion.advance)
+    return replace(motion, follows=Follows(origin, folder, requested, tuple(dict.fromkeys(files)), result))
 
 
-def following(design: Design, files: Sequence[str], home: str | None, load: Loader, output: str = "") -> Design:
-    """The design with the motion that follows from files: of one table; of a linkage, whose driver makes its output do what the motion in
-    place does; else the sum of the motions there. home: its own file, beside which theirs are named; None where it has none yet; load:
-    reads a design file. Raises DesignError."""
+def with_linked_motion(
+    design: Design, files: Sequence[str], home: str | None, load: Loader, output: str = ""
+) -> Design:
+    """The design with a motion linked to files.
+
+    Parameters
+    ----------
+    design : Design
+    files : sequence of str
+        One table; or one linkage together with `output`; or designs whose motions are added.
+    home : str or None
+        Path of the design's file, to which the linked paths are relative; None where it has none yet.
+    load : Loader
+        Reads a design file.
+    output : str
+        Output of a linkage, which is to have the design's present motion.
+
+    Returns
+    -------
+    Design
+
+    Raises
+    ------
+    DesignError
+        A file cannot be read or gives no motion, or the unit of the motion does not fit.
+    """
     folder, motion = os.path.dirname(os.path.abspath(home)) if home else "", require_motion(design)
-    names = tuple(os.path.relpath(each, folder) if folder else os.path.abspath(each) for each in files)
+    names = tuple(os.path.relpath(path, folder) if folder else os.path.abspath(path) for path in files)
     tables = [name for name in names if not name.lower().endswith(".toml")]
     if tables and len(names) > 1:
-        raise _refused("motion.from.table", tables[0], "is one of several files", "one table, or designs alone")
+        raise _error("motion.from.table", tables[0], "is one of several files", "one table, or designs alone")
     if tables:
         origin = Origin(from_=TableOrigin(tables[0]))
     else:
         origin = Origin(inverse=InverseOrigin(names[0], output)) if output else Origin(sum=names)
     chain = (os.path.abspath(home),) if home else ()
-    made = followed(origin, motion if output else None, motion.unit, chain, load)
-    if made.unit != motion.unit and not design.drive.is_alone:
-        problem = f"gives a motion in {made.unit}, and this design's is in {motion.unit}"
-        raise _refused(f"motion.{origin.key}", ", ".join(names), problem, f"a motion in {motion.unit}")
-    return with_drive(without_marks(design), motion=made)
+    linked = linked_motion(origin, motion if output else None, motion.unit, chain, load)
+    if linked.unit != motion.unit and not design.drive.is_alone:
+        problem = f"gives a motion in {linked.unit}, but this design has one in {motion.unit}"
+        raise _error(f"motion.{origin.key}", ", ".join(names), problem, f"a motion in {motion.unit}")
+    return with_drive(without_marks(design), motion=linked)
 
 
-def outputs_of(design: Design) -> dict[str, str]:
-    """The links of a linkage whose motion may be asked for: number -> the unit that it is asked in; of another design none."""
+def output_units(design: Design) -> dict[str, str]:
+    """Unit of the motion by number of each moving link of a linkage; empty for another design."""
     if design.listed or not design.drive.is_linkage:
         return {}
     linkage = design.drive.linkage
@@ -87,9 +130,11 @@ def outputs_of(design: Design) -> dict[str, str]:
     return {str(n): "mm" if str(n) in slides else "deg" for n in sorted(linkage.by_number) if n != FRAME_LINK}
 
 
-def own_motion(design: Design) -> Design:
-    """The design with the motion that followed from other files as its own, which may be edited: what has no closed form as tables within
-    ``OWN`` of its size."""
+def with_unlinked_motion(design: Design) -> Design:
+    """The design with its linked motion replaced by an editable copy; segments without a closed form become tables.
+
+    The tables are within `TABLE_ERROR` of the stroke.
+    """
     motion = require_motion(design)
     if motion.follows is None:
         return design
@@ -99,13 +144,13 @@ def own_motion(design: Design) -> Design:
     return with_drive(without_marks(design), motion=replace(motion, segments=tuple(segments), follows=None))
 
 
-def with_own_motions(design: Design) -> Design:
-    """The same of every drive of a design."""
+def with_unlinked_motions(design: Design) -> Design:
+    """The design with every linked motion of its drives replaced by an editable copy."""
     from core.design import only, with_only
 
     for i, drive in enumerate(design.drives):
         if drive.motion is not None and drive.motion.follows is not None:
-            design = with_only(design, i, own_motion(only(design, i)))
+            design = with_only(design, i, with_unlinked_motion(only(design, i)))
     return design
 
 
@@ -114,8 +159,7 @@ def with_own_motions(design: Design) -> Design:
 
 @frozen
 class _Request:
-    """What a linked motion follows from: the origin, the requested output motion of an inverse, the unit of the design's motion as far
-    as it is known, the folder of its file, the files being read, and how a further one is loaded."""
+    """Arguments of `linked_motion`, and the folder of the design's file."""
 
     origin: Origin
     requested: Motion | None
@@ -125,35 +169,35 @@ class _Request:
     load: Loader
 
 
-def _other(path: str, name: str, request: _Request) -> tuple[Design, list[str]]:
-    """The one drive of another design file, and the files that were read for it. Raises DesignError."""
-    whole = os.path.normpath(os.path.join(request.folder, name))
-    open_ = [os.path.realpath(each) for each in request.chain]
-    if os.path.realpath(whole) in open_:
-        circle = [os.path.basename(each) for each in [*open_[open_.index(os.path.realpath(whole)) :], whole]]
-        raise _refused(
+def _linked_design(path: str, name: str, request: _Request) -> tuple[Design, list[str]]:
+    """Design of the one drive of another file, and the files read for it. Raises DesignError."""
+    file = os.path.normpath(os.path.join(request.folder, name))
+    chain = [os.path.realpath(path) for path in request.chain]
+    if os.path.realpath(file) in chain:
+        circle = [os.path.basename(path) for path in [*chain[chain.index(os.path.realpath(file)) :], file]]
+        raise _error(
             path, name, f"the files go in a circle: {' > '.join(circle)}", "a file that does not follow from this one"
         )
     try:
-        design = request.load(whole, request.chain)
+        design = request.load(file, request.chain)
     except DesignError as error:
         raise DesignError(
             Fault(path, name, str(fault)) if "circle" in fault.problem else Fault(path, name, f"there {fault}")
             for fault in error.faults[:3]
         ) from error
     except KindynaError as error:
-        raise _refused(path, name, str(error)) from error
-    return design, [whole, *files_of(design)]
+        raise _error(path, name, str(error)) from error
+    return design, [file, *files_of(design)]
 
 
-def _refused(path: str, value: Any, problem: str, allowed: str = "") -> DesignError:
+def _error(path: str, value: Any, problem: str, allowed: str = "") -> DesignError:
     return DesignError([Fault(path, value, problem, allowed)])
 
 
 # -- a table ----------------------------------------------------------------------------------------------
 
 
-def _of_table(request: _Request) -> tuple[Motion, list[str]]:
+def _table_motion(request: _Request) -> tuple[Motion, list[str]]:
     from core.measured import ColumnChoice, fit, is_workbook, layout, read_sheet, read_table, read_workbook
     from core.measured.sheet import line_ranges
     from core.project.files import read_bytes
@@ -161,39 +205,39 @@ def _of_table(request: _Request) -> tuple[Motion, list[str]]:
     origin, unit = request.origin, request.unit
     assert origin.from_ is not None
     table, column = origin.from_.table, origin.from_.column
-    whole, told = os.path.normpath(os.path.join(request.folder, table)), split_unit(column)[1].symbol
+    file, symbol = os.path.normpath(os.path.join(request.folder, table)), split_unit(column)[1].symbol
     try:
-        data = read_bytes(whole)
+        data = read_bytes(file)
         sheet = read_workbook(data, table) if is_workbook(data) else read_sheet(data, table)
         how = layout(
             sheet,
             ColumnChoice(column=column, angle_column=origin.from_.angle_column),
-            "deg" if told == "deg" or (not column and unit == "deg") else "mm" if told else unit,
+            "deg" if symbol == "deg" or (not column and unit == "deg") else "mm" if symbol else unit,
         )
         rows = read_table(sheet, how)
-        found = fit(rows)
+        fitted = fit(rows)
     except KindynaError as error:
         raise DesignError(Fault("motion.from.table", table, line) for line in str(error).split("\n")[:3]) from error
-    if found.left_out:
-        lines = line_ranges(sheet.rows[i].line for i in found.left_out)
-        raise _refused("motion.from.table", table, f"{lines}: no motion goes through it", "rows that fit; see measured")
-    return found.motion, [whole]
+    if fitted.left_out:
+        lines = line_ranges(sheet.rows[i].line for i in fitted.left_out)
+        raise _error("motion.from.table", table, f"{lines}: no motion goes through it", "rows that fit; see measured")
+    return fitted.motion, [file]
 
 
 # -- a sum ------------------------------------------------------------------------------------------------
 
 
-def _of_sum(request: _Request) -> tuple[Motion, list[str]]:
+def _sum_motion(request: _Request) -> tuple[Motion, list[str]]:
     motions: list[Motion] = []
     files: list[str] = []
     for i, name in enumerate(request.origin.sum):
         path = f"motion.sum[{i}]"
-        design, read = _other(path, name, request)
+        design, read = _linked_design(path, name, request)
         motion = motion_of(design)
         if motion is None:
-            raise _refused(path, name, "has no motion: its crank turns at constant speed", "a design with [motion]")
+            raise _error(path, name, "has no motion: its crank turns at constant speed", "a design with [motion]")
         if motions and motion.unit != motions[0].unit:
-            raise _refused(path, name, f"is in {motion.unit}, the others in {motions[0].unit}", "motions of one unit")
+            raise _error(path, name, f"is in {motion.unit}, the others in {motions[0].unit}", "motions of one unit")
         motions.append(motion)
         files += read
     parts = [program(motion) for motion in motions]
@@ -202,8 +246,8 @@ def _of_sum(request: _Request) -> tuple[Motion, list[str]]:
         return np.asarray(sum(_on_piece(part, theta, inside) for part in parts))
 
     gains = [motion.advance for motion in motions if motion.advance is not None]
-    made = _fitted(rows, parts, motions[0].unit, sum(gains) if gains else None)
-    return replace(made, start=sum(motion.start for motion in motions)), files
+    fitted = _fitted(rows, parts, motions[0].unit, sum(gains) if gains else None)
+    return replace(fitted, start=sum(motion.start for motion in motions)), files
 
 
 def _on_piece(part: CompiledMotion, theta: np.ndarray, inside: float) -> np.ndarray:
@@ -214,21 +258,21 @@ def _on_piece(part: CompiledMotion, theta: np.ndarray, inside: float) -> np.ndar
 # -- an inverse -------------------------------------------------------------------------------------------
 
 
-def _of_inverse(request: _Request) -> tuple[Motion, list[str]]:
-    origin, asked = request.origin, request.requested
+def _inverse_motion(request: _Request) -> tuple[Motion, list[str]]:
+    origin, requested = request.origin, request.requested
     assert origin.inverse is not None
-    assert asked is not None
+    assert requested is not None
     name, path = origin.inverse.linkage, "motion.inverse.linkage"
-    design, files = _other(path, name, request)
+    design, files = _linked_design(path, name, request)
     if not design.drive.is_linkage:
-        raise _refused(path, name, f"is no linkage but a {design.drive.label.lower()}", "a design with [linkage]")
+        raise _error(path, name, f"is no linkage but a {design.drive.label.lower()}", "a design with [linkage]")
     try:
-        branch = _Branch(design, origin.inverse.output, asked)
+        branch = _Branch(design, origin.inverse.output, requested)
     except DesignError:
         raise
     except KindynaError as error:
-        raise _refused(path, name, str(error)) from error
-    part = program(asked)
+        raise _error(path, name, str(error)) from error
+    part = program(requested)
 
     def rows(theta: np.ndarray, inside: float) -> np.ndarray:
         return branch.inverse(theta, _on_piece(part, theta, inside))
@@ -237,10 +281,10 @@ def _of_inverse(request: _Request) -> tuple[Motion, list[str]]:
     first = rows(np.zeros(1), part.ends[0] * 0.5)[0, 0]
     last = rows(np.array([TURN]), 0.5 * (part.starts[-1] + TURN))[0, 0]
     gain = float(last - first) / UNITS[unit].factor
-    if asked.advance and branch.period:
+    if requested.advance and branch.period:
         gain = round(gain / (branch.period / UNITS[unit].factor)) * branch.period / UNITS[unit].factor
-    made = _fitted(rows, [part], unit, gain if asked.advance else None)
-    return replace(made, start=float(first) / UNITS[unit].factor), files
+    fitted = _fitted(rows, [part], unit, gain if requested.advance else None)
+    return replace(fitted, start=float(first) / UNITS[unit].factor), files
 
 
 SAMPLES = 2881  # of the driver's range, between which an output goes monotonously but for its dead centres
@@ -253,39 +297,44 @@ REACHED = (
 
 
 class _Branch:
-    """The stretch of a linkage's driver between two dead centres of an output in which a motion of that begins: there the driver's position
-    x follows from the output's y. Where there are none, and the driver turns, it goes on turn by turn.
+    """Part of a driver's range, between two dead centres of an output, in which the driver's position x follows from the output's y.
 
-    period  of the driver [rad], the cycle of the linkage; 0 where it does not go on
+    It contains the start of the requested motion. A rotating driver without dead centres continues turn by turn.
+
+    Attributes
+    ----------
+    period : float
+        Cycle of the linkage [rad of the driver]; 0 where the branch does not continue periodically.
     """
 
-    def __init__(self, design: Design, output: str, asked: Motion) -> None:
-        self._asked = asked
-        self._linkage, self._name = _driven(design), _coordinate(design, output, asked)
+    def __init__(self, design: Design, output: str, requested: Motion) -> None:
+        self._requested = requested
+        self._linkage, self._name = _driven(design), _coordinate(design, output, requested)
         self._turns = driver_turns(self._linkage)
-        low, high, whole = self._ranges(design, asked)
+        low, high, is_full = self._range(design)
         at = np.linspace(low, high, SAMPLES)
         y, rate = self.forward(at)[:2]
-        if asked.unit == "deg":
+        if requested.unit == "deg":
             y = np.unwrap(y)
         slow = DEAD * float(np.abs(rate).max())
-        begin = asked.start * asked.scale
+        begin = requested.start * requested.scale
         first = self._first(design, at, y, begin)
         i = int(np.clip(np.searchsorted(at, first) - 1, 0, SAMPLES - 2))
         sign = np.sign(y[i + 1] - y[i])
         right = np.flatnonzero(rate[i + 1 :] * sign <= slow)
         left = np.flatnonzero(rate[: i + 1] * sign <= slow)
-        self.period = self._cycle if whole and not right.size and not left.size else 0.0
+        self.period = self._cycle if is_full and not right.size and not left.size else 0.0
         a = 0 if not left.size else int(left[-1])
         b = SAMPLES - 1 if not right.size else i + 1 + int(right[0])
-        if whole and not self.period:  # a crank: the stretch may reach beyond the sampled turn
-            return self._rolled(at, y, rate, first, sign, slow, begin)
-        here = y[i] + (first - at[i]) / (at[i + 1] - at[i]) * (y[i + 1] - y[i])
-        self._lay(at[a : b + 1], y[a : b + 1], here, begin, (bool(left.size), bool(right.size)))
+        if is_full and not self.period:  # a crank, whose branch may extend beyond the sampled turn
+            return self._set_beyond_turn(at, y, rate, first, sign, slow, begin)
+        y_first = y[i] + (first - at[i]) / (at[i + 1] - at[i]) * (y[i + 1] - y[i])
+        self._set_samples(at[a : b + 1], y[a : b + 1], y_first, begin, (bool(left.size), bool(right.size)))
 
-    def _rolled(
+    def _set_beyond_turn(
         self, at: np.ndarray, y: np.ndarray, rate: np.ndarray, first: float, sign: float, slow: float, begin: float
     ) -> None:
+        """Set the branch from three turns of samples."""
         gain = y[-1] - y[0]
         three = np.concatenate((at[:-1] - self._cycle, at[:-1], at + self._cycle))
         values = np.concatenate((y[:-1] - gain, y[:-1], y + gain))
@@ -293,11 +342,13 @@ class _Branch:
         i = int(np.searchsorted(three, first) - 1)
         left, right = np.flatnonzero(rates[: i + 1] <= slow), np.flatnonzero(rates[i + 1 :] <= slow)
         a, b = int(left[-1]), i + 1 + int(right[0])
-        here = values[i] + (first - three[i]) / (three[i + 1] - three[i]) * (values[i + 1] - values[i])
-        self._lay(three[a : b + 1], values[a : b + 1], here, begin, (True, True))
+        y_first = values[i] + (first - three[i]) / (three[i + 1] - three[i]) * (values[i + 1] - values[i])
+        self._set_samples(three[a : b + 1], values[a : b + 1], y_first, begin, (True, True))
 
-    def _lay(self, at: np.ndarray, y: np.ndarray, here: float, begin: float, dead: tuple[bool, bool]) -> None:
-        """The stretch from sample to sample, its ends exactly where they are dead centres."""
+    def _set_samples(
+        self, at: np.ndarray, y: np.ndarray, y_first: float, begin: float, dead: tuple[bool, bool]
+    ) -> None:
+        """Set the samples of the branch, with ends that are dead centres at their exact positions."""
         from scipy.optimize import brentq
 
         at, y = at.copy(), y.copy()
@@ -306,14 +357,14 @@ class _Branch:
             if is_dead and rates[0] * rates[1] < 0.0:
                 at[end] = brentq(lambda x: self._within(np.array([x]))[1, 0], at[inner], at[end], xtol=1e-14)
                 top = float(self._within(at[[end]])[0, 0])
-                y[end] = top + (TURN * np.rint((y[inner] - top) / TURN) if self._asked.unit == "deg" else 0.0)
-        y = y + (TURN * np.rint((begin - here) / TURN) if self._asked.unit == "deg" else 0.0)
+                y[end] = top + (TURN * np.rint((y[inner] - top) / TURN) if self._requested.unit == "deg" else 0.0)
+        y = y + (TURN * np.rint((begin - y_first) / TURN) if self._requested.unit == "deg" else 0.0)
         rising = y[-1] > y[0]
         self._x, self._y = (at, y) if rising else (at[::-1], y[::-1])
         self._gain = float(y[-1] - y[0]) if self.period else 0.0
 
-    def _ranges(self, design: Design, asked: Motion) -> tuple[float, float, bool]:
-        """Where the driver can be [rad or m], and whether that is a whole turn."""
+    def _range(self, design: Design) -> tuple[float, float, bool]:
+        """Ends [rad or m] of the driver's range, and whether it is a full turn."""
         from core.mechanism import driver_ranges_of, motion_extent, plan_of
 
         if self._turns:
@@ -322,68 +373,72 @@ class _Branch:
             motion = design.drive.motion
             assert motion is not None
             low, high = motion_extent(program(replace(motion, follows=None)))
-            room = 2.0 * plan_of(self._linkage).size
-            self._driver_ranges = driver_ranges_of(self._linkage, low - room, high + room)
+            margin = 2.0 * plan_of(self._linkage).size
+            self._driver_ranges = driver_ranges_of(self._linkage, low - margin, high + margin)
         self._cycle = TURN * self._driver_ranges.turns
-        found, place = self._driver_ranges.ranges, self._place(design)
-        whole = self._turns and len(found) == 1 and found[0].is_free and not self._driver_ranges.is_swinging
-        here = min(found, key=lambda r: max(r.low - place, place - r.high, 0.0))
-        inset = 0.0 if whole else 1e-9 * (here.high - here.low)
-        return here.low + inset, here.high - inset, whole
+        ranges, start = self._driver_ranges.ranges, self._driver_start(design)
+        is_full = self._turns and len(ranges) == 1 and ranges[0].is_free and not self._driver_ranges.is_swinging
+        nearest = min(ranges, key=lambda r: max(r.low - start, start - r.high, 0.0))
+        inset = 0.0 if is_full else 1e-9 * (nearest.high - nearest.low)
+        return nearest.low + inset, nearest.high - inset, is_full
 
-    def _place(self, design: Design) -> float:
-        """Where the linkage's own driver stands [rad or m]: as it is drawn, or where its motion begins; 0 of a crank."""
+    def _driver_start(self, design: Design) -> float:
+        """Position [rad or m] of the linkage's driver: start of its motion, else as drawn, else 0."""
         motion, drawn = design.drive.motion, design.drive.linkage.drawn
         if motion is not None:
             return motion.start * motion.scale
         return 0.0 if drawn is None or drawn.driver_deg is None else float(np.deg2rad(drawn.driver_deg))
 
     def _first(self, design: Design, at: np.ndarray, y: np.ndarray, begin: float) -> float:
-        """Where the driver stands at cam angle 0: of the places at which the output stands there the nearest to its own, from 0 on where
-        it has none."""
-        off = y - begin
-        if self._asked.unit == "deg":
-            off = np.remainder(off + np.pi, TURN) - np.pi
-        goes_on = np.abs(np.diff(off)) < np.pi if self._asked.unit == "deg" else True
-        meets = np.flatnonzero((np.sign(off[1:]) != np.sign(off[:-1])) & goes_on)
+        """Position of the driver at cam angle 0: the nearest to `_driver_start` at which the output is at the start of its motion.
+
+        Of a crank that is neither drawn nor driven by a motion, the first one from 0 on.
+        """
+        error = y - begin
+        if self._requested.unit == "deg":
+            error = np.remainder(error + np.pi, TURN) - np.pi
+        is_continuous = np.abs(np.diff(error)) < np.pi if self._requested.unit == "deg" else True
+        meets = np.flatnonzero((np.sign(error[1:]) != np.sign(error[:-1])) & is_continuous)
         if not meets.size:
-            unit, scale = self._asked.unit, self._asked.scale
-            raise _refused(
-                "motion.start_" + unit, self._asked.start, f"at cam angle 0 deg output {self._name} stands there nowhere",
+            unit, scale = self._requested.unit, self._requested.scale
+            raise _error(
+                "motion.start_" + unit, self._requested.start, f"at cam angle 0 deg output {self._name} cannot have this position",
                 f"{float(y.min()) / scale:.9g} ... {float(y.max()) / scale:.9g} {unit}",
             )  # fmt: skip
-        x = at[meets] + off[meets] / (off[meets] - off[meets + 1]) * (at[meets + 1] - at[meets])
+        x = at[meets] + error[meets] / (error[meets] - error[meets + 1]) * (at[meets + 1] - at[meets])
         motion, drawn = design.drive.motion, design.drive.linkage.drawn
-        place = self._place(design)
+        start = self._driver_start(design)
         if not self._turns:
-            return float(x[np.argmin(np.abs(x - place))])
+            return float(x[np.argmin(np.abs(x - start))])
         if motion is None and drawn is None:
             return float(x[np.argmin(np.mod(x, TURN))])
-        return float(x[np.argmin(np.abs(np.remainder(x - place + np.pi, TURN) - np.pi))])
+        return float(x[np.argmin(np.abs(np.remainder(x - start + np.pi, TURN) - np.pi))])
 
     def forward(self, x: np.ndarray) -> np.ndarray:
-        """The output and its derivatives by the driver (4, n) [SI]."""
+        """Output and three derivatives by the driver (4, n) [SI], at driver positions (n,) [rad or m]."""
         from core.mechanism import unit_speed_kinematics
 
         solved = unit_speed_kinematics(self._linkage, np.asarray(x), self._driver_ranges)
         return solved.coordinates[self._name].all
 
     def inverse(self, theta: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """The driver's position with three derivatives by the cam angle (4, n), of the output's y (4, n): Newton's method on y = f(x), then
-        the chain rule solved for x', x'', x'''. Raises DesignError at dead centres."""
-        wanted, turns = y[0], np.zeros(theta.size)
+        """Driver position with three derivatives by the cam angle (4, n) [SI], from the output's y (4, n) [SI].
+
+        Newton's method on y = f(x), then the chain rule solved for x' and the higher derivatives. Raises DesignError at dead centres.
+        """
+        target, turns = y[0], np.zeros(theta.size)
         if self.period:
-            turns = np.floor((wanted - self._y[0]) / abs(self._gain)) * np.sign(self._gain)
-            wanted = wanted - turns * self._gain
-        self._require_reached(theta, wanted)
-        x = np.interp(wanted, self._y, self._x)
+            turns = np.floor((target - self._y[0]) / abs(self._gain)) * np.sign(self._gain)
+            target = target - turns * self._gain
+        self._require_reachable(theta, target)
+        x = np.interp(target, self._y, self._x)
         low, high = min(self._x[0], self._x[-1]), max(self._x[0], self._x[-1])
         for _ in range(20):
             f = self._within(x)
-            off = f[0] - wanted
-            if self._asked.unit == "deg":
-                off = np.remainder(off + np.pi, TURN) - np.pi
-            step = off / f[1]
+            error = f[0] - target
+            if self._requested.unit == "deg":
+                error = np.remainder(error + np.pi, TURN) - np.pi
+            step = error / f[1]
             x = np.clip(x - step, low, high)
             if np.abs(step).max() <= 4e-16 * max(1.0, float(np.abs(x).max())):
                 break
@@ -396,58 +451,59 @@ class _Branch:
     def _within(self, x: np.ndarray) -> np.ndarray:
         return self.forward(np.mod(x, self._cycle) if self._turns and not self._driver_ranges.is_swinging else x)
 
-    def _require_reached(self, theta: np.ndarray, wanted: np.ndarray) -> None:
+    def _require_reachable(self, theta: np.ndarray, target: np.ndarray) -> None:
+        """Raise DesignError where the output would reach a dead centre."""
         if self.period:
             return
         close = REACHED * (self._y[-1] - self._y[0])
-        beyond = (wanted <= self._y[0] + close) | (wanted >= self._y[-1] - close)
+        beyond = (target <= self._y[0] + close) | (target >= self._y[-1] - close)
         if beyond.any():
-            scale, unit = self._asked.scale, self._asked.unit
+            scale, unit = self._requested.scale, self._requested.unit
             ends = f"{self._y[0] / scale:.9g} ... {self._y[-1] / scale:.9g} {unit}"
             i = int(np.argmax(beyond))
-            end = self._x[0] if wanted[i] <= self._y[0] + close else self._x[-1]
-            place = f"{np.rad2deg(end):.6g} deg" if self._turns else f"{1e3 * end:.6g} mm"
-            raise _refused(
-                "motion.inverse", f"{wanted[i] / scale:.9g} {unit}",
-                f"at cam angle {np.rad2deg(theta[i]):.6g} deg output {self._name} meets a dead centre, the driver at {place}",
+            end = self._x[0] if target[i] <= self._y[0] + close else self._x[-1]
+            position = f"{np.rad2deg(end):.6g} deg" if self._turns else f"{1e3 * end:.6g} mm"
+            raise _error(
+                "motion.inverse", f"{target[i] / scale:.9g} {unit}",
+                f"at cam angle {np.rad2deg(theta[i]):.6g} deg output {self._name} meets a dead centre, the driver at {position}",
                 f"between {ends}",
             )  # fmt: skip
 
 
 def _driven(design: Design) -> Linkage:
-    """The linkage with a driver that may stand anywhere: one that turns as a crank."""
+    """The linkage with a driver that can have any position; a rotating one becomes a crank."""
     linkage: Linkage = design.drive.posed if isinstance(design.drive.posed, Linkage) else design.drive.linkage
     return replace(linkage, driver=replace(linkage.driver, kind=CRANK)) if driver_turns(linkage) else linkage
 
 
-def _coordinate(design: Design, output: str, asked: Motion) -> str:
-    """The coordinate of an output: a slider's place, or a link's angle, in the unit of the motion that is asked of it."""
+def _coordinate(design: Design, output: str, requested: Motion) -> str:
+    """Name of an output's coordinate, the slide or the angle of a link. Raises DesignError for another unit than the motion's."""
     from core.mechanism import body_name
 
-    allowed = outputs_of(design)
+    allowed = output_units(design)
     if output not in allowed:
-        raise _refused("motion.inverse.output", output, "no link of this number moves there", " | ".join(allowed))
+        raise _error("motion.inverse.output", output, "no link of this number moves there", " | ".join(allowed))
     unit = allowed[output]
-    if asked.unit != unit:
-        problem = f"counts in {unit}, and what is typed is in {asked.unit}"
-        raise _refused("motion.inverse.output", output, problem, f"start_{unit} and rise_{unit}")
+    if requested.unit != unit:
+        problem = f"is in {unit}, but the typed motion is in {requested.unit}"
+        raise _error("motion.inverse.output", output, problem, f"start_{unit} and rise_{unit}")
     return f"slide{output}" if unit == "mm" else body_name(int(output))
 
 
-_MADE: Mapping[str, Callable[[_Request], tuple[Motion, list[str]]]] = MappingProxyType(
-    {"from": _of_table, "sum": _of_sum, "inverse": _of_inverse}
+_MOTIONS: Mapping[str, Callable[[_Request], tuple[Motion, list[str]]]] = MappingProxyType(
+    {"from": _table_motion, "sum": _sum_motion, "inverse": _inverse_motion}
 )
 
 
 # -- pieces -----------------------------------------------------------------------------------------------
 
 DEGREE = 12
-CLOSE = 2e-13  # of the largest jerk: an interpolant this near is the function
+CLOSE = 2e-13  # of the largest jerk: error at which an interpolant is accepted
 MOST_HALVINGS = 7
 
 
 def _fitted(rows: Rows, parts: Sequence[CompiledMotion], unit: str, advance: float | None) -> Motion:
-    """The motion of a function whose pieces are those of several programs, a segment from join to join of any of them."""
+    """Motion of a function with the pieces of several compiled motions, with a segment between any two of their joins."""
     scale = UNITS[unit].factor
     joins = piece_ends([np.array([join.theta for join in part.joins]) for part in parts])
     ends = piece_ends([part.starts for part in parts])
@@ -469,7 +525,7 @@ def _fitted(rows: Rows, parts: Sequence[CompiledMotion], unit: str, advance: flo
 
 @lru_cache(maxsize=1)
 def _nodes() -> tuple[np.ndarray, np.ndarray]:
-    """Chebyshev's places in 0 ... 1, and the powers of them."""
+    """Chebyshev nodes in 0 ... 1, and their powers."""
     t = 0.5 - 0.5 * np.cos(np.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1))
     return t, np.vander(t, increasing=True)
 
@@ -477,16 +533,16 @@ def _nodes() -> tuple[np.ndarray, np.ndarray]:
 def _pieces(
     rows: Rows, a: float, b: float, low: float, high: float, level: float, scale: float, halvings: int = 0
 ) -> Iterator[Piece]:
-    """Pieces over a ... b [rad] of a segment from low to high, from its level on."""
+    """Pieces over a ... b [rad] of a segment from low to high [rad] with the level at its start; halved until they are accurate."""
     t, powers = _nodes()
     width, inside = b - a, 0.5 * (a + b)
     jerk = rows(a + width * t, inside)[3]
     coefficients = np.linalg.solve(powers, jerk)
     between = np.array([0.0, *(0.5 * (t[1:] + t[:-1])), 1.0])
     true = rows(a + width * between, inside)
-    off = np.abs(np.polynomial.polynomial.polyval(between, coefficients) - true[3]).max()
+    error = np.abs(np.polynomial.polynomial.polyval(between, coefficients) - true[3]).max()
     rounding = 1e-15 * np.abs(true[:3]).max(axis=1) @ (width ** np.array([-3.0, -2.0, -1.0])) if halvings > 3 else 0.0
-    if off > CLOSE * np.abs(jerk).max() + rounding and halvings < MOST_HALVINGS:
+    if error > CLOSE * np.abs(jerk).max() + rounding and halvings < MOST_HALVINGS:
         yield from _pieces(rows, a, inside, low, high, level, scale, halvings + 1)
         yield from _pieces(rows, inside, b, low, high, level, scale, halvings + 1)
         return
@@ -497,19 +553,19 @@ def _pieces(
     yield Piece((a - low) / span, tuple((polynomial * (span / width) ** np.arange(polynomial.size)).tolist()))
 
 
-OWN = 1e-9  # of the stroke, how far a table may be from what it stands for
+TABLE_ERROR = 1e-9  # of the stroke: largest error of a table that replaces a computed segment
 
 
 def _tabled(compiled: CompiledMotion, index: int, segment: Segment) -> Segment:
-    """A computed segment as rows of a table, with velocity and acceleration, between which quintics go."""
-    own = np.flatnonzero(compiled.segment == index)
-    low, high = float(compiled.starts[own[0]]), float(compiled.ends[own[-1]])
+    """A computed segment as a table with velocity and acceleration, interpolated by quintics."""
+    pieces = np.flatnonzero(compiled.segment == index)
+    low, high = float(compiled.starts[pieces[0]]), float(compiled.ends[pieces[-1]])
     scale, turn = compiled.motion.scale, np.rad2deg(1.0)
     count = 8
     while True:
         at = np.linspace(low, high, count + 1)
-        y = _at(compiled, own, at)
-        if count >= 512 or _quintics_off(compiled, own, at, y) <= OWN * float(np.ptp(y[0])):
+        y = _at(compiled, pieces, at)
+        if count >= 512 or _quintic_error(compiled, pieces, at, y) <= TABLE_ERROR * float(np.ptp(y[0])):
             break
         count *= 2
     rows = (y[:3] / scale / turn ** np.arange(3)[:, None]).T
@@ -522,19 +578,19 @@ def _tabled(compiled: CompiledMotion, index: int, segment: Segment) -> Segment:
     return Segment(segment.span_deg, segment.rise, TableCurve(tuple(points)))
 
 
-def _at(compiled: CompiledMotion, own: np.ndarray, theta: np.ndarray) -> np.ndarray:
-    piece = own[np.clip(np.searchsorted(compiled.starts[own], theta, side="right") - 1, 0, own.size - 1)]
+def _at(compiled: CompiledMotion, pieces: np.ndarray, theta: np.ndarray) -> np.ndarray:
+    piece = pieces[np.clip(np.searchsorted(compiled.starts[pieces], theta, side="right") - 1, 0, pieces.size - 1)]
     return compiled.state(Angles(theta, piece)).y
 
 
-def _quintics_off(compiled: CompiledMotion, own: np.ndarray, at: np.ndarray, y: np.ndarray) -> float:
+def _quintic_error(compiled: CompiledMotion, pieces: np.ndarray, at: np.ndarray, y: np.ndarray) -> float:
     from core.laws.polynomial import quintics
 
     h = np.diff(at)
     c = quintics(h, y[:3].T[:-1, :, None], y[:3].T[1:, :, None])[:, :, 0]
     x = np.array([0.25, 0.5, 0.75])[:, None] * h
     curve = sum(c[:, k] * x**k for k in range(6))
-    return float(np.abs(curve - _at(compiled, own, (at[:-1] + x).ravel())[0].reshape(x.shape)).max())
+    return float(np.abs(curve - _at(compiled, pieces, (at[:-1] + x).ravel())[0].reshape(x.shape)).max())
 
 
-__all__ = ["followed", "following", "outputs_of", "own_motion", "with_own_motions"]
+__all__ = ["linked_motion", "output_units", "with_linked_motion", "with_unlinked_motion", "with_unlinked_motions"]

@@ -1,4 +1,4 @@
-"""The tables of a file as a design; all faults of the file are reported at once."""
+"""Reading of a design from the tables of a file, with all faults of the file reported at once."""
 
 from __future__ import annotations
 
@@ -73,16 +73,16 @@ if TYPE_CHECKING:
 FORMAT = 1
 Tables = Mapping[str, Any]
 
-_KINDS = ("follower", "linkage", "drives")  # the table that tells the kind
+_KINDS = ("follower", "linkage", "drives")  # one of these tables defines the kind
 _ONE_MECHANISM = "exactly one of [drives.follower] | [drives.linkage]"
 _ONE_KIND = "exactly one of [follower] | [linkage] | [[drives]], or [motion] alone"
-_HEAD = ("format", "name", "assumed")
-_AS_MADE = ("tolerances", "waviness")
+_HEADER = ("format", "name", "assumed")
+_TOLERANCES = ("tolerances", "waviness")
 _ALWAYS = {
     "follower": ("motion", "follower", "cam", "shaft"),
     "linkage": ("linkage",),
     MOTION: (MOTION,),
-}  # the others may be absent
+}  # required tables
 _STRUCTURE = (
     r"linkage|linkage\.links\[\d+\]|linkage\.(branch|drawn)\..*|linkage\.driver\.(link|kind)|.*\.(link|on|point)"
 )
@@ -90,11 +90,11 @@ _STRUCTURE = (
 
 
 class _NoWord(str):
-    """Text apart from all other."""
+    """Text that is identical to no other."""
 
 
-# What stands where nothing could be read, so that the rules can be applied to the rest: no rule fires on nan,
-# and faults whose value is one of these very objects are left out.
+# Values of entries that could not be read, so that the rules can check the rest: no rule applies to NaN, and faults whose value
+# is one of these two objects are omitted.
 NO_NUMBER = float("nan")
 NO_WORD = _NoWord()
 
@@ -103,44 +103,65 @@ Rules = Callable[[Design], list[Fault]]
 
 
 def design_from_tables(table: Tables, load: Loader, *, chain: Sequence[str] = (), unfinished: bool = False) -> Design:
-    """The design in the tables of a file; load: reads a file that its motion follows from; chain: the files being read, its own last;
-    unfinished: its values need not fit together. Raises DesignError with all faults; with one alone where there is too much of
-    something."""
+    """Design in the tables of a file.
+
+    Parameters
+    ----------
+    table : mapping
+        Tables of the file, as from tomllib.
+    load : Loader
+        Reads a file to which the motion is linked.
+    chain : sequence of str
+        Files being read, that of the tables last.
+    unfinished : bool
+        Accept values that contradict each other.
+
+    Returns
+    -------
+    Design
+
+    Raises
+    ------
+    DesignError
+        With all faults, or with the first count that is too large.
+    """
     require_few_entries(table)
     rules: Rules = blunders if unfinished else faults
     new_reader = partial(Reader, load=load, chain=chain)
     try:
         return _read(table, rules, new_reader)
     except DesignError as error:
-        from core.project.suggestions import confirmed
+        from core.project.suggestions import confirmed  # late: needed only for a file with faults
 
         raise DesignError(confirmed(error.faults, table, lambda changed: _read(changed, rules, new_reader))) from None
 
 
 def _read(table: Tables, rules: Rules, new_reader: Callable[[str], Reader]) -> Design:
-    found = [*_format_faults(table), *_name_faults(table), *_kind_faults(table)]
+    """Design in the tables, with the defaults of an elastic shaft. Raises DesignError."""
+    faults_found = [*_format_faults(table), *_name_faults(table), *_kind_faults(table)]
     kind = next((kind for kind in _KINDS if kind in table), MOTION if _is_alone(table) else "follower")
-    design, faults_of_it = (_of_several if kind == "drives" else _of_one)(table, kind, rules, new_reader)
-    design, faults_as_made = _as_made(table, design)
-    if found := [*found, *faults_of_it, *([] if faults_of_it else faults_as_made)]:
-        raise DesignError(found)
+    design, design_faults = (_read_drives if kind == "drives" else _read_one_drive)(table, kind, rules, new_reader)
+    design, tolerance_faults = _with_tolerances(table, design)
+    if faults_found := [*faults_found, *design_faults, *([] if design_faults else tolerance_faults)]:
+        raise DesignError(faults_found)
     return with_guesses_marked(design, table["shaft"]) if "shaft" in table else design
 
 
 def _is_alone(table: Tables) -> bool:
-    """Whether a motion stands there without anything that would belong to a cam."""
+    """Whether the file has a motion but nothing that belongs to a cam."""
     return "motion" in table and "cam" not in table
 
 
-def _as_made(table: Tables, design: Design) -> tuple[Design, list[Fault]]:
-    """The design with its tolerances and the waviness of its profile, and what is wrong with these."""
+def _with_tolerances(table: Tables, design: Design) -> tuple[Design, list[Fault]]:
+    """The design with its tolerances and the waviness of its profile, and the faults of these."""
     reader = Reader("")
     tolerances = reader.rows(table, "tolerances", Tolerance)
     waviness = reader.table(table, "waviness", Waviness, needed=False)
     parts = [(f"tolerances[{i}]", row) for i, row in enumerate(tolerances)]
     parts += [] if waviness is None else [("waviness", waviness)]
-    wrong = count_fault("tolerances", len(tolerances))
-    found = [wrong] if wrong else reader.with_rules([f for path, row in parts for f in part_faults(row, path)], {})
+    too_many = count_fault("tolerances", len(tolerances))
+    rule_faults = [fault for path, row in parts for fault in part_faults(row, path)]
+    found = [too_many] if too_many else reader.with_rules(rule_faults, {})
     if waviness is not None and not found and waviness.lobes_from > waviness.lobes_to:
         found.append(
             Fault("waviness.lobes", [waviness.lobes_from, waviness.lobes_to], "bounds are reversed", "[low, high]")
@@ -150,30 +171,34 @@ def _as_made(table: Tables, design: Design) -> tuple[Design, list[Fault]]:
         for i, row in enumerate(tolerances):
             info = known.get(row.field)
             if info is None or info.choices or info.whole or info.flag:
-                near = did_you_mean(row.field, (p for p, e in known.items() if not (e.choices or e.whole or e.flag)))
+                suggestion = did_you_mean(
+                    row.field, (p for p, e in known.items() if not (e.choices or e.whole or e.flag))
+                )
                 found.append(
                     Fault(
                         f"tolerances[{i}].field",
                         row.field,
-                        f"no number of this design{near}",
+                        f"no number of this design{suggestion}",
                         "a path, as cam.base_radius_mm",
                     )
                 )
-            elif row.field in [each.field for each in tolerances[:i]]:
-                found.append(Fault(f"tolerances[{i}].field", row.field, "said twice", "each field once"))
+            elif row.field in [earlier.field for earlier in tolerances[:i]]:
+                found.append(Fault(f"tolerances[{i}].field", row.field, "given twice", "each field once"))
     return replace(design, tolerances=tolerances, waviness=waviness), found
 
 
 def _marks(table: Tables) -> tuple[str, ...]:
-    """What is assumed, as far as it is text."""
+    """Assumed paths, as far as they are text."""
     assumed = table.get("assumed", ())
     return tuple(path for path in assumed if isinstance(path, str)) if isinstance(assumed, list | tuple) else ()
 
 
-def _of_one(table: Tables, kind: str, rules: Rules, new_reader: Callable[[str], Reader]) -> tuple[Design, list[Fault]]:
+def _read_one_drive(
+    table: Tables, kind: str, rules: Rules, new_reader: Callable[[str], Reader]
+) -> tuple[Design, list[Fault]]:
     """The design of one drive, and its faults in the order of the file."""
     reader = new_reader(_likely_unit(table))
-    found, classes, parts = _read_drive(reader, table, kind, ("shaft",), [*_HEAD, *_KINDS, *_AS_MADE])
+    found, classes, parts = _read_drive(reader, table, kind, ("shaft",), [*_HEADER, *_KINDS, *_TOLERANCES])
     mechanism = Output(reader.unit) if kind == MOTION else parts[kind]
     drive = Drive(
         parts["motion"], mechanism, parts["cam"], parts["loads"], parts["limits"] or NO_LIMITS, servo=parts["servo"]
@@ -182,43 +207,45 @@ def _of_one(table: Tables, kind: str, rules: Rules, new_reader: Callable[[str], 
     found += reader.with_rules(
         rules(design), {e.path: e.in_file for name in design.tables for e in entries(design, name)}
     )
-    unsure = [name for name, each in classes.items() if each is None]
-    unsure += [] if kind in table and kind != MOTION else ["linkage"]
-    found += _assumed_faults(table, design, unsure)
-    tables = list(classes)  # in the order of the file, its head first
+    unknown = [name for name, part_class in classes.items() if part_class is None]
+    unknown += [] if kind in table and kind != MOTION else ["linkage"]
+    found += _assumed_faults(table, design, unknown)
+    tables = list(classes)  # in the order of the file, after its header
     return design, sorted(
         found, key=lambda fault: next((i for i, t in enumerate(tables, 1) if fault.path.startswith(t)), 0)
     )
 
 
 def _read_drive(
-    reader: Reader, table: Tables, kind: str, shared: tuple[str, ...], head: Sequence[str]
+    reader: Reader, table: Tables, kind: str, shared: tuple[str, ...], header: Sequence[str]
 ) -> tuple[list[Fault], Mapping[str, type | None], Mapping[str, Any]]:
-    """The tables of one drive: faults of their names, the class of each, the parts; shared: those read here that belong to
-    the shaft; head: keys that stand beside them."""
+    """Tables of one drive: faults of their names, class of each table, and parts.
+
+    shared: tables of the shaft that are read here; header: other keys allowed in the same table.
+    """
     row, found = _follower_kind(table) if kind == "follower" else (None, [])
     face = _face_word(table, row)
     if row:
         reader.unit = row.motion_unit
         reader.other_faces = _under_other_faces(row, face or Rolling.face)
-    followed = _followed(reader, table)
-    if followed is not None and kind == MOTION:
-        reader.unit = followed.unit
+    linked_motion = _linked_motion(reader, table)
+    if linked_motion is not None and kind == MOTION:
+        reader.unit = linked_motion.unit
     classes = {
         name: each for name, each in _classes(kind, row, face, reader.unit).items() if name != "shaft" or name in shared
     }
-    known = [*(key for key in head if key not in _KINDS), *classes]
+    known = [*(key for key in header if key not in _KINDS), *classes]
     found = [
-        *(unknown_key(spelled(key), key, table[key], known) for key in table if key not in known and key not in head),
+        *(unknown_key(spelled(key), key, table[key], known) for key in table if key not in known and key not in header),
         *found,
     ]
     parts = {}
-    # the shaft's speed is the driver's, who tells the motion's unit
+    # the shaft comes first, since its speed is that of the driver, and the driver defines the unit of the motion
     for name in dict.fromkeys(("shaft", kind, "motion", "cam", "loads", "limits", "servo")):
         if name not in classes:
             continue
-        if name == "motion" and followed is not None:
-            parts[name] = followed
+        if name == "motion" and linked_motion is not None:
+            parts[name] = linked_motion
             continue
         parts[name] = part = reader.table(table, name, classes[name], needed=name in _ALWAYS[kind])
         if name == "shaft" and part is not None:
@@ -228,25 +255,30 @@ def _read_drive(
         if name == "linkage":
             parts[name] = part = replace(part, motions=_motions(table.get("motions", {}), reader))
             reader.unit = _driver_unit(part, table.get("motion"))
-    if followed is not None and followed.unit != reader.unit:
-        problem = f"gives a motion in {followed.unit}, and this design's is in {reader.unit}"
+    if linked_motion is not None and linked_motion.unit != reader.unit:
+        problem = f"gives a motion in {linked_motion.unit}, and this design's is in {reader.unit}"
         reader.faults.append(Fault(_origin_path(table), MISSING, problem, f"a motion in {reader.unit}"))
     if kind == MOTION:
         return found, classes, {**parts, "cam": None, "limits": None}
     if parts["limits"] is not None and kind == "linkage" and "cam" not in table:
         found.append(
-            Fault("limits", "[limits]", "are those of a cam, and there is none", "a table [cam], or take it away")
+            Fault(
+                "limits",
+                "[limits]",
+                "these are limits of a cam, and there is none",
+                "a table [cam], or remove [limits]",
+            )
         )
     return found, classes, parts
 
 
 def _motions(table: Any, reader: Reader) -> tuple[NamedMotion, ...]:
-    """The motions of second drivers, by their names."""
+    """Motions of second drivers by name."""
     if not isinstance(table, Mapping):
         reader.faults.append(Fault("motions", table, "must hold tables", "[motions.feed]"))
         return ()
     reader.unit = "deg"
-    return tuple(NamedMotion(name, reader.part(Motion, each, f"motions.{name}")) for name, each in table.items())
+    return tuple(NamedMotion(name, reader.part(Motion, row, f"motions.{name}")) for name, row in table.items())
 
 
 ORIGINS = tuple(slot.key for slot in slots(Origin))
@@ -256,28 +288,28 @@ def _origin_path(table: Tables) -> str:
     return f"motion.{next(key for key in ORIGINS if key in table['motion'])}"
 
 
-def _followed(reader: Reader, table: Tables) -> Motion | None:
-    """The motion that follows from other files; None where it is typed."""
+def _linked_motion(reader: Reader, table: Tables) -> Motion | None:
+    """Motion linked to other files; None where it is typed."""
     typed = table.get("motion")
     if not isinstance(typed, Mapping) or not any(key in typed for key in ORIGINS):
         return None
-    path, told = _origin_path(table), len(reader.faults)
+    path, fault_count = _origin_path(table), len(reader.faults)
     origin = reader.part(Origin, {key: each for key, each in typed.items() if key in ORIGINS}, "motion")
-    rest, asked = {key: each for key, each in typed.items() if key not in ORIGINS}, None
+    rest, requested = {key: each for key, each in typed.items() if key not in ORIGINS}, None
     for key in [key for key in ORIGINS if key in typed][1:]:
-        reader.faults.append(Fault(f"motion.{key}", typed[key], f"stands beside {path}", "one of them"))
+        reader.faults.append(Fault(f"motion.{key}", typed[key], f"cannot be combined with {path}", "one of them"))
     if origin.inverse is not None:
-        own = Reader(_likely_unit(table))
-        asked = own.part(Motion, rest, "motion")
-        reader.faults += own.with_rules(part_faults(asked, "motion"), {})
+        requested_reader = Reader(_likely_unit(table))
+        requested = requested_reader.part(Motion, rest, "motion")
+        reader.faults += requested_reader.with_rules(part_faults(requested, "motion"), {})
     else:
         reader.faults += [Fault(f"motion.{key}", rest[key], f"follows from {path}", "leave it out") for key in rest]
-    if len(reader.faults) == told:
-        from core.project.origins import followed  # late: few designs need it, and it imports core.motion
+    if len(reader.faults) == fault_count:
+        from core.project.origins import linked_motion  # late: few designs need it, and it imports core.motion
 
         try:
             assert reader.load is not None, "a reader of a design file loads others"
-            return followed(origin, asked, reader.unit, reader.chain, reader.load)
+            return linked_motion(origin, requested, reader.unit, reader.chain, reader.load)
         except DesignError as error:
             reader.faults += error.faults
     return Motion(0.0, (Segment(360.0, 0.0),), reader.unit)
@@ -285,74 +317,78 @@ def _followed(reader: Reader, table: Tables) -> Motion | None:
 
 # -- several drives on a shaft ----------------------------------------------------------------------------
 
-_OF_SHAFT = (*_HEAD, "shaft", "drives", "timing", "balancer", *_AS_MADE)
-_PLACE = tuple(slot.key for slot in slots(Drive))
+_SHAFT_KEYS = (*_HEADER, "shaft", "drives", "timing", "balancer", *_TOLERANCES)
+_DRIVE_KEYS = tuple(slot.key for slot in slots(Drive))
 
 
-def _of_several(
+def _read_drives(
     table: Tables, kind: str, rules: Rules, new_reader: Callable[[str], Reader]
 ) -> tuple[Design, list[Fault]]:
     """The design of a list of drives, and its faults in the order of the file."""
-    found = [unknown_key(spelled(key), key, table[key], _OF_SHAFT) for key in table if key not in (*_OF_SHAFT, *_KINDS)]
+    found = [
+        unknown_key(spelled(key), key, table[key], _SHAFT_KEYS) for key in table if key not in (*_SHAFT_KEYS, *_KINDS)
+    ]
     reader, rows = Reader(""), table[kind]
     shaft = reader.table(table, "shaft", Shaft, needed=True)
     if not isinstance(rows, list | tuple) or not rows:
         found.append(Fault(kind, rows, "must be a list of tables, one at least", f"[[{kind}]]"))
         return Design("", shaft, ()), [*found, *reader.faults]
-    drives, of_drives, unsure = [], [], []
+    drives, drive_faults, unsure = [], [], []
     for i, row in enumerate(rows):
         if not isinstance(row, Mapping):
             reader.faults.append(Fault(f"{kind}[{i}]", row, "must be a table", f"[[{kind}]]"))
             continue
-        own = new_reader(_likely_unit(row))
-        drive, faults_of_it, unclear = _read_one_of(row, own, shaft)
+        drive_reader = new_reader(_likely_unit(row))
+        drive, key_faults, unclear = _read_listed_drive(row, drive_reader, shaft)
         drives.append(drive)
         alone = only(Design("", shaft, (drive,)), 0)
-        of_it = (fault for fault in rules(alone) if not fault.path.startswith("shaft"))
-        inner = own.with_rules(of_it, {e.path: e.in_file for name in alone.tables for e in entries(alone, name)})
-        of_drives += [replace(fault, path=path_of(i, fault.path)) for fault in [*faults_of_it, *inner]]
+        rule_faults = (fault for fault in rules(alone) if not fault.path.startswith("shaft"))
+        inner = drive_reader.with_rules(
+            rule_faults, {e.path: e.in_file for name in alone.tables for e in entries(alone, name)}
+        )
+        drive_faults += [replace(fault, path=path_of(i, fault.path)) for fault in [*key_faults, *inner]]
         unsure += [f"{kind}[{i}].{name}" for name in unclear]
     timing = reader.rows(table, "timing", TimingRow)
     balancer = reader.table(table, "balancer", Balancer, needed=False)
     design = Design(table.get("name", ""), shaft, tuple(drives), _marks(table), timing, balancer)
     if len(drives) < len(rows):
-        return design, [*found, *reader.faults, *of_drives]
-    broken = {fault.path for fault in of_drives}
-    unread = any(".motion" in path or path.endswith(".name") for path in broken)  # then no event is sure to be there
-    reader.faults += of_drives
+        return design, [*found, *reader.faults, *drive_faults]
+    broken = {fault.path for fault in drive_faults}
+    unread = any(".motion" in path or path.endswith(".name") for path in broken)  # then an event may be missing
+    reader.faults += drive_faults
     known = (f for f in rules(design) if not (unread and f.path.startswith("timing")))
-    of_shaft = reader.with_rules((f for f in known if not _OF_A_DRIVE.fullmatch(f.path)), {})
+    shaft_faults = reader.with_rules((f for f in known if not _OF_A_DRIVE.fullmatch(f.path)), {})
     if not any(path.endswith(".name") for path in broken):
         found += _assumed_faults(table, design, unsure)
-    return design, [*found, *of_shaft]
+    return design, [*found, *shaft_faults]
 
 
 _OF_A_DRIVE = re.compile(r"drives\[\d+\]\.(?!name$|phase_deg$|mirrored$|carries).*")
 
 
-def _read_one_of(row: Tables, reader: Reader, shaft: Shaft) -> tuple[Drive, list[Fault], list[str]]:
-    """One drive of the list, with what is wrong with its keys, and the tables of which nothing is known."""
+def _read_listed_drive(row: Tables, reader: Reader, shaft: Shaft) -> tuple[Drive, list[Fault], list[str]]:
+    """One drive of the list, with the faults of its keys, and the names of tables whose class is unknown."""
     kinds = [kind for kind in _KINDS[:2] if kind in row]
     kind = kinds[0] if kinds else "follower"
-    place: dict[str, Any] = {}
+    values: dict[str, Any] = {}
     for slot in slots(Drive):
         if slot.key in row:
-            (place[slot.key],) = reader.entry(slot, row[slot.key], slot.key)
+            (values[slot.key],) = reader.entry(slot, row[slot.key], slot.key)
         elif slot.key == "name":
             reader.faults.append(missing(slot.key, slot.placing.missing))
-            place[slot.key] = NO_WORD
-    if place.get("mirrored") not in (True, False):
-        place["mirrored"] = False
-    reader.shaft_rpm = shaft.signed_rpm * (-1.0 if place["mirrored"] else 1.0)
-    found, classes, parts = _read_drive(reader, row, kind, (), [*_PLACE, *_KINDS[:2]])
+            values[slot.key] = NO_WORD
+    if values.get("mirrored") not in (True, False):
+        values["mirrored"] = False
+    reader.shaft_rpm = shaft.signed_rpm * (-1.0 if values["mirrored"] else 1.0)
+    found, classes, parts = _read_drive(reader, row, kind, (), [*_DRIVE_KEYS, *_KINDS[:2]])
     found += [
-        Fault(other, row[other], f"stands beside {kind}, but a drive has one mechanism", _ONE_MECHANISM)
-        for other in kinds[1:]
+        Fault(key, row[key], f"cannot be combined with {kind}: a drive has one mechanism", _ONE_MECHANISM)
+        for key in kinds[1:]
     ]
     if not kinds and _is_alone(row):
-        problem = "stands alone, but a drive has a mechanism; a motion alone is a file of its own"
+        problem = "is without a mechanism, which a drive needs; a motion alone is a separate file"
         reader.faults = [fault for fault in reader.faults if fault.path != "cam"]
-        found.append(Fault(MOTION, MISSING, problem, f"{_ONE_MECHANISM} beside it"))
+        found.append(Fault(MOTION, MISSING, problem, f"{_ONE_MECHANISM} in addition"))
     elif not kinds:
         found.append(missing("follower", _ONE_MECHANISM))
     drive = Drive(
@@ -362,32 +398,34 @@ def _read_one_of(row: Tables, reader: Reader, shaft: Shaft) -> tuple[Drive, list
         parts["loads"],
         parts["limits"] or NO_LIMITS,
         servo=parts["servo"],
-        **place,
+        **values,
     )
     unclear = [name for name, each in classes.items() if each is None] + ([] if kinds else ["linkage"])
     return drive, found, unclear
 
 
-# -- one reader for every part ----------------------------------------------------------------------------
+# -- reader of all parts ----------------------------------------------------------------------------------------
 
 
 class Reader:
-    """Reads tables of a file into parts of a design, by the entries of their classes (``fields.slots``); ``faults``
-    gathers what is wrong. What cannot be read is NO_NUMBER or NO_WORD, on which no rule fires."""
+    """Reads tables of a file into parts of a design, by the entries of their classes (`fields.slots`).
+
+    `faults` collects the faults. Values that cannot be read are NO_NUMBER or NO_WORD, to which no rule applies.
+    """
 
     def __init__(self, unit: str, load: Loader | None = None, chain: Sequence[str] = ()) -> None:
         self.unit = unit  # of the motion
-        self.load, self.chain = load, chain  # for a motion that follows from other files
-        self.shaft_rpm: float | None = None  # of a shaft that is read, clockwise negative
-        self.slides = False  # the face of the cam that is read
-        self.other_faces: Mapping[
-            str, str
-        ] = {}  # path of an entry of the same follower under another face -> the face's word
+        self.load, self.chain = load, chain  # for a linked motion
+        self.shaft_rpm: float | None = None  # clockwise negative
+        self.slides = False  # whether the face slides on the cam
+        self.other_faces: Mapping[str, str] = {}  # path of an entry with another face -> the face's word
         self.faults: list[Fault] = []
 
     def table(self, tables: Tables, name: str, kind: type | None, *, needed: bool) -> Any:
-        """One table of the file as a part. A part of unknown values where the table is missing, but needed, or is no table;
-        None where it need not be there, or where its class is not known."""
+        """One table of the file as a part.
+
+        A part of unknown values where a required table is missing or is no table; None for an optional table, or an unknown class.
+        """
         if name not in tables:
             if needed and name != "follower":
                 keys = ", ".join(slot.key for slot in slots(kind, self.unit) if slot.missing) if kind else ""
@@ -398,7 +436,7 @@ class Reader:
             self.faults.append(Fault(name, value, "must be a table", f"[{name}]"))
             value = MISSING
         elif name == "follower":
-            value = {key: each for key, each in value.items() if key != "kind"}
+            value = {key: entry for key, entry in value.items() if key != "kind"}
         return self.part(kind, value, name) if kind else None
 
     def rows(self, tables: Tables, name: str, kind: type) -> tuple[Any, ...]:
@@ -410,7 +448,7 @@ class Reader:
         return tuple(self.part(kind, row, f"{name}[{i}]") for i, row in enumerate(rows))
 
     def part(self, kind: Any, value: Any, path: str) -> Any:
-        """A part of this class; value: its table, MISSING where that is known to be a fault already."""
+        """A part of a class from its table; MISSING where the table is already reported as a fault."""
         if value is not MISSING and not isinstance(value, Mapping):
             self.faults.append(Fault(path, value, "must be a table"))
             value = MISSING
@@ -431,7 +469,7 @@ class Reader:
                 lacks = (
                     slot.missing is not None and value is not MISSING and not (slot.within and slot.within in unsure)
                 )
-                if lacks and all(stem(key) != stem(slot.key) for key in table):  # else it is one of a wrong unit
+                if lacks and all(stem(key) != stem(slot.key) for key in table):  # else a key has a wrong unit
                     self.faults.append(missing(at, slot.missing or ""))
                 read = self._absent(slot)
             values[slot.within].update(zip(slot.names, read, strict=False))
@@ -448,12 +486,14 @@ class Reader:
                     self.faults.append(Fault(at, table[key], f"only with {word}", " | ".join(known)))
                 else:
                     self.faults.append(unknown_key(at, key, table[key], known))
-        own = values.pop("") | {name: part(**values[name]) for name, part in inside}
-        return kind(**own, unit=self.unit) if kind is Motion else kind(**own)
+        arguments = values.pop("") | {name: part(**values[name]) for name, part in inside}
+        return kind(**arguments, unit=self.unit) if kind is Motion else kind(**arguments)
 
     def _with_defaults(self, kind: type, table: Tables) -> Tables:
-        """A part's table with what follows from its other entries, or from other tables: a dwell need not say its rise, a
-        driver not its speed where it is the shaft's or follows a motion."""
+        """A part's table with defaults that depend on other entries or tables.
+
+        They are the rise of a dwell, and the speed of a driver that has the shaft's speed or follows a motion.
+        """
         if kind is Segment:
             word = table.get(LAW)
             law = find_law(word) if isinstance(word, str) else None
@@ -467,7 +507,7 @@ class Reader:
         return table
 
     def _absent(self, slot: FileEntry) -> tuple[Any, ...]:
-        """The values of the fields of an entry that the file does not have."""
+        """Values of the fields of an entry that is not in the file."""
         if slot.missing is None:
             return (slot.default,) * len(slot.names)
         if slot.info is not None:
@@ -477,7 +517,7 @@ class Reader:
         return (self.part(slot.placing.kind, MISSING, ""),) if slot.placing.single else ((),)
 
     def entry(self, slot: FileEntry, value: Any, at: str) -> tuple[Any, ...]:
-        """The values of the fields that hold an entry of the file."""
+        """Values of the fields of an entry of the file."""
         info, placing = slot.info, slot.placing
         if len(slot.names) > 1:
             return self._pair(slot, value, at)
@@ -493,7 +533,7 @@ class Reader:
             if isinstance(value, str):
                 if placing.word == FORM and value in set(FORMS) - placing.words.keys():
                     self.faults.append(
-                        Fault(at, value, "takes a roller", f'{slot.allowed}, or {FACE} = "{Roller.face}"')
+                        Fault(at, value, "requires a roller", f'{slot.allowed}, or {FACE} = "{Roller.face}"')
                     )
                 elif placing.word and value not in placing.words:
                     self.faults.append(hinted(Fault(at, value, "unknown word", slot.allowed)))
@@ -513,19 +553,19 @@ class Reader:
 
     def _plain_list(self, kind: type[float] | type[str], value: Any, at: str) -> tuple[Any, ...]:
         """A list of numbers, or of words."""
-        what = "numbers" if kind is float else "words"
+        noun = "numbers" if kind is float else "words"
         if not isinstance(value, list | tuple) or not value:
-            self.faults.append(Fault(at, value, f"must be a list of {what}, one at least"))
+            self.faults.append(Fault(at, value, f"must be a list of {noun}, one at least"))
             return ()
-        for i, each in enumerate(value):
-            right = isinstance(each, str) if kind is str else isinstance(each, Real) and not isinstance(each, bool)
-            if not right or (kind is float and not math.isfinite(each)):
-                self.faults.append(Fault(f"{at}[{i}]", each, f"must be a {what[:-1]}"))
+        for i, item in enumerate(value):
+            is_valid = isinstance(item, str) if kind is str else isinstance(item, Real) and not isinstance(item, bool)
+            if not is_valid or (kind is float and not math.isfinite(item)):
+                self.faults.append(Fault(f"{at}[{i}]", item, f"must be a {noun[:-1]}"))
                 return ()
-        return tuple(kind(each) for each in value)
+        return tuple(map(kind, value))
 
     def _row(self, kind: Any, value: Any, at: str) -> Any:
-        """A list of the numbers of a part as its table."""
+        """Table of a part that is given as a list of numbers."""
         keys = [slot.key for slot in slots(kind)]
         if isinstance(value, list | tuple) and 2 <= len(value) <= len(keys):
             return dict(zip(keys, value, strict=False))
@@ -535,16 +575,16 @@ class Reader:
         return MISSING
 
     def _named_rows(self, kind: type, value: Any, at: str) -> Iterator[Any]:
-        """Rows that are one value or pair each, by their names."""
+        """Rows of one value or pair each, by name."""
         if not isinstance(value, Mapping):
             self.faults.append(Fault(at, value, "must be a table"))
             return
-        _, only = slots(kind)
+        _, content = slots(kind)
         for name, entry in value.items():
-            yield kind(str(name), *self.entry(only, entry, f"{at}.{spelled(name)}"))
+            yield kind(str(name), *self.entry(content, entry, f"{at}.{spelled(name)}"))
 
     def _number(self, slot: FileEntry, value: Any, at: str) -> Any:
-        """A number, whole where the field asks for it."""
+        """A number, an integer where the field requires one."""
         info = slot.info
         assert info is not None
         problem = info.problem if info.numbers else f"must be a {'whole ' * info.whole}number"
@@ -561,56 +601,60 @@ class Reader:
         return NO_NUMBER
 
     def _pair(self, slot: FileEntry, value: Any, at: str) -> tuple[float, ...]:
-        """``[x, y]``."""
+        """A pair `[x, y]`."""
         if isinstance(value, list | tuple) and len(value) == len(slot.names):
-            return tuple(self._number(slot, each, at) for each in value)
+            return tuple(self._number(slot, number, at) for number in value)
         self.faults.append(Fault(at, value, "must be two numbers", "[x, y]"))
         return (NO_NUMBER,) * len(slot.names)
 
     def with_rules(self, rule_faults: Iterable[Fault], paths: Mapping[str, str]) -> list[Fault]:
-        """All that is wrong, one fault of a path: what could not be read, then what the rules say of the rest; paths: of an
-        entry -> of the file's entry that holds it."""
+        """All faults, one for each path: those of reading, then those of the rules.
+
+        paths: path of an entry -> path of the entry of the file that contains it.
+        """
         found = list({fault.path: fault for fault in reversed(self.faults)}.values())[::-1]
         reported = {fault.path for fault in found}
         broken = any(re.match(r"linkage($|\.(links|sliders|driver))", path) for path in reported)
         unread = tuple(f"{path}{mark}" for path in reported for mark in ".[")
         for fault in rule_faults:
             path = paths.get(fault.path, fault.path)
-            empty = fault.value is NO_NUMBER or fault.value is NO_WORD
+            is_unread = fault.value is NO_NUMBER or fault.value is NO_WORD
             follows = broken and (fault.value is MISSING or re.fullmatch(_STRUCTURE, path))
-            if not (path in reported or path.startswith(unread) or empty or follows):
+            if not (path in reported or path.startswith(unread) or is_unread or follows):
                 found.append(hinted(replace(fault, path=path)))
                 if path != fault.path:
-                    reported.add(path)  # of a pair one is enough
+                    reported.add(path)  # one fault of a pair is enough
         return found
 
 
-# -- the kind of the design -------------------------------------------------------------------------------
+# -- kind of the design -----------------------------------------------------------------------------------------
 
 
 def _choosing(word: str, kinds: Iterable[Any]) -> dict[str, str]:
-    """Key of the own entries of these kinds of parts -> the words that take it."""
+    """Words that allow a key, by the keys of some classes of parts."""
     words: dict[str, dict[str, None]] = {}
     for kind in kinds:
         for slot in slots(kind):
             words.setdefault(slot.key, {})[f'"{getattr(kind, word)}"'] = None
-    return {key: f"{word} = {' or '.join(each)}" for key, each in words.items()}
+    return {key: f"{word} = {' or '.join(choices)}" for key, choices in words.items()}
 
 
 _CHOSEN_KEYS = _choosing(FACE, get_args(Face)) | _choosing(FORM, get_args(Form))
-"""Of faces and forms."""
+"""Words that allow a key of a face or a form."""
 
 
 def _face_word(table: Tables, row: FollowerKind | None) -> str | None:
-    """The word of a follower's face; None where it is unknown."""
+    """Word of a follower's face; None where it is unknown."""
     follower = table.get("follower")
     word = follower.get(FACE, Rolling.face) if isinstance(follower, Mapping) else Rolling.face
     return word if row is not None and isinstance(word, str) and word in row.faces else None
 
 
 def _classes(kind: str, row: FollowerKind | None, face: str | None, unit: str) -> dict[str, type | None]:
-    """The class of each table of the file; None where it depends on an unknown kind of follower, or an unknown face. unit: of a
-    motion that is alone."""
+    """Class of each table of the file; None where the kind of follower or its face is unknown.
+
+    unit: that of a motion without a mechanism.
+    """
     if kind == MOTION:
         return {"motion": Motion, "shaft": Shaft, "loads": OUTPUT_LOADS[unit], "servo": Servo}
     if kind == "linkage":
@@ -639,19 +683,19 @@ def _classes(kind: str, row: FollowerKind | None, face: str | None, unit: str) -
 
 
 def _under_other_faces(row: FollowerKind, face: str) -> dict[str, str]:
-    """Paths of the entries that the tables of a follower have under other faces only -> the words that they take."""
-    found: dict[str, list[str]] = {}
-    own_kinds: tuple[Any, ...] = row.under(face)
-    for word in (each for each in row.faces if each != face):
+    """Words of the faces that allow an entry, by the paths of entries that a follower has with other faces only."""
+    words_by_path: dict[str, list[str]] = {}
+    current_kinds: tuple[Any, ...] = row.under(face)
+    for word in (word for word in row.faces if word != face):
         kinds: tuple[Any, ...] = row.under(word)
-        for name, other, own in zip(("follower", "cam", "loads"), kinds, own_kinds, strict=True):
-            for key in {slot.key for slot in slots(other)} - {slot.key for slot in slots(own)}:
-                found.setdefault(f"{name}.{key}", []).append(f'"{word}"')
-    return {path: f"{FACE} = {' or '.join(words)}" for path, words in found.items()}
+        for name, kind, current in zip(("follower", "cam", "loads"), kinds, current_kinds, strict=True):
+            for key in {slot.key for slot in slots(kind)} - {slot.key for slot in slots(current)}:
+                words_by_path.setdefault(f"{name}.{key}", []).append(f'"{word}"')
+    return {path: f"{FACE} = {' or '.join(words)}" for path, words in words_by_path.items()}
 
 
 def _follower_kind(table: Tables) -> tuple[FollowerKind | None, list[Fault]]:
-    """The row of the follower's kind; where that is misspelt, the one probably meant."""
+    """Row of the follower's kind, or of the most similar one where it is misspelled."""
     follower = table.get("follower")
     if not isinstance(follower, Mapping):
         return None, []  # a fault of the table itself
@@ -668,20 +712,20 @@ def _follower_kind(table: Tables) -> tuple[FollowerKind | None, list[Fault]]:
 
 
 def _likely_unit(table: Tables) -> str:
-    """The unit of the motion where the follower does not tell."""
+    """Unit of the motion where the follower does not define it."""
     motion = table.get("motion")
     return "deg" if isinstance(motion, Mapping) and {"start_deg", "advance_deg"} & motion.keys() else "mm"
 
 
 def _driver_unit(linkage: Linkage, motion: Any) -> str:
-    """Degrees where the driver turns, mm where it slides; where that is not known, as the motion has it."""
+    """Unit deg of a rotating driver, mm of a sliding one; that of the motion where the pair is unknown."""
     pair = driver_pair(linkage) if linkage.driver.link in linkage.by_number else None
     if pair is None:
         return "mm" if isinstance(motion, Mapping) and "start_mm" in motion else "deg"
     return "deg" if is_pin(pair) else "mm"
 
 
-# -- the head of the file ---------------------------------------------------------------------------------
+# -- header of the file -----------------------------------------------------------------------------------------
 
 
 def _format_faults(table: Tables) -> Iterator[Fault]:
@@ -704,13 +748,15 @@ def _kind_faults(table: Tables) -> Iterator[Fault]:
     kinds = [kind for kind in _KINDS if kind in table]
     if not kinds and not _is_alone(table):
         yield missing("follower", _ONE_KIND)
-    for other in kinds[1:]:
-        yield Fault(other, table[other], f"stands beside {kinds[0]}, but a design is of one kind", _ONE_KIND)
+    for key in kinds[1:]:
+        yield Fault(key, table[key], f"cannot be combined with {kinds[0]}: a design is of one kind", _ONE_KIND)
 
 
 def _assumed_faults(table: Tables, design: Design, unsure: Sequence[str]) -> Iterator[Fault]:
-    """Paths that lead to no entry; of a segment also those of another law's entries, which an edit may have left behind, and
-    unsure: tables of which nothing is known."""
+    """Faults of assumed paths that lead to no entry.
+
+    Allowed are entries of other laws of a segment, which an edit may have left, and paths in tables of unknown class (`unsure`).
+    """
     assumed = table.get("assumed", ())
     if not isinstance(assumed, list | tuple):
         yield Fault("assumed", assumed, "must be a list of field paths")
@@ -720,12 +766,12 @@ def _assumed_faults(table: Tables, design: Design, unsure: Sequence[str]) -> Ite
         if not isinstance(path, str):
             yield Fault(f"assumed[{i}]", path, "must be a field path, as text")
         elif path not in known and not path.startswith(tuple(unsure)) and not _of_another_law(design, path):
-            own = "; leave it out here too" if _stands(table, path) else did_you_mean(path, known)
-            yield Fault(f"assumed[{i}]", path, f"no such entry in this design{own}")
+            remedy = "; leave it out here too" if _exists(table, path) else did_you_mean(path, known)
+            yield Fault(f"assumed[{i}]", path, f"no such entry in this design{remedy}")
 
 
-def _stands(table: Any, path: str) -> bool:
-    """Whether the file has an entry there, right or not."""
+def _exists(table: Any, path: str) -> bool:
+    """Whether the file has an entry at a path, valid or not."""
     for step in path.split("."):
         if not isinstance(table, Mapping) or step not in table:
             return False
@@ -735,8 +781,8 @@ def _stands(table: Any, path: str) -> bool:
 
 def _of_another_law(design: Design, path: str) -> bool:
     if design.listed:
-        own = drive_at(path)
-        return own is not None and own[0] < len(design.drives) and _of_another_law(only(design, own[0]), own[1])
+        drive = drive_at(path)
+        return drive is not None and drive[0] < len(design.drives) and _of_another_law(only(design, drive[0]), drive[1])
     name, number, inside = row_at(path, "motion.segments")
     if not name or design.drive.motion is None or number >= len(design.drive.motion.segments):
         return False
@@ -745,8 +791,8 @@ def _of_another_law(design: Design, path: str) -> bool:
 
 @cache
 def _curve_entries() -> frozenset[str]:
-    """The entries of all kinds of curves: ``crossover``, ``start``, ``start.velocity``, ``points.value``."""
+    """Entries of all kinds of curves: `crossover`, `start`, `start.velocity`, `points.value`."""
     kinds: tuple[Any, ...] = (NamedCurve, *CURVES.values())
-    every = [slot for kind in kinds for slot in slots(kind)]
-    inner = (f"{slot.key}.{each.key}" for slot in every if slot.placing.kind for each in slots(slot.placing.kind))
-    return frozenset((*(slot.key for slot in every), *inner))
+    entries = [slot for kind in kinds for slot in slots(kind)]
+    inner = (f"{slot.key}.{part.key}" for slot in entries if slot.placing.kind for part in slots(slot.placing.kind))
+    return frozenset((*(slot.key for slot in entries), *inner))

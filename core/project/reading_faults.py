@@ -1,4 +1,4 @@
-"""Counts of a design file, bounded before it is read: what is larger than any design is refused in one line."""
+"""Faults of keys and words in a design file, limits of its size, and the examples with the reasons of their values."""
 
 from __future__ import annotations
 
@@ -20,13 +20,24 @@ from core.errors import MISSING, DesignError, Fault, KindynaError
 from core.frozen import frozen
 from core.process import resources
 
-# -- the designs that come with the program ---------------------------------------------------------------------
+# -- examples ---------------------------------------------------------------------------------------------------
 
 
 @frozen
 class Example:
-    """file: its name without the ending; name, as menus show it; text: what it shows, in a sentence; paper: slug of the paper that
-    it belongs to, empty where there is none."""
+    """An example design.
+
+    Attributes
+    ----------
+    file : str
+        File name without its ending.
+    name : str
+        Name in menus.
+    text : str
+        Description in one sentence.
+    paper : str
+        Slug of its paper, empty where there is none.
+    """
 
     file: str
     name: str
@@ -35,69 +46,69 @@ class Example:
 
     @property
     def path(self) -> Path:
-        """The example's file."""
+        """Path of the example's file."""
         return resources() / "examples" / f"{self.file}.toml"
 
 
 @lru_cache(maxsize=1)
 def subjects() -> tuple[tuple[str, tuple[Example, ...]], ...]:
-    """Title of each subject with its examples, in the order in which they are offered."""
+    """Titles of the subjects with their examples, in the order of the menu."""
     table = tomllib.loads((resources() / "examples.toml").read_text("utf-8"))
     return tuple(
         (subject["title"], tuple(Example(**row) for row in subject["example"])) for subject in table["subject"]
     )
 
 
-# -- messages for keys and words of a file that are not right ---------------------------------------------------
+# -- faults of keys and words -----------------------------------------------------------------------------------
 
 
-_LONGEST = 60  # of a key or word that is no use in full
-_MOST_WORDS = 500  # comparing takes time
+_LONGEST = 60  # characters of a key or word in a message
+_MOST_WORDS = 500  # compared with a misspelled word
 
 
 def unknown_key(path: str, key: Any, value: Any, known: Iterable[str]) -> Fault:
-    """A key that its table does not have, or one of a wrong unit."""
+    """Fault of a key that its table does not have, or that has a wrong unit."""
     known = list(known)
-    for right in known:
-        if stem(right) == stem(key):
-            return Fault(path, value, "wrong unit", right)
+    for known_key in known:
+        if stem(known_key) == stem(key):
+            return Fault(path, value, "wrong unit", known_key)
     return Fault(path, value, f"unknown key{did_you_mean(str(key), known)}", " | ".join(known))
 
 
 def missing(path: str, allowed: str) -> Fault:
-    """An entry or a table that must be there."""
+    """Fault of a required entry or table that is missing."""
     return Fault(path, MISSING, "missing", allowed)
 
 
 def stem(key: Any) -> str:
-    """A key without its unit."""
+    """Key without its unit."""
     return split_unit(str(key))[0]
 
 
 def spelled(key: Any) -> str:
-    """A key as in the file, on one line."""
+    """Key as in the file, on one line."""
     text = str(key)
     text = text if len(text) <= _LONGEST else text[:_LONGEST] + "..."
     return text if re.fullmatch(r"[A-Za-z0-9_.-]+", text) else repr(text)
 
 
 def hinted(fault: Fault) -> Fault:
-    """The fault, of an unknown word or law with the one that was probably meant."""
+    """The fault, with a suggestion where it is an unknown word or law."""
     if not isinstance(fault.value, str) or not fault.problem.startswith("unknown"):
         return fault
     return replace(fault, problem=fault.problem + did_you_mean(fault.value, fault.allowed.split(" | ")))
 
 
 def did_you_mean(word: str, words: Iterable[str]) -> str:
-    """``(did you mean 'dwell'?)``, nothing where no word is like this one."""
+    """Suggestion `(did you mean 'dwell'?)`, empty where no word is similar."""
     near = nearest(word[:_LONGEST], tuple(islice(words, _MOST_WORDS)))
     return f" (did you mean {near!r}?)" if near is not None and near != word else ""
 
 
-@lru_cache(maxsize=256)  # the same slip is often made many times
+@lru_cache(maxsize=256)  # the same misspelling often occurs many times
 def nearest(word: str, words: tuple[str, ...]) -> str | None:
-    """The word most like this one, None where none is."""
-    from difflib import get_close_matches  # only a file with a fault needs it
+    """Most similar word, None where none is similar."""
+    from difflib import get_close_matches  # late: needed only for a file with a fault
 
     by_plain = {_plain(w): w for w in words}
     close = get_close_matches(_plain(word), by_plain, n=1)
@@ -108,27 +119,27 @@ def _plain(word: str) -> str:
     return re.sub(r"[\s_]+", "-", word.strip().lower())
 
 
-# -- counts of a design file, bounded before it is read ---------------------------------------------------------
+# -- limits of the size of a file -------------------------------------------------------------------------------
 
 
 MARKS: Mapping[str, tuple[str, int]] = MappingProxyType(
     {"=": ("entries", 30_000), "{": ("tables", 15_000), ",": ("values", 100_000), "\n[": ("headers", 15_000)}
 )
-"""Mark of TOML -> what it stands before or between, and how many of them a file may have. 3,600 segments take a third."""
+"""Mark of TOML -> the counted items, and their largest number in a file. 3,600 segments need a third of it."""
 
-DEEPEST = 12  # tables and lists in each other
-MOST_DIGITS = 4300  # of a whole number that Python reads, and says that it is too large
-MOST_KEY_PARTS = 50  # a.b.c = ... : tomllib's time grows with the square of the parts
+DEEPEST = 12  # levels of nested tables and lists
+MOST_DIGITS = 4300  # of an integer that Python can read
+MOST_KEY_PARTS = 50  # a.b.c = ... : the time of tomllib grows with the square of the parts
 _TEXT = re.compile(
     r'''"""(?:[^"\\]++|\\.|"(?!""))*+(?:"{3,5}|\Z)|"(?:[^"\\\n]++|\\[^\n])*+"?|#[^\n]*+'''
     r"""|'{3}(?:[^']++|'(?!''))*+(?:'{3,5}|\Z)|'[^'\n]*+'?""",
     re.DOTALL,
 )
-"""A text or a comment of TOML, to its end or that of the file."""
+"""A string or a comment of TOML, up to its end or that of the file."""
 
 
 def require_few_marks(text: str, source: str) -> None:
-    """Raises DesignError for a text that would take long to parse: by its headers, then by its marks."""
+    """Raise DesignError for a text that would take long to parse, by the number of its headers and marks."""
     headers = Counter(name.strip() for name in re.findall(r"(?m)^[ \t]*\[\[([^\[\]\n]*)\]\]", text))
     for name, count in headers.items():
         if fault := count_fault(name, count):
@@ -138,25 +149,25 @@ def require_few_marks(text: str, source: str) -> None:
             problem = f"{count} {what} ({mark.strip()}) are too many for a design"
             raise DesignError([Fault(source, MISSING, problem, f"at most {most}")])
     bare = _TEXT.sub(_emptied, text)
-    for problem, at, allowed in _beyond(bare):
+    for problem, at, allowed in _size_problems(bare):
         line = bare.count("\n", 0, at) + 1
         raise DesignError([Fault(source, MISSING, f"not TOML: {problem} (at line {line})", allowed)])
 
 
 def _emptied(text: re.Match[str]) -> str:
-    """A text without what it holds, in as many lines; one that is too long as a word that is."""
+    """An empty string with the same number of lines, or a word too long where the string is too long."""
     if text[0][0] != "#" and len(text[0]) > FIELD:
         return "_" * (FIELD + 1)
     return f'""{chr(10) * text[0].count(chr(10))}' if text[0][0] != "#" else ""
 
 
-def _beyond(bare: str) -> Iterator[tuple[str, int, str]]:
-    """Problem, place and what is allowed, of a file without its texts and comments."""
-    deep = 0
+def _size_problems(bare: str) -> Iterator[tuple[str, int, str]]:
+    """Problem, position and allowed size, of a file without its strings and comments."""
+    depth = 0
     for mark in re.finditer(r"[\[\]{}]", bare):
-        deep += 1 if mark[0] in "[{" else -1
-        if deep > NESTING:
-            yield "nested too deeply", mark.start(), f"at most {NESTING} tables and lists in each other"
+        depth += 1 if mark[0] in "[{" else -1
+        if depth > NESTING:
+            yield "nested too deeply", mark.start(), f"at most {NESTING} levels of tables and lists"
     for word in re.finditer(r"[\w+.-]++", bare):
         if (length := word.end() - word.start()) > FIELD:
             yield "a text too long", word.start(), f"at most {FIELD} characters"
@@ -168,14 +179,14 @@ def _beyond(bare: str) -> Iterator[tuple[str, int, str]]:
 
 
 def require_few_entries(table: Mapping[str, Any]) -> None:
-    """Raises DesignError for the first table of too many keys, or list of too many entries."""
+    """Raise DesignError for the first table with too many keys, or list with too many entries."""
     for fault in _faults(table, "", DEEPEST):
         raise DesignError([fault])
 
 
 def _faults(value: Any, path: str, deeper: int) -> Iterator[Fault]:
     if not deeper:
-        return  # nothing of a design stands there
+        return  # a design has nothing at this level
     if isinstance(value, Mapping):
         if len(value) > MOST_KEYS:
             yield Fault(path, MISSING, f"{len(value)} keys are too many for a table", f"at most {MOST_KEYS}")
@@ -191,13 +202,23 @@ def _faults(value: Any, path: str, deeper: int) -> Iterator[Fault]:
                 yield from _faults(inner, f"{path}[{i}]", deeper - 1)
 
 
-# -- why a value of an example is what it is --------------------------------------------------------------------
+# -- reasons of the values in examples --------------------------------------------------------------------------
 
 
 @frozen
 class Reason:
-    """designs: names of designs, or of drives on a shaft; path of the value, or of what holds assumed values; value that it holds for,
-    None: whatever it is."""
+    """Reason of a value in an example.
+
+    Attributes
+    ----------
+    designs : tuple of str
+        Names of designs, or of drives on a shaft.
+    path : str
+        Path of the value, or of a table with assumed values.
+    text : str
+    value : float or None
+        Value for which the reason holds; None for any value.
+    """
 
     designs: tuple[str, ...]
     path: str
@@ -207,23 +228,23 @@ class Reason:
 
 @lru_cache(maxsize=1)
 def reasons() -> tuple[Reason, ...]:
-    """All rows."""
+    """Reasons of all examples."""
     table = tomllib.loads((resources() / "reasons.toml").read_text("utf-8"))
     return tuple(Reason(tuple(row.pop("designs")), **row) for row in table["reason"])
 
 
 def reason(design: Design, path: str) -> str:
-    """Why the value at a path is what it is; empty where nothing is said, or another value stands there now."""
-    own = drive_at(path)
-    name, inside = (design.name, path) if own is None else (design.drives[own[0]].name or "", own[1])
+    """Reason of the value at a path; empty where there is none, or the value has changed."""
+    drive = drive_at(path)
+    name, inside = (design.name, path) if drive is None else (design.drives[drive[0]].name or "", drive[1])
     for row in reasons():
-        there = row.path == inside or (inside.startswith((f"{row.path}.", f"{row.path}[")) and path in design.assumed)
-        if there and name in row.designs and (row.value is None or _is(design, path, row.value)):
+        matches = row.path == inside or (inside.startswith((f"{row.path}.", f"{row.path}[")) and path in design.assumed)
+        if matches and name in row.designs and (row.value is None or _has_value(design, path, row.value)):
             return row.text
     return ""
 
 
-def _is(design: Design, path: str, value: float) -> bool:
+def _has_value(design: Design, path: str, value: float) -> bool:
     try:
         return bool(get(design, path) == value)
     except KindynaError:
@@ -231,7 +252,7 @@ def _is(design: Design, path: str, value: float) -> bool:
 
 
 def reasons_of(design: Design) -> Iterator[tuple[str, str]]:
-    """Path and reason of every value of a design for which there is one, in the order of its file."""
+    """Path and reason of every value of a design that has one, in the order of its file."""
     for path in all_paths(design):
         text = reason(design, path)
         if text:

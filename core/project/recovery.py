@@ -1,8 +1,7 @@
-"""Unsaved work on the disk: one file for each window, with a lock that is held while its process lives.
+"""Recovery files of unsaved work: one file for each window, locked while its process runs.
 
-A recovery file is a design file whose first line, a comment, holds in JSON what the format has no place for: the design's own
-file, when it was written, and what is typed that does not fit together yet. So one move puts all of it in place, and it can be opened as
-any other design.
+A recovery file is a design file whose first line, a comment, contains in JSON what the format has no key for: the path of the
+design's file, the time of writing, and incomplete input. So one move replaces all of it, and it can be opened as any other design.
 """
 
 from __future__ import annotations
@@ -15,20 +14,27 @@ from typing import Any
 
 from core.errors import FileError
 from core.frozen import frozen
-from core.project.files import NO_LOCKS, hold, read_text, remove, sweep, write
+from core.project.files import NO_LOCKS, acquire_lock, read_text, remove, sweep, write
 
-_HEAD = "# unsaved "
+_HEADER = "# unsaved "
 
 
 @frozen
 class Unsaved:
     """Unsaved work.
 
-    design   text of the design, as in a file
-    path     of the design's own file, None where it has none
-    draft    what is typed that does not fit together yet, of text, numbers, lists and dictionaries; None where it fits
-    time     when it was written, seconds since 1970
-    drive    number of the drive that was chosen then, from 0
+    Attributes
+    ----------
+    design : str
+        Text of the design, as in a file.
+    path : Path or None
+        The design's file, where it has one.
+    draft : mapping or None
+        Typed values that contradict each other, as text, numbers, lists and dictionaries.
+    time : float
+        Time of writing, seconds since 1970.
+    drive : int
+        Index of the selected drive.
     """
 
     design: str
@@ -39,29 +45,29 @@ class Unsaved:
 
 
 def _text(unsaved: Unsaved) -> str:
-    import json  # not before something is unsaved
+    import json  # late: needed only with unsaved work
 
     path = None if unsaved.path is None else str(unsaved.path)
-    head = {"path": path, "time": unsaved.time, "draft": unsaved.draft, "drive": unsaved.drive}
-    line = json.dumps(head).replace("\x7f", "\\u007f")  # which no comment of TOML may hold
-    return f"{_HEAD}{line}\n{unsaved.design}"
+    header = {"path": path, "time": unsaved.time, "draft": unsaved.draft, "drive": unsaved.drive}
+    line = json.dumps(header).replace("\x7f", "\\u007f")  # not allowed in a comment of TOML
+    return f"{_HEADER}{line}\n{unsaved.design}"
 
 
 def _parsed(text: str) -> Unsaved:
-    """What a recovery file holds; all of it as the design where its first line is not as written here."""
+    """Content of a recovery file; all of it is the design where the first line has another form."""
     import json
 
     first, _, rest = text.partition("\n")
     try:
-        head = json.loads(first.removeprefix(_HEAD))
-        path, draft, when = head["path"], head["draft"], float(head["time"])
-        return Unsaved(rest, None if path is None else Path(path), draft, when, int(head.get("drive", 0)))
+        header = json.loads(first.removeprefix(_HEADER))
+        path, draft, when = header["path"], header["draft"], float(header["time"])
+        return Unsaved(rest, None if path is None else Path(path), draft, when, int(header.get("drive", 0)))
     except (ValueError, KeyError, TypeError):
         return Unsaved(text, None)
 
 
 class RecoveryFile:
-    """The recovery file of one window, whose lock is held from the first ``write`` to ``close``."""
+    """The recovery file of one window, locked from the first `write` to `close`."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -69,10 +75,7 @@ class RecoveryFile:
         self._lock: int | None = None
 
     def write(self, unsaved: Unsaved) -> None:
-        """Put unsaved work in the place of what was there, whole or not at all, and have the disk keep it.
-
-        Raises FileError where it cannot be written; then nothing has changed.
-        """
+        """Replace the recovery file atomically. Raises FileError where it cannot be written; then nothing has changed."""
         if self._path is None:
             try:
                 self._begin()
@@ -84,26 +87,26 @@ class RecoveryFile:
         write(self._path, _text(unsaved))
 
     def _begin(self) -> None:
-        """Make the folder, choose a name and hold its lock."""
+        """Create the folder, choose a name and lock it."""
         self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         while self._path is None:
             path = self._folder / f"{os.urandom(8).hex()}.toml"
             try:
-                self._lock = hold(_lock_of(path))
+                self._lock = acquire_lock(_lock_of(path))
             except OSError as error:
                 if error.errno not in NO_LOCKS:
                     raise
                 self._path = path
-            if self._lock is not None:  # else another process has taken it for one that was left behind
+            if self._lock is not None:  # else another process has removed it as a leftover
                 self._path = path
 
     def clear(self) -> None:
-        """Nothing is unsaved any more."""
+        """Remove the file, as nothing is unsaved."""
         if self._path is not None:
             remove(self._path)
 
     def close(self) -> None:
-        """Nothing is unsaved, and the window is closed."""
+        """Remove the file and its lock, as the window closes."""
         if self._path is not None:
             remove(self._path)
             _remove_lock(self._path, self._lock)
@@ -112,31 +115,30 @@ class RecoveryFile:
 
 @frozen
 class Recoverable:
-    """Unsaved work of a process that has died. Until ``discard`` or ``release`` no other process finds it."""
+    """Unsaved work of a process that has ended, locked for other processes until `discard` or `release`."""
 
     file: Path
     unsaved: Unsaved
     _lock: int | None
 
     def discard(self) -> None:
-        """Remove it: it is recovered, or not wanted."""
+        """Remove the file, which is recovered or not needed."""
         remove(self.file)
         _remove_lock(self.file, self._lock)
 
     def release(self) -> None:
-        """Leave it to be found again."""
+        """Unlock the file for another time."""
         if self._lock is not None:
             os.close(self._lock)
 
 
 def find(folder: Path) -> list[Recoverable]:
-    """Unsaved work of processes that have died, the latest first. Their locks without work, and files half written, are
-    removed."""
+    """Unsaved work of processes that have ended, the latest first; locks without work and temporary files are removed."""
     sweep(folder, private=True)
-    left = []
-    for path in sorted({each.with_suffix(".toml") for each in folder.glob("*") if each.suffix in (".toml", ".lock")}):
+    result = []
+    for path in sorted({file.with_suffix(".toml") for file in folder.glob("*") if file.suffix in (".toml", ".lock")}):
         try:
-            lock = hold(_lock_of(path))
+            lock = acquire_lock(_lock_of(path))
             if lock is None:
                 continue
         except OSError as error:
@@ -147,15 +149,15 @@ def find(folder: Path) -> list[Recoverable]:
             _remove_lock(path, lock)
             continue
         try:
-            left.append(Recoverable(path, _parsed(read_text(path)), lock))
-        except FileError:  # it stays for another time
+            result.append(Recoverable(path, _parsed(read_text(path)), lock))
+        except FileError:  # the file stays for another time
             if lock is not None:
                 os.close(lock)
-    return sorted(left, key=lambda each: each.unsaved.time, reverse=True)
+    return sorted(result, key=lambda work: work.unsaved.time, reverse=True)
 
 
 def now(design: str, path: Path | None, draft: Mapping[str, Any] | None = None, drive: int = 0) -> Unsaved:
-    """Unsaved work as of this moment."""
+    """Unsaved work with the current time."""
     return Unsaved(design, path, draft, time.time(), drive)
 
 
@@ -167,5 +169,5 @@ def _remove_lock(path: Path, lock: int | None) -> None:
     remove(_lock_of(path))
     if lock is not None:
         os.close(lock)
-    if os.name == "nt":  # where no open file can be removed
+    if os.name == "nt":  # Windows removes no open file
         remove(_lock_of(path))

@@ -1,4 +1,4 @@
-"""Suggestions for misspelled keys and words, confirmed: each is put into the file's tables, which are then read again."""
+"""Confirmation of suggestions for misspelled keys and words: each is put into the tables of the file, which are read again."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from typing import Any
 from core.errors import DesignError, Fault
 from core.project.reading_faults import spelled
 
-MOST = 8  # suggestions that are confirmed; of a large file fewer, since each is one more reading
-_LARGE = 20_000  # entries that are read again in all
+MOST = 8  # confirmed suggestions; fewer for a large file, which is read again for each
+_LARGE = 20_000  # most entries read again in total
 _MEANT = re.compile(r" \(did you mean '([^']{1,60})'\?\)")
 
 Tables = Mapping[str, Any]
 
 
 def confirmed(faults: Sequence[Fault], table: Tables, read: Callable[[Tables], object]) -> list[Fault]:
-    """The faults of a file, each suggestion left out that ``read`` refuses in its turn, or that is one too many to be confirmed."""
+    """Faults of a file without the suggestions that `read` refuses, or that are too many to be confirmed."""
     meant = [_MEANT.search(fault.problem) for fault in faults]
     left = max(1, min(MOST, _LARGE // (1 + _entries(table)))) if any(meant) else 0
     result = []
@@ -37,22 +37,22 @@ def _entries(value: Any) -> int:
 
 
 def _is_accepted(fault: Fault, word: str, table: Tables, read: Callable[[Tables], object]) -> bool:
-    """Whether the entry has no fault with this word as its key, or as its value."""
+    """Whether the entry has no fault with the suggested word as its key or value."""
     steps = [int(i) if i else name for name, i in re.findall(r"([^.\[\]]+)|\[(\d+)\]", fault.path)]
     renames, path = fault.problem.startswith("unknown key"), fault.path
     if renames:
         path = ".".join([*fault.path.rpartition(".")[:1], word]).lstrip(".")
     try:
         read(_with(table, steps, word, renames))
-    except (KeyError, IndexError, TypeError):  # the suggestion is there already, or the path leads through no table
+    except (KeyError, IndexError, TypeError):  # the suggested key exists, or the path leads through no table
         return False
     except DesignError as error:
-        return all(each.path != path and not each.path.startswith((f"{path}.", f"{path}[")) for each in error.faults)
+        return all(f.path != path and not f.path.startswith((f"{path}.", f"{path}[")) for f in error.faults)
     return True
 
 
 def _with(value: Any, steps: Sequence[str | int], word: str, renames: bool) -> Any:
-    """The tables with one entry replaced: its value, or its key. Raises KeyError where there is none, or where the key is there already."""
+    """Tables with one entry replaced, its value or its key. Raises KeyError where it is missing, or the new key exists."""
     step, *rest = steps
     if isinstance(value, Mapping):
         key = next((key for key in value if spelled(key) == step), None)

@@ -397,7 +397,7 @@ def tongues(
 
 
 def refined(coefficients: Coefficients, harmonic: Tongues, damping: float = 0.0) -> Tongues:
-    """The same tongues to the accuracy of the monodromy matrices; with damping NaN where it has closed them."""
+    """Tongues refined to the accuracy of the monodromy matrices; NaN where damping has closed them."""
     rows, count = harmonic.edges.shape[:2]
     q, sign = np.repeat(harmonic.q, count), np.tile(np.where(np.arange(count) % 2 == 0, -1.0, 1.0), rows)
     edges = harmonic.edges.reshape(-1, 2).copy()

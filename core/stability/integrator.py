@@ -110,6 +110,10 @@ class OnPieces:
         -------
         ndarray (n, s, 2), dimensionless
             β' in turns per turn, Π' per turn.
+
+        References
+        ----------
+        Kim (1990), eq. (13), with the sign of its η² term corrected.
         """
         return self._rate(x, *self._local(3, TURN * (y - x[..., 0])))
 

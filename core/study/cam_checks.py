@@ -113,7 +113,10 @@ def cam_findings(study: Study) -> list[Finding]:
 
 
 def _radius_limits(study: Study) -> Mapping[str, checks.LeastRadius]:
-    """ "convex" or "concave" -> its limit; no typical limit where the profile is undercut, which has its own finding."""
+    """Limits of the convex and of the concave radius, by sort.
+
+    A typical limit is left out where the profile is undercut, which has its own finding.
+    """
     is_undercut = has_undercut(study)
     limits = {sort: limit_of(study, f"{sort}_radius_mm") for sort in ("convex", "concave")}
     return {

@@ -46,7 +46,7 @@ def refined_extremes(
     Parameters
     ----------
     searches : sequence of Search
-    sampled : mapping of str -> ndarray (m, n)
+    sampled : mapping of str -> ndarray (m, n) [SI unit of the quantity]
         Quantity -> its values at the nodes; NaN is left out.
     angles : Angles (n,)
         The nodes, as by `clenshaw_curtis_nodes`.

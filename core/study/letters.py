@@ -114,7 +114,7 @@ def _second_curve(study: Study, _: str) -> complex:
 
 
 def _first_curve(study: Study, _: str) -> complex:
-    """w = R″ - 2 i d R′ - R."""
+    """Vector w = R″ - 2 i d R′ - R."""
     r, d = study.linkage.follower.origin, study.sense
     return first_complex(r[2] - 2j * d * r[1] - r[0])
 

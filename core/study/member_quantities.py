@@ -227,7 +227,20 @@ def output_power(study: Study) -> np.ndarray:
 
 
 def motor_quantity(torque: Callable[[Flywheel, Angles], np.ndarray]) -> Callable[[Study], np.ndarray]:
-    """A torque of the motor; without a flywheel the torque of the shaft. Raises NoSolution where a guide jams or the motor stalls."""
+    """Function of a study for a torque of the motor; without a flywheel the torque of the shaft.
+
+    The function raises NoSolution where a guide jams or the motor stalls.
+
+    Parameters
+    ----------
+    torque : callable
+        Flywheel and angles (n,) -> torque, ndarray (n,) [N m].
+
+    Returns
+    -------
+    callable
+        Study -> torque, ndarray (n,) [N m].
+    """
     return lambda s: torque(s.flywheel, s.angles) if s.levels_torque or s.jam is not None else s.shaft_torque
 
 

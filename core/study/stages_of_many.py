@@ -300,7 +300,19 @@ class DesignBlock:
         return self.plain.drive.cam is not None and bool(self.plain.drive.cam.form.holds)
 
     def add_reader(self, name: str, read: Callable[[Study], np.ndarray]) -> str:
-        """Add a function of a study, of the stage ``dynamics``, that ``values`` evaluates under this name; returns the name."""
+        """Add a function of a study that ``values`` evaluates under a name, for the stage ``dynamics``.
+
+        Parameters
+        ----------
+        name : str
+        read : callable
+            Study -> ndarray (n,) [SI unit].
+
+        Returns
+        -------
+        str
+            The name.
+        """
         self._readers[name] = read
         return name
 

@@ -128,12 +128,30 @@ Point = Callable[[Study, str], complex]
 
 
 def first(values: np.ndarray) -> float:
-    """The value of a study at one angle."""
+    """Value of a study at its first angle.
+
+    Parameters
+    ----------
+    values : ndarray (n,) [SI unit of the quantity]
+
+    Returns
+    -------
+    float
+    """
     return float(np.atleast_1d(values)[0])
 
 
 def first_complex(values: np.ndarray | complex) -> complex:
-    """The complex value of a study at one angle."""
+    """Complex value of a study at its first angle.
+
+    Parameters
+    ----------
+    values : ndarray (n,) complex [SI unit of the quantity]
+
+    Returns
+    -------
+    complex
+    """
     return complex(np.atleast_1d(values)[0])
 
 
@@ -163,7 +181,19 @@ def segment_of(study: Study) -> tuple[int, float, float]:
 
 
 def quantity_symbol(meaning: str, column: str, value: Callable[[Study], np.ndarray], stage: str) -> SymbolSource:
-    """A symbol that is a quantity, with a column of its own."""
+    """Symbol of a quantity that has a column.
+
+    Parameters
+    ----------
+    meaning, column : str
+    value : callable
+        Study -> ndarray (n,) [SI unit of the quantity].
+    stage : str
+
+    Returns
+    -------
+    SymbolSource
+    """
     key = next((key for key in sorted(UNITS, key=len, reverse=True) if column.endswith(f"_{key}")), "")
     return SymbolSource(meaning, key, lambda study, _: first(value(study)), stage, column)
 

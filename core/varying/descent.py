@@ -1,9 +1,8 @@
-"""One search from one start: SLSQP in epigraph form (``epigraph``), round by round, with the peaks over the turn of the answers before.
+"""Search from a single start: SLSQP in epigraph form (``epigraph``), in rounds, with the peaks over the turn of all solutions so far.
 
-The largest value of a quantity over the turn is not smooth where one peak takes over from another. So it is never minimised itself, but
-a bound t: minimise t such that f(θ_j; x) <= t at all peaks θ_j, and a limit likewise is one of each peak. Peaks move with the design: those
-of the answer are added, and it is solved again, until no peak of the answer lies above t, or above a limit (exchange method, Hettich and
-Kortanek 1993).
+The largest value of a quantity over the turn is not smooth where one peak overtakes another. Therefore a bound t is minimised such
+that f(θ_j; x) <= t at all peaks θ_j; a limit, too, holds at every peak. Peaks move with the design: those of the solution are added,
+and the problem is solved again, until no peak of the solution exceeds t or a limit (exchange method, Hettich and Kortanek 1993).
 """
 
 from __future__ import annotations
@@ -24,328 +23,414 @@ from core.varying.request import Goal, StudyOfMany, StudyQuantity
 from core.varying.space import Axis, constant_column
 from core.varying.tolerances import bounds_of
 
-# -- the least of the largest of several functions, below bounds of others --------------------------------------
+# -- minimax by SLSQP -------------------------------------------------------------------------------------------
 
 
-MOST_STEPS = 30  # of SLSQP in a round
+MAX_STEPS = 30  # of SLSQP in a round
 
 
 def epigraph(
     rows: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]], bound: np.ndarray, scale: np.ndarray, start: np.ndarray,
     low: np.ndarray, high: np.ndarray, inset: float = 0.0,
 ) -> np.ndarray:  # fmt: skip
-    """The place (k,) between low and high where the largest of the functions without a bound is least, while the others are below theirs:
-    minimise t subject to t - f_j(x) >= 0 and b_j - f_j(x) >= 0, by SLSQP.
+    """Minimax with bounds by SLSQP: minimise t subject to t - f_j(x) >= 0 and b_j - f_j(x) >= 0.
 
-    rows: place -> values (c,) and slopes (c, k); bound (c,): NaN of those that are minimised; scale (c,): of each bound; inset: of its
-    scale, how far below its bound each is to be. The start where nothing can be computed there, or at the end.
+    Parameters
+    ----------
+    rows : callable
+        Point (k,) -> values f (c,) and slopes (c, k) [unit of f].
+    bound : ndarray (c,) [unit of f]
+        Bounds b; NaN for the functions whose largest is minimised.
+    scale : ndarray (c,) [unit of f]
+        Scales of the bounds.
+    start, low, high : ndarray (k,), dimensionless
+        Start, and bounds of x.
+    inset : float
+        Distance below its bound, by its scale, that every bounded function must keep.
+
+    Returns
+    -------
+    ndarray (k,), dimensionless
+        The solution; the start where the functions have no value there, or at the solution.
+
+    References
+    ----------
+    Kraft (1988), A software package for sequential quadratic programming.
     """
     from scipy.optimize import minimize
 
-    k, of_goal = start.size, np.isnan(bound)
+    k, is_goal = start.size, np.isnan(bound)
     memory: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
 
-    def known(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def cached_rows(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         key = z[:k].tobytes()
         if key not in memory:
             memory[key] = rows(z[:k])
         return memory[key]
 
-    value, slope = known(start)
+    value, slope = cached_rows(start)
     if not np.isfinite(value).all():
         return start
-    size = max(float(np.abs(value[of_goal]).max()), float(np.abs(slope[of_goal] * (high - low)).max())) or 1.0
-    scale = np.where(of_goal, size, scale)
+    size = max(float(np.abs(value[is_goal]).max()), float(np.abs(slope[is_goal] * (high - low)).max())) or 1.0
+    scale = np.where(is_goal, size, scale)
 
     def constraints(z: np.ndarray) -> np.ndarray:
-        value, _ = known(z)
-        room = np.where(of_goal, z[k] - value / scale, (bound - value) / scale - inset)
-        return np.where(np.isfinite(room), room, -1e2)
+        value, _ = cached_rows(z)
+        margin = np.where(is_goal, z[k] - value / scale, (bound - value) / scale - inset)
+        return np.where(np.isfinite(margin), margin, -1e2)
 
     def jacobian(z: np.ndarray) -> np.ndarray:
-        made = np.hstack([-known(z)[1] / scale[:, None], of_goal[:, None].astype(float)])
-        return np.where(np.isfinite(made), made, 0.0)
+        slopes = np.hstack([-cached_rows(z)[1] / scale[:, None], is_goal[:, None].astype(float)])
+        return np.where(np.isfinite(slopes), slopes, 0.0)
 
-    t, gradient = float((value / scale)[of_goal].max()), np.append(np.zeros(k), 1.0)
-    found = minimize(
+    t, gradient = float((value / scale)[is_goal].max()), np.append(np.zeros(k), 1.0)
+    result = minimize(
         lambda z: float(z[k]), np.append(start, t), jac=lambda z: gradient, method="SLSQP",
         bounds=[*zip(low, high, strict=True), (None, None)],
-        constraints=[{"type": "ineq", "fun": constraints, "jac": jacobian}], options={"maxiter": MOST_STEPS, "ftol": 1e-13},
+        constraints=[{"type": "ineq", "fun": constraints, "jac": jacobian}], options={"maxiter": MAX_STEPS, "ftol": 1e-13},
     )  # fmt: skip
-    new = np.clip(found.x[:k], low, high)
-    return new if np.isfinite(new).all() and np.isfinite(known(new)[0]).all() else start
+    solution = np.clip(result.x[:k], low, high)
+    return solution if np.isfinite(solution).all() and np.isfinite(cached_rows(solution)[0]).all() else start
 
 
-# -- one search from one start ----------------------------------------------------------------------------------
+# -- search from a single start ---------------------------------------------------------------------------------
 
 
 ROUNDS = 25  # of adding peaks
-STEP = 1e-5  # of the way between the bounds: for slopes at fixed angles
-COMPARED = 3e-4  # the same, where extremes are searched anew
-TRUST = 0.25  # of the bounds: the longest way of a round
-LESS, LEAST_TRUST = 0.1, 1e-3  # of that, where it leads nowhere, as beyond the last design that can be built
-ENOUGH = 1e-9  # of the bounds: a round that moves less is the last
-SLIGHT = 1e-5  # of a limit: what is missed by so little is held further inside
-INSET = 1e-9  # of a limit: answers lie on its safe side
-NEAR_TOP = 0.3  # of its range: peaks that low take part
-MOST_PEAKS = 8
+STEP = 1e-5  # of the interval between the bounds: for slopes at fixed angles
+SEARCH_STEP = 3e-4  # the same, where extremes are searched again
+TRUST = 0.25  # of the bounds: longest step of a round
+TRUST_FACTOR, MIN_TRUST = (
+    0.1,
+    1e-3,
+)  # reduction where a round makes no progress, as at the edge of the buildable designs
+TOLERANCE = 1e-9  # of the bounds: a round that moves less is the last
+SLIGHT_EXCESS = 1e-5  # of a limit: a smaller excess is removed by a larger inset
+INSET = 1e-9  # of a limit: solutions keep it by this margin
+NEAR_TOP = 0.3  # of the range of a quantity: lower peaks are left out
+MAX_PEAKS = 8
 
 ProgressCallback = Callable[[Mapping[str, Any], float, int], None]
-"""A design on the way, by its fields, its goal, and the number of the start that it comes from. What it raises stops the search."""
+"""Called with the fields of an intermediate design, its goal, and the number of its start; an exception stops the search."""
 
 
 @frozen(eq=False)
 class Term:
-    """What is held below a bound, as ``side`` times a quantity over the turn: a limit, or the goal, whose bound is t.
+    """A figure with an upper bound, ``side`` times a quantity over the turn: a limit, or the goal, whose bound is t.
 
-    peaks  signs of the quantity whose peaks over the turn all count; none where one extreme or a mean is taken as it is
+    Attributes
+    ----------
+    row : StudyQuantity
+    request : QuantityRequest
+    side : float
+        +1 for an upper limit or a minimised goal, else -1.
+    bound : float or None
+        None for the goal.
+    peaks : tuple of float
+        Signs of the quantity whose peaks over the turn are all constrained; empty where a single value is.
+    radius : float [mm]
+        Roller radius r, for the curvature of a profile; else 0.
     """
 
     row: StudyQuantity
-    asked: QuantityRequest
+    request: QuantityRequest
     side: float
     bound: float | None
     peaks: tuple[float, ...]
-    bend: float = 0.0
+    radius: float = 0.0
 
-    def shown(self, value: Any) -> Any:
-        """A value in such a form that it passes infinity smoothly: of the curvature κ of a profile that beside it, κ/(1 + κ r), which at a
-        cusp is 1/r."""
-        if not self.bend:
+    def smoothed(self, value: Any) -> Any:
+        """A value in a form without poles: of a profile's curvature κ that of the pitch curve, κ/(1 + κ r), 1/r at a cusp."""
+        if not self.radius:
             return value
         with np.errstate(invalid="ignore", divide="ignore"):
-            return np.where(np.isinf(value), 1.0 / self.bend, value / (1.0 + value * self.bend))
+            return np.where(np.isinf(value), 1.0 / self.radius, value / (1.0 + value * self.radius))
 
 
-Held = dict[int, list[tuple[float, int, float]]]
-"""Number of a term that has peaks -> these: cam angle, piece, sign."""
+Peaks = dict[int, list[tuple[float, int, float]]]
+"""Number of a term with peaks -> its peaks: cam angle [rad], piece, sign."""
 
 
 class Descent:
-    """The numbers of a design with fixed words: u, each 0 ... 1 between its bounds; from a place to the best one near it."""
+    """Local search over the numbers of a design with fixed words; coordinates u go from 0 to 1 between the bounds."""
 
     def __init__(
         self, study: StudyOfMany, design: Design, words: Mapping[str, Any], numbers: Sequence[Axis],
-        margins: Mapping[str, float], tell: ProgressCallback | None, starts: int,
+        margins: Mapping[str, float], progress: ProgressCallback | None, starts: int,
     ) -> None:  # fmt: skip
-        self.study, self.design, self.words, self.tell, self.most_starts = study, design, words, tell, starts
-        self._started = 0
+        self.study, self.design, self.words, self.progress, self.max_starts = study, design, words, progress, starts
+        self._start_count = 0
         self.paths = tuple(axis.field for axis in numbers)
         ends = [(min(axis.listed), max(axis.listed)) if axis.listed else (axis.low, axis.high) for axis in numbers]
         self.low, self.high = (np.array([end[i] for end in ends], dtype=float) for i in (0, 1))
         self.terms = [self._term(row, side, bound) for row, side, bound in self._limits(margins)]
         goals = study.file.goals
         self.goals = [self._term(goal, goal_sign(goal), None) for goal in goals]
-        self.own = (np.array([float(get(design, path)) for path in self.paths]) - self.low) / (self.high - self.low)
+        self.nominal = (np.array([float(get(design, path)) for path in self.paths]) - self.low) / (self.high - self.low)
 
     def _limits(self, margins: Mapping[str, float]) -> Iterator[tuple[StudyQuantity, float, float]]:
         for limit, side, bound in bounds_of(self.study.file.limits):
             yield limit, side, side * bound - margins.get(limit.key, 0.0)
 
     def _term(self, row: StudyQuantity, side: float, bound: float | None) -> Term:
-        asked = quantity_request(self.design, row.key)
+        request = quantity_request(self.design, row.key)
         signs = {("max", 1.0): (1.0,), ("min", -1.0): (-1.0,), ("abs", 1.0): (1.0, -1.0)}.get(
-            (asked.statistic, side), ()
+            (request.statistic, side), ()
         )
-        if signs and (asked.drive is not None or not asked.name or not is_batchable(self.design, self.paths, asked)):
+        if signs and not self._has_common_angles(request):
             signs = ()
-        if (
-            signs
-            and design_block(self.design, self.paths, self._numbers(np.full((len(self.paths), 1), 0.5))).separate.any()
-        ):
-            signs = ()
-        face = self.design.drives[asked.drive or 0].face if asked.name == "profile_curvature" else None
-        roller = float(getattr(face, "radius_mm", 0.0))
-        return Term(row, asked, side, bound, signs, roller)
+        face = self.design.drives[request.drive or 0].face if request.name == "profile_curvature" else None
+        return Term(row, request, side, bound, signs, float(getattr(face, "radius_mm", 0.0)))
+
+    def _has_common_angles(self, request: QuantityRequest) -> bool:
+        """Whether designs can be evaluated in a block, at common cam angles."""
+        if request.drive is not None or not request.name or not is_batchable(self.design, self.paths, request):
+            return False
+        middle = self._numbers(np.full((len(self.paths), 1), 0.5))
+        return not design_block(self.design, self.paths, middle).separate.any()
 
     def _numbers(self, u: np.ndarray) -> np.ndarray:
-        """Fields (k, m) at places u (k, m)."""
+        """Numbers of the fields (k, m) at coordinates u (k, m)."""
         return self.low[:, None] + u * (self.high - self.low)[:, None]
 
     # -- values -------------------------------------------------------------------------------------------
 
     def values(self, u: np.ndarray, polish: bool = True) -> tuple[np.ndarray, np.ndarray]:
-        """side times what each term asks (t, m) of designs u (k, m), the limits first; and which can be built (m,)."""
+        """Values of all terms, the limits first, for several designs.
+
+        Parameters
+        ----------
+        u : ndarray (k, m), dimensionless
+            Coordinates of m designs.
+        polish : bool
+            Refine the extremes.
+
+        Returns
+        -------
+        rows : ndarray (t, m) [unit of the figure]
+            ``side`` times the figures of the t terms.
+        good : ndarray (m,), dimensionless
+            Mask of designs that can be built.
+        """
         keys = list(dict.fromkeys(term.row.key for term in [*self.terms, *self.goals]))
         numbers = dict(zip(self.paths, self._numbers(u), strict=True)) or constant_column(self.design, u.shape[1])
-        found = many(self.design, numbers, keys, polish=polish)
-        rows = np.array([term.side * found.value[term.row.key] for term in [*self.terms, *self.goals]])
-        return rows, np.asarray(found.reason == "")
+        results = many(self.design, numbers, keys, polish=polish)
+        rows = np.array([term.side * results.value[term.row.key] for term in [*self.terms, *self.goals]])
+        return rows, np.asarray(results.reason == "")
 
     def excess(self, rows: np.ndarray, good: np.ndarray) -> np.ndarray:
-        """By how much the limits are missed (m,), each as a part of itself, from values of ``values``."""
+        """Greatest excess over the limits, as a part of the limit.
+
+        Parameters
+        ----------
+        rows : ndarray (t, m) [unit of the figure]
+        good : ndarray (m,), dimensionless
+            As returned by ``values``.
+
+        Returns
+        -------
+        ndarray (m,), dimensionless
+            Infinite where a goal has no value, above 1000 where a design cannot be built.
+        """
         over = np.zeros(rows.shape[1])
         for term, row in zip(self.terms, rows, strict=False):
             assert term.bound is not None, "a limit"
-            over = np.maximum(
-                over, (term.shown(term.side * row) * term.side - self._shown_bound(term)) / self._scale(term)
-            )
+            excess = (term.smoothed(term.side * row) * term.side - self._smoothed_bound(term)) / self._scale(term)
+            over = np.maximum(over, excess)
         over = np.where(np.isfinite(rows[len(self.terms) :]).all(axis=0), over, np.inf)
         return np.where(good & np.isfinite(over), over, np.where(np.isfinite(over), 1e3 + over, np.inf))
 
-    def _shown_bound(self, term: Term) -> float:
+    def _smoothed_bound(self, term: Term) -> float:
         assert term.bound is not None, "a limit"
-        return float(term.side * term.shown(term.side * term.bound))
+        return float(term.side * term.smoothed(term.side * term.bound))
 
     def _scale(self, term: Term) -> float:
-        return abs(self._shown_bound(term)) or 1.0
+        return abs(self._smoothed_bound(term)) or 1.0
 
     def _at(
         self, u: np.ndarray, angles: Sequence[tuple[np.ndarray, np.ndarray]], terms: Sequence[Term]
     ) -> list[np.ndarray]:
-        """Quantities of terms (m, n) at angles of each (theta, piece), of designs u (k, m); NaN where there is none."""
-        one = design_block(self.design, self.paths, self._numbers(u))
-        theta, piece = (np.concatenate([each[i] for each in angles]) for i in (0, 1))
-        n, m = theta.size, one.count
+        """Quantities of terms (m, n), each at its angles (theta, piece), of designs u (k, m); NaN where a design fails."""
+        block = design_block(self.design, self.paths, self._numbers(u))
+        theta, piece = (np.concatenate([at[i] for at in angles]) for i in (0, 1))
+        n, m = theta.size, block.count
         owner = np.repeat(np.arange(m), n)
-        names = list(dict.fromkeys(term.asked.name for term in terms))
-        state = one.state(np.tile(theta, m), np.tile(piece, m), owner)
-        found = one.values(names, state, owner)
-        lost = one.failed_at("dynamics") if any(_of_forces(term) for term in terms) else one.failed_at("cam")
+        names = list(dict.fromkeys(term.request.name for term in terms))
+        state = block.state(np.tile(theta, m), np.tile(piece, m), owner)
+        values = block.values(names, state, owner)
+        failed = block.failed_at("dynamics" if any(_needs_forces(term) for term in terms) else "cam")
         rows, first = [], 0
-        for term, (own, _) in zip(terms, angles, strict=True):
-            row = found[term.asked.name].reshape(m, n)[:, first : first + own.size] / term.asked.unit
-            rows.append(np.where(lost[:, None], np.nan, row))
-            first += own.size
+        for term, (at, _) in zip(terms, angles, strict=True):
+            row = values[term.request.name].reshape(m, n)[:, first : first + at.size] / term.request.unit
+            rows.append(np.where(failed[:, None], np.nan, row))
+            first += at.size
         return rows
 
     def peaks(self, u: np.ndarray, terms: Sequence[Term]) -> list[list[tuple[float, int, float]]]:
-        """Of each term its highest local maxima at a design (k,): cam angle, piece, sign."""
-        one = design_block(self.design, self.paths, self._numbers(u[:, None]))
-        nodes, _ = clenshaw_curtis_nodes(one.program)
+        """Highest peaks of every term over the turn of a design.
+
+        Parameters
+        ----------
+        u : ndarray (k,), dimensionless
+            Coordinates of the design.
+        terms : sequence of Term
+
+        Returns
+        -------
+        list of list of (float, int, float)
+            Of every term: cam angle [rad], piece and sign of its peaks.
+        """
+        block = design_block(self.design, self.paths, self._numbers(u[:, None]))
+        nodes, _ = clenshaw_curtis_nodes(block.program)
         theta, piece = nodes.theta, nodes.piece
         every = self._at(u[:, None], [(theta, piece)] * len(terms), terms)
         first = np.append(True, np.diff(piece) != 0)
         last = np.append(np.diff(piece) != 0, True)
-        found = []
+        result = []
         for term, row in zip(terms, every, strict=True):
-            mine: list[tuple[float, float, int, float]] = []
-            shown = term.shown(row[0])
-            spread = float(np.ptp(shown)) if np.isfinite(shown).all() else np.inf
+            peaks: list[tuple[float, float, int, float]] = []
+            values = term.smoothed(row[0])
+            spread = float(np.ptp(values)) if np.isfinite(values).all() else np.inf
             for sign in term.peaks:
-                f = sign * shown
+                f = sign * values
                 left, right = np.where(first, -np.inf, np.roll(f, 1)), np.where(last, -np.inf, np.roll(f, -1))
                 local = np.flatnonzero((f >= left) & (f >= right) & (f >= f.max() - NEAR_TOP * spread))
                 if not local.size:
                     continue
                 lo, hi = theta[np.where(first[local], local, local - 1)], theta[np.where(last[local], local, local + 1)]
                 at = piece[local]
-                for _ in range(
-                    5
-                ):  # each time to a quarter; on either side of a kink between, where friction turns, there is a peak
-                    between = lo[:, None] + (hi - lo)[:, None] * np.linspace(0.0, 1.0, 9)
-                    (values,) = self._at(u[:, None], [(between.ravel(), np.repeat(at, 9))], [term])
-                    g = np.pad(sign * term.shown(values[0]).reshape(-1, 9), ((0, 0), (1, 1)), constant_values=-np.inf)
+                # every step narrows to a quarter; a kink, where friction reverses, has a peak on both sides
+                for _ in range(5):
+                    samples = lo[:, None] + (hi - lo)[:, None] * np.linspace(0.0, 1.0, 9)
+                    (sampled,) = self._at(u[:, None], [(samples.ravel(), np.repeat(at, 9))], [term])
+                    g = np.pad(
+                        sign * term.smoothed(sampled[0]).reshape(-1, 9), ((0, 0), (1, 1)), constant_values=-np.inf
+                    )
                     rows, top = np.nonzero((g[:, 1:-1] > g[:, :-2]) & (g[:, 1:-1] >= g[:, 2:]))
-                    lo, hi = between[rows, np.maximum(top - 1, 0)], between[rows, np.minimum(top + 1, 8)]
-                    best, place, at = g[rows, top + 1], between[rows, top], at[rows]
-                mine += [(float(b), float(p), int(a), sign) for b, p, a in zip(best, place, at, strict=True)]
-            mine.sort(reverse=True)
-            found.append([(p, a, sign) for _, p, a, sign in mine[:MOST_PEAKS]])
-        return found
+                    lo, hi = samples[rows, np.maximum(top - 1, 0)], samples[rows, np.minimum(top + 1, 8)]
+                    height, angle, at = g[rows, top + 1], samples[rows, top], at[rows]
+                peaks += [(float(h), float(a), int(p), sign) for h, a, p in zip(height, angle, at, strict=True)]
+            peaks.sort(reverse=True)
+            result.append([(a, p, sign) for _, a, p, sign in peaks[:MAX_PEAKS]])
+        return result
 
-    # -- from one start -----------------------------------------------------------------------------------
+    # -- rounds -------------------------------------------------------------------------------------------
 
-    def solved(self, start: np.ndarray, goal: Term, extra: Sequence[Term] = ()) -> np.ndarray:
-        """The place (k,) to which SLSQP leads from a start (k,): rounds of it, each with the peaks of the answers before."""
+    def solve(self, start: np.ndarray, goal: Term, extra: Sequence[Term] = ()) -> np.ndarray:
+        """Local solution by rounds of SLSQP, each with the peaks of all solutions so far.
+
+        Parameters
+        ----------
+        start : ndarray (k,), dimensionless
+            Coordinates of the start.
+        goal : Term
+        extra : sequence of Term
+            Further limits.
+
+        Returns
+        -------
+        ndarray (k,), dimensionless
+        """
         terms = [*self.terms, *extra, goal]
         peaked = [term for term in terms if term.peaks]
         u = np.clip(start, 0.0, 1.0)
-        held: Held = {}
-        inset, trust, far = INSET, TRUST, True
-        self._started += 1
+        peaks: Peaks = {}
+        inset, trust, is_far = INSET, TRUST, True
+        self._start_count += 1
         for _ in range(ROUNDS):
-            self._say(u, goal)
-            if not self._add(held, peaked, u):
+            self._report(u, goal)
+            if not self._add_peaks(peaks, peaked, u):
                 return u
-            new = self._round(u, terms, peaked, held, goal, inset, trust)
-            moved = float(np.abs(new - u).max())
-            u = new
-            if moved < ENOUGH and far and trust > LEAST_TRUST:
-                trust *= LESS
-            elif moved >= ENOUGH:
-                far = moved > 0.5 * trust
+            solution = self._round(u, terms, peaked, peaks, goal, inset, trust)
+            step = float(np.abs(solution - u).max())
+            u = solution
+            if step < TOLERANCE and is_far and trust > MIN_TRUST:
+                trust *= TRUST_FACTOR
+            elif step >= TOLERANCE:
+                is_far = step > 0.5 * trust
             else:
                 over = float(self.excess(*self.values(u[:, None]))[0])
-                if not 0.0 < over < SLIGHT:
+                if not 0.0 < over < SLIGHT_EXCESS:
                     break
                 inset += 2.0 * over
         return u
 
-    def _say(self, u: np.ndarray, goal: Term) -> None:
-        """Where the search is."""
-        if self.tell is not None:
+    def _report(self, u: np.ndarray, goal: Term) -> None:
+        """Report an intermediate design."""
+        if self.progress is not None:
             rows, _ = self.values(u[:, None], polish=False)
-            at = len(self.terms) + [each.row for each in self.goals].index(goal.row)
-            self.tell(self._fields(u), float(goal.side * rows[at, 0]), self._started)
+            at = len(self.terms) + [other.row for other in self.goals].index(goal.row)
+            self.progress(self._fields(u), float(goal.side * rows[at, 0]), self._start_count)
 
-    def _add(self, held: Held, peaked: Sequence[Term], u: np.ndarray) -> bool:
-        """Add the peaks of a design to those that are held, in place of those close by; False where it has none."""
+    def _add_peaks(self, peaks: Peaks, peaked: Sequence[Term], u: np.ndarray) -> bool:
+        """Add the peaks of a design, in place of peaks near them; False where a term has none."""
         try:
-            found = self.peaks(u, peaked) if peaked else []
+            new = self.peaks(u, peaked) if peaked else []
         except (ValueError, KindynaError):
             return False
-        for i, rows in enumerate(found):
-            kept = held.get(i, [])
-            for place, piece, sign in rows:
-                kept = [each for each in kept if abs(each[0] - place) > 2e-3 or each[1:] != (piece, sign)]
-            held[i] = ([*rows, *kept])[: 3 * MOST_PEAKS]
-        return all(held.get(i) for i in range(len(peaked)))
+        for i, rows in enumerate(new):
+            others = peaks.get(i, [])
+            for theta, piece, sign in rows:
+                others = [peak for peak in others if abs(peak[0] - theta) > 2e-3 or peak[1:] != (piece, sign)]
+            peaks[i] = ([*rows, *others])[: 3 * MAX_PEAKS]
+        return all(peaks.get(i) for i in range(len(peaked)))
 
     def _round(
-        self, u: np.ndarray, terms: Sequence[Term], peaked: Sequence[Term], held: Held,
+        self, u: np.ndarray, terms: Sequence[Term], peaked: Sequence[Term], peaks: Peaks,
         goal: Term, inset: float, trust: float,
     ) -> np.ndarray:  # fmt: skip
         """SLSQP at fixed angles: minimise t subject to t - f_goal(θ_j) >= 0 and bound - f(θ_j) >= 0."""
 
-        def rows(place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            linear = self._linear(place, terms, held)
-            return np.concatenate([each[1] for each in linear]), np.concatenate([each[2] for each in linear])
+        def rows(point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            _, values, slopes = zip(*self._linear(point, terms, peaks), strict=True)
+            return np.concatenate(values), np.concatenate(slopes)
 
-        owners = [term for term, each, _ in self._linear(u, terms, held) for _ in each]
-        bound = np.array([np.nan if term is goal else self._shown_bound(term) for term in owners])
+        owners = [term for term, values, _ in self._linear(u, terms, peaks) for _ in values]
+        bound = np.array([np.nan if term is goal else self._smoothed_bound(term) for term in owners])
         scale = np.array([1.0 if term is goal else self._scale(term) for term in owners])
         return epigraph(rows, bound, scale, u, np.maximum(u - trust, 0.0), np.minimum(u + trust, 1.0), inset)
 
-    def _linear(self, u: np.ndarray, terms: Sequence[Term], held: Held) -> list[tuple[Term, np.ndarray, np.ndarray]]:
-        """Of each term the values (n,) at the peaks that are held, or its one value, and their slopes (n, k)."""
-        k, found = u.size, []
+    def _linear(self, u: np.ndarray, terms: Sequence[Term], peaks: Peaks) -> list[tuple[Term, np.ndarray, np.ndarray]]:
+        """Every term with its values (n,) at its peaks, or its single value, and their slopes (n, k)."""
+        k, result = u.size, []
         peaked, rest = [term for term in terms if term.peaks], [term for term in terms if not term.peaks]
         if peaked:
             angles = [
-                (np.array([each[0] for each in held[p]]), np.array([each[1] for each in held[p]]))
+                (np.array([peak[0] for peak in peaks[p]]), np.array([peak[1] for peak in peaks[p]]))
                 for p in range(len(peaked))
             ]
-            every = self._at(_beside(u, STEP), angles, peaked)
-            for p, (term, each) in enumerate(zip(peaked, every, strict=True)):
-                f = np.array([sign for _, _, sign in held[p]]) * term.shown(each)
-                found.append((term, f[0], (f[1 : k + 1] - f[k + 1 :]).T / (2.0 * STEP)))
+            every = self._at(_neighbours(u, STEP), angles, peaked)
+            for p, (term, values) in enumerate(zip(peaked, every, strict=True)):
+                f = np.array([sign for _, _, sign in peaks[p]]) * term.smoothed(values)
+                result.append((term, f[0], (f[1 : k + 1] - f[k + 1 :]).T / (2.0 * STEP)))
         if rest:
-            numbers = dict(zip(self.paths, self._numbers(_beside(u, COMPARED)), strict=True))
-            values = many(self.design, numbers, [term.row.key for term in rest]).value
+            numbers = dict(zip(self.paths, self._numbers(_neighbours(u, SEARCH_STEP)), strict=True))
+            figures = many(self.design, numbers, [term.row.key for term in rest]).value
             for term in rest:
-                f = term.side * term.shown(values[term.row.key])
-                found.append((term, f[:1], (f[1 : k + 1] - f[k + 1 :])[None] / (2.0 * COMPARED)))
-        return found
+                f = term.side * term.smoothed(figures[term.row.key])
+                result.append((term, f[:1], (f[1 : k + 1] - f[k + 1 :])[None] / (2.0 * SEARCH_STEP)))
+        return result
 
     def _fields(self, u: np.ndarray) -> dict[str, Any]:
+        """Values of the varied fields at coordinates (k,), in the order of the study."""
         numbers = self._numbers(u[:, None])[:, 0].tolist()
         order = [row.field for row in self.study.file.vary]
-        found = {**self.words, **dict(zip(self.paths, numbers, strict=True))}
-        return {field: found[field] for field in order}
+        values = {**self.words, **dict(zip(self.paths, numbers, strict=True))}
+        return {field: values[field] for field in order}
 
 
 def goal_sign(goal: Goal) -> float:
+    """1 for a goal to be minimised, -1 for one to be maximised."""
     return 1.0 if goal.minimise else -1.0
 
 
-def _of_forces(term: Term) -> bool:
+def _needs_forces(term: Term) -> bool:
     from core.study.quantities import quantity
 
-    return quantity(term.asked.name).stage == "dynamics"
+    return quantity(term.request.name).stage == "dynamics"
 
 
-def _beside(u: np.ndarray, step: float) -> np.ndarray:
-    """A place (k,) and those beside it (k, 1 + 2 k): upwards, then downwards."""
+def _neighbours(u: np.ndarray, step: float) -> np.ndarray:
+    """A point (k,) and its neighbours (k, 1 + 2 k), first upwards, then downwards."""
     steps = step * np.eye(u.size)
     return np.hstack([u[:, None], u[:, None] + steps, u[:, None] - steps])

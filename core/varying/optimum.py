@@ -1,5 +1,7 @@
-"""The best design of a study: many designs by Sobol's points, then from the best of these SLSQP (Kraft 1988), round by round
-(``descent``); of all combinations of words; of two goals a front; with a share of machines within the limits, where that is asked for."""
+"""Best design of a study: many designs by Sobol's points, then SLSQP (Kraft 1988) from the best of these, in rounds (``descent``).
+
+All combinations of words are searched. Two goals give a front; limits can hold for a share of the machines built.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,7 @@ from core.study.limits import ANY_PRESSURE, CONVEX, LIMITS
 from core.study.quantities import quantity
 from core.study.quantity_requests import quantity_request
 from core.units import split_unit
-from core.varying.descent import Descent, Held, ProgressCallback, Term, goal_sign
+from core.varying.descent import Descent, Peaks, ProgressCallback, Term, goal_sign
 from core.varying.request import Goal, StudyFile, StudyOfMany
 from core.varying.space import Axis, Space, constant_column, is_discrete, none_built_text, sobol, with_words
 from core.varying.tolerances import ONE_SIDED, Scatter, Share, bounds_of
@@ -33,25 +35,25 @@ from core.varying.tolerances import ONE_SIDED, Scatter, Share, bounds_of
 # -- the best design of a study ---------------------------------------------------------------------------------
 
 
-FIRST, OF_NONE = 1024, 64  # designs by Sobol's points, at most; twice as many for each number that is varied
+MAX_SAMPLES, BASE_SAMPLES = 1024, 64  # designs by Sobol's points; twice as many for every varied number
 STARTS = 6  # from the best of these
-APART = 0.1  # of the bounds, in the mean: how far starts lie from each other at least
-SAME = 1e-5  # of their size: goals of starts that met in the same place
+START_DISTANCE = 0.1  # of the bounds, in the mean: least distance of starts
+SAME = 1e-5  # of their size: goals of starts that reached the same solution
 BINDING = 1e-6  # of a limit
-MOST_WORDS = 512  # combinations of words and whole numbers
+MAX_COMBINATIONS = 512  # of words and whole numbers
 FRONT = 24  # points of a front
-BETTER = 1e-6  # of the goal: what is no better than that is no change
+BETTER = 1e-6  # of the goal: a smaller improvement is no change
 ROBUST_MACHINES = 2000
 ROBUST_ROUNDS = 8
 
 
 class NoDesignBuilt(KindynaError):
-    """None of many designs can be built."""
+    """No design of a study can be built."""
 
 
 @frozen
 class Binding:
-    """A limit, or the bound of a field, at which the answer stands; by how much the goal changes for 1 % more of it."""
+    """A limit, or the bound of a field, that is active at the solution, and the change of the goal for 1 % more of it."""
 
     limit: str
     per_percent: float
@@ -59,49 +61,70 @@ class Binding:
 
 @frozen(eq=False)
 class Optimum:
-    """The best design. kept: whether it keeps the limits, else it is the one that misses them least; better: whether it is better than the
-    design of the study; goals: of the answer and of that design; starts, and how many of them met in the same place; front: of two
-    goals, points none of which is better in both; share: of random machines within the limits, where that is asked for; against:
-    what a check has against a design that would be better still; taken: what else goes into the design, a flywheel."""
+    """The best design of a study.
+
+    Attributes
+    ----------
+    design : Design
+    answer : mapping of str -> value
+        Values of the varied fields.
+    goals, before : mapping of str -> float
+        Goals of this design, and of the design of the study.
+    is_feasible : bool
+        Whether it keeps the limits; else it violates them least.
+    is_better : bool
+        Whether it is better than the design of the study.
+    binding : tuple of Binding
+    starts, agreeing : int
+        Number of starts, and of those that reached the same solution.
+    front : tuple of mapping
+        Of two goals the points of which none is better in both.
+    share : Share or None
+        Of random machines that keep the limits, where the study requires one.
+    rejection : str
+        Findings because of which a better design was rejected.
+    also_set : mapping of str -> float
+        Further fields that the design needs, of a flywheel.
+    """
 
     design: Design
     answer: Mapping[str, Any]
     goals: Mapping[str, float]
     before: Mapping[str, float]
-    kept: bool
-    better: bool
+    is_feasible: bool
+    is_better: bool
     binding: tuple[Binding, ...] = ()
     starts: int = 0
     agreeing: int = 0
     front: tuple[Mapping[str, Any], ...] = ()
     share: Share | None = None
-    against: str = ""
-    taken: Mapping[str, float] = field(default_factory=dict)
+    rejection: str = ""
+    also_set: Mapping[str, float] = field(default_factory=dict)
 
 
-def optimise(study: StudyOfMany, tell: ProgressCallback | None = None, starts: int = STARTS) -> Optimum:
-    """The best design of a study within its limits, from so many starts for each combination of words.
+def optimise(study: StudyOfMany, progress: ProgressCallback | None = None, starts: int = STARTS) -> Optimum:
+    """Best design of a study within its limits, from this number of starts for every combination of words.
 
-    Raises KindynaError where nothing is asked that could be best.
+    Raises KindynaError where the study has no goal, or none of its designs can be built.
     """
     if not study.file.goals:
-        raise KindynaError("goals: none is stated; state one [[goals]], or two for a front")
+        raise KindynaError("goals: there is none; give one [[goals]], or two for a front")
     space = Space(study)
     words = [axis for axis in space.axes if is_discrete(axis.info)]
     sets = list(product(*(_choices(axis) for axis in words)))
-    if len(sets) > MOST_WORDS:
+    if len(sets) > MAX_COMBINATIONS:
         raise KindynaError(
-            f"vary: {len(sets):,} combinations of words and whole numbers are too many; allowed: at most {MOST_WORDS}"
+            f"vary: {len(sets):,} combinations of words and whole numbers are too many; allowed: at most {MAX_COMBINATIONS}"
         )
     if study.file.robust is not None:
-        return _robust(study, space, words, sets, tell, starts)
-    return _best(study, space, words, sets, {}, tell, starts)
+        return _robust(study, space, words, sets, progress, starts)
+    return _best(study, space, words, sets, {}, progress, starts)
 
 
 def _choices(axis: Axis) -> Sequence[Any]:
     if axis.count:
         column = axis.at(np.arange(axis.count))
-        return [each if isinstance(each, str) else int(each) for each in column.tolist()]
+        return [value if isinstance(value, str) else int(value) for value in column.tolist()]
     return range(int(axis.low), int(axis.high) + 1)
 
 
@@ -111,202 +134,220 @@ def _best(
     words: Sequence[Axis],
     sets: Sequence[Any],
     margins: Mapping[str, float],
-    tell: ProgressCallback | None,
+    progress: ProgressCallback | None,
     starts: int,
 ) -> Optimum:
-    """Of all combinations of words. margins: limit -> by how much it is kept and more."""
-    found: list[Optimum] = []
-    none: NoDesignBuilt | None = None
+    """Best design of all combinations of words; ``margins`` maps limits to the distance that is kept from them."""
+    optima: list[Optimum] = []
+    error: NoDesignBuilt | None = None
     numbers = [axis for axis in space.axes if not is_discrete(axis.info)]
     for chosen in sets:
         values = dict(zip((axis.field for axis in words), chosen, strict=True))
         design = with_words(study.base, values)
         if design is None:
             continue
-        search = _Search(study, design, values, numbers, margins, tell, starts)
+        search = _Search(study, design, values, numbers, margins, progress, starts)
         try:
-            found.append(search.front() if len(study.file.goals) == 2 else search.best())
-        except NoDesignBuilt as error:
-            none = error
-    if not found:
-        raise none or KindynaError(f"vary: none of these words go together in this design ({FAULTY})")
+            optima.append(search.front() if len(study.file.goals) == 2 else search.best())
+        except NoDesignBuilt as failure:
+            error = failure
+    if not optima:
+        raise error or KindynaError(
+            f"vary: all combinations of these words exclude each other in this design ({FAULTY})"
+        )
     side = goal_sign(study.file.goals[0])
     key = study.file.goals[0].key
-    best = min(found, key=lambda each: (not each.kept, side * each.goals[key] if each.kept else 0.0))
-    for each in found:  # the design as it is, which other words do not better
-        if (
-            each.kept
-            and not each.better
-            and side * (each.goals[key] - best.goals[key]) <= BETTER * abs(each.goals[key])
-        ):
-            best = each
+    best = min(optima, key=lambda o: (not o.is_feasible, side * o.goals[key] if o.is_feasible else 0.0))
+    for optimum in optima:  # the design of the study, where other words do not improve it
+        goal = optimum.goals[key]
+        if optimum.is_feasible and not optimum.is_better and side * (goal - best.goals[key]) <= BETTER * abs(goal):
+            best = optimum
     if len(study.file.goals) == 2:
-        front = _undominated([point for each in found for point in each.front], study.file.goals)
+        front = _undominated([point for optimum in optima for point in optimum.front], study.file.goals)
         return replace(best, front=tuple(front))
     return best
 
 
 class _Search(Descent):
-    """From all starts the best design, or the front of two goals."""
+    """Search from all starts for the best design, or for the front of two goals."""
 
     # -- all starts ---------------------------------------------------------------------------------------
 
     def starts(self) -> list[np.ndarray]:
-        """The design itself where it lies within the bounds, and the best of Sobol's points that lie apart from each other."""
-        chosen = [self.own] if ((self.own >= 0.0) & (self.own <= 1.0)).all() else []
-        if len(chosen) == self.most_starts:
+        """Coordinates of the starts: the design where it is within the bounds, and the best of Sobol's points at a distance.
+
+        Returns
+        -------
+        list of ndarray (k,), dimensionless
+        """
+        chosen = [self.nominal] if ((self.nominal >= 0.0) & (self.nominal <= 1.0)).all() else []
+        if len(chosen) == self.max_starts:
             return chosen
         k = len(self.paths)
-        u = sobol(k, self.study.file.seed, 0, min(FIRST, OF_NONE << k)).T
+        u = sobol(k, self.study.file.seed, 0, min(MAX_SAMPLES, BASE_SAMPLES << k)).T
         rows, good = self.values(u, polish=False)
         over, goal = self.excess(rows, good), rows[-len(self.goals)]
-        if not (good & np.isfinite(over)).any() and not (chosen and self.values(self.own[:, None])[1].any()):
-            raise NoDesignBuilt(self._why_none(u))
+        if not (good & np.isfinite(over)).any() and not (chosen and self.values(self.nominal[:, None])[1].any()):
+            raise NoDesignBuilt(self._none_built(u))
         order = np.lexsort((goal, np.maximum(over, 0.0)))
         for i in order:
-            if len(chosen) >= self.most_starts or not np.isfinite(over[i]):
+            if len(chosen) >= self.max_starts or not np.isfinite(over[i]):
                 break
-            if all(np.abs(u[:, i] - each).mean() > APART for each in chosen):
+            if all(np.abs(u[:, i] - start).mean() > START_DISTANCE for start in chosen):
                 chosen.append(u[:, i])
         return chosen
 
     def best(self) -> Optimum:
-        """The best of all starts that a check has nothing against."""
+        """Best design from all starts that brings no new finding."""
         goal, starts = self.goals[0], self.starts() if self.paths else [np.zeros(0)]
         if not self.paths:
             return self._chosen(starts, goal)
-        return self._chosen([self.solved(start, goal) for start in starts], goal)
+        return self._chosen([self.solve(start, goal) for start in starts], goal)
 
-    def _why_none(self, u: np.ndarray) -> str:
-        """That none of these designs u (k, m) can be built, and the commonest reason."""
+    def _none_built(self, u: np.ndarray) -> str:
+        """Message that no design u (k, m) can be built, with the most frequent reason."""
         keys = [goal.row.key for goal in self.goals]
         numbers = dict(zip(self.paths, self._numbers(u), strict=True))
         (code, often), *_ = Counter(many(self.design, numbers, keys, polish=False).reason.tolist()).most_common(1)
         return none_built_text(u.shape[1], code or "no value", often)
 
-    def _chosen(self, places: Sequence[np.ndarray], goal: Term) -> Optimum:
-        """The best place that keeps the limits and brings no new finding."""
-        rows, good = self.values(np.array([*places, np.clip(self.own, 0.0, 1.0)]).T)
+    def _chosen(self, points: Sequence[np.ndarray], goal: Term) -> Optimum:
+        """Optimum at the best point that keeps the limits and brings no new finding."""
+        rows, good = self.values(np.array([*points, np.clip(self.nominal, 0.0, 1.0)]).T)
         over, goals = self.excess(rows, good), rows[len(self.terms) + self.goals.index(goal)]
         keeps = over <= 0.0
-        inside = (
-            bool(((self.own >= 0.0) & (self.own <= 1.0)).all()) and bool(keeps[-1]) and self.design == self.study.base
-        )
+        is_inside = bool(((self.nominal >= 0.0) & (self.nominal <= 1.0)).all())
+        nominal_is_feasible = is_inside and bool(keeps[-1]) and self.design == self.study.base
         order = [int(i) for i in np.argsort(np.where(keeps[:-1], goals[:-1], np.inf)) if keeps[i]]
-        if not order and not inside:
-            return self._of(places[int(np.argmin(over[:-1]))], len(places), 0, kept=False)
+        if not order and not nominal_is_feasible:
+            return self._optimum(points[int(np.argmin(over[:-1]))], len(points), 0, is_feasible=False)
         check = FindingsCheck(self.study.base, waived=waived(self.study.file))
-        against = ""
+        rejection = ""
         for i in order:
-            if inside and goals[i] > goals[-1] - BETTER * abs(goals[-1]):
+            if nominal_is_feasible and goals[i] > goals[-1] - BETTER * abs(goals[-1]):
                 break
-            new = check.new(self._whole(places[i])[0])
+            new = check.new(self._with_flywheel(points[i])[0])
             if not new:
                 agreeing = int((np.abs(goals[order] - goals[i]) <= SAME * abs(goals[i])).sum())
-                return self._of(places[i], len(places), agreeing, against=against)
-            against = against or "; ".join(new)
-        if not inside:
-            return self._of(places[order[0]], len(places), 0, kept=False, against=against)
-        if against:
-            between = self._towards(places[order[0]], check)
+                return self._optimum(points[i], len(points), agreeing, rejection=rejection)
+            rejection = rejection or "; ".join(new)
+        if not nominal_is_feasible:
+            return self._optimum(points[order[0]], len(points), 0, is_feasible=False, rejection=rejection)
+        if rejection:
+            between = self._towards(points[order[0]], check)
             if between is not None:
-                return self._of(between, len(places), 1, against=against)
-        return self._of(self.own, len(places), 0, against=against, better=False)
+                return self._optimum(between, len(points), 1, rejection=rejection)
+        return self._optimum(self.nominal, len(points), 0, rejection=rejection, is_better=False)
 
-    def _towards(self, place: np.ndarray, check: FindingsCheck) -> np.ndarray | None:
-        """The design on the way to a place that is the last one to bring no finding."""
-        part, step, found = 0.0, 0.5, None
+    def _towards(self, point: np.ndarray, check: FindingsCheck) -> np.ndarray | None:
+        """Last point on the line from the design of the study to a point that brings no new finding; None where there is none."""
+        part, step, last = 0.0, 0.5, None
         for _ in range(12):
-            u = self.own + (part + step) * (place - self.own)
-            if float(self.excess(*self.values(u[:, None]))[0]) <= 0.0 and not check.new(self._whole(u)[0]):
-                part, found = part + step, u
+            u = self.nominal + (part + step) * (point - self.nominal)
+            if float(self.excess(*self.values(u[:, None]))[0]) <= 0.0 and not check.new(self._with_flywheel(u)[0]):
+                part, last = part + step, u
             step *= 0.5
-        return found
+        return last
 
-    def _design(self, u: np.ndarray) -> Design:
-        design, kept = self.design, {row_at(path)[1] for path in self.paths if path.startswith("motion.")}
+    def _with_flywheel(self, u: np.ndarray) -> tuple[Design, Mapping[str, float]]:
+        """Design at coordinates (k,), with the flywheel it needs, and the fields of the flywheel."""
+        design, varied = self.design, {row_at(path)[1] for path in self.paths if path.startswith("motion.")}
         for path, value in zip(self.paths, self._numbers(u[:, None])[:, 0].tolist(), strict=True):
-            design = edited(design, path, value, kept)
-        return design
+            design = edited(design, path, value, varied)
+        return with_flywheel(design, self.study.base)
 
-    def _whole(self, u: np.ndarray) -> tuple[Design, Mapping[str, float]]:
-        return with_flywheel(self._design(u), self.study.base)
-
-    def _of(
-        self, u: np.ndarray, starts: int, agreeing: int, *, kept: bool = True, better: bool = True, against: str = ""
+    def _optimum(
+        self,
+        u: np.ndarray,
+        starts: int,
+        agreeing: int,
+        *,
+        is_feasible: bool = True,
+        is_better: bool = True,
+        rejection: str = "",
     ) -> Optimum:
         rows, _ = self.values(u[:, None])
         first = len(self.terms)
-        goals = {goal.row.key: float(goal.side * rows[first + i, 0]) for i, goal in enumerate(self.goals)}
-        before = _own_goals(self.study)
-        binding = self.binding(u, self.goals[0]) if kept and u.size else ()
-        design, taken = self._whole(u)
+        design, also_set = self._with_flywheel(u)
         return Optimum(
             design,
-            self._fields(u),
-            goals,
-            before,
-            kept,
-            kept and better,
-            tuple(binding),
-            starts,
-            agreeing,
-            (),
-            None,
-            against,
-            taken,
+            answer=self._fields(u),
+            goals={goal.row.key: float(goal.side * rows[first + i, 0]) for i, goal in enumerate(self.goals)},
+            before=_nominal_goals(self.study),
+            is_feasible=is_feasible,
+            is_better=is_feasible and is_better,
+            binding=tuple(self.binding(u, self.goals[0])) if is_feasible and u.size else (),
+            starts=starts,
+            agreeing=agreeing,
+            rejection=rejection,
+            also_set=also_set,
         )
 
     def binding(self, u: np.ndarray, goal: Term) -> list[Binding]:
-        """At an answer: multipliers λ >= 0 of t's gradient = Σ λ_j of those of the constraints that hold it (Karush 1939), by non-negative
-        least squares; a limit L changes the goal by λ L/100 for 1 % of it."""
+        """Active limits at a solution, with the change λ L/100 of the goal for 1 % of a limit L.
+
+        The multipliers λ_j >= 0 satisfy ∇t = Σ λ_j ∇g_j over the active constraints g_j, by non-negative least squares.
+
+        Parameters
+        ----------
+        u : ndarray (k,), dimensionless
+            Coordinates of the solution.
+        goal : Term
+
+        Returns
+        -------
+        list of Binding
+            The strongest first.
+
+        References
+        ----------
+        Karush (1939), Minima of functions of several variables with inequalities as side constraints.
+        """
         from scipy.optimize import nnls
 
         terms = [*self.terms, goal]
         peaked = [term for term in terms if term.peaks]
-        held: Held = {}
-        if peaked and not self._add(held, peaked, u):
+        peaks: Peaks = {}
+        if peaked and not self._add_peaks(peaks, peaked, u):
             return []
         k = u.size
         names: list[str] = []
         columns: list[np.ndarray] = []
-        worth: list[float] = []
-        found = [
+        weights_of_limits: list[float] = []
+        rows = [
             (term, float(value), slope)
-            for term, values, slopes in self._linear(u, terms, held)
+            for term, values, slopes in self._linear(u, terms, peaks)
             for value, slope in zip(values, slopes, strict=True)
             if np.isfinite(slope).all()
         ]
-        top = max((value for term, value, _ in found if term is goal), default=np.nan)
+        top = max((value for term, value, _ in rows if term is goal), default=np.nan)
         if np.isnan(top):
             return []
         size = abs(top) or 1.0
-        for term, value, slope in found:
+        for term, value, slope in rows:
             if term is goal:
                 if top - value <= 1e-5 * size:
                     names.append("")
                     columns.append(np.append(slope / size, 1.0))
-                    worth.append(0.0)
-            elif self._shown_bound(term) - value <= BINDING * self._scale(term):
+                    weights_of_limits.append(0.0)
+            elif self._smoothed_bound(term) - value <= BINDING * self._scale(term):
                 b = term.bound or 0.0
-                rate = abs(self._shown_bound(replace(term, bound=b * (1.0 + 1e-6))) - self._shown_bound(term)) / (
-                    abs(b) * 1e-6 or 1.0
-                )
+                step = self._smoothed_bound(replace(term, bound=b * (1.0 + 1e-6))) - self._smoothed_bound(term)
+                rate = abs(step) / (abs(b) * 1e-6 or 1.0)
                 names.append(term.row.column)
                 columns.append(np.append(slope / self._scale(term), 0.0))
-                worth.append(abs(b) * rate / self._scale(term))
+                weights_of_limits.append(abs(b) * rate / self._scale(term))
         for i, path in enumerate(self.paths):
-            for at, way, end in ((0.0, -1.0, float(self.low[i])), (1.0, 1.0, float(self.high[i]))):
+            for at, sign, end in ((0.0, -1.0, float(self.low[i])), (1.0, 1.0, float(self.high[i]))):
                 if abs(u[i] - at) < 1e-7:
                     names.append(path)
-                    columns.append(np.append(way * np.eye(k)[i], 0.0))
-                    worth.append(abs(end) / (self.high[i] - self.low[i]))
-        wanted = np.append(np.zeros(k), 1.0)
-        weights, _ = nnls(np.array(columns).T, wanted)
+                    columns.append(np.append(sign * np.eye(k)[i], 0.0))
+                    weights_of_limits.append(abs(end) / (self.high[i] - self.low[i]))
+        multipliers, _ = nnls(np.array(columns).T, np.append(np.zeros(k), 1.0))
         by_name: dict[str, float] = {}
-        for name, weight, each in zip(names, weights, worth, strict=True):
-            if name and weight > 1e-9:
-                by_name[name] = by_name.get(name, 0.0) - 0.01 * weight * each * size * goal.side
+        for name, multiplier, weight in zip(names, multipliers, weights_of_limits, strict=True):
+            if name and multiplier > 1e-9:
+                by_name[name] = by_name.get(name, 0.0) - 0.01 * multiplier * weight * size * goal.side
         return [
             Binding(name, float(change)) for name, change in sorted(by_name.items(), key=lambda item: -abs(item[1]))
         ]
@@ -314,32 +355,33 @@ class _Search(Descent):
     # -- two goals ----------------------------------------------------------------------------------------
 
     def front(self) -> Optimum:
-        """Of two goals: each by itself, then the first one with the second held below values between (ε-constraint, Haimes 1971)."""
+        """Front of two goals: each goal alone, then the first with a bound of the second (ε-constraint method).
+
+        References
+        ----------
+        Haimes, Lasdon and Wismer (1971), On a bicriterion formulation of the problems of integrated system identification.
+        """
         first, second = self.goals
         starts = self.starts()
         ends = []
         for i, goal in enumerate(self.goals):
-            places = [self.solved(start, goal) for start in starts[:3]]
-            ends.append(min(places, key=lambda u, i=i: self._merit(u, i)))  # type: ignore[misc]
+            points = [self.solve(start, goal) for start in starts[:3]]
+            ends.append(min(points, key=lambda u, i=i: self._merit(u, i)))  # type: ignore[misc]
         rows, _ = self.values(np.array(ends).T)
         levels = rows[len(self.terms) + 1]
-        places, u = [ends[0]], ends[0]
+        points, u = [ends[0]], ends[0]
         for level in np.linspace(levels[0], levels[1], FRONT)[1:-1]:
-            held = replace(second, bound=float(level))
-            u = self.solved(u, first, (held,))
-            places.append(u)
-        places.append(ends[1])
-        rows, good = self.values(np.array(places).T)
+            u = self.solve(u, first, (replace(second, bound=float(level)),))
+            points.append(u)
+        points.append(ends[1])
+        rows, good = self.values(np.array(points).T)
         keeps = self.excess(rows, good) <= 0.0
-        points: list[Mapping[str, Any]] = [
+        front: list[Mapping[str, Any]] = [
             {**self._fields(u), **{goal.row.column: float(goal.side * rows[len(self.terms) + i, j]) for i, goal in enumerate(self.goals)}}
-            for j, u in enumerate(places) if keeps[j]
+            for j, u in enumerate(points) if keeps[j]
         ]  # fmt: skip
-        points = _undominated(points, self.study.file.goals)
-        return replace(
-            self._chosen([u for u, keep in zip(places, keeps, strict=True) if keep] or places, first),
-            front=tuple(points),
-        )
+        best = self._chosen([u for u, keep in zip(points, keeps, strict=True) if keep] or points, first)
+        return replace(best, front=tuple(_undominated(front, self.study.file.goals)))
 
     def _merit(self, u: np.ndarray, goal: int) -> tuple[float, float]:
         rows, good = self.values(u[:, None])
@@ -347,37 +389,37 @@ class _Search(Descent):
 
 
 def waived(file: StudyFile) -> set[str]:
-    """Findings of limits for which a study states its own: of pressure angle, curvature, and transmission angles."""
-    stated = {limit.quantity for limit in file.limits}
+    """Codes of findings that the limits of a study replace: of pressure angle, curvature, and transmission angles."""
+    limited = {limit.quantity for limit in file.limits}
     keys = {"pressure_angle_deg": (ANY_PRESSURE,), "profile_curvature_per_mm": (CONVEX,)}
-    found = {code for slug, rows in keys.items() if slug in stated for key in rows for code in LIMITS[key].findings}
-    return found | {"transmission-angle" for slug in stated if slug.startswith("transmission_")}
+    codes = {code for slug, rows in keys.items() if slug in limited for key in rows for code in LIMITS[key].findings}
+    return codes | {"transmission-angle" for slug in limited if slug.startswith("transmission_")}
 
 
 def with_flywheel(design: Design, before: Design) -> tuple[Design, Mapping[str, float]]:
-    """The design, with a flywheel that keeps the speed as even as is wanted where that of the design before did; and this."""
+    """The design, with a flywheel where its speed fluctuates beyond the target and that of the design before does not."""
     if has_uneven_speed(design) and not has_uneven_speed(before):
         with suppress(KindynaError):
             return with_least_flywheel(design)
     return design, {}
 
 
-def _own_goals(study: StudyOfMany) -> dict[str, float]:
-    """Of the design as it is; NaN where it has none."""
-    found = many(study.base, constant_column(study.base, 1), [goal.key for goal in study.file.goals])
-    return {goal.key: float(found.value[goal.key][0]) for goal in study.file.goals}
+def _nominal_goals(study: StudyOfMany) -> dict[str, float]:
+    """Goals of the design of the study; NaN where it has none."""
+    results = many(study.base, constant_column(study.base, 1), [goal.key for goal in study.file.goals])
+    return {goal.key: float(results.value[goal.key][0]) for goal in study.file.goals}
 
 
 def _undominated(points: Sequence[Mapping[str, Any]], goals: Sequence[Goal]) -> list[Mapping[str, Any]]:
-    """Points than which none is as good in both goals and better in one, by the first goal."""
+    """Points that no other point dominates (as good in both goals, better in one), in the order of the first goal."""
     worth = np.array([[goal_sign(goal) * point[goal.column] for goal in goals] for point in points]).reshape(
         -1, len(goals)
     )
-    kept = [
-        i for i, own in enumerate(worth)
-        if not any((other <= own).all() and (other < own).any() for other in worth) and not (worth[:i] == own).all(axis=1).any()
+    chosen = [
+        i for i, goal in enumerate(worth)
+        if not any((g <= goal).all() and (g < goal).any() for g in worth) and not (worth[:i] == goal).all(axis=1).any()
     ]  # fmt: skip
-    return [points[i] for i in sorted(kept, key=lambda i: worth[i, 0])]
+    return [points[i] for i in sorted(chosen, key=lambda i: worth[i, 0])]
 
 
 def _robust(
@@ -385,116 +427,123 @@ def _robust(
     space: Space,
     words: Sequence[Axis],
     sets: Sequence[Any],
-    tell: ProgressCallback | None,
+    progress: ProgressCallback | None,
     starts: int,
 ) -> Optimum:
-    """With limits narrowed by z times the deviation that the tolerances make, by the sensitivities at the answer before; then random
-    machines; z grows until the lower end of Wilson's interval is at the share that is asked for."""
-    wanted = study.file.robust
-    assert wanted is not None, "a robust study"
+    """Best design whose limits a share of the machines keeps.
+
+    Limits are narrowed by z times the deviation by the tolerances, from the sensitivities at the last solution; z grows until the
+    lower end of Wilson's interval, by random machines, reaches the required share.
+    """
+    required = study.file.robust
+    assert required is not None, "a robust study"
     margins: dict[str, float] = {}
-    widened = ONE_SIDED
-    best = _best(study, space, words, sets, margins, tell, starts)
+    z = ONE_SIDED
+    best = _best(study, space, words, sets, margins, progress, starts)
     for _ in range(ROBUST_ROUNDS):
-        if not best.kept:
+        if not best.is_feasible:
             return best
-        here = StudyOfMany(best.design, study.file, study.folder)
-        scatter = Scatter(here)
+        scatter = Scatter(StudyOfMany(best.design, study.file, study.folder))
         share = scatter.share(ROBUST_MACHINES, study.file.seed)
         best = replace(best, share=share)
-        if share.interval[0] >= wanted:
+        if share.interval[0] >= required:
             return best
         slopes = scatter.slopes()
         sigma = np.array([row.deviation for row in scatter.tolerances])
         deviation = np.sqrt(((slopes * sigma[:, None]) ** 2).sum(axis=0))
-        margins = {limit.key: widened * float(deviation[scatter.keys.index(limit.key)]) for limit in study.file.limits}
-        widened *= 1.15
-        best = _best(study, space, words, sets, margins, tell, starts)
-    return replace(best, kept=False)
+        margins = {limit.key: z * float(deviation[scatter.keys.index(limit.key)]) for limit in study.file.limits}
+        z *= 1.15
+        best = _best(study, space, words, sets, margins, progress, starts)
+    return replace(best, is_feasible=False)
 
 
-# -- what is said of the best design of a study beside it -------------------------------------------------------
+# -- remarks on the best design ---------------------------------------------------------------------------------
 
 
 TORQUE, POWER = "drive_torque", "power.load"
 PEAKS = ("max", "abs")
-MORE = 0.01  # of the goal: a law that gives no more than that is not worth a word
-WHOLE = 1000.0  # N·m, from which on a torque is said without decimals
+MIN_GAIN = 0.01  # of the goal: by which another law must improve it to be mentioned
+NO_DECIMALS = 1000.0  # N·m, from which on a torque has no decimals
 DWELL = "dwell"
 
 
-def remarks(study: StudyOfMany, found: Optimum) -> tuple[str, ...]:
-    """Sentences about an answer that keeps the limits, which cost a design of each law; the limits missed by one that does not."""
-    if not found.kept:
-        return tuple(_missed(study, found))
-    said = [_fixed(found, goal) for goal in study.file.goals]
-    return tuple(each for each in (*said, _law(study, found)) if each)
+def remarks(study: StudyOfMany, optimum: Optimum) -> tuple[str, ...]:
+    """Remarks on the best design: the limits it violates; else the fixed part of a peak torque, and a better motion law.
+
+    One design is computed for every motion law.
+    """
+    if not optimum.is_feasible:
+        return tuple(_violated_limits(study, optimum))
+    sentences = [*(_fixed_torque(optimum, goal) for goal in study.file.goals), _better_law(study, optimum)]
+    return tuple(sentence for sentence in sentences if sentence)
 
 
-def _missed(study: StudyOfMany, found: Optimum) -> Iterator[str]:
-    """What the design reaches of each limit that it does not keep."""
+def _violated_limits(study: StudyOfMany, optimum: Optimum) -> Iterator[str]:
+    """Values of the limits that the design violates."""
     bounds = list(bounds_of(study.file.limits))
-    reached = many(found.design, constant_column(found.design, 1), [limit.key for limit, _, _ in bounds]).value
+    reached = many(optimum.design, constant_column(optimum.design, 1), [limit.key for limit, _, _ in bounds]).value
     for limit, side, bound in bounds:
         value = float(reached[limit.key][0])
         if not side * value <= side * bound:
             yield f"{limit.key} = {value:.7g}, {'most' if side > 0.0 else 'least'} {bound:g}"
 
 
-def _fixed(found: Optimum, goal: Goal) -> str:
-    """Of a peak torque what a force on the follower takes: T_F = -F y', by the balance of power at constant speed."""
-    asked = quantity_request(found.design, goal.key)
-    if asked.name != TORQUE or asked.statistic not in PEAKS or not goal.minimise:
+def _fixed_torque(optimum: Optimum, goal: Goal) -> str:
+    """Sentence about the part of a peak torque by the force on the follower, T_F = -F y', which no length changes."""
+    request = quantity_request(optimum.design, goal.key)
+    if request.name != TORQUE or request.statistic not in PEAKS or not goal.minimise:
         return ""
-    design = found.design if asked.drive is None else only(found.design, asked.drive)
-    peak = many(found.design, constant_column(found.design, 1), [goal.key])
-    there = Study(design).at_theta(np.deg2rad(peak.angle_deg[goal.key]))
-    torque, power = (float(quantity(name).value(there)[0]) for name in (TORQUE, POWER))
-    held = -power / there.omega
-    if held * torque <= 0.0:
+    design = optimum.design if request.drive is None else only(optimum.design, request.drive)
+    peak = many(optimum.design, constant_column(optimum.design, 1), [goal.key])
+    study = Study(design).at_theta(np.deg2rad(peak.angle_deg[goal.key]))
+    torque, power = (float(quantity(name).value(study)[0]) for name in (TORQUE, POWER))
+    force_torque = -power / study.omega
+    if force_torque * torque <= 0.0:
         return ""
-    part = f"{_newton_metres(held)} of {_newton_metres(torque)} N·m are force times y'"
-    if abs(held) > abs(torque):  # masses and friction take some off
-        part = f"force times y' alone is {_newton_metres(held)} N·m, more than all {_newton_metres(torque)} N·m,"
+    part = f"{_newton_metres(force_torque)} of {_newton_metres(torque)} N·m are force times y'"
+    if abs(force_torque) > abs(torque):  # masses and friction reduce it
+        part = (
+            f"force times y' alone is {_newton_metres(force_torque)} N·m, more than all {_newton_metres(torque)} N·m,"
+        )
     at = peak.angle_deg[goal.key][0]
-    return f"{quantity(TORQUE).label}: {part} at {at:.2f}°, which motion and load fix, whatever the lengths"
+    return f"{quantity(TORQUE).label}: {part} at {at:.2f}°, which motion and load determine, for any lengths"
 
 
 def _newton_metres(torque: float) -> str:
-    """Four digits of a small one, a large one to 1 N·m."""
-    return f"{abs(torque):,.0f}" if abs(torque) >= WHOLE else f"{abs(torque):.4g}"
+    """A torque with four digits, a large one to 1 N·m."""
+    return f"{abs(torque):,.0f}" if abs(torque) >= NO_DECIMALS else f"{abs(torque):.4g}"
 
 
-def _law(study: StudyOfMany, found: Optimum) -> str:
-    """The law that, put in for those of all rises with the same numbers, makes the first goal best and brings no new finding."""
-    goal, design = study.file.goals[0], found.design
+def _better_law(study: StudyOfMany, optimum: Optimum) -> str:
+    """Sentence about the motion law with which the first goal is best, for all rises and with the same numbers."""
+    goal, design = study.file.goals[0], optimum.design
     laws = [path for path in all_paths(design) if path.endswith(".law")]
-    moved = [path for path in laws if get(design, path) != DWELL]
-    if not moved or any(row.field in laws for row in study.file.vary):
+    moving = [path for path in laws if get(design, path) != DWELL]
+    if not moving or any(row.field in laws for row in study.file.vary):
         return ""
-    side, own = 1.0 if goal.minimise else -1.0, found.goals[goal.key]
+    side, best = goal_sign(goal), optimum.goals[goal.key]
     check = FindingsCheck(design, waived=waived(study.file))
-    for value, law, made in sorted(_others(study, design, moved), key=lambda row: side * row[0]):
-        if side * (own - value) <= MORE * abs(own):
+    for value, law, variant in sorted(_law_variants(study, design, moving), key=lambda row: side * row[0]):
+        if side * (best - value) <= MIN_GAIN * abs(best):
             break
-        if not check.new(with_flywheel(made, design)[0]):
+        if not check.new(with_flywheel(variant, design)[0]):
             label, unit = LAWS[law].label, split_unit(goal.quantity)[1].symbol
             return (
                 f"Another law, {label} ({law}), with the same numbers brings the first goal to {value:.5g}"
-                f"{f' {unit}' if unit else ''} ({100.0 * (value / own - 1.0):+.1f} %)"
+                f"{f' {unit}' if unit else ''} ({100.0 * (value / best - 1.0):+.1f} %)"
             )
     return ""
 
 
-def _others(study: StudyOfMany, design: Design, paths: Sequence[str]) -> Iterator[tuple[float, str, Design]]:
-    """The first goal with each law that keeps the limits, the law, and the design."""
+def _law_variants(study: StudyOfMany, design: Design, paths: Sequence[str]) -> Iterator[tuple[float, str, Design]]:
+    """First goal, law and design of every motion law that keeps the limits."""
     keys = [row.key for row in study.quantities]
     for law in LAWS:
-        made = with_words(design, dict.fromkeys(paths, law)) if law != DWELL else None
-        if made is None:
+        variant = with_words(design, dict.fromkeys(paths, law)) if law != DWELL else None
+        if variant is None:
             continue
-        value = many(made, constant_column(made, 1), keys).value
+        value = many(variant, constant_column(variant, 1), keys).value
         if all(side * value[limit.key][0] <= side * bound for limit, side, bound in bounds_of(study.file.limits)):
             goal = float(value[study.file.goals[0].key][0])
             if math.isfinite(goal):
-                yield goal, law, made
+                yield goal, law, variant

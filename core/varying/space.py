@@ -244,7 +244,18 @@ def _plain(column: Column) -> Sequence[Any]:
 
 
 def constant_column(design: Design, m: int) -> dict[str, np.ndarray]:
-    """Path of a number of the design -> the number (m,), unchanged: ``many`` needs a varied number."""
+    """Path of a number of the design with the number repeated, since ``many`` needs a varied number.
+
+    Parameters
+    ----------
+    design : Design
+    m : int
+        Number of designs.
+
+    Returns
+    -------
+    dict of str -> ndarray (m,) [unit of the field]
+    """
     from core.design.paths import entries
 
     for name in design.tables:

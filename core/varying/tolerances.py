@@ -155,7 +155,7 @@ class Waves:
         values : ndarray (..., n) [SI unit of the quantity]
             Its values without the wave.
         wave : callable
-            Error of the motion, as by `error`.
+            Order -> derivative of the motion's error, ndarray (..., n) [m or rad], as by `error`.
 
         Returns
         -------

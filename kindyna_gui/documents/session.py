@@ -15,14 +15,13 @@ from core.design import (
     Design,
     blunders,
     closed_design,
+    differs_in_one_value,
     drive_names,
     edited,
     faults,
-    lacks,
-    laid_out,
     merged,
+    missing_of_motion,
     motion_of,
-    one_value_apart,
     only,
     path_of,
     require_motion,
@@ -30,6 +29,7 @@ from core.design import (
     with_assumed,
     with_motion,
     with_only,
+    with_value,
 )
 from core.design.linkage_rules import only_incomplete
 from core.errors import DesignError, Fault, KindynaError
@@ -280,7 +280,7 @@ class Session(QObject):
     @property
     def closing(self) -> Any:
         """The design as typed with its motion made whole; None where that is whole, or nothing simple helps."""
-        if self.draft is None or not lacks(self.typed):
+        if self.draft is None or not missing_of_motion(self.typed):
             return None
         at = segment_of(self.misfit.path)
         return closed_design(self.typed, -1 if at is None else at)
@@ -371,15 +371,15 @@ class Session(QObject):
         """
         if path.startswith(f"{MOTION}."):
             typed = self.typed
-            if self.draft is not None and one_value_apart(
+            if self.draft is not None and differs_in_one_value(
                 self.design, typed, path
             ):  # typed anew: in balance with the others again
                 typed = with_motion(typed, require_motion(self.design))
-            made = laid_out(typed, path, value, [each for drive, each in self._cells if drive == self.chosen])
+            made = with_value(typed, path, value, [each for drive, each in self._cells if drive == self.chosen])
             self._cells.add((self.chosen, path))
             return self.lay_out(made, label, path)
         if self._is_of_whole(path):
-            return self.lay_out_whole(laid_out(self.typed_whole, path, value), label, path)
+            return self.lay_out_whole(with_value(self.typed_whole, path, value), label, path)
         if path == LAYOUT and self.draft is None:
             return self._choose_layout(edited(self.design, path, value), value, label)
         return self.lay_out(edited(self.typed, path, value), label, path)

@@ -43,7 +43,7 @@ from core.design import (
 from core.design.followers import Roller
 from core.errors import KindynaError
 from core.findings import ERROR
-from core.linkage_programs import Made, read_linkage
+from core.linkage_programs import LinkageImport, read_linkage
 from core.linkage_programs.design import UNITS, decoded
 from core.mechanism.drawing_edits import empty_linkage
 from core.mechanism.unfinished import mobility
@@ -175,7 +175,7 @@ class LinkageDialog(QDialog):
         dialogs.give_help(self, "linkages#From other programs")
         self.setWindowTitle(TITLE)
         self._name, self._file = "", ("", "")  # what was opened: its path, and its text
-        self.made: Made | None = None
+        self.made: LinkageImport | None = None
         self.text, self.units, self.mirror, self.inputs = QPlainTextEdit(), QComboBox(), QCheckBox(), QListWidget()
         self.text.setTabChangesFocus(True)
         self.text.setPlaceholderText("Paste a Pyslvs expression, M[J[R, ...], or the address of PMKS+, or open a file")
@@ -268,14 +268,14 @@ class LinkageDialog(QDialog):
             self._list_inputs(self.made)
         self._show(self.made)
 
-    def _list_inputs(self, made: Made) -> None:
+    def _list_inputs(self, made: LinkageImport) -> None:
         self.inputs.blockSignals(True)
         for name in made.could_drive:
             item = QListWidgetItem(name, self.inputs)
             item.setCheckState(Qt.CheckState.Checked if name in made.inputs else Qt.CheckState.Unchecked)
         self.inputs.blockSignals(False)
 
-    def _show(self, made: Made) -> None:
+    def _show(self, made: LinkageImport) -> None:
         lines = [f"{made.links} links, {made.joints} joints"]
         lines += [f"Left out: {each.what}: {each.why}" for each in made.left_out[:MOST_SHOWN]]
         if (more := len(made.left_out) - MOST_SHOWN) > 0:
@@ -294,7 +294,7 @@ class LinkageDialog(QDialog):
         self.message.show_message(text)
 
 
-def linkage_wanted(parent: QWidget) -> Made | None:
+def linkage_wanted(parent: QWidget) -> LinkageImport | None:
     """Ask for a linkage of another program; None where the user thinks better of it."""
     dialog = LinkageDialog(parent)
     accepted = dialog.exec() == QDialog.DialogCode.Accepted

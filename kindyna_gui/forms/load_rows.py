@@ -28,13 +28,13 @@ from core.design import (
     AttachedEnd,
     Attachment,
     Design,
-    Held,
+    Target,
     get,
     holds_of,
-    places_for,
+    targets_for,
     when_of,
     whens_of,
-    with_held,
+    with_attachment,
     with_load_table,
     with_table_row,
     with_when,
@@ -69,7 +69,7 @@ class HoldRows(QWidget):
         self.boxes: dict[str, WordBox] = {}
         self.buttons: dict[str, QPushButton] = {}
         self._messages: dict[str, QLabel] = {}
-        self._values: dict[str, list[Held | None]] = {}
+        self._values: dict[str, list[Target | None]] = {}
         grid = QGridLayout(self)
         grid.setContentsMargins(0, 0, 0, 3)
         grid.setHorizontalSpacing(6)
@@ -131,9 +131,9 @@ class HoldRows(QWidget):
         self._say(hold.key, "\n".join(text for path, _, text in self._session.misfit.reasons if path in own))
         self.boxes[hold.key].set_waits(self._session.waits(own[0], lambda design: hold.read(get(design, self._path))))
 
-    def _show(self, hold: AttachedEnd, design: Design, now: Held | None) -> None:
+    def _show(self, hold: AttachedEnd, design: Design, now: Target | None) -> None:
         box = self.boxes[hold.key]
-        values: list[Held | None] = [*((None,) if hold.output else ()), *places_for(design.drive, hold)]
+        values: list[Target | None] = [*((None,) if hold.output else ()), *targets_for(design.drive, hold)]
         if isinstance(now, Attachment) and hold.what == LINK:  # the place on the link has fields of its own
             now = Attachment(link=now.link)
         if now not in values:
@@ -188,12 +188,12 @@ class HoldRows(QWidget):
         self.refresh(self._session.typed)
 
 
-def put_held(session: Session, path: str, hold: AttachedEnd, held: Held | None) -> bool:
+def put_held(session: Session, path: str, hold: AttachedEnd, held: Target | None) -> bool:
     """Let a row of the loads hold on elsewhere, as one step; False where that is refused."""
     design, at = session.typed, f"{path}.{hold.key}"
     session.end_gesture()
     try:
-        changed = with_held(design, path, hold.key, held)
+        changed = with_attachment(design, path, hold.key, held)
     except KindynaError as error:
         session.refuse(at, reason(design, error))
         return False

@@ -13,7 +13,7 @@ from PySide6.QtCore import QCoreApplication, QEvent, QPoint, QPointF, Qt, Signal
 from PySide6.QtGui import QAction, QActionGroup, QColor, QKeyEvent, QKeySequence, QPainter, QShortcut
 from PySide6.QtWidgets import QStackedWidget, QVBoxLayout
 
-from core.design import AttachedEnd, Held, entry_at, put, split_unit, turns_on
+from core.design import AttachedEnd, Target, entry_at, put, split_unit, turns_on
 from core.errors import KindynaError, NoSolution
 from core.instant_centres import CHAINS
 from core.numerics.lazy import postponing
@@ -578,7 +578,7 @@ class MechanismView(View):
         holds: Sequence[AttachedEnd],
         taken: Taken,
         can_be_left: bool = False,
-        beside: Sequence[Held | None] = (),
+        beside: Sequence[Target | None] = (),
     ) -> None:
         """Let places of the chosen drive be clicked, one after the other, with the cam at rest."""
         self.player.play(False)

@@ -19,12 +19,12 @@ from core.design import (
     POINT,
     AttachedEnd,
     Attachment,
-    Held,
-    PairPlace,
+    PairTarget,
+    Target,
     get,
     link_points,
     load_lists,
-    places_for,
+    targets_for,
 )
 from core.dynamics import Torsion, attachment_point, element_at, pairs_named, row_of_element
 from core.errors import NoSolution
@@ -42,7 +42,7 @@ NEAR, ALONG = 11.0, 7.0  # pixels from a named place, and from a line of a link,
 UPON = 2.5  # pixels from its line within which a place on the face of a link is meant to be upon it
 MARK_RADIUS = 6.0  # radius of a mark, pixels
 
-Taken = Callable[[Sequence[Held | None]], object]
+Taken = Callable[[Sequence[Target | None]], object]
 """Called with what was chosen, in the order of the holds; with nothing where it shall be placed as it can."""
 
 
@@ -50,7 +50,7 @@ Taken = Callable[[Sequence[Held | None]], object]
 class PickCandidate:
     """What can be chosen, and where it stands now [mm]."""
 
-    held: Held
+    held: Target
     at: complex
 
 
@@ -68,8 +68,8 @@ class Picker(QObject):
         super().__init__(canvas)
         self._canvas, self._scene = canvas, scene
         self._holds: tuple[AttachedEnd, ...] = ()
-        self._got: list[Held | None] = []
-        self._beside: list[Held | None] = []
+        self._got: list[Target | None] = []
+        self._beside: list[Target | None] = []
         self._taken: Taken | None = None
         self._what = ""
         self._can_be_left = False
@@ -88,7 +88,7 @@ class Picker(QObject):
         holds: Sequence[AttachedEnd],
         taken: Taken,
         can_be_left: bool = False,
-        beside: Sequence[Held | None] = (),
+        beside: Sequence[Target | None] = (),
     ) -> None:
         """Let these be chosen for ``what``; can_be_left: Return takes what comes; beside: where the row holds on besides."""
         self.end("")
@@ -118,7 +118,7 @@ class Picker(QObject):
         if self._taken is not None and self._can_be_left:
             self._finish([])
 
-    def _finish(self, got: Sequence[Held | None]) -> None:
+    def _finish(self, got: Sequence[Target | None]) -> None:
         taken = self._taken
         self.end("")
         assert taken is not None
@@ -159,12 +159,12 @@ class Picker(QObject):
         hold = replace(self._hold, what=POINT, fields=()) if self._hold.what == LINK and self._hold.free else self._hold
         found = [
             PickCandidate(held, at)
-            for held in places_for(drive, hold)
+            for held in targets_for(drive, hold)
             for at in places_now(geometry, held, self._scene.index)
         ]
         return [each for each in found if self._suits(each.held)]
 
-    def _suits(self, held: Held) -> bool:
+    def _suits(self, held: Target) -> bool:
         """A second end stands on another link than the first, and elsewhere."""
         if not isinstance(held, Attachment) or self._geometry is None:
             return True
@@ -315,10 +315,10 @@ def foot(at: complex, one: complex, other: complex) -> complex:
     return one + share * along
 
 
-def places_now(geometry: Geometry, held: Held, index: int) -> Iterator[complex]:
+def places_now(geometry: Geometry, held: Target, index: int) -> Iterator[complex]:
     """Where a held place stands at a sample [mm]: one place, of a link alone its points, none where there is none."""
     built = geometry.study.mechanism
-    if isinstance(held, PairPlace):
+    if isinstance(held, PairTarget):
         links = {n for n in (held.link, held.other) if n is not None}
         names = pairs_named(held.pair, links, built)[:1]
         yield from (complex(joint.track[index]) for joint in geometry.joints if joint.name in names)

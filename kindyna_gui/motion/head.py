@@ -150,9 +150,9 @@ class MotionHead(QWidget):
         self.cycle.setVisible(bool(text))
 
     def _make_own(self) -> None:
-        from core.project.origins import own_motion
+        from core.project.origins import with_unlinked_motion
 
-        self._session.put(own_motion(self._session.design), "Make the motion its own", "motion.segments")
+        self._session.put(with_unlinked_motion(self._session.design), "Make the motion its own", "motion.segments")
 
     @staticmethod
     def _specs(design: Design) -> list[FieldSpec]:

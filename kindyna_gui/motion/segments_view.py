@@ -28,10 +28,10 @@ from core.design import (
     Design,
     insert_segment,
     is_assumed,
-    lacks,
     mirror_stroke,
+    missing_of_motion,
     motion_of,
-    remove_laid_out,
+    remove_from_incomplete,
     require_motion,
 )
 from core.errors import KindynaError
@@ -93,7 +93,7 @@ class SegmentAction:
         motion = motion_of(design)
         if motion is None or motion.follows is not None or index >= len(motion.segments):
             return False  # none, or one that is changed in other files
-        return not (self.whole and lacks(design)) and self.able(design, index)
+        return not (self.whole and missing_of_motion(design)) and self.able(design, index)
 
 
 def _span(design: Design, index: int) -> float:
@@ -166,7 +166,7 @@ ACTIONS: Mapping[str, SegmentAction] = MappingProxyType(
             "Take the chosen segment away; the one before it gets its span (Del)",
             "delete",
             "Delete segment {n}",
-            lambda design, index, _: remove_laid_out(design, index),
+            lambda design, index, _: remove_from_incomplete(design, index),
             lambda design, _: len(require_motion(design).segments) > 1,
         ),
     }

@@ -211,7 +211,7 @@ class BestPage(QWidget):
     def _show_state(self) -> None:
         self.start.setEnabled(not self.busy)
         self.stop.setVisible(self.busy)
-        self.take.setVisible(self.answer is not None and self.answer.better)
+        self.take.setVisible(self.answer is not None and self.answer.is_better)
 
 
 def _searched(study: StudyOfMany, tell: Callable[..., None]) -> tuple[Optimum, Sequence[str]]:

@@ -171,11 +171,11 @@ class SurveyPlot(PulledPoint, XYPlot):
     ) -> None:
         """A quantity as colour and lines of one level over two numbers x (n,) and y (m,); the limits of all as lines with their value,
         beyond them the colour is pale; grey where nothing can be built. Limits and colours are those of the finer cells."""
-        (x, y), fine_axes = found.axes(), found.axes(found.fine)
+        (x, y), fine_axes = found.axes(), found.axes(found.is_refined)
         self._forget_texts()
         self.name_axes(*titles)
         own = np.where(found.reason == "", found.value[shown.key], np.nan)
-        z, fine = found.grid(own), found.grid(own, found.fine)
+        z, fine = found.grid(own), found.grid(own, found.is_refined)
         lines, texts = [], []
         for level in _levels(z):
             cut = level_line(x, y, z, level)
@@ -183,7 +183,7 @@ class SurveyPlot(PulledPoint, XYPlot):
             texts.append((short(level, LABEL_FIGURES), self._theme.ink, cut, OF_LEVELS))
         within = np.ones(fine.shape, dtype=bool)
         for each in others:
-            value = found.grid(np.where(found.reason == "", found.value[each.key], np.nan), found.fine)
+            value = found.grid(np.where(found.reason == "", found.value[each.key], np.nan), found.is_refined)
             within &= each.kept(value) | ~np.isfinite(value)
             for limit in each.limits:
                 cut = level_line(*fine_axes, value, limit)

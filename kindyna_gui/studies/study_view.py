@@ -715,7 +715,7 @@ class StudyView(BackgroundView):
         question = question_of_file(file)
         self.spans = {span.path: span for span in question.spans}
         self.words, self._typed, self.seed = dict(question.words), question.typed, question.seed
-        self.asked, self.goals, self.robust = dict(question.asked), dict(question.goals), question.robust
+        self.asked, self.goals, self.robust = dict(question.figures), dict(question.goals), question.robust
         self.shown = next((key for key in self.goals), next(iter(self.asked), ""))
         self.best.forget()
         if self.goals:

@@ -201,11 +201,11 @@ def answer_html(design: Design, study: StudyOfMany, found: Optimum) -> str:
         lines.append(
             f"<b>{name} {escape(value_text(goal.key, now))}</b>, before {escape(value_text(goal.key, before))}{change}"
         )
-    if not found.kept:
+    if not found.is_feasible:
         lines.insert(
             0, f"<span style='color:{SCREEN.limit}'>No design keeps the limits; this one misses them least.</span>"
         )
-    elif not found.better:
+    elif not found.is_better:
         lines.insert(0, "Nothing better was found: the design stays as it is.")
     first = study.file.goals[0]
     unit = unit_of(first.key).symbol
@@ -221,17 +221,17 @@ def answer_html(design: Design, study: StudyOfMany, found: Optimum) -> str:
     ]
     lines += [
         f"{escape(name_of(design, path))} becomes {escape(number_text(path, value))}"
-        for path, value in found.taken.items()
+        for path, value in found.also_set.items()
     ]
     if found.share is not None:
         low = 100.0 * found.share.interval[0]
         lines.append(
             f"{100.0 * found.share.value:.2f} % of {thousands(found.share.machines)} machines keep the limits, {low:.2f} % at least"
         )
-    if found.better and found.starts > 1:
+    if found.is_better and found.starts > 1:
         lines.append(f"{found.agreeing} of {found.starts} starts met there.")
     if found.front:
         lines.append(f"{len(found.front)} designs none of which is worse in both goals: a click on one takes it over.")
-    if found.against:
-        lines.append(f"A better one was refused: {escape(found.against)}")
+    if found.rejection:
+        lines.append(f"A better one was refused: {escape(found.rejection)}")
     return "<br>".join(lines)

@@ -164,7 +164,7 @@ class DesignActions(QObject):
 
     def follow_files(self) -> None:
         """Ask for a table or designs, from which the motion follows from now on."""
-        from core.project.origins import following, outputs_of
+        from core.project.origins import output_units, with_linked_motion
 
         session = self._session
         paths = dialogs.motion_files_to_open(self._window, Settings().folder) if self._moves() else []
@@ -177,14 +177,14 @@ class DesignActions(QObject):
             except KindynaError as error:
                 dialogs.show_faults(self._window, f"{paths[0].name} cannot be read.", str(error).splitlines())
                 return
-            if outputs := outputs_of(other):
+            if outputs := output_units(other):
                 unit = require_motion(session.design).unit
                 output = dialogs.output_wanted(self._window, {n: each for n, each in outputs.items() if each == unit})
         if output is not None:
             home = str(session.path) if session.path is not None else None
             link, files = output, [str(path) for path in paths]
             told = ", ".join(path.name for path in paths)
-            self.change(lambda: following(session.design, files, home, load_linked, link), f"Follow {told}")
+            self.change(lambda: with_linked_motion(session.design, files, home, load_linked, link), f"Follow {told}")
 
     def segment_from_table(self) -> None:
         """Ask for a table that becomes the chosen segment."""

@@ -11,7 +11,7 @@ from PySide6.QtCore import QObject
 from PySide6.QtGui import QAction, QActionGroup
 from PySide6.QtWidgets import QMenu
 
-from core.design import CRANK, AttachedEnd, Design, Driver, Held, get, holds_of, load_lists, with_new_row
+from core.design import CRANK, AttachedEnd, Design, Driver, Target, get, holds_of, load_lists, with_new_row
 from core.errors import KindynaError
 from core.mechanism.drivers import driver_position, drivers, roller_points, with_driver, with_roller, without_roller
 from core.output.load_text import row_name
@@ -175,7 +175,7 @@ class LoadActions(QObject):
         if not holds or not self._ask(f"Add {what_of(name)}", holds, added, can_be_left=True):
             added(())
 
-    def _added(self, name: str, held: Sequence[Held | None]) -> None:
+    def _added(self, name: str, held: Sequence[Target | None]) -> None:
         before = self._session.typed
         if there := self._once(name, held):
             self.open(there)
@@ -195,7 +195,7 @@ class LoadActions(QObject):
             if action.objectName() == f"layer:{MASSES}":
                 action.setChecked(True)
 
-    def _once(self, name: str, held: Sequence[Held | None]) -> str:
+    def _once(self, name: str, held: Sequence[Target | None]) -> str:
         """The row that holds on there already, of a list in which each link, or each pair, stands once; empty where none does."""
         if name in ONCE and held:
             drive = self._session.typed.drive
@@ -212,7 +212,7 @@ class LoadActions(QObject):
         hold = next(hold for hold in holds_of(design.drive, name) if hold.key == key)
         others = [each.read(get(design, path)) for each in holds_of(design.drive, name) if each.key != key]
 
-        def taken(held: Sequence[Held | None]) -> None:
+        def taken(held: Sequence[Target | None]) -> None:
             if put_held(self._session, path, hold, held[0]):
                 self.open(path)
 
@@ -224,7 +224,7 @@ class LoadActions(QObject):
         holds: Sequence[AttachedEnd],
         taken: Any,
         can_be_left: bool = False,
-        beside: Sequence[Held | None] = (),
+        beside: Sequence[Target | None] = (),
     ) -> bool:
         """Whether there is a drawing in which it can be asked for."""
         view: Any = self._window.show_view("mechanism")

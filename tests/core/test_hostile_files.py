@@ -96,6 +96,7 @@ CASES: dict[str, tuple[str, Callable[[], str | bytes], str]] = {
     "overlapping lines": ("motion-from", lambda: _dxf("".join(map(_long_line, range(19_000)))), ""),
     "large picture": ("logo", lambda: _png(30_000), ""),
     "graph of lists": ("graph-setup", lambda: "[" * 900_000, "not a graph"),
+    "text that is no UTF-8": ("arguments", lambda: b"linkage-from\n\xed\xa0\x80\n--out\no.toml", ""),
     "number of a row": ("arguments", lambda: b"explain\nX\nloads.friction[" + b"9" * 5000 + b"]", "cannot be read"),
 }  # fmt: skip
 

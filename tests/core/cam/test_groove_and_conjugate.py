@@ -565,7 +565,7 @@ def test_what_a_form_needs_and_what_belongs_to_another_is_named() -> None:
         "cam.keyway_width_mm = 41.0: not narrower than the bore; allowed: < 40 mm"
     ]
     assert told(load(EXAMPLES / "tappet_knife.toml"), cam={"form": "groove"}) == [
-        "cam.form = 'groove': takes a roller; allowed: open, or face = \"roller\""
+        "cam.form = 'groove': requires a roller; allowed: open, or face = \"roller\""
     ]
     coupler = edited(load(EXAMPLES / "four_bar_coupler_cam.toml"), "cam.face", "shoe")
     (shoe,) = told(coupler, cam={"form": "groove"})

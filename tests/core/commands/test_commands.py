@@ -412,7 +412,7 @@ def test_no_command_writes_onto_a_file_that_it_reads(tmp_path: Path, name: str) 
     before = content(tmp_path)
     done = core(tmp_path, *ONTO_INPUTS[name])
     assert (done.returncode, content(tmp_path)) == (2, before)
-    assert done.stderr.splitlines() == [f"{name}: cannot be written: it is what is read here; choose another name"]
+    assert done.stderr.splitlines() == [f"{name}: cannot be written: this command reads it; choose another name"]
 
 
 def test_only_a_slip_of_a_word_is_asked_about(tmp_path: Path) -> None:

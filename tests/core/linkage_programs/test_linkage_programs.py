@@ -201,9 +201,9 @@ def test_links_that_share_two_pins_are_one_plate() -> None:
     [
         ("<!DOCTYPE linkage2 [<!ENTITY a 'b'>]><linkage2/>", "DOCTYPE"),
         ("<linkage2><connector", "no XML"),
-        ("M[J[R, P[0, nan], L[ground]]]", "are no numbers"),
+        ("M[J[R, P[0, nan], L[ground]]]", "are not numbers"),
         ("M[J[X, P[0, 0], L[ground]]]", "is unknown"),
-        ("M[J[R, P[0, 0], L[ground, a]]", "behind 0 joints"),
+        ("M[J[R, P[0, 0], L[ground, a]]", "after 0 joints"),
         ("hello world", "no address"),
     ],
 )

@@ -8,7 +8,7 @@ from all_loops import Model, address, linkage2
 from core.__main__ import main
 from core.design import MOTION, faults
 from core.errors import DesignError
-from core.linkage_programs import Made, read_linkage
+from core.linkage_programs import LinkageImport, read_linkage
 from core.project import load_drawing
 from core.study import Study
 
@@ -29,7 +29,7 @@ BARS = [("YR", "AB", "AB"), ("YR", "BC", "BC"), ("YR", "CD", "CD")]
 GROUNDED, INPUT, SLIDES = 4, 2, 1
 
 
-def listed(made: Made) -> dict[str, str]:
+def listed(made: LinkageImport) -> dict[str, str]:
     return {each.what: each.why for each in made.left_out}
 
 
@@ -75,7 +75,7 @@ def test_dots_of_one_connector_and_slots_without_ends_are_no_loose_links() -> No
 
 def test_what_turns_by_hand_or_to_and_fro_beside_another_is_said() -> None:
     hand = read_linkage(linkage2(BAR, {"O": TURNS["O"] + ' alwaysmanual="true"'}))
-    assert listed(hand) == {"input at C0": "by hand only in the file: driven at the speed there"}
+    assert listed(hand) == {"input at C0": "operated by hand in the file: driven at the speed in it"}
     five = Model(
         at=BAR.at | {"D": 330 - 60j},
         links={"crank": ("O", "A"), "coupler": ("A", "B"), "rocker": ("B", "C"), "second": ("C", "D")},
@@ -85,7 +85,7 @@ def test_what_turns_by_hand_or_to_and_fro_beside_another_is_said() -> None:
     made = read_linkage(linkage2(five, swing))
     linkage = made.design.drive.linkage
     assert (linkage.driver.speed_rpm, [row.ratio for row in linkage.drivers]) == (15.0, [0.0])
-    assert listed(made) == {"motion of C0": "it does not keep step with C4: it stands still"}
+    assert listed(made) == {"motion of C0": "its cycle differs from that of C4: it is at rest"}
     both = {
         "O": 'input="true" rpm="30" limitangle="40" startoffset="10"',
         "D": 'input="true" rpm="-15" limitangle="20" startoffset="5"',
@@ -96,7 +96,7 @@ def test_what_turns_by_hand_or_to_and_fro_beside_another_is_said() -> None:
     assert faults(made.design) == []
     bars = read_linkage(linkage2(BAR, TURNS, {"coupler": 'actuator="true" throw="5"', "rocker": 'actuator="true"'}))
     assert listed(bars) == {
-        "actuator 1": "something else drives: it is a bar of its drawn length", "actuator 2": "it has no throw: it is a bar",
+        "actuator 1": "another input drives: it is a bar of its drawn length", "actuator 2": "it has no throw: it is a bar",
     }  # fmt: skip
 
 
@@ -137,7 +137,7 @@ def test_an_input_at_a_slide_or_a_moving_pin_drives_there() -> None:
 def test_half_a_slot_is_refused(slot: tuple[str, ...]) -> None:
     assert faults(read_linkage(slotted(SLIDES, "DE", "D", "E")).design) == []
     with pytest.raises(
-        DesignError, match=r"slot of joint S: .*; allowed: none, or a link and two joints of it"
+        DesignError, match=r"slot of joint S: .*; allowed: none, or a link and two of its joints"
     ) as refused:
         read_linkage(slotted(SLIDES, *slot))
     assert "\n" not in str(refused.value)

@@ -7,7 +7,7 @@ import pytest
 from large_designs import EXAMPLES
 
 from core.__main__ import main
-from core.design import join_angles, lacks
+from core.design import join_angles, missing_of_motion
 from core.measured import TableError, read_sheet
 from core.measured.fitting import segment_from_table
 from core.motion import findings, program
@@ -42,7 +42,7 @@ def test_as_it_is_its_neighbours_give_or_take(tmp_path: Path, capsys: pytest.Cap
     motion = made.drive.motion
     assert (motion.segments[3].span_deg, motion.segments[3].rise) == (60.0, 30.0)
     assert [s.span_deg for s in motion.segments] == [35.0, 41.5, 207.0, 60.0, 16.5]
-    assert lacks(made) == []
+    assert missing_of_motion(made) == []
     file, table = tmp_path / "lift.toml", tmp_path / "t.csv"
     file.write_text((EXAMPLES / "transfer_lift.toml").read_text(encoding="utf-8"), encoding="utf-8")
     table.write_text(CYCLOID, encoding="utf-8")

@@ -203,7 +203,7 @@ def test_an_actuator_of_linkage_drives_by_its_length() -> None:
     assert np.abs(np.abs(b - pixel * (400 - 200j)) - length).max() < 1e-12
     assert np.abs(np.abs(b) - pixel * abs(500 + 300j)).max() < 1e-12
     driven = read_linkage(ACTUATOR.replace('id="0" x="0" y="0"', 'id="0" x="0" y="0" input="true"'))
-    assert any("something else drives" in each.why for each in driven.left_out)
+    assert any("another input drives" in each.why for each in driven.left_out)
 
 
 def test_a_cylinder_is_drawn_made_the_driver_and_taken_away() -> None:

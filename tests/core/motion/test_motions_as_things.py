@@ -8,7 +8,17 @@ from feeds import DEFAULT_CAM, FEED
 from large_designs import EXAMPLES
 
 from core.__main__ import main
-from core.design import Motion, NamedCurve, Segment, alone, insert_segment, lacks, laid_out, with_motion, with_motion_of
+from core.design import (
+    Motion,
+    NamedCurve,
+    Segment,
+    alone,
+    insert_segment,
+    missing_of_motion,
+    with_motion,
+    with_motion_of,
+    with_value,
+)
 from core.errors import DesignError
 from core.motion import findings, program
 from core.motion.split import shift_motion
@@ -67,7 +77,7 @@ def test_a_motion_is_saved_and_taken_over_without_loss(tmp_path: Path) -> None:
     assert main(["motion", str(file)]) == 2
     with pytest.raises(DesignError, match="this design's is in mm"):
         with_motion_of(LIFT, loads(DEFAULT_CAM))
-    with pytest.raises(DesignError, match="a disk cam is where it was"):
+    with pytest.raises(DesignError, match="a disk cam repeats its motion"):
         with_motion_of(LIFT, loads(FEED))
     assert alone(LIFT).shaft.speed_rpm == LIFT.shaft.speed_rpm
 
@@ -81,9 +91,9 @@ def test_a_rise_that_becomes_a_dwell_leaves_its_return_for_the_way_back() -> Non
     """So that a new design need not begin with its rise."""
     rows = ((120.0, 50.0, "modified-sine"), (60.0, 0.0, "dwell"), (120.0, -50.0, "modified-sine"), (60.0, 0.0, "dwell"))
     new = with_motion(alone(LIFT), Motion(0.0, tuple(Segment(a, b, NamedCurve(c)) for a, b, c in rows)))
-    waits = laid_out(new, "motion.segments[0].law", "dwell")
+    waits = with_value(new, "motion.segments[0].law", "dwell")
     assert [s.rise for s in waits.drive.motion.segments] == [0.0, 0.0, -50.0, 0.0]
-    assert len(lacks(waits)) == 1
-    done = laid_out(waits, "motion.segments[1].law", "cycloidal")
+    assert len(missing_of_motion(waits)) == 1
+    done = with_value(waits, "motion.segments[1].law", "cycloidal")
     assert [s.rise for s in done.drive.motion.segments] == [0.0, 50.0, -50.0, 0.0]
-    assert lacks(done) == []
+    assert missing_of_motion(done) == []

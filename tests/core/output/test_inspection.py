@@ -296,8 +296,8 @@ def test_neither_the_measured_table_nor_anothers_summary_is_written_over(tmp_pat
     before = measured.read_bytes()
     code, _, faults = run(bench / "design.toml", "--out", measured, "--measured", measured)
     assert (code, measured.read_bytes()) == (2, before)
-    assert "cut.csv: cannot be written: it is what is read here; choose another name" in faults
+    assert "cut.csv: cannot be written: this command reads it; choose another name" in faults
     (tmp_path / "summary.json").write_text("{}", "utf-8")
     code, _, faults = run(bench / "design.toml", "--out", tmp_path / "out.csv")
     assert code == 2
-    assert "belongs to something else" in faults
+    assert "belongs to another program" in faults

@@ -386,7 +386,7 @@ def test_a_file_that_is_called_as_the_facts_would_be_stays(tmp_path: Path) -> No
         (tmp_path / "cam.csv.json").write_text(data)
         says = check_refused(
             tmp_path,
-            "cam.csv.json: cannot be written: it belongs to something else",
+            "cam.csv.json: cannot be written: it belongs to another program",
             design,
             "--out",
             tmp_path / "cam.csv",

@@ -168,7 +168,7 @@ def _binary(folder: Path) -> Path:
     [
         (_missing, "no such file"),
         (_folder, "a folder"),
-        (_below_a_file, "a file stands where a folder"),
+        (_below_a_file, "there is a file instead of a folder"),
         (_dangling, "no such file"),
         (_circle, "circle"),
         (_fifo, "not an ordinary file"),
@@ -206,7 +206,7 @@ def test_may_not_be_read(open_folder: Path) -> None:
     ("number", "phrase"),
     [
         (errno.EACCES, "permission denied"),
-        (errno.EIO, "does not answer"),
+        (errno.EIO, "does not respond"),
         (errno.ENOTCONN, os.strerror(errno.ENOTCONN)),
     ],
 )
@@ -339,7 +339,7 @@ def test_follows_links(tmp_path: Path) -> None:
     ("place", "phrase"),
     [
         (_folder, "a folder"),
-        (_below_a_file, "a file stands where a folder"),
+        (_below_a_file, "there is a file instead of a folder"),
         (_fifo, "not an ordinary file"),
         (lambda _: Path("/dev/null"), "not an ordinary file"),
         (lambda _: Path(""), "a folder"),
@@ -365,7 +365,7 @@ def test_text_that_utf8_cannot_hold(out: Path) -> None:
 
 @pytest.mark.parametrize("folder", ["b.csv", "b.csv/below", "b.csv/below/further"])
 def test_a_file_where_the_folder_should_be(out: Path, folder: str) -> None:
-    assert "a file stands where a folder should be" in refusal(files.write_all, out / folder, NEW)
+    assert "there is a file instead of a folder" in refusal(files.write_all, out / folder, NEW)
     assert content(out) == OLD
 
 
@@ -446,7 +446,7 @@ def test_short_of_second_names(out: Path, monkeypatch: pytest.MonkeyPatch) -> No
     with monkeypatch.context() as trouble:
         fail_at(trouble, "link", 1, OSError(errno.EPERM, "no links"))
         fail_at(trouble, "replace", 3, OSError(errno.EIO, "gone"))
-        assert "does not answer" in refusal(files.write_all, out, NEW)
+        assert "does not respond" in refusal(files.write_all, out, NEW)
     assert content(out) == OLD
 
 

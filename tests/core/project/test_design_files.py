@@ -270,8 +270,8 @@ def test_byte_order_mark_and_windows_lines(tmp_path: Path) -> None:
         ("shaft", "ccw", "must be a table"),
         ("motion", True, "must be a table"),
         ("loads", 1.0, "must be a table"),
-        ("linkage", {}, "stands beside follower, but a design is of one kind; allowed: exactly one of"),
-        ("drives", [{}], "stands beside follower, but a design is of one kind; allowed: exactly one of"),
+        ("linkage", {}, "cannot be combined with follower: a design is of one kind; allowed: exactly one of"),
+        ("drives", [{}], "cannot be combined with follower: a design is of one kind; allowed: exactly one of"),
         # lists
         ("motion.segments", GONE, "no segments"),
         ("motion.segments", [], "no segments"),
@@ -351,7 +351,7 @@ def test_drives_of_motions_alone_are_told_in_a_line_each() -> None:
     drives = [{"name": name, "motion": motion} for name in "ab"]
     lines = told({"format": 1, "name": "x", "shaft": shaft, "drives": drives})
     assert set(lines) == {"drives[0].motion", "drives[1].motion"}
-    assert "a motion alone is a file of its own; allowed: exactly one of [drives.follower]" in lines["drives[0].motion"]
+    assert "a motion alone is a separate file; allowed: exactly one of [drives.follower]" in lines["drives[0].motion"]
 
 
 # -- a flexible shaft -------------------------------------------------------------------------------------

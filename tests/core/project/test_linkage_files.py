@@ -170,7 +170,7 @@ def test_a_motion_driver_need_not_say_its_speed() -> None:
     ("example", "edits", "expected"),
     [
         # kinds
-        (SIX, {"drives": [{}]}, {"drives": "stands beside linkage"}),
+        (SIX, {"drives": [{}]}, {"drives": "cannot be combined with linkage"}),
         (SIX, {"shaft": {}}, {"shaft.rotation": "missing", "shaft.speed_rpm": "missing"}),
         (SIX, {"format": 2, "name": " "}, {"format": "unknown format", "name": "empty"}),
         # the table

@@ -12,7 +12,7 @@ from core.__main__ import main
 from core.design import put
 from core.errors import DesignError
 from core.project import load, save
-from core.project.origins import own_motion
+from core.project.origins import with_unlinked_motion
 from core.study import Study
 
 HEAD = 'format = 1\nname = "Driven"\n'
@@ -164,7 +164,7 @@ def test_a_sum_is_the_sum_everywhere_and_is_saved_as_typed(tmp_path):
     (tmp_path / "further").mkdir()
     save(made, tmp_path / "further" / "sum.toml")  # from another folder the same files
     assert '"../a.toml"' in (tmp_path / "further" / "sum.toml").read_text(encoding="utf-8")
-    own = own_motion(made)
+    own = with_unlinked_motion(made)
     save(own, tmp_path / "own.toml")
     again = Study(load(tmp_path / "own.toml")).at_theta(theta).linkage.motion.y
     assert np.abs(again[0] - got[0]).max() <= 1e-9 * 0.3

@@ -62,7 +62,7 @@ def test_the_base_radius_for_a_pressure_angle_is_that_of_the_closed_form(offset)
     s0 = max(((each / np.tan(np.deg2rad(30.0))) - s).max() for each in (rise, back))
     exact = np.hypot(s0, offset) - 10.0
     found = smallest_cam(design)
-    assert found.kept
+    assert found.is_feasible
     assert found.answer["cam.base_radius_mm"] == pytest.approx(exact, rel=1e-7)
     assert found.answer["cam.base_radius_mm"] >= exact * (1.0 - 1e-9)
     (binding,) = found.binding
@@ -73,8 +73,8 @@ def test_the_base_radius_for_a_pressure_angle_is_that_of_the_closed_form(offset)
     )
     assert binding.per_percent == pytest.approx(slope_of * 0.3, rel=0.01)
     again = smallest_cam(found.design)
-    assert again.kept
-    assert not again.better
+    assert again.is_feasible
+    assert not again.is_better
     assert again.design == found.design
 
 
@@ -87,7 +87,7 @@ def test_of_several_drives_the_curvature_of_one_bounds_its_cam_as_if_it_were_alo
         goals = (Goal(f"{at}radius_mm", "max"),)
         study = study_of(StudyFile(design="", vary=(vary,), limits=limits, goals=goals), design)
         found = optimise(study, starts=1)
-        assert found.kept
+        assert found.is_feasible
         answers += found.answer.values()
     assert answers[0] == pytest.approx(answers[1], rel=1e-6)
     assert 301.0 < answers[0] < 499.0
@@ -107,7 +107,7 @@ def test_the_spring_preload_is_that_of_the_closed_form():
         (StudyLimit("contact_force_n", "min", min=30.0),),
         Goal("contact_force_n", "max"),
     )
-    assert found.kept
+    assert found.is_feasible
     assert found.answer["loads.preload_n"] == pytest.approx(exact, rel=1e-7)
 
 
@@ -123,7 +123,7 @@ def test_the_longest_crank_is_that_of_the_closed_form_close_to_the_edge_of_grash
     found = optimise(study_of(file, design), starts=1)
     cosine = 2.0 * 90.0 * 70.0 * np.cos(np.deg2rad(least))
     exact = min(np.sqrt(90.0**2 + 70.0**2 + cosine) - 100.0, 100.0 - np.sqrt(90.0**2 + 70.0**2 - cosine))
-    assert found.kept
+    assert found.is_feasible
     assert exact * (1.0 - 1e-7) < found.answer[crank] <= exact
     assert [each.limit for each in found.binding] == ["transmission_B_deg_min"]
 
@@ -161,8 +161,8 @@ def test_the_largest_of_several_functions_is_made_least():
 def test_all_lengths_of_the_lift_lower_its_contact_force_by_two_fifths():
     study = load_study(resources() / "studies" / "lift_all_lengths.toml")
     found = optimise(study, starts=1)
-    assert found.kept
-    assert found.better
+    assert found.is_feasible
+    assert found.is_better
     key = "contact_force_n:max"
     assert found.goals[key] <= 0.6 * found.before[key]
     over = extremes_of(Study(found.design), "cam", ("pressure_angle", "profile_curvature"))
@@ -195,7 +195,7 @@ def test_of_the_least_peak_torque_is_said_what_the_force_fixes_and_which_law_giv
     study = load_study(resources() / "studies" / "lift_least_torque.toml")
     found = optimise(study, starts=1)
     key = "drive_torque_nm:abs"
-    assert found.kept
+    assert found.is_feasible
     assert found.goals[key] < 0.9635 * found.before[key]
     wider = [replace(each, max=30.3) if each.quantity == "pressure_angle_deg" else each for each in study.file.limits]
     relaxed = optimise(study_of(replace(study.file, limits=tuple(wider)), found.design), starts=1)
@@ -236,7 +236,7 @@ def test_a_small_torque_is_named_with_its_digits_and_a_limit_that_none_keeps_wit
     )
     strict = study_of(replace(asked, limits=(replace(asked.limits[0], max=5.0),)), rocker)
     missed = optimise(strict, starts=1)
-    assert not missed.kept
+    assert not missed.is_feasible
     reached = extremes_of(Study(missed.design), "cam", ("pressure_angle",))["pressure_angle"].high.value
     (said,) = remarks(strict, missed)
     assert said == f"pressure_angle_deg:max = {np.rad2deg(reached):.7g}, most 5"
@@ -282,7 +282,7 @@ def test_no_pivot_of_a_grid_of_four_hundred_is_better_than_the_best():
     pressure, torque = "pressure_angle_deg:max", "drive_torque_nm:abs"
     vary = (VariedField(x, 750.0, 1000.0), VariedField(y, -150.0, 0.0))
     found = best(design, vary, (StudyLimit("drive_torque_nm", "abs", max=7500.0),), Goal("pressure_angle_deg", "max"))
-    assert found.better
+    assert found.is_better
     across, along = (np.linspace(row.low, row.high, 400) for row in vary)
     rough, places = [], [dict(zip((x, y), each, strict=True)) for each in ((across, np.full(400, at)) for at in along)]
     for place in places:
@@ -305,7 +305,7 @@ def test_a_robust_answer_keeps_its_limit_in_the_machines_that_are_made():
     )
     plain = best(design, vary, limits, Goal("radius_mm", "max"))
     sure = best(design, vary, limits, Goal("radius_mm", "max"), robust=0.9973)
-    assert sure.kept
+    assert sure.is_feasible
     assert sure.share.interval[0] >= 0.9973
     assert sure.share.machines >= 1420
     assert (
@@ -328,7 +328,7 @@ def test_side_face_and_sense_are_each_tried_and_what_is_no_better_changes_nothin
         ][0]
     assert found.goals["contact_force_n:max"] == min(forces.values())
     assert forces[tuple(found.answer.values())] == min(forces.values())
-    assert found.better
+    assert found.is_better
     four_bar = load(
         resources() / "examples" / "four_bar.toml"
     )  # in its mirror image the transmission angle is the same
@@ -337,8 +337,8 @@ def test_side_face_and_sense_are_each_tried_and_what_is_no_better_changes_nothin
         Goal("transmission_B_deg", "min", minimise=False),
     )
     same = best(four_bar, (branch,), (), goal)
-    assert same.kept
-    assert not same.better
+    assert same.is_feasible
+    assert not same.is_better
     assert same.design == four_bar
     other = best(four_bar, (branch,), (), Goal("link3_deg", "mean"))
     assert other.answer == {"linkage.branch.B": -get(four_bar, "linkage.branch.B")}

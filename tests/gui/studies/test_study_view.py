@@ -163,7 +163,7 @@ def test_two_fields_by_right_click_then_the_cross_is_drawn_through_what_cannot_b
     assert {"Pressure angle 30°", "Cam torque 7700 N·m"} <= set(view.map.texts), "limits as lines with their value"
     assert view.map.own == pivot(user)
     assert view.found.count == 64  # type: ignore[union-attr]
-    assert view.found.fine, "finer where limits run"  # type: ignore[union-attr]
+    assert view.found.is_refined, "finer where limits run"  # type: ignore[union-attr]
     # all values where the mouse is, or why there is none
     move(view.map, (1500.0, 100.0))
     assert "do not reach" in view.tip.text()

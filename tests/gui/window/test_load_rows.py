@@ -146,7 +146,7 @@ def test_a_table_that_is_not_closed_stays_as_typed_and_says_what_to_give(same_wi
     before = user.design
     user.enter("loads.process[0].points[2].value", "7")
     field = user.field("loads.process[0].points[2].value")
-    assert "the table is not closed; allowed: 1, or leave the row at 360 deg out" in field.trouble.replace("°", " deg")
+    assert "the table is not closed; allowed: 1, or remove the row at 360 deg" in field.trouble.replace("°", " deg")
     assert (user.number(field.spec.path).text(), user.design) == ("7", before)
     user.enter("loads.process[0].points[1].deg", "400")
     assert user.design == before
@@ -169,7 +169,7 @@ def test_friction_that_jams_is_named_with_its_pair_and_its_angle(same_window: Op
     found = next(f for f in findings_of(user.session.study, ("dynamics",)) if f.code == "pair-jamming")
     assert found.field == "loads.pair_friction[0].coefficient"
     assert found.cam_angle_deg is not None
-    assert "take a thinner pin, or a longer slide" in found.message
+    assert "use a thinner pin or a longer slide" in found.message
 
 
 def test_a_stress_without_material_or_thickness_says_what_to_give(same_window: Open) -> None:
