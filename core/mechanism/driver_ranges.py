@@ -295,10 +295,7 @@ class _LazyAngle:
 
 @frozen
 class ChangePoint:
-    """Driver position [rad or m] at which the links of a dyad are in line and its two assemblies coincide.
-
-    The linkage moves smoothly from one assembly into the other.
-    """
+    """Driver position [rad or m] at which a dyad is in line, its two assemblies coincide, and it moves from one into the other."""
 
     at: float
     joint: str

@@ -138,12 +138,12 @@ def design_from_tables(table: Tables, load: Loader, *, chain: Sequence[str] = ()
 
 def _read(table: Tables, rules: Rules, new_reader: Callable[[str], Reader]) -> Design:
     """Design in the tables, with the defaults of an elastic shaft. Raises DesignError."""
-    faults_found = [*_format_faults(table), *_name_faults(table), *_kind_faults(table)]
+    all_faults = [*_format_faults(table), *_name_faults(table), *_kind_faults(table)]
     kind = next((kind for kind in _KINDS if kind in table), MOTION if _is_alone(table) else "follower")
     design, design_faults = (_read_drives if kind == "drives" else _read_one_drive)(table, kind, rules, new_reader)
     design, tolerance_faults = _with_tolerances(table, design)
-    if faults_found := [*faults_found, *design_faults, *([] if design_faults else tolerance_faults)]:
-        raise DesignError(faults_found)
+    if all_faults := [*all_faults, *design_faults, *([] if design_faults else tolerance_faults)]:
+        raise DesignError(all_faults)
     return with_guesses_marked(design, table["shaft"]) if "shaft" in table else design
 
 
@@ -161,20 +161,20 @@ def _with_tolerances(table: Tables, design: Design) -> tuple[Design, list[Fault]
     parts += [] if waviness is None else [("waviness", waviness)]
     too_many = count_fault("tolerances", len(tolerances))
     rule_faults = [fault for path, row in parts for fault in part_faults(row, path)]
-    found = [too_many] if too_many else reader.with_rules(rule_faults, {})
-    if waviness is not None and not found and waviness.lobes_from > waviness.lobes_to:
-        found.append(
+    result = [too_many] if too_many else reader.with_rules(rule_faults, {})
+    if waviness is not None and not result and waviness.lobes_from > waviness.lobes_to:
+        result.append(
             Fault("waviness.lobes", [waviness.lobes_from, waviness.lobes_to], "bounds are reversed", "[low, high]")
         )
-    if not found and tolerances:
-        known = {e.path: e.info for name in design.tables for e in entries(design, name)}
+    if not result and tolerances:
+        infos = {e.path: e.info for name in design.tables for e in entries(design, name)}
         for i, row in enumerate(tolerances):
-            info = known.get(row.field)
+            info = infos.get(row.field)
             if info is None or info.choices or info.whole or info.flag:
                 suggestion = did_you_mean(
-                    row.field, (p for p, e in known.items() if not (e.choices or e.whole or e.flag))
+                    row.field, (p for p, e in infos.items() if not (e.choices or e.whole or e.flag))
                 )
-                found.append(
+                result.append(
                     Fault(
                         f"tolerances[{i}].field",
                         row.field,
@@ -183,8 +183,8 @@ def _with_tolerances(table: Tables, design: Design) -> tuple[Design, list[Fault]
                     )
                 )
             elif row.field in [earlier.field for earlier in tolerances[:i]]:
-                found.append(Fault(f"tolerances[{i}].field", row.field, "given twice", "each field once"))
-    return replace(design, tolerances=tolerances, waviness=waviness), found
+                result.append(Fault(f"tolerances[{i}].field", row.field, "given twice", "each field once"))
+    return replace(design, tolerances=tolerances, waviness=waviness), result
 
 
 def _marks(table: Tables) -> tuple[str, ...]:
@@ -198,21 +198,21 @@ def _read_one_drive(
 ) -> tuple[Design, list[Fault]]:
     """The design of one drive, and its faults in the order of the file."""
     reader = new_reader(_likely_unit(table))
-    found, classes, parts = _read_drive(reader, table, kind, ("shaft",), [*_HEADER, *_KINDS, *_TOLERANCES])
+    key_faults, classes, parts = _read_drive(reader, table, kind, ("shaft",), [*_HEADER, *_KINDS, *_TOLERANCES])
     mechanism = Output(reader.unit) if kind == MOTION else parts[kind]
     drive = Drive(
         parts["motion"], mechanism, parts["cam"], parts["loads"], parts["limits"] or NO_LIMITS, servo=parts["servo"]
     )
     design = Design(table.get("name", ""), parts["shaft"], (drive,), _marks(table))
-    found += reader.with_rules(
+    key_faults += reader.with_rules(
         rules(design), {e.path: e.in_file for name in design.tables for e in entries(design, name)}
     )
     unknown = [name for name, part_class in classes.items() if part_class is None]
     unknown += [] if kind in table and kind != MOTION else ["linkage"]
-    found += _assumed_faults(table, design, unknown)
+    key_faults += _assumed_faults(table, design, unknown)
     tables = list(classes)  # in the order of the file, after its header
     return design, sorted(
-        found, key=lambda fault: next((i for i, t in enumerate(tables, 1) if fault.path.startswith(t)), 0)
+        key_faults, key=lambda fault: next((i for i, t in enumerate(tables, 1) if fault.path.startswith(t)), 0)
     )
 
 
@@ -223,29 +223,31 @@ def _read_drive(
 
     shared: tables of the shaft that are read here; header: other keys allowed in the same table.
     """
-    row, found = _follower_kind(table) if kind == "follower" else (None, [])
+    row, key_faults = _follower_kind(table) if kind == "follower" else (None, [])
     face = _face_word(table, row)
     if row:
         reader.unit = row.motion_unit
         reader.other_faces = _under_other_faces(row, face or Rolling.face)
-    linked_motion = _linked_motion(reader, table)
-    if linked_motion is not None and kind == MOTION:
-        reader.unit = linked_motion.unit
+    linked = _linked_motion(reader, table)
+    if linked is not None and kind == MOTION:
+        reader.unit = linked.unit
     classes = {
-        name: each for name, each in _classes(kind, row, face, reader.unit).items() if name != "shaft" or name in shared
+        name: part_class
+        for name, part_class in _classes(kind, row, face, reader.unit).items()
+        if name != "shaft" or name in shared
     }
     known = [*(key for key in header if key not in _KINDS), *classes]
-    found = [
+    key_faults = [
         *(unknown_key(spelled(key), key, table[key], known) for key in table if key not in known and key not in header),
-        *found,
+        *key_faults,
     ]
     parts = {}
     # the shaft comes first, since its speed is that of the driver, and the driver defines the unit of the motion
     for name in dict.fromkeys(("shaft", kind, "motion", "cam", "loads", "limits", "servo")):
         if name not in classes:
             continue
-        if name == "motion" and linked_motion is not None:
-            parts[name] = linked_motion
+        if name == "motion" and linked is not None:
+            parts[name] = linked
             continue
         parts[name] = part = reader.table(table, name, classes[name], needed=name in _ALWAYS[kind])
         if name == "shaft" and part is not None:
@@ -255,13 +257,13 @@ def _read_drive(
         if name == "linkage":
             parts[name] = part = replace(part, motions=_motions(table.get("motions", {}), reader))
             reader.unit = _driver_unit(part, table.get("motion"))
-    if linked_motion is not None and linked_motion.unit != reader.unit:
-        problem = f"gives a motion in {linked_motion.unit}, and this design's is in {reader.unit}"
+    if linked is not None and linked.unit != reader.unit:
+        problem = f"gives a motion in {linked.unit}, and this design's is in {reader.unit}"
         reader.faults.append(Fault(_origin_path(table), MISSING, problem, f"a motion in {reader.unit}"))
     if kind == MOTION:
-        return found, classes, {**parts, "cam": None, "limits": None}
+        return key_faults, classes, {**parts, "cam": None, "limits": None}
     if parts["limits"] is not None and kind == "linkage" and "cam" not in table:
-        found.append(
+        key_faults.append(
             Fault(
                 "limits",
                 "[limits]",
@@ -269,7 +271,7 @@ def _read_drive(
                 "a table [cam], or remove [limits]",
             )
         )
-    return found, classes, parts
+    return key_faults, classes, parts
 
 
 def _motions(table: Any, reader: Reader) -> tuple[NamedMotion, ...]:
@@ -325,14 +327,14 @@ def _read_drives(
     table: Tables, kind: str, rules: Rules, new_reader: Callable[[str], Reader]
 ) -> tuple[Design, list[Fault]]:
     """The design of a list of drives, and its faults in the order of the file."""
-    found = [
+    list_faults = [
         unknown_key(spelled(key), key, table[key], _SHAFT_KEYS) for key in table if key not in (*_SHAFT_KEYS, *_KINDS)
     ]
     reader, rows = Reader(""), table[kind]
     shaft = reader.table(table, "shaft", Shaft, needed=True)
     if not isinstance(rows, list | tuple) or not rows:
-        found.append(Fault(kind, rows, "must be a list of tables, one at least", f"[[{kind}]]"))
-        return Design("", shaft, ()), [*found, *reader.faults]
+        list_faults.append(Fault(kind, rows, "must be a list of tables, one at least", f"[[{kind}]]"))
+        return Design("", shaft, ()), [*list_faults, *reader.faults]
     drives, drive_faults, unsure = [], [], []
     for i, row in enumerate(rows):
         if not isinstance(row, Mapping):
@@ -352,15 +354,15 @@ def _read_drives(
     balancer = reader.table(table, "balancer", Balancer, needed=False)
     design = Design(table.get("name", ""), shaft, tuple(drives), _marks(table), timing, balancer)
     if len(drives) < len(rows):
-        return design, [*found, *reader.faults, *drive_faults]
+        return design, [*list_faults, *reader.faults, *drive_faults]
     broken = {fault.path for fault in drive_faults}
     unread = any(".motion" in path or path.endswith(".name") for path in broken)  # then an event may be missing
     reader.faults += drive_faults
     known = (f for f in rules(design) if not (unread and f.path.startswith("timing")))
     shaft_faults = reader.with_rules((f for f in known if not _OF_A_DRIVE.fullmatch(f.path)), {})
     if not any(path.endswith(".name") for path in broken):
-        found += _assumed_faults(table, design, unsure)
-    return design, [*found, *shaft_faults]
+        list_faults += _assumed_faults(table, design, unsure)
+    return design, [*list_faults, *shaft_faults]
 
 
 _OF_A_DRIVE = re.compile(r"drives\[\d+\]\.(?!name$|phase_deg$|mirrored$|carries).*")
@@ -380,17 +382,17 @@ def _read_listed_drive(row: Tables, reader: Reader, shaft: Shaft) -> tuple[Drive
     if values.get("mirrored") not in (True, False):
         values["mirrored"] = False
     reader.shaft_rpm = shaft.signed_rpm * (-1.0 if values["mirrored"] else 1.0)
-    found, classes, parts = _read_drive(reader, row, kind, (), [*_DRIVE_KEYS, *_KINDS[:2]])
-    found += [
+    key_faults, classes, parts = _read_drive(reader, row, kind, (), [*_DRIVE_KEYS, *_KINDS[:2]])
+    key_faults += [
         Fault(key, row[key], f"cannot be combined with {kind}: a drive has one mechanism", _ONE_MECHANISM)
         for key in kinds[1:]
     ]
     if not kinds and _is_alone(row):
         problem = "is without a mechanism, which a drive needs; a motion alone is a separate file"
         reader.faults = [fault for fault in reader.faults if fault.path != "cam"]
-        found.append(Fault(MOTION, MISSING, problem, f"{_ONE_MECHANISM} in addition"))
+        key_faults.append(Fault(MOTION, MISSING, problem, f"{_ONE_MECHANISM} in addition"))
     elif not kinds:
-        found.append(missing("follower", _ONE_MECHANISM))
+        key_faults.append(missing("follower", _ONE_MECHANISM))
     drive = Drive(
         parts["motion"],
         parts[kind],
@@ -400,8 +402,8 @@ def _read_listed_drive(row: Tables, reader: Reader, shaft: Shaft) -> tuple[Drive
         servo=parts["servo"],
         **values,
     )
-    unclear = [name for name, each in classes.items() if each is None] + ([] if kinds else ["linkage"])
-    return drive, found, unclear
+    unclear = [name for name, part_class in classes.items() if part_class is None] + ([] if kinds else ["linkage"])
+    return drive, key_faults, unclear
 
 
 # -- reader of all parts ----------------------------------------------------------------------------------------
@@ -612,8 +614,8 @@ class Reader:
 
         paths: path of an entry -> path of the entry of the file that contains it.
         """
-        found = list({fault.path: fault for fault in reversed(self.faults)}.values())[::-1]
-        reported = {fault.path for fault in found}
+        result = list({fault.path: fault for fault in reversed(self.faults)}.values())[::-1]
+        reported = {fault.path for fault in result}
         broken = any(re.match(r"linkage($|\.(links|sliders|driver))", path) for path in reported)
         unread = tuple(f"{path}{mark}" for path in reported for mark in ".[")
         for fault in rule_faults:
@@ -621,10 +623,10 @@ class Reader:
             is_unread = fault.value is NO_NUMBER or fault.value is NO_WORD
             follows = broken and (fault.value is MISSING or re.fullmatch(_STRUCTURE, path))
             if not (path in reported or path.startswith(unread) or is_unread or follows):
-                found.append(hinted(replace(fault, path=path)))
+                result.append(hinted(replace(fault, path=path)))
                 if path != fault.path:
                     reported.add(path)  # one fault of a pair is enough
-        return found
+        return result
 
 
 # -- kind of the design -----------------------------------------------------------------------------------------

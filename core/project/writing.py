@@ -83,8 +83,8 @@ def _linked_motion(motion: Motion, folder: str | None) -> dict[str, Any]:
     The required motion of an inverse's output is included.
     """
     assert motion.follows is not None
-    follows, asked = motion.follows, motion.follows.asked
-    table = _table(follows.origin, "") | ({} if asked is None else _table(asked, asked.unit))
+    follows, requested = motion.follows, motion.follows.asked
+    table = _table(follows.origin, "") | ({} if requested is None else _table(requested, requested.unit))
     same_folder = folder is not None and os.path.realpath(folder) == os.path.realpath(follows.folder)
 
     def relative(name: str) -> str:
