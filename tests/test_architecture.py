@@ -221,9 +221,7 @@ def test_files_that_are_named_to_a_reader_are_there(page: str) -> None:
 
 # -- docstrings --------------------------------------------------------------------------------------------
 
-UNDOCUMENTED: tuple[str, ...] = (
-    "core/design/",
-)
+UNDOCUMENTED: tuple[str, ...] = ("core/design/",)
 """Rooms and modules whose docstrings are still to be written in sections; each that is done leaves this list."""
 
 ARRAY = re.compile(r"\bndarray\b")
