@@ -494,7 +494,7 @@ class MechanismScene(QGraphicsScene):
         if self._region is not None:
             self.show_region(*self._region)
 
-    def redress(self) -> None:
+    def update_style(self) -> None:
         """Be written in the letters of now."""
         for item in self.items():
             if isinstance(item, Tag):
