@@ -409,7 +409,7 @@ class Assembly(QGraphicsScene):
         """Theme or letters have changed: the drives are to be drawn anew."""
         for item in self.items():
             if isinstance(item, Tag):
-                item.letter()
+                item.update_font()
         cells = self._cells
         self.figures, self.carried = {}, None
         for cell in cells:

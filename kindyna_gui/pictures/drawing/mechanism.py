@@ -498,7 +498,7 @@ class MechanismScene(QGraphicsScene):
         """Be written in the letters of now."""
         for item in self.items():
             if isinstance(item, Tag):
-                item.letter()
+                item.update_font()
         self.lay_labels()
 
     def _show_region(self, visible: QRectF, scale: float, sides: Mapping[str, int]) -> None:
