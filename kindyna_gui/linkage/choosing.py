@@ -147,7 +147,7 @@ class Choosing:
         self.drop()
         if moved:
             work, theta = self._before
-            self.drawn.session.let_go("linkage", work)
+            self.drawn.session.end_field_drag("linkage", work)
             self.drawn.player.set_theta(theta)
         self.drawn.changed.emit()
         return True
@@ -192,7 +192,7 @@ class Choosing:
                 return
             self._moved_from = self.drawn.sheet
             self._before = self.drawn.session.work, self.drawn.player.theta
-            self.drawn.session.take_hold(self.drawn.canvas)
+            self.drawn.session.begin_drag(self.drawn.canvas)
         design, places = self._moved_from
         if self._drags == "row":
             self._drag_row(design, places, event)
@@ -224,7 +224,7 @@ class Choosing:
         far = (event.position() - pressed).manhattanLength() > DRAG
         if self._moved_from is not None:
             self._moved_from = None
-            self.drawn.session.release()
+            self.drawn.session.end_drag()
         if drags == "length" and not far:
             length = self.drawn.picture.length_at(event.position())
             if length is not None:

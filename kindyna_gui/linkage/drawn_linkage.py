@@ -58,7 +58,7 @@ class DrawnLinkage(QObject):
 
     def _as_it_stands(self, typed: Design) -> tuple[Design, PointPositions]:
         linkage = typed.drive.linkage
-        if self.session.draft is None:
+        if self.session.incomplete is None:
             try:
                 kinematics = self.session.at(self.player.theta).linkage
                 fixed = frame_link(linkage).places
@@ -182,7 +182,7 @@ class DrawnLinkage(QObject):
         drawn = design.drive.linkage.drawn
         if drawn is None or design.drive.linkage.driver.kind != CRANK or drawn.driver_deg is None:
             return None
-        if self.session.draft is None and not self.session.unfinished:
+        if self.session.incomplete is None and not self.session.is_incomplete_linkage:
             try:
                 return CrankMotion(self.session.study.driver_ranges).theta(drawn_position(drawn))
             except KindynaError:

@@ -223,7 +223,7 @@ def test_the_peak_of_a_shaft_is_explained_at_its_machine_angle(open_user: Open) 
     view = user.window.show_view("explain")
     assert isinstance(view, ExplainView)
     wait_for(lambda: view.up_to_date)
-    wanted = explained(user.session.whole_study, "torque_nm")
+    wanted = explained(user.session.full_study, "torque_nm")
     assert view.head.text().startswith(wanted.headline(7))
     assert [each.cells[3] for each in view.table.rows.rows][:2] == ["Torque of Feed there", "Torque of Clamp there"]
 
