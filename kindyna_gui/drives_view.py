@@ -81,7 +81,7 @@ class DrivesTable(QTableWidget):
         self.setAlternatingRowColors(True)
         self.setTabKeyNavigation(False)
         self.verticalHeader().hide()
-        self.redress()
+        self.update_style()
         head = self.horizontalHeader()
         head.setHighlightSections(False)
         head.setMinimumSectionSize(30)
@@ -89,7 +89,7 @@ class DrivesTable(QTableWidget):
         head.setSectionResizeMode(NAME, QHeaderView.ResizeMode.Stretch)
         self.setAccessibleName("Drives on the shaft")
 
-    def redress(self) -> None:
+    def update_style(self) -> None:
         """As high and wide as its letters want it."""
         self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + LEADING)
 

@@ -157,7 +157,7 @@ class FindView(BackgroundView):
         self.place.setAccessibleName("Which of them")
         self.answer = QLabel(wordWrap=True, textFormat=Qt.TextFormat.RichText, alignment=Qt.AlignmentFlag.AlignTop)
         self.answer.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-        self.redress()
+        self.update_style()
         self.take, self.cancel, self.again = (
             QPushButton("Take over"),
             QPushButton("Cancel"),
@@ -184,7 +184,7 @@ class FindView(BackgroundView):
         session.started.connect(self._typed.clear)
         session.drive_chosen.connect(self._typed.clear)
 
-    def redress(self) -> None:
+    def update_style(self) -> None:
         """The answer has its room, whatever it is."""
         self.answer.setMinimumHeight(ANSWER_LINES * self.fontMetrics().lineSpacing() + 4)
 

@@ -162,7 +162,7 @@ def _change(widgets: Iterable[QWidget], before: Theme, theme: Theme) -> None:
             continue
         if swap is not None:
             swap.widget(widget)
-        if callable(again := getattr(widget, "redress", None)):
+        if callable(again := getattr(widget, "update_style", None)):
             again()
 
 

@@ -47,7 +47,7 @@ class Way:
 
 DRIVER, ROLLER = Way("Let a link follow a motion...", "drivers"), Way("Put a cam under it...", "rollers")
 BEGIN = Way("Begin with a cam...", "designing.new_by_picture")
-SHAFT, OPEN_LOADS = Way("Give it a shaft", "designing.give_shaft"), Way("Type masses and forces", "focus_field:loads")
+SHAFT, OPEN_LOADS = Way("Add a shaft", "designing.give_shaft"), Way("Type masses and forces", "focus_field:loads")
 TO_SHAFT = Way("Add it to a shaft...", "add_to_shaft")
 
 WAYS: Mapping[str, tuple[Way, ...]] = MappingProxyType(
@@ -63,7 +63,7 @@ WAYS: Mapping[str, tuple[Way, ...]] = MappingProxyType(
         NO_FORCES: (OPEN_LOADS,),
         NO_RANKING: (OPEN_LOADS,),
         NOT_PINNED: (Way("Pin this variant", "pin"),),
-        NO_SERVO: (Way("Give it a servo", "designing.give_servo"),),
+        NO_SERVO: (Way("Add a servo", "designing.give_servo"),),
         ALONE: (TO_SHAFT,),
         ONE_DRIVE: (TO_SHAFT,),
         ONLY_LINKAGES: (Way("New design...", "new"),),

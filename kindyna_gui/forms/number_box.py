@@ -240,9 +240,9 @@ class WordBox(RedFrame, QComboBox):
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
         self.setMinimumContentsLength(6)
-        self.redress()
+        self.update_style()
 
-    def redress(self) -> None:
+    def update_style(self) -> None:
         """As high and wide as its letters want it."""
         self.setFixedHeight(row_height(self))
 
@@ -328,11 +328,11 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
         self.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         self.setAccelerated(True)
         self.setKeyboardTracking(False)
-        self.redress()
+        self.update_style()
         self.show_value(0.0)
         TOLD.changed.connect(self._show_otherwise)
 
-    def redress(self) -> None:
+    def update_style(self) -> None:
         """As high and wide as its letters want it."""
         self.setFixedHeight(row_height(self))
         self.setMinimumWidth(QFontMetrics(self.font()).horizontalAdvance("-1234.567") + _BUTTONS)

@@ -256,7 +256,7 @@ class MechanismView(View):
         if self.session.several:
             self.strip.show_drives(drive_rows(self.session), self.session.chosen)
 
-    def redress(self) -> None:
+    def update_style(self) -> None:
         """Theme or letters have changed."""
         self._name_drives()
 

@@ -318,9 +318,9 @@ class LawsTable(QTableView):
         head.setSortIndicator(-1, Qt.SortOrder.AscendingOrder)
         self.setSortingEnabled(True)
         head.setSectionResizeMode(QHeaderView.ResizeMode.Fixed)
-        self.redress()
+        self.update_style()
 
-    def redress(self) -> None:
+    def update_style(self) -> None:
         """As high and wide as its letters want it."""
         self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 6)
         number = self.fontMetrics().horizontalAdvance("Velocity") + 12

@@ -139,7 +139,7 @@ class StudyView(BackgroundView):
             self.pages.curves,
         )
         self.told = QLabel(wordWrap=True, alignment=Qt.AlignmentFlag.AlignTop)
-        self.redress()
+        self.update_style()
         self.tip = self.pages.tip
         self.share = QLabel(wordWrap=True)
         self.share.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
@@ -156,7 +156,7 @@ class StudyView(BackgroundView):
 
     # -- building -------------------------------------------------------------------------------------------
 
-    def redress(self) -> None:
+    def update_style(self) -> None:
         """What is told has its room, so that nothing moves under the mouse."""
         self.told.setFixedHeight(TOLD_LINES * self.fontMetrics().lineSpacing() + 2)
 

@@ -337,7 +337,7 @@ class DesignActions(QObject):
         """A linkage gets a shaft that turns as its driver does; where there is one, its fields come before the reader."""
         design = self._session.design
         if design.shaft is None:
-            self._session.put(give_shaft(design), "Give it a shaft")
+            self._session.put(give_shaft(design), "Add a shaft")
             self._session.end_gesture()
         self._window.focus_field("shaft.flywheel_inertia_kg_m2")
 
@@ -348,14 +348,14 @@ class DesignActions(QObject):
             self.status_message.emit("A crank turns at constant speed: there is no motion for a servo to make")
             return
         if design.drive.servo is None:
-            self._session.put(with_servo(design), "Give it a servo")
+            self._session.put(with_servo(design), "Add a servo")
             self._session.end_gesture()
         self._window.focus_field("servo.gear_ratio")
 
     def take_servo(self) -> None:
         """The servo is taken away."""
         if self._session.design.drive.servo is not None:
-            self._session.put(without_servo(self._session.design), "Take the servo away")
+            self._session.put(without_servo(self._session.design), "Remove the servo")
             self._session.end_gesture()
 
     def make_flexible(self) -> None:

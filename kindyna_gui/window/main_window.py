@@ -169,7 +169,7 @@ class MainWindow(Window):
         player.forward_changed.connect(lambda forward: self.actions_by_key["reverse"].setChecked(not forward))
         self.centre.tabs.currentChanged.connect(lambda _: self.status.recount())
         for dock in self.docks.values():
-            dock.hold(True)
+            dock.pause(True)
             dock.seen.connect(self._docks_moved)
             dock.topLevelChanged.connect(self._docks_moved)
             dock.dockLocationChanged.connect(self._docks_moved)
@@ -610,7 +610,7 @@ class MainWindow(Window):
 
     def _furnish(self) -> None:
         for dock in self.docks.values():
-            dock.hold(False)
+            dock.pause(False)
         self.layouts.furnish()
         if strange := preferences.not_understood():
             self.status.show_message(f"{STRANGE}{', '.join(strange)}")

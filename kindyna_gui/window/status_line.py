@@ -68,7 +68,7 @@ class StatusLine(QStatusBar):
         self.awaited.clicked.connect(self._end_or_begin)
         self.awaited.hide()
         self.angle.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
-        self.redress()
+        self.update_style()
         self.angle.setToolTip("Angle of all views")
         self.assumed.setToolTip("Values that are not taken from a source: click to see them, and to go to one")
         self.assumed.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
@@ -112,7 +112,7 @@ class StatusLine(QStatusBar):
         self._file_changed()
         self._angle_changed(player.theta)
 
-    def redress(self) -> None:
+    def update_style(self) -> None:
         """The angle has a fixed size: else each new one would lay out the whole line anew."""
         letters = self.fontMetrics()
         self.angle.setFixedSize(letters.horizontalAdvance("driver angle 359.9°  "), letters.height())

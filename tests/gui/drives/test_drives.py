@@ -193,7 +193,7 @@ def test_what_was_before_is_never_another_drive(unit: User, deed: str) -> None:
     listed(unit).buttons[deed].click()
     settle()
     assert unit.session.before is None
-    unit.choose("Edit", "Pin what was before")
+    unit.choose("Edit", "Compare with the last step")
     assert unit.window.status.currentMessage() == "Nothing was changed yet"
 
 

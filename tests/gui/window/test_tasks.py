@@ -574,7 +574,7 @@ def test_layouts_are_named_and_come_back_and_what_cannot_is_told_in_a_line(open_
         dialog.accept()
 
     with answering(QInputDialog, name):
-        user.choose("View", "Named layouts", "Keep this layout...")
+        user.choose("View", "Named layouts", "Save this layout...")
     user.choose("View", "Reset layout")
     assert not dock.isFloating()
     user.choose("View", "Dyna")
@@ -593,5 +593,5 @@ def test_layouts_are_named_and_come_back_and_what_cannot_is_told_in_a_line(open_
         user.choose("View", "Named layouts", "Two screens / left")
         assert said in window.statusBar().currentMessage()
         assert not dock.isFloating()
-    user.choose("View", "Named layouts", "Forget Two screens / left")
+    user.choose("View", "Named layouts", "Delete Two screens / left")
     assert window.settings.named_layouts == []
