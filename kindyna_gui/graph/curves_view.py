@@ -87,7 +87,7 @@ FIRST = "displacement"
 class CurvesView(View):
     """The page. Its graph belongs to the window, not to the design: it is kept from run to run."""
 
-    of_whole = True
+    is_design_wide = True
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)

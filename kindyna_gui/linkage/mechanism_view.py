@@ -90,7 +90,7 @@ class MechanismView(View):
     load_opened = Signal(str)
     drawing_switched = Signal(bool)
 
-    of_whole = True
+    is_design_wide = True
 
     def __init__(self, session: Session, player: Player) -> None:
         self.scene = MechanismScene()

@@ -33,7 +33,7 @@ from kindyna_gui.rebuilt import soon
 from kindyna_gui.requirements import STRANGE
 from kindyna_gui.saving import copy_picture, save_picture
 from kindyna_gui.settings import Settings
-from kindyna_gui.view import NumberAtHand, View, in_sight, scroll_to
+from kindyna_gui.view import ExplainableNumber, View, is_in_sight, scroll_to
 from kindyna_gui.window import menus
 from kindyna_gui.window.actions import DesignActions
 from kindyna_gui.window.base import CentralPages, Titles, Window
@@ -192,7 +192,7 @@ class MainWindow(Window):
         view.wake()
         return view
 
-    def explain(self, number: NumberAtHand) -> None:
+    def explain(self, number: ExplainableNumber) -> None:
         """Show where a number comes from, at its own angle, else at the angle at hand."""
         view: Any = self.show_view("explain")
         view.explain(number)
@@ -200,7 +200,7 @@ class MainWindow(Window):
     def explain_here(self) -> None:
         """Show where the number comes from that is chosen where the focus is; where none is, the last one that was explained."""
         view = self._view_in_focus()
-        number = None if view is None else view.number_at_hand()
+        number = None if view is None else view.selected_number()
         if number is None:
             self.show_view("explain")
         else:
@@ -275,7 +275,7 @@ class MainWindow(Window):
             self.documents.open_path(path)
         return self.session.document != before
 
-    def mend(self, remedy: Remedy) -> None:
+    def apply_remedy(self, remedy: Remedy) -> None:
         """Do what mends a finding: seek the value under the limits of the design, or lead to the field."""
         self.focus_field(remedy.field)
         if remedy.masses:
@@ -594,7 +594,7 @@ class MainWindow(Window):
             part: QWidget | None = at
             while part is not None and part.parentWidget() is not self:
                 part = part.parentWidget()
-            if at is None or part is None or at in passed or in_sight(part):
+            if at is None or part is None or at in passed or is_in_sight(part):
                 if by_key:
                     scroll_to(at)
                 return True
