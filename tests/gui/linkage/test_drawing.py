@@ -53,7 +53,7 @@ class Pen:
 
     @property
     def places(self) -> Mapping[str, complex]:
-        return self.user.drawing().drawing.sheet[1]
+        return self.user.drawing().drawing.layout[1]
 
     def at(self, where: complex | str) -> QPoint:
         return pixel(self.canvas, self.places[where] if isinstance(where, str) else where)
@@ -499,7 +499,7 @@ def test_what_is_no_mechanism_yet_is_saved_opened_and_undone(open_user: Open, tm
     pen.user.window.show_view("velocity")  # of an empty sheet there is none, and nothing fails
     pen.canvas.setFocus()
     strip = pen.user.drawing().drawing.bar.state
-    assert "empty sheet" in strip.text()
+    assert "canvas is empty" in strip.text()
     pen.key(Key.Key_G)
     pen.click(0j)
     pen.key(Key.Key_B)
