@@ -151,7 +151,7 @@ class SelectionInput:
         self.drop()
         if is_drag:
             work, theta = self._before
-            self.drawn.session.let_go("linkage", work)
+            self.drawn.session.end_field_drag("linkage", work)
             self.drawn.player.set_theta(theta)
         self.drawn.changed.emit()
         return True
@@ -198,7 +198,7 @@ class SelectionInput:
                 return
             self._moved_from = self.drawn.layout
             self._before = self.drawn.session.work, self.drawn.player.theta
-            self.drawn.session.take_hold(self.drawn.canvas)
+            self.drawn.session.begin_drag(self.drawn.canvas)
         design, positions = self._moved_from
         if self._dragged == "row":
             self._drag_row(design, positions, event)
@@ -230,7 +230,7 @@ class SelectionInput:
         far = (event.position() - pressed).manhattanLength() > DRAG
         if self._moved_from is not None:
             self._moved_from = None
-            self.drawn.session.release()
+            self.drawn.session.end_drag()
         if dragged == "length" and not far:
             length = self.drawn.picture.length_at(event.position())
             if length is not None:

@@ -58,7 +58,7 @@ class DrawnLinkage(QObject):
 
     def _layout_now(self, typed: Design) -> tuple[Design, PointPositions]:
         linkage = typed.drive.linkage
-        if self.session.draft is None:
+        if self.session.incomplete is None:
             try:
                 kinematics = self.session.at(self.player.theta).linkage
                 fixed = frame_link(linkage).places
@@ -125,7 +125,7 @@ class DrawnLinkage(QObject):
             return "The canvas is empty: set a fixed pivot with Ground, or draw a bar"
         if len(design.drive.links) < 2:
             return "Draw a bar from a pivot"
-        return "; ".join(self.lack.sentences) or "1 degree of freedom, set by the driver: the linkage can move"
+        return "; ".join(self.lack.sentences) or "1 degree of freedom, set by the driver: the linkage moves"
 
     # -- selection ------------------------------------------------------------------------------------------------
 
@@ -177,7 +177,7 @@ class DrawnLinkage(QObject):
         drawn = design.drive.linkage.drawn
         if drawn is None or design.drive.linkage.driver.kind != CRANK or drawn.driver_deg is None:
             return None
-        if self.session.draft is None and not self.session.unfinished:
+        if self.session.incomplete is None and not self.session.is_incomplete_linkage:
             try:
                 return CrankMotion(self.session.study.driver_ranges).theta(drawn_position(drawn))
             except KindynaError:

@@ -16,7 +16,7 @@ from core.errors import KindynaError
 from core.mechanism.drivers import driver_position, drivers, roller_points, with_driver, with_roller, without_roller
 from core.output.load_text import row_name
 from kindyna_gui.background import beside
-from kindyna_gui.forms.load_rows import put_held
+from kindyna_gui.forms.load_rows import put_attachment
 from kindyna_gui.forms.loads_page import WHAT, first_field, parts_of, reordered, what_of
 from kindyna_gui.labels import driver_text
 from kindyna_gui.player import TURN
@@ -213,7 +213,7 @@ class LoadActions(QObject):
         others = [each.read(get(design, path)) for each in holds_of(design.drive, name) if each.key != key]
 
         def taken(held: Sequence[Target | None]) -> None:
-            if put_held(self._session, path, hold, held[0]):
+            if put_attachment(self._session, path, hold, held[0]):
                 self.open(path)
 
         self._ask(row_name(design, path), [hold], taken, beside=others)
