@@ -205,7 +205,7 @@ class MechanismView(View):
             column.insertWidget(0, self._drawing.bar)
             self._drawing.switched.connect(self._switch_drawing)
             self._drawing.switched.connect(self.drawing_switched)
-            self._drawing.told.connect(self.status_message)
+            self._drawing.message.connect(self.status_message)
         return self._drawing
 
     @property
