@@ -52,7 +52,7 @@ class LiveBox(NumberBox):
     """Number box that emits ``changed`` whenever its number changes while the user types."""
 
     changed = Signal()
-    as_kept = True
+    in_file_units = True
 
     def __init__(self, info: Info, unit: Unit, name: str = "") -> None:
         super().__init__(info, unit)
