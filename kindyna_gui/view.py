@@ -37,7 +37,7 @@ from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import soon
 from kindyna_gui.requirements import Suggestion, Unavailable, suggestions_for
-from kindyna_gui.settings import TOLD, is_default
+from kindyna_gui.settings import DISPLAY, is_default
 
 # -- view ------------------------------------------------------------------------------------------------
 
@@ -254,7 +254,7 @@ class View(QWidget):
         session.started.connect(self._forget_fault)
         session.drive_chosen.connect(self._forget_fault)
         (session.full_design_changed if self.of_whole else session.design_changed).connect(self.invalidate)
-        TOLD.changed.connect(self.invalidate)
+        DISPLAY.changed.connect(self.invalidate)
         player.angle_changed.connect(self._angle_changed)
         player.playing_changed.connect(self._cam_rests)
 

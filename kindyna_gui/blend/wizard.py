@@ -36,7 +36,7 @@ from kindyna_gui.blend.request import (
 )
 from kindyna_gui.blend.settings import PrecisionPointRow, RangedRow, quiet
 from kindyna_gui.documents.session import Session
-from kindyna_gui.documents.texts import add_copy_of, of_session, spelled
+from kindyna_gui.documents.texts import add_copy_of_line, command_text, session_options
 from kindyna_gui.forms.request_form import PutDialog
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import law_label, reason
@@ -209,7 +209,7 @@ class BlendDialog(PutDialog):
         self._waiting: list[RangedRow] = []  # for their ranges
         self._requested_rows: tuple[RangedRow, ...] = ()
         self._lay_out()
-        add_copy_of(self.buttons, self._as_command)
+        add_copy_of_line(self.buttons, self._as_command)
         self._connect()
         request = first_request(motion, min(session.segment, len(motion.segments) - 1))
         self.questions.answer(request)
@@ -399,8 +399,9 @@ class BlendDialog(PutDialog):
     def _as_command(self) -> str:
         from core.commands.motions import BlendArguments
 
-        return spelled(
-            "blend", command_words(BlendArguments, {**words_of(self.questions.request()), **of_session(self._session)})
+        return command_text(
+            "blend",
+            command_words(BlendArguments, {**words_of(self.questions.request()), **session_options(self._session)}),
         )
 
     def accept(self) -> None:
