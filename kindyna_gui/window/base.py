@@ -260,7 +260,7 @@ class Titles(QObject):
 
     def name_docks(self) -> None:
         """Update titles of docks and pages to the design's names of quantities."""
-        if self._session.held:  # a drag with the mouse never changes the kind of design
+        if self._session.drag_source:  # a drag with the mouse never changes the kind of design
             return
         for name, dock in self._window.docks.items():
             title = title_of(name, self._session.design)

@@ -36,7 +36,7 @@ from kindyna_gui.rebuilt import soon
 from kindyna_gui.requirements import STRANGE
 from kindyna_gui.saving import copy_picture, save_picture
 from kindyna_gui.settings import Settings
-from kindyna_gui.view import NumberAtHand, View, in_sight, scroll_to
+from kindyna_gui.view import ExplainableNumber, View, is_in_sight, scroll_to
 from kindyna_gui.window import menus
 from kindyna_gui.window.actions import DesignActions
 from kindyna_gui.window.base import CentralPages, Titles, Window
@@ -75,7 +75,7 @@ class MainWindow(Window):
         self.session, self.player, self.settings = session, player, settings
         for owned in (session, player):
             owned.setParent(self)  # else their connections would keep the window alive
-        session.whole_changed.connect(self._place_drive)
+        session.full_design_changed.connect(self._place_drive)
         session.design_changed.connect(
             self._design_changed
         )  # connected before the views, which read the player's angle
@@ -157,12 +157,12 @@ class MainWindow(Window):
         session.stages_on_screen = self.stages_on_screen
         session.started.connect(partial(setattr, self, "_begun", True))
         session.drive_chosen.connect(partial(setattr, self, "_begun", True))
-        session.whole_changed.connect(self._follow_new_design)
+        session.full_design_changed.connect(self._follow_new_design)
         session.file_changed.connect(self._follow_new_design)
         session.stack.indexChanged.connect(self._steps_changed)
         session.stack.cleanChanged.connect(self._steps_changed)
         session.refused.connect(self._show_refusal)
-        session.vary_wanted.connect(self.vary)
+        session.vary_requested.connect(self.vary)
         self.documents.status_message.connect(self.status.show_message)
         self.exports.status_message.connect(self.status.show_message)
         self.disk.status_message.connect(self.status.show_message)
@@ -197,7 +197,7 @@ class MainWindow(Window):
         view.wake()
         return view
 
-    def explain(self, number: NumberAtHand) -> None:
+    def explain(self, number: ExplainableNumber) -> None:
         """Explain a number, at its own angle or else at the current angle."""
         view: Any = self.show_view("explain")
         view.explain(number)
@@ -205,7 +205,7 @@ class MainWindow(Window):
     def explain_here(self) -> None:
         """Explain the number selected in the view with the focus; else show the last explanation."""
         view = self._view_in_focus()
-        number = None if view is None else view.number_at_hand()
+        number = None if view is None else view.selected_number()
         if number is None:
             self.show_view("explain")
         else:
@@ -222,7 +222,7 @@ class MainWindow(Window):
 
     def pin(self, design: Design | None = None) -> None:
         """Pin a design, by default the current one: later changes are compared with it."""
-        row = Pins.of(self.session).pin(self.session.whole if design is None else design)
+        row = Pins.of(self.session).pin(self.session.full_design if design is None else design)
         self.show_message(f"Pinned as {row.name}; plots show it dashed, the drawing in grey")
 
     def pin_before(self) -> None:
@@ -232,7 +232,7 @@ class MainWindow(Window):
             self.show_message("The design has not been changed yet")
             return
         if self.session.several:
-            design = with_only(self.session.whole, self.session.chosen, design)
+            design = with_only(self.session.full_design, self.session.chosen, design)
         row = Pins.of(self.session).pin(design, f"before: {self.session.stack.undoText()}")
         self.show_message(f"Pinned {row.name}; plots show it dashed, the drawing in grey")
 
@@ -280,7 +280,7 @@ class MainWindow(Window):
             self.documents.open_path(path)
         return self.session.document != before
 
-    def mend(self, remedy: Remedy) -> None:
+    def apply_remedy(self, remedy: Remedy) -> None:
         """Carry out the remedy of a finding: show its field, and calculate its value if Find can."""
         self.focus_field(remedy.field)
         if remedy.masses:
@@ -345,13 +345,13 @@ class MainWindow(Window):
         During a drag they are those of its beginning: each move of the mouse reads them.
         """
         session = self.session
-        if session.held is not None and session.stages_held is not None:
-            return session.stages_held
+        if session.drag_source is not None and session.stages_of_drag is not None:
+            return session.stages_of_drag
         needed = {stage for view in self._views() if view.on_screen() for stage in view.stages}
         if needed:
             needed.add("motion")
-        session.stages_held = tuple(stage for stage in session.study.stages if stage in needed)
-        return session.stages_held
+        session.stages_of_drag = tuple(stage for stage in session.study.stages if stage in needed)
+        return session.stages_of_drag
 
     def focus_field(self, path: str) -> None:
         """Show and focus the field of a path, or the fields of a section; selects the drive that has it."""
@@ -600,7 +600,7 @@ class MainWindow(Window):
             part: QWidget | None = focus
             while part is not None and part.parentWidget() is not self:
                 part = part.parentWidget()
-            if focus is None or part is None or focus in passed or in_sight(part):
+            if focus is None or part is None or focus in passed or is_in_sight(part):
                 if by_key:
                     scroll_to(focus)
                 return True
@@ -630,7 +630,7 @@ class MainWindow(Window):
         self.layouts.save()
         for view in self.findChildren(View):
             view.leave()
-        self.session.awaited.close()
+        self.session.pending.close()
         if self._papers is not None:
             self._papers.leave()
         self.recovery.close()

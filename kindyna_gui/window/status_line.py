@@ -23,7 +23,7 @@ from kindyna_gui.look import coloured, sign, text_button
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import clear_menu, soon
-from kindyna_gui.requirements import ways_of
+from kindyna_gui.requirements import suggestions_for
 
 PAUSE_MS = 150  # after a change, before the findings are counted
 STAY_MS = 6000  # how long a message is shown
@@ -67,7 +67,7 @@ class StatusLine(QStatusBar):
         self.awaited.clicked.connect(self._end_or_begin)
         self.awaited.hide()
         self.angle.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
-        self.redress()
+        self.update_style()
         self.angle.setToolTip("Angle of all views")
         self.assumed.setToolTip("Assumed values: click to list them")
         self.assumed.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
@@ -99,19 +99,19 @@ class StatusLine(QStatusBar):
         self.messageChanged.connect(self._ask_again)
         self.messageChanged.connect(self._offer)
         self.messageChanged.connect(self._show_long)
-        session.awaited.changed.connect(self._show_awaited)
+        session.pending.changed.connect(self._show_awaited)
         session.mended.connect(self._mended)
         session.restored.connect(self._mended)
-        session.draft_changed.connect(self._draft_changed)
+        session.incomplete_changed.connect(self._draft_changed)
         session.restored.connect(self._draft_changed)  # names of values depend on the drive
-        session.whole_changed.connect(self._design_changed)
+        session.full_design_changed.connect(self._design_changed)
         session.file_changed.connect(self._file_changed)
         player.angle_changed.connect(self._angle_changed)
         self._design_changed()
         self._file_changed()
         self._angle_changed(player.theta)
 
-    def redress(self) -> None:
+    def update_style(self) -> None:
         """Fix the size of the angle to the font: else each new angle would lay out the line again."""
         metrics = self.fontMetrics()
         self.angle.setFixedSize(metrics.horizontalAdvance("driver angle 359.9°  "), metrics.height())
@@ -139,7 +139,7 @@ class StatusLine(QStatusBar):
 
     def _offer(self, text: str) -> None:
         """Show the remedy of a message, if any, as a button next to it."""
-        remedy = next(iter(ways_of(text)), None)
+        remedy = next(iter(suggestions_for(text)), None)
         self._entry = "" if remedy is None else remedy.entry
         self.way.setText("" if remedy is None else remedy.text)
         self.way.setVisible(remedy is not None)
@@ -180,13 +180,13 @@ class StatusLine(QStatusBar):
 
     def _show_awaited(self) -> None:
         """Show the button that stops a long calculation, or starts it again."""
-        awaited = self._session.awaited
+        awaited = self._session.pending
         self.awaited.setText("Calculate again" if awaited.given_up else "Stop calculating the steady response")
         self.awaited.setToolTip("Calculating the shaft's steady response for an open view")
         self.awaited.setVisible(awaited.busy or awaited.given_up)
 
     def _end_or_begin(self) -> None:
-        awaited = self._session.awaited
+        awaited = self._session.pending
         if awaited.given_up:
             awaited.again()
         else:
@@ -205,7 +205,7 @@ class StatusLine(QStatusBar):
         self._soon.stop()
         stages = tuple(self._session.stages_on_screen())
         try:
-            findings = findings_of(self._session.whole_study, stages) if stages else ()
+            findings = findings_of(self._session.full_study, stages) if stages else ()
             text, severity = counted(findings) if stages else ("limits not checked", NOTE)
             checked = f"Checked: {', '.join(stages)}" if stages else "No view is open, so no limit has been checked"
             tip = f"{checked}. Click to show all findings."
@@ -217,7 +217,7 @@ class StatusLine(QStatusBar):
         soon(self, lambda: self._show_long(self.currentMessage()))  # the buttons next to it may have become wider
 
     def _design_changed(self) -> None:
-        number = len(self._session.whole.assumed)
+        number = len(self._session.full_design.assumed)
         self.assumed.setText(f"{number} assumed")
         self.assumed.setVisible(number > 0)
         self.recount()
@@ -232,7 +232,7 @@ class StatusLine(QStatusBar):
 
     def _list_assumed(self) -> None:
         """Add an entry for each assumed value, which shows its field; values of a drive are in its submenu."""
-        design, menus = self._session.whole, {"": self._assumed_rows}
+        design, menus = self._session.full_design, {"": self._assumed_rows}
         self._drive_menus = menus  # else Python would delete them
         clear_menu(self._assumed_rows)
         for path in design.assumed:
