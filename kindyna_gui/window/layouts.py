@@ -13,7 +13,7 @@ from PySide6.QtCore import QObject, QSize, Qt, Signal
 from core.design import Design, motion_of
 from kindyna_gui.requirements import lists_links
 from kindyna_gui.settings import TaskLayout
-from kindyna_gui.view import in_sight
+from kindyna_gui.view import is_in_sight
 from kindyna_gui.window.base import Window
 from kindyna_gui.window.docks import BOTTOM, LEFT, RIGHT, TOP, VIEWS, Dock
 from kindyna_gui.window.tasks import SEPARATOR, TASKS, Area, DockExtent, DockGroup, Task
@@ -95,7 +95,7 @@ class Layouts(QObject):
     def _leave(self) -> None:
         """Note how the task in place is left."""
         forms = self._docks["parameters"]
-        if in_sight(forms) and not forms.isFloating():
+        if is_in_sight(forms) and not forms.isFloating():
             self._inspector = forms.width()
         self._left[self.current] = TaskLayout(
             self._window.saveState(self._settings.VERSION), *self._centre.open_pages, *self._kinds[self.current]
@@ -255,7 +255,7 @@ class Layouts(QObject):
             return
         area = self._window.dockWidgetArea(dock)
         below = area in _LYING
-        docks = [each for each in self._docks.values() if in_sight(each) and not each.isFloating()]
+        docks = [each for each in self._docks.values() if is_in_sight(each) and not each.isFloating()]
         beside = [each for each in docks if self._window.dockWidgetArea(each) == area]
         width = beside[0].width() if beside else 0
         across = [

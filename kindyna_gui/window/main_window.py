@@ -33,7 +33,7 @@ from kindyna_gui.rebuilt import soon
 from kindyna_gui.requirements import STRANGE
 from kindyna_gui.saving import copy_picture, save_picture
 from kindyna_gui.settings import Settings
-from kindyna_gui.view import NumberAtHand, View, in_sight, scroll_to
+from kindyna_gui.view import ExplainableNumber, View, is_in_sight, scroll_to
 from kindyna_gui.window import menus
 from kindyna_gui.window.actions import DesignActions
 from kindyna_gui.window.base import CentralPages, Titles, Window
@@ -72,7 +72,7 @@ class MainWindow(Window):
         self.session, self.player, self.settings = session, player, settings
         for owned in (session, player):
             owned.setParent(self)  # else what is connected to them would keep the window for ever
-        session.whole_changed.connect(self._place_drive)
+        session.full_design_changed.connect(self._place_drive)
         session.design_changed.connect(self._design_changed)  # before the views, which read the player's angle
         self._design_changed()
         self.documents = Documents(session, settings, self)
@@ -152,12 +152,12 @@ class MainWindow(Window):
         session.stages_on_screen = self.stages_on_screen
         session.started.connect(partial(setattr, self, "_begun", True))
         session.drive_chosen.connect(partial(setattr, self, "_begun", True))
-        session.whole_changed.connect(self._suit_design)
+        session.full_design_changed.connect(self._suit_design)
         session.file_changed.connect(self._suit_design)
         session.stack.indexChanged.connect(self._steps_changed)
         session.stack.cleanChanged.connect(self._steps_changed)
         session.refused.connect(self._show_refusal)
-        session.vary_wanted.connect(self.vary)
+        session.vary_requested.connect(self.vary)
         self.documents.status_message.connect(self.status.show_message)
         self.exports.status_message.connect(self.status.show_message)
         self.disk.status_message.connect(self.status.show_message)
@@ -192,7 +192,7 @@ class MainWindow(Window):
         view.wake()
         return view
 
-    def explain(self, number: NumberAtHand) -> None:
+    def explain(self, number: ExplainableNumber) -> None:
         """Show where a number comes from, at its own angle, else at the angle at hand."""
         view: Any = self.show_view("explain")
         view.explain(number)
@@ -200,7 +200,7 @@ class MainWindow(Window):
     def explain_here(self) -> None:
         """Show where the number comes from that is chosen where the focus is; where none is, the last one that was explained."""
         view = self._view_in_focus()
-        number = None if view is None else view.number_at_hand()
+        number = None if view is None else view.selected_number()
         if number is None:
             self.show_view("explain")
         else:
@@ -217,7 +217,7 @@ class MainWindow(Window):
 
     def pin(self, design: Design | None = None) -> None:
         """Keep a design as it is, that at hand where none is named: what is changed then is held against it."""
-        row = Pins.of(self.session).pin(self.session.whole if design is None else design)
+        row = Pins.of(self.session).pin(self.session.full_design if design is None else design)
         self.show_message(f"Pinned as {row.name}; plots show it dashed, the drawing in grey")
 
     def pin_before(self) -> None:
@@ -227,7 +227,7 @@ class MainWindow(Window):
             self.show_message("Nothing was changed yet")
             return
         if self.session.several:
-            design = with_only(self.session.whole, self.session.chosen, design)
+            design = with_only(self.session.full_design, self.session.chosen, design)
         row = Pins.of(self.session).pin(design, f"before: {self.session.stack.undoText()}")
         self.show_message(f"Pinned {row.name}; plots show it dashed, the drawing in grey")
 
@@ -275,7 +275,7 @@ class MainWindow(Window):
             self.documents.open_path(path)
         return self.session.document != before
 
-    def mend(self, remedy: Remedy) -> None:
+    def apply_remedy(self, remedy: Remedy) -> None:
         """Do what mends a finding: seek the value under the limits of the design, or lead to the field."""
         self.focus_field(remedy.field)
         if remedy.masses:
@@ -338,13 +338,13 @@ class MainWindow(Window):
         """The stages that views on screen read, in the order they need each other; with the motion, from which all are computed.
         While something is held with the mouse they are those of when it was taken: each of its moves asks for them."""
         session = self.session
-        if session.held is not None and session.stages_held is not None:
-            return session.stages_held
+        if session.drag_source is not None and session.stages_of_drag is not None:
+            return session.stages_of_drag
         wanted = {stage for view in self._views() if view.on_screen() for stage in view.stages}
         if wanted:
             wanted.add("motion")
-        session.stages_held = tuple(stage for stage in session.study.stages if stage in wanted)
-        return session.stages_held
+        session.stages_of_drag = tuple(stage for stage in session.study.stages if stage in wanted)
+        return session.stages_of_drag
 
     def focus_field(self, path: str) -> None:
         """Bring the field of a path, or of a section, before the reader; of a drive that is not shown, the drive too."""
@@ -594,7 +594,7 @@ class MainWindow(Window):
             part: QWidget | None = at
             while part is not None and part.parentWidget() is not self:
                 part = part.parentWidget()
-            if at is None or part is None or at in passed or in_sight(part):
+            if at is None or part is None or at in passed or is_in_sight(part):
                 if by_key:
                     scroll_to(at)
                 return True
@@ -624,7 +624,7 @@ class MainWindow(Window):
         self.layouts.save()
         for view in self.findChildren(View):
             view.leave()
-        self.session.awaited.close()
+        self.session.pending.close()
         if self._papers is not None:
             self._papers.leave()
         self.recovery.close()

@@ -16,7 +16,7 @@ from core.study import Study, evaluations
 from kindyna_gui.compare import CompareView, ExplainView
 from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.places import example
-from kindyna_gui.view import NumberAtHand
+from kindyna_gui.view import ExplainableNumber
 
 BASE = "cam.base_radius_mm"
 
@@ -139,7 +139,7 @@ def test_a_right_click_on_the_torque_explains_it_at_the_angle_at_hand(user: User
 
 
 def test_a_letter_that_is_typed_leads_to_its_field(user: User, app: QApplication) -> None:
-    user.window.explain(NumberAtHand("phi_rad_s"))
+    user.window.explain(ExplainableNumber("phi_rad_s"))
     view = user.window.show_view("explain")
     assert isinstance(view, ExplainView)
     wait_for(lambda: view.up_to_date)
@@ -219,17 +219,17 @@ def test_the_peak_of_a_shaft_is_explained_at_its_machine_angle(open_user: Open) 
     wait_for(lambda: figures.up_to_date and not figures.busy)
     row = next(i for i, each in enumerate(figures.table.rows.rows) if each.cells[0] == "Shaft")
     figures.table.selectRow(row)
-    user.window.explain(figures.number_at_hand())
+    user.window.explain(figures.selected_number())
     view = user.window.show_view("explain")
     assert isinstance(view, ExplainView)
     wait_for(lambda: view.up_to_date)
-    wanted = explained(user.session.whole_study, "torque_nm")
+    wanted = explained(user.session.full_study, "torque_nm")
     assert view.head.text().startswith(wanted.headline(7))
     assert [each.cells[3] for each in view.table.rows.rows][:2] == ["Torque of Feed there", "Torque of Clamp there"]
 
 
 def test_every_number_of_the_design_can_be_chosen(user: User) -> None:
-    user.window.explain(NumberAtHand("drive_torque_nm"))
+    user.window.explain(ExplainableNumber("drive_torque_nm"))
     view = user.window.show_view("explain")
     assert isinstance(view, ExplainView)
     wait_for(lambda: view.up_to_date)
