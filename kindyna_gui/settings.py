@@ -354,10 +354,14 @@ class Settings:
         version, task = stored_text(self._kept, f"{key}/version"), stored_text(self._kept, f"{key}/task")
         if version != str(self.VERSION):
             newer = number_from_one(version, 10**9) > self.VERSION
-            raise ValueError("of a newer version of KINDYNA" if newer else "of an older version, which had other docks")
+            raise ValueError(
+                "it is from a newer version of KINDYNA"
+                if newer
+                else "it is from an older version, which had other docks"
+            )
         layout = self._read_layout(key)
         if layout is None:
-            raise ValueError("broken")
+            raise ValueError("it is damaged")
         return task, layout
 
     def save_layout(self, task: str, layout: TaskLayout) -> None:

@@ -76,7 +76,7 @@ class ParametersView(View):
 
     load_added = Signal(str)
     load_picked = Signal(str, str)
-    of_whole = True
+    is_design_wide = True
 
     def __init__(self, session: Session, player: Player, first: Mapping[str, Any] = MappingProxyType({})) -> None:
         super().__init__(session, player)

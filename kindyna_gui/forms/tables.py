@@ -24,7 +24,7 @@ from core.frozen import frozen
 from kindyna_gui.documents.session import Session
 from kindyna_gui.rebuilt import soon
 from kindyna_gui.settings import symbol_of
-from kindyna_gui.view import NumberAtHand
+from kindyna_gui.view import ExplainableNumber
 
 ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 Index = QModelIndex | QPersistentModelIndex
@@ -159,7 +159,7 @@ class TableRow:
     tip: str = ""
     colour: str = ""
     across: int | None = None
-    number: NumberAtHand | None = None
+    number: ExplainableNumber | None = None
 
 
 @frozen
@@ -269,7 +269,7 @@ class RowsTable(QTableView):
                 header.setSectionResizeMode(column, QHeaderView.ResizeMode.Stretch)
 
     @property
-    def number(self) -> NumberAtHand | None:
+    def number(self) -> ExplainableNumber | None:
         """The number of the current row that can be explained."""
         current = self.currentIndex().row()
         return self.rows.rows[current].number if 0 <= current < len(self.rows.rows) else None

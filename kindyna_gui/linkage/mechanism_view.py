@@ -90,7 +90,7 @@ class MechanismView(View):
     load_opened = Signal(str)
     drawing_switched = Signal(bool)
 
-    of_whole = True
+    is_design_wide = True
 
     def __init__(self, session: Session, player: Player) -> None:
         self.scene = MechanismScene()
@@ -205,7 +205,7 @@ class MechanismView(View):
             column.insertWidget(0, self._drawing.bar)
             self._drawing.switched.connect(self._switch_drawing)
             self._drawing.switched.connect(self.drawing_switched)
-            self._drawing.told.connect(self.status_message)
+            self._drawing.message.connect(self.status_message)
         return self._drawing
 
     @property

@@ -418,8 +418,8 @@ class SegmentsView(MarkedView):
             self._sharing.start()
         if self.session.drag_source:
             self._draw_diagram(study)
-            self.in_turn(self._show_tables)
-            self.in_turn(self._draw_derivatives)
+            self.refresh_in_turn(self._show_tables)
+            self.refresh_in_turn(self._draw_derivatives)
         else:
             self._show_tables()
             self._draw()

@@ -108,7 +108,7 @@ class StudyView(BackgroundView):
     found   what is shown; None before the first
     """
 
-    of_whole = True
+    is_design_wide = True
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
@@ -379,7 +379,7 @@ class StudyView(BackgroundView):
             self.pages.setCurrentWidget(self.map)
             self.map.show_message(NOTHING_ASKED if self.spans else WORDS_ONLY if self.words else EMPTY)
             self._say("")
-            self.in_turn(self._show_present)
+            self.refresh_in_turn(self._show_present)
             self._ask_share()
             return
         wanted = self._question()
@@ -394,7 +394,7 @@ class StudyView(BackgroundView):
             if self._drawn != self._drawing:
                 self._draw()
             self._place()
-        self.in_turn(self._show_present)
+        self.refresh_in_turn(self._show_present)
         self._ask_share()
 
     def _words_at(self, path: str) -> tuple[str, ...]:

@@ -250,14 +250,14 @@ class DesignActions(QObject):
 
         replaces = keeps_motion and self._session.several  # one drive, which Undo brings back
         if replaces or self._window.documents.may_leave():
-            ask = gallery.mechanism_wanted if keeps_motion else gallery.new_mechanism_wanted
+            ask = gallery.ask_mechanism if keeps_motion else gallery.ask_new_mechanism
             choice = ask(self._window)
             if choice is not None:
                 motion = motion_of(self._session.design) if keeps_motion else None
                 if replaces:
-                    replace_chosen(self._session, choice.begun(motion), f"Choose {choice.called}")
+                    replace_chosen(self._session, choice.with_motion(motion), f"Choose {choice.step_name}")
                 else:
-                    self._window.documents.begin(choice.begun(motion), choice.called)
+                    self._window.documents.begin(choice.with_motion(motion), choice.step_name)
                     if not keeps_motion and motion_of(self._session.design) is not None:
                         self._window.focus_field("motion.stroke")  # what a designer says first
 
@@ -274,7 +274,7 @@ class DesignActions(QObject):
     def choose_circuit(self) -> None:
         """Ask which of its circuits the linkage is in."""
         from core.mechanism.drivers import circuits
-        from kindyna_gui.window.gallery import circuit_wanted
+        from kindyna_gui.window.gallery import ask_circuit
 
         self._window.documents.settle()
         design = self._session.design
@@ -286,7 +286,7 @@ class DesignActions(QObject):
         except KindynaError as error:
             self.status_message.emit(reason(design, error))
             return
-        wanted = None if found is None else circuit_wanted(self._window, found)
+        wanted = None if found is None else ask_circuit(self._window, found)
         if wanted is not None:
             self.change(lambda: wanted, "Choose another circuit")
 

@@ -112,7 +112,7 @@ def fill_drawing(window: Window, menu: QMenu) -> None:
     """The tools of Draw, and what is done with what is chosen; greyed where no linkage is there."""
     menu.menuAction().setEnabled(bool(window.session.typed.drive.links))
     from kindyna_gui.linkage.draw_tools import TOOLS
-    from kindyna_gui.linkage.drawing_deeds import DEEDS
+    from kindyna_gui.linkage.drawing_actions import ACTIONS
 
     for tool in TOOLS.values():
         action = menu.addAction(f"{tool.text}\t{tool.key}")
@@ -120,20 +120,20 @@ def fill_drawing(window: Window, menu: QMenu) -> None:
         action.triggered.connect(partial(_draw, window, tool.name))
     menu.addSeparator()
     view: Any = window.view("mechanism")
-    for deed in DEEDS:
-        action = menu.addAction(f"{deed.text}\t{deed.key}")
-        action.setStatusTip(deed.tip)
+    for row in ACTIONS:
+        action = menu.addAction(f"{row.text}\t{row.key}")
+        action.setStatusTip(row.tip)
         action.setEnabled(view is not None and view.draws)
-        action.triggered.connect(partial(_do, window, deed))
+        action.triggered.connect(partial(_do, window, row.name))
 
 
 def _draw(window: Window, tool: str, *_: object) -> None:
     window.draw(True, tool)
 
 
-def _do(window: Window, deed: Any, *_: object) -> None:
+def _do(window: Window, action: str, *_: object) -> None:
     view: Any = window.view("mechanism")
-    view.drawing.deeds[deed.name].trigger()
+    view.drawing.actions[action].trigger()
 
 
 def _linkage(window: Window, menu: QMenu) -> Design | None:

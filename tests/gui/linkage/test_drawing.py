@@ -53,7 +53,7 @@ class Pen:
 
     @property
     def places(self) -> Mapping[str, complex]:
-        return self.user.drawing().drawing.sheet[1]
+        return self.user.drawing().drawing.layout[1]
 
     def at(self, where: complex | str) -> QPoint:
         return pixel(self.canvas, self.places[where] if isinstance(where, str) else where)
@@ -499,12 +499,12 @@ def test_what_is_no_mechanism_yet_is_saved_opened_and_undone(open_user: Open, tm
     pen.user.window.show_view("velocity")  # of an empty sheet there is none, and nothing fails
     pen.canvas.setFocus()
     strip = pen.user.drawing().drawing.bar.state
-    assert "empty sheet" in strip.text()
+    assert "canvas is empty" in strip.text()
     pen.key(Key.Key_G)
     pen.click(0j)
     pen.key(Key.Key_B)
     pen.drag("O1", 30j)
-    assert "it moves" in strip.text()
+    assert "linkage moves" in strip.text()
     pen.drag("A", 60 + 50j)
     assert strip.text() == "1 degree of freedom without a driver: B hangs loose: join it or ground it"
     pen.user.picks("design_to_save", tmp_path / "half.toml")
