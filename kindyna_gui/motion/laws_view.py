@@ -522,7 +522,7 @@ class LawsView(View):
 
         self.session.refused.connect(listen)
         text = f"Change law of segment {index + 1} to {law_label(slug)}"
-        if self.session.draft is not None:
+        if self.session.incomplete is not None:
             done = self.session.edit(path, slug, text)
         else:  # nothing was typed that would have to stay
             done = self.session.put(edited(self.session.design, path, slug), text, path)

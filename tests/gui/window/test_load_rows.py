@@ -134,7 +134,7 @@ def test_a_spring_without_length_and_a_damper_at_rest_are_named_as_they_are_type
     box.activated.emit(box.currentIndex())
     settle()
     assert (box.waits, box.currentText()) == (True, "O4 of frame"), "what was chosen stays, and is marked"
-    assert "both ends are on one link" in user.parameters().draft.trouble.toolTip()
+    assert "both ends are on one link" in user.parameters().incomplete_bar.trouble.toolTip()
     user.session.stack.undo()
     settle()
     assert (box.waits, box.currentText()) == (False, "O2 of link 2")
@@ -150,7 +150,7 @@ def test_a_table_that_is_not_closed_stays_as_typed_and_says_what_to_give(same_wi
     assert (user.number(field.spec.path).text(), user.design) == ("7", before)
     user.enter("loads.process[0].points[1].deg", "400")
     assert user.design == before
-    user.session.drop_draft()
+    user.session.drop_incomplete()
     page = user.parameters().loads
     when = page.whens["loads.process[0]"]
     assert when.box.currentData() == TABLE_WHEN
