@@ -202,7 +202,7 @@ class DesignActions(QObject):
             self._segment_from(QApplication.clipboard().text().encode(), "clipboard")
 
     def _segment_from(self, data: bytes, name: str, path: Path | None = None) -> None:
-        from core.measured.fitting import segment_from_table
+        from core.measured.segment_table import segment_from_table
         from core.measured.sheet import read_sheet
 
         session = self._session
