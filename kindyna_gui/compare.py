@@ -31,7 +31,7 @@ from kindyna_gui.labels import name_of, sentence
 from kindyna_gui.look import coloured, sign
 from kindyna_gui.pictures.style import SCREEN, SERIF
 from kindyna_gui.player import Player
-from kindyna_gui.requirements import NOT_PINNED, NotHere
+from kindyna_gui.requirements import NOT_PINNED, Unavailable
 from kindyna_gui.saving import written
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import NumberAtHand, View, ViewHost
@@ -68,7 +68,7 @@ class CompareView(View):
         self.pin = QPushButton("Pin this variant")
         self.unpin = QPushButton("Unpin")
         self.save = QPushButton("Save...")
-        self.pin.clicked.connect(lambda: self.pins.pin(self.session.whole))
+        self.pin.clicked.connect(lambda: self.pins.pin(self.session.full_design))
         self.unpin.clicked.connect(self.pins.unpin)
         self.save.clicked.connect(self._save)
         self.found: Comparison | None = None
@@ -87,11 +87,11 @@ class CompareView(View):
         self.choice.clear()
         for each in reversed(self.pins.rows):
             self.choice.addItem(each.name, each)
-        pinned = self.pins.whole_study
+        pinned = self.pins.full_study
         if pinned is None:
             self.found = None
-            raise NotHere(NOT_PINNED)
-        now = compared_design(self.session.whole_study)
+            raise Unavailable(NOT_PINNED)
+        now = compared_design(self.session.full_study)
         if self._side is None or self._side[0] is not pinned:
             with self.pins.named():
                 self._side = pinned, compared_design(pinned)
@@ -121,7 +121,7 @@ def _rows(found: Comparison, session: Session) -> list[TableRow]:
     rows = [
         TableRow(
             (
-                name_of(session.whole, row.quantity) or row.quantity,
+                name_of(session.full_design, row.quantity) or row.quantity,
                 "input",
                 *map(_brief, (row.a, row.b, row.change), row.texts),
             ),
@@ -232,7 +232,7 @@ class ExplainView(View):
     def _of_whole(self) -> list[str]:
         """What is one of the whole shaft, where several drives turn with it; nothing while that is being looked for."""
         try:
-            return explainable(self.session.whole_study) if self.session.several else []
+            return explainable(self.session.full_study) if self.session.several else []
         except ResultPending:
             return []
 
@@ -253,7 +253,7 @@ class ExplainView(View):
         whole = self._chosen in self._whole
         at = None if self.largest.isChecked() else degrees(self.player.machine_of(theta) if whole else theta)
         try:
-            made = explained(self.session.whole_study if whole else self.session.study, self._chosen, at)
+            made = explained(self.session.full_study if whole else self.session.study, self._chosen, at)
         except KindynaError as error:
             self.head.setText(str(error))
             self.table.show_rows([])

@@ -123,7 +123,7 @@ class CertificateView(View):
         return NumberAtHand(name) if name else None
 
     def refresh(self, study: Study) -> None:
-        proof = certificate_of(self.session.whole_study)
+        proof = certificate_of(self.session.full_study)
         self._names = tuple(proof)
         self.table.show_rows([certificate_row(name, residual) for name, residual in proof.items()])
 
@@ -184,7 +184,7 @@ class FindingsView(View):
         return NumberAtHand(name) if name else None
 
     def refresh(self, study: Study) -> None:
-        whole = self.session.whole_study
+        whole = self.session.full_study
         self._findings = findings_of(whole)
         rows, remedies = [], _remedies(whole.design, self._findings)
         for f, remedy in zip(self._findings, remedies, strict=True):

@@ -31,7 +31,7 @@ from kindyna_gui.pictures.plots.xy import MACHINE_ANGLE, MACHINE_TIP, CursorPlot
 from kindyna_gui.pictures.style import BALANCE, BLUE, GREEN, SCREEN, VERMILION
 from kindyna_gui.pictures.units import digits, measure, readable
 from kindyna_gui.player import Player, obey
-from kindyna_gui.requirements import ALONE, NO_SERVO, NO_WHEEL, NotHere, require_list, turned_shaft
+from kindyna_gui.requirements import ALONE, NO_SERVO, NO_WHEEL, Unavailable, require_list, turned_shaft
 from kindyna_gui.settings import size_of
 from kindyna_gui.view import BackgroundView, NumberAtHand, View
 
@@ -75,7 +75,7 @@ class ServoView(View):
 
     def refresh(self, study: Study) -> None:
         if not has_servo(study.design):
-            raise NotHere(NO_SERVO)
+            raise Unavailable(NO_SERVO)
         study.require_load()
         found, turn = drive_efforts(study), servo_turn(study)
         plots = torque_figure(study, found).plots
@@ -152,8 +152,8 @@ class AgainstSpeedView(BackgroundView):
         self._work.result.connect(self._answered)
 
     def refresh(self, study: Study) -> None:
-        design = self.session.whole
-        rpm = turned_shaft(self.session.whole_study, NO_WHEEL).speed_rpm * np.linspace(LEAST, MOST, COUNT)
+        design = self.session.full_design
+        rpm = turned_shaft(self.session.full_study, NO_WHEEL).speed_rpm * np.linspace(LEAST, MOST, COUNT)
         self.found = None
         self.bar.show()
         self._work.start([(design, partial(at_speeds, design, rpm))])
@@ -166,10 +166,10 @@ class AgainstSpeedView(BackgroundView):
         elif isinstance(result, KindynaError):
             for plot in (self.torque, self.fluctuation):
                 plot.show_message("")
-            self.torque.show_message(reason(self.session.whole, result))
+            self.torque.show_message(reason(self.session.full_design, result))
 
     def _draw(self, found: AgainstSpeed) -> None:
-        own = ((self.session.whole.camshaft.speed_rpm, "now"),)
+        own = ((self.session.full_design.camshaft.speed_rpm, "now"),)
         rung = readable("N·m", float(np.abs(found.peak).max()))
         self.torque.name_axes(SPEED, f"Torque, {rung.symbol}")
         levelled = bool(np.any(found.motor_peak != found.peak))
@@ -178,7 +178,7 @@ class AgainstSpeedView(BackgroundView):
         self.torque.show_lines([Line(found.rpm, y / rung.size, colour, name) for name, y, colour in rows], own)
         if np.isfinite(found.fluctuation).any():
             self.fluctuation.name_axes(SPEED, "Fluctuation, %")
-            allowed = 100.0 * self.session.whole.camshaft.speed_fluctuation
+            allowed = 100.0 * self.session.full_design.camshaft.speed_fluctuation
             ends = Line(found.rpm[[0, -1]], np.full(2, allowed), SCREEN.limit, "allowed")
             reached = Line(found.rpm, 100.0 * found.fluctuation, SCREEN.family("speed"), "reached")
             self.fluctuation.show_lines(
@@ -255,7 +255,7 @@ class _TurnView(View):
         self.set_column(parted, self.note, grows=parted)
 
     def refresh(self, study: Study) -> None:
-        require_list(self.session.whole, ALONE)
+        require_list(self.session.full_design, ALONE)
         self.draw(self.session.shaft)
         self._read_timer.start()
 

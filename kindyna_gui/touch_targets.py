@@ -54,7 +54,7 @@ Deed = tuple[str, Callable[[], Any]]
 
 def _design_of(thing: Thing, view: View) -> Design:
     """The whole where the path leads through its drives, else the design of the drive at hand."""
-    whole: Design = view.session.whole
+    whole: Design = view.session.full_design
     return whole if thing.path.startswith(("drives[", "timing[")) else view.session.design
 
 

@@ -36,8 +36,8 @@ from kindyna_gui.look import on_paper
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import soon
-from kindyna_gui.requirements import NotHere, Way, ways_of
-from kindyna_gui.settings import TOLD, is_usual
+from kindyna_gui.requirements import Suggestion, Unavailable, suggestions_for
+from kindyna_gui.settings import TOLD, is_default
 
 # -- view ------------------------------------------------------------------------------------------------
 
@@ -130,15 +130,15 @@ class ReasonPage(QScrollArea):
         button.clicked.connect(lambda: act())
         self._buttons.addWidget(button, 0, Qt.AlignmentFlag.AlignHCenter)
 
-    def offer(self, ways: Sequence[Way], host: ViewHost) -> None:
-        """A button for each of these that can be gone."""
+    def offer(self, suggestions: Sequence[Suggestion], host: ViewHost) -> None:
+        """Offer a button for each suggestion that this design allows."""
         while (item := self._buttons.takeAt(0)) is not None:
             button: Any = item.widget()
             button.hide()
             button.deleteLater()
-        for way in ways:
-            if host.can(way.entry):
-                self._add(way.text, partial(host.do, way.entry))
+        for suggestion in suggestions:
+            if host.can(suggestion.entry):
+                self._add(suggestion.text, partial(host.do, suggestion.entry))
 
 
 @frozen
@@ -250,10 +250,10 @@ class View(QWidget):
         self._followed = player.theta
         self._host: ViewHost | None = None
         self._awaits = False  # something that it reads is being computed, or was given up
-        session.awaited.known.connect(self._read_again)
+        session.pending.known.connect(self._read_again)
         session.started.connect(self._forget_fault)
         session.drive_chosen.connect(self._forget_fault)
-        (session.whole_changed if self.of_whole else session.design_changed).connect(self.invalidate)
+        (session.full_design_changed if self.of_whole else session.design_changed).connect(self.invalidate)
         TOLD.changed.connect(self.invalidate)
         player.angle_changed.connect(self._angle_changed)
         player.playing_changed.connect(self._cam_rests)
@@ -339,7 +339,7 @@ class View(QWidget):
 
     def on_paper(self, part: QWidget, paint: Callable[[QWidget], bytes]) -> bytes:
         """A part of the view as a file has it; the view itself is as before."""
-        if is_usual() and not SCREEN.is_dark:
+        if is_default() and not SCREEN.is_dark:
             return paint(part)
         with on_paper(part):
             self.invalidate()
@@ -350,13 +350,13 @@ class View(QWidget):
 
     def show_reason(self, error: KindynaError) -> None:
         """Show in place of the content why there is none."""
-        self.not_here = isinstance(error, NotHere)
+        self.not_here = isinstance(error, Unavailable)
         if self._trouble is None:
             self._trouble = ReasonPage()
             self._stack.addWidget(self._trouble)
         self._trouble.label.setText(str(error) if self.not_here else reason(self.session.design, error))
         if self._host is not None:
-            self._trouble.offer(ways_of(str(error)), self._host)
+            self._trouble.offer(suggestions_for(str(error)), self._host)
         self._stack.setCurrentWidget(self._trouble)
 
     def in_turn(self, do: Callable[[], None]) -> None:
@@ -368,7 +368,7 @@ class View(QWidget):
     @property
     def _waits_its_turn(self) -> bool:
         """Whether the mouse draws something in another view than this."""
-        at = self.session.held
+        at = self.session.drag_source
         return not (at is None or self.pause_ms or at is self or (isinstance(at, QWidget) and self.isAncestorOf(at)))
 
     @property
@@ -422,7 +422,7 @@ class View(QWidget):
 
     def _later(self, key: Hashable, compute: Callable[[], Any]) -> str:
         """What is read may take long: it is computed beside the window, and shown once it is there."""
-        state = self.session.awaited.later(key, compute)
+        state = self.session.pending.later(key, compute)
         self._awaits = self._awaits or bool(state)
         return state
 

@@ -53,7 +53,7 @@ class LiveBox(NumberBox):
     """
 
     changed = Signal()
-    as_kept = True
+    in_file_units = True
 
     def __init__(self, info: Info, unit: Unit, name: str = "") -> None:
         super().__init__(info, unit)

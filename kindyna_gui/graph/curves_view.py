@@ -223,7 +223,7 @@ class CurvesView(View):
 
     def refresh(self, study: Study) -> None:
         session = self.session
-        self.sources.design = DesignSource(session.whole, "", session.names[session.chosen])
+        self.sources.design = DesignSource(session.full_design, "", session.names[session.chosen])
         self._offer_ready()
         self.sources.want(curve.source for curve in self.graph.curves)
         self.found = graph_data(self.graph, self.sources)
@@ -595,7 +595,7 @@ class CurvesView(View):
         from kindyna_gui.pictures.paper.sheets import graph_file
 
         width, height = max(self.plot.width(), 480), max(self.plot.height(), 320)
-        name = self.graph.title or self.session.whole.name
+        name = self.graph.title or self.session.full_design.name
         return graph_file(
             GraphImage(self.graph, self.found, ending, width, height, name), self.plot.shown, self.plot.bands
         )

@@ -34,7 +34,7 @@ from kindyna_gui.pictures.plots.xy import ACROSS, ROWS, CursorPlot, Line, XYPlot
 from kindyna_gui.pictures.style import BLUE, DASHED, ROUNDING, VERMILION, torque_size
 from kindyna_gui.pictures.units import DisplayUnit, digits, measure, readable, short, with_unit
 from kindyna_gui.player import Player
-from kindyna_gui.requirements import NO_ELASTIC, NO_FLIGHT, NO_WHEEL, RIGID_FOLLOWER, NotHere, turned_shaft
+from kindyna_gui.requirements import NO_ELASTIC, NO_FLIGHT, NO_WHEEL, RIGID_FOLLOWER, Unavailable, turned_shaft
 from kindyna_gui.view import BackgroundView, NumberAtHand, View
 
 # -- flywheel view ---------------------------------------------------------------------------------------
@@ -103,7 +103,7 @@ class FlywheelView(View):
     def refresh(self, study: Study) -> None:
         self._needed = 0.0
         self.use_button.setEnabled(False)
-        several, whole = self.session.several, self.session.whole_study
+        several, whole = self.session.several, self.session.full_study
         shaft = turned_shaft(whole, NO_WHEEL)
         wheel = whole.flywheel
         slope = _row(
@@ -212,9 +212,9 @@ class ContactView(BackgroundView):
 
     def refresh(self, study: Study) -> None:
         if study.design.drive.cam is None:
-            raise NotHere(NO_FLIGHT)
+            raise Unavailable(NO_FLIGHT)
         if study.is_form_closed:
-            raise NotHere(HELD)
+            raise Unavailable(HELD)
         study.contact_force  # noqa: B018 - says why, where no contact can be lost
         page = str(self.page.currentData())
         self._work.start([((page, study.design), partial(_COMPUTED[page], study.design))])
@@ -345,9 +345,9 @@ class VibrationView(BackgroundView):
 
     def refresh(self, study: Study) -> None:
         if study.design.drive.cam is None:
-            raise NotHere(NO_ELASTIC)
+            raise Unavailable(NO_ELASTIC)
         if not study.is_elastic:
-            raise NotHere(RIGID_FOLLOWER)
+            raise Unavailable(RIGID_FOLLOWER)
         study.elasticity  # noqa: B018 - says why, where nothing vibrates
         page = str(self.page.currentData())
         self._work.start([((page, study.design), partial(_found, study.design, page))])

@@ -60,7 +60,7 @@ class PeakDrag:
         if self._trade is None:
             return False
         self._player.play(False)
-        self._session.take_hold(self._view)
+        self._session.begin_drag(self._view)
         self._work, self._unit, self._typed = self._session.work, unit, ""
         self._answer()
         return True
@@ -126,7 +126,7 @@ class PeakDrag:
         """Let go; back: it goes back where it was."""
         held, self._trade = self._trade, None
         if held is not None:
-            self._session.let_go(held.path, self._work if back else None)
+            self._session.end_field_drag(held.path, self._work if back else None)
 
     @property
     def active(self) -> bool:

@@ -58,9 +58,9 @@ class CardsTable(QTableWidget):
         self.setAccessibleName("Cards compared")
         CopyKey(self)
         self.setToolTip("In parentheses: difference from the current design")
-        self.redress()
+        self.update_style()
 
-    def redress(self) -> None:
+    def update_style(self) -> None:
         """Fit rows and columns to the font."""
         self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 6)
         self.resizeColumnsToContents()
@@ -292,7 +292,7 @@ class BoardFile(QObject):
     @property
     def _current_owner(self) -> str:
         path = self._session.path
-        return f"without a file: {self._session.whole.name}" if path is None else str(path.absolute())
+        return f"without a file: {self._session.full_design.name}" if path is None else str(path.absolute())
 
     def _forget(self) -> None:
         self._owner = ""

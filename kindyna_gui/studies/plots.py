@@ -328,7 +328,7 @@ class ParallelPlot(XYPlot):
         self._rows = np.zeros((0, 0))
         self._ends = np.zeros((0, 2))
         self._selected = np.zeros(0, dtype=bool)
-        self._titles: tuple[str, ...] = ()
+        self._axis_titles: tuple[str, ...] = ()
         self._brush_start: tuple[int, float] | None = None
         self._bars = self._outline(SCREEN.ink, Z_DESIGN)
         self._bars.setPen(self._theme.pen(self._theme.ink, 5.0))
@@ -371,9 +371,9 @@ class ParallelPlot(XYPlot):
         """
         further = zip(rows[len(bounds) :], current[len(bounds) :], strict=True)
         ends = np.array([*bounds, *(_scale(np.append(row, value)) for row, value in further)])
-        if tuple(titles) != self._titles:
+        if tuple(titles) != self._axis_titles:
             self.brushes = {}
-        self._rows, self._ends, self._titles = rows, ends, tuple(titles)
+        self._rows, self._ends, self._axis_titles = rows, ends, tuple(titles)
         for i, (low, high) in self.brushes.items():
             within = within & (rows[i] >= low) & (rows[i] <= high)
         self._selected = within
@@ -448,7 +448,7 @@ class ParallelPlot(XYPlot):
 
     def _axis_at(self, event: QMouseEvent) -> int | None:
         axis = round(self._point(event).x())
-        if not 0 <= axis < len(self._titles):
+        if not 0 <= axis < len(self._axis_titles):
             return None
         return axis if abs(self.pixel(axis, self._ends[axis, 0]).x() - event.position().x()) <= REACH else None
 
@@ -460,7 +460,7 @@ class ParallelPlot(XYPlot):
         """Index of the selected design whose line is next to the mouse."""
         at, selected = self._point(event), self.selected
         i = int(np.floor(at.x()))
-        if not (selected.size and 0 <= i < len(self._titles) - 1):
+        if not (selected.size and 0 <= i < len(self._axis_titles) - 1):
             return None
         part = (self._rows[:, selected] - self._ends[:, :1]) / (self._ends[:, 1:] - self._ends[:, :1])
         distance = np.abs(part[i] + (part[i + 1] - part[i]) * (at.x() - i) - at.y())
@@ -471,7 +471,7 @@ class ParallelPlot(XYPlot):
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         event.accept()
-        if event.button() != Qt.MouseButton.LeftButton or not self._titles:
+        if event.button() != Qt.MouseButton.LeftButton or not self._axis_titles:
             return
         axis = self._axis_at(event)
         if axis is not None:
@@ -524,7 +524,9 @@ class FrontPlot(XYPlot):
         self.name_axes(first.title, second.title, second.colour)
         line = Line(points[0], points[1], self._theme.quiet)
         dots = Dots(points[0], points[1], second.colour, size=2.0 * REACH - 8.0)
-        self.show_lines([line], dots=[dots], fit=True, note=f"front of {points.shape[1]} designs: click one to apply it")
+        self.show_lines(
+            [line], dots=[dots], fit=True, note=f"front of {points.shape[1]} designs: click one to apply it"
+        )
         free = 0.05 * float(np.ptp(points[0])) or 1.0
         self.show_range((float(points[0].min()) - free, float(points[0].max()) + free))
 

@@ -21,7 +21,16 @@ from kindyna_gui.labels import no_number
 from kindyna_gui.look import MessageLabel, bold_label, coloured, icon
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.rebuilt import Rebuilt, clear_menu
-from kindyna_gui.studies.texts import STATISTICS, info_of, label_of, name_of, number_text, unit_of, value_text, word_text
+from kindyna_gui.studies.texts import (
+    STATISTICS,
+    info_of,
+    label_of,
+    name_of,
+    number_text,
+    unit_of,
+    value_text,
+    word_text,
+)
 
 BOX_WIDTH = 78  # pixels
 WIDTH = "width"  # key of the box for a tolerance ±
@@ -98,7 +107,7 @@ class _Rows(QWidget):
 
     def _box(self, key: str, end: str, name: str, info: Info, enter: Any) -> NumberBox:
         box = NumberBox(info, unit_of(key))
-        box.as_kept = True  # shows the value as plots do
+        box.in_file_units = True  # shows the value as plots do
         box.setFixedWidth(BOX_WIDTH)
         box.setAccessibleName(name)
         box.setToolTip(name)
@@ -229,7 +238,9 @@ class SpanRows(_Rows):
             wrong = "must be a whole number" if info.whole and value != int(value) else "outside its range"
             self._refuse(box, f"{box.accessibleName()}: {wrong}; allowed: {info.allowed(unit)}")
         elif not changed.low < changed.high:
-            allowed = f"below {number_text(path, span.high)}" if end == "low" else f"above {number_text(path, span.low)}"
+            allowed = (
+                f"below {number_text(path, span.high)}" if end == "low" else f"above {number_text(path, span.low)}"
+            )
             self._refuse(box, f"{box.accessibleName()}: bounds are reversed; allowed: {allowed}")
         else:
             self.message.show_message("")
@@ -324,10 +335,8 @@ class FigureRows(_Rows):
         least, most = (value, most) if end == "least" else (least, value)
         box = self.boxes[key, end]
         if least is not None and most is not None and least > most:
-            self._refuse(
-                box,
-                f"{box.accessibleName()}: limits are reversed; allowed: {'at most the upper' if end == 'least' else 'at least the lower'} limit",
-            )
+            allowed = "at most the upper limit" if end == "least" else "at least the lower limit"
+            self._refuse(box, f"{box.accessibleName()}: limits are reversed; allowed: {allowed}")
             return
         self.message.show_message("")
         box.show_value(value)

@@ -149,5 +149,3 @@ class StudyRequest:
         self.goals.pop(key, None)
         if self.shown == key:
             self.shown = next(iter(self.figures), "")
-
-

@@ -39,7 +39,6 @@ from core.varying import (
 from core.varying.tolerances import SHARE
 from kindyna_gui import dialogs
 from kindyna_gui.background import Background
-from kindyna_gui.documents.pins import scatters
 from kindyna_gui.documents.session import Session
 from kindyna_gui.rebuilt import clear_menu
 from kindyna_gui.studies.plots import FrontPlot, ParallelPlot, SurveyPlot, SurveyQuantity
@@ -76,7 +75,7 @@ class SurveyRun(QObject):
         super().__init__(view)
         self.survey: Survey | None = None
         self._view = view
-        self._design = view.session.whole
+        self._design = view.session.full_design
         self._figures: Mapping[str, Limits] = {}
         self._request: tuple[Any, ...] = ()
         self._unrefined: Survey | None = None
@@ -221,7 +220,7 @@ class ToleranceRun(QObject):
         if not self._view.on_screen():
             self._request = ()
             self._view.invalidate()
-        elif self._view.session.held is self._view:  # while the mouse drags the design
+        elif self._view.session.drag_source is self._view:  # while the mouse drags the design
             self._timer.start()
         else:
             self._work.start([(self._request, partial(self._simulate, tighten=False))])
@@ -272,10 +271,10 @@ def open_study(path: Path, session: Session, host: ViewHost | None) -> StudyFile
     """
     study = load_study(path)
     named = (path.parent / study.file.design).resolve()
-    if study.base == session.whole:
+    if study.base == session.full_design:
         return study.file
     if session.path is not None and session.path.resolve() == named:
-        return study_of(study.file, session.whole).file
+        return study_of(study.file, session.full_design).file
     return study.file if host is not None and host.open_design(named) else None
 
 

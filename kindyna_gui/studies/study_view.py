@@ -120,7 +120,7 @@ class StudyView(BackgroundView):
         self.map, self.parallel, self.front = self.pages.map, self.pages.parallel, self.pages.front
         self.curves, self.tip = self.pages.curves, self.pages.tip
         self.message = QLabel(wordWrap=True, alignment=Qt.AlignmentFlag.AlignTop)
-        self.redress()
+        self.update_style()
         self.share = QLabel(wordWrap=True)
         self.share.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.bands = Bands.of(session)
@@ -134,7 +134,7 @@ class StudyView(BackgroundView):
 
     # -- layout -------------------------------------------------------------------------------------------
 
-    def redress(self) -> None:
+    def update_style(self) -> None:
         """Reserve the height of the message, so that nothing moves under the mouse."""
         self.message.setFixedHeight(MESSAGE_LINES * self.fontMetrics().lineSpacing() + 2)
 
@@ -237,7 +237,7 @@ class StudyView(BackgroundView):
     def vary(self, path: str) -> None:
         """Vary a number or a word."""
         try:
-            if self.request.vary(self._design, self.session.whole_study, path):
+            if self.request.vary(self._design, self.session.full_study, path):
                 self._update()
         except ValueError as error:
             self.status_message.emit(str(error))
@@ -300,7 +300,7 @@ class StudyView(BackgroundView):
 
     @property
     def _design(self) -> Design:
-        design: Design = self.session.whole
+        design: Design = self.session.full_design
         return design
 
     def refresh(self, study: Study) -> None:
@@ -394,7 +394,7 @@ class StudyView(BackgroundView):
         return [float(get(self._design, path)) for path in self.request.spans]
 
     def _mark_design(self) -> None:
-        if self.session.held is not self or not self._refused:
+        if self.session.drag_source is not self or not self._refused:
             self.pages.mark_design(self._numbers())
 
     def _show_current_values(self) -> None:
@@ -404,11 +404,11 @@ class StudyView(BackgroundView):
             return
         has_figures = survey is not None and set(figures) <= set(survey.value)
         try:
-            if self.session.held is self and survey is not None and has_figures:
+            if self.session.drag_source is self and survey is not None and has_figures:
                 nearest = survey.nearest(self._numbers())
                 self._values = {key: float(survey.value[key][nearest]) for key in figures}
             else:
-                self._values, _ = current_figures(self.session.whole_study, tuple(figures))
+                self._values, _ = current_figures(self.session.full_study, tuple(figures))
         except (KindynaError, ValueError):
             self._values = {}
         self.figure_rows.show_values(self._values)
@@ -441,12 +441,12 @@ class StudyView(BackgroundView):
         design = self._design
         if rows != design.tolerances:
             text = f"Tolerance of {in_sentence(name_of(design, path))}"
-            self.session.put_whole(replace(design, tolerances=rows), text)
+            self.session.put_full_design(replace(design, tolerances=rows), text)
             self.session.end_gesture()
 
     def _set_waves(self, waves: Waviness | None) -> None:
         if waves != self._design.waviness:
-            self.session.put_whole(replace(self._design, waviness=waves), "Waves of the profile")
+            self.session.put_full_design(replace(self._design, waviness=waves), "Waves of the profile")
             self.session.end_gesture()
 
     def _request_machines(self) -> None:
@@ -545,7 +545,7 @@ class StudyView(BackgroundView):
     def _put(self, design: Design, text: str) -> None:
         """Use a design, as one step of Undo."""
         self.session.end_gesture()
-        self.session.put_whole(design, text)
+        self.session.put_full_design(design, text)
         self.session.end_gesture()
 
     # -- study files --------------------------------------------------------------------------------------
@@ -570,7 +570,7 @@ class StudyView(BackgroundView):
     def _grab(self) -> None:
         self.player.play(False)
         self._before, self._refused = self._design, ""
-        self.session.take_hold(self)
+        self.session.begin_drag(self)
         self.tip.hide()
 
     def _drag_to(self, x: float, y: float) -> None:
@@ -586,12 +586,12 @@ class StudyView(BackgroundView):
 
     def _release(self, is_dropped: bool) -> None:
         """End the drag; the cross returns to the design. Escape restores the design from before the drag."""
-        if self.session.held is not self:
+        if self.session.drag_source is not self:
             return
         path = next(iter(self.request.spans))
         if not is_dropped and self._before is not None:
-            self.session.put_whole(self._before, "Vary", path)
-        self.session.release()
+            self.session.put_full_design(self._before, "Vary", path)
+        self.session.end_drag()
         self._show_current_values()
         if self._refused:
             self.session.withdraw(path)
@@ -631,7 +631,7 @@ class StudyView(BackgroundView):
             self.session.refuse(path, reason(self.session.design, error))
         else:
             text = " and ".join(names) if len(names) < 3 else f"{len(names)} numbers"
-            self.session.put_whole(changed, f"Vary {text}", path)
+            self.session.put_full_design(changed, f"Vary {text}", path)
 
     def _note_refusal(self, refusal: Refusal) -> None:
         self._refused = f"{refusal.reasons[0][1]}: {refusal.reasons[0][2]}" if refusal.reasons else "refused"

@@ -205,9 +205,7 @@ def optimum_html(design: Design, study: StudyOfMany, optimum: Optimum) -> str:
             f"<b>{name} {escape(value_text(goal.key, now))}</b>, before {escape(value_text(goal.key, before))}{change}"
         )
     if not optimum.is_feasible:
-        lines.insert(
-            0, f"<span style='color:{SCREEN.limit}'>No design meets the limits; this one is closest.</span>"
-        )
+        lines.insert(0, f"<span style='color:{SCREEN.limit}'>No design meets the limits; this one is closest.</span>")
     elif not optimum.is_better:
         lines.insert(0, "No better design was found: the design does not change.")
     first = study.file.goals[0]
@@ -234,7 +232,9 @@ def optimum_html(design: Design, study: StudyOfMany, optimum: Optimum) -> str:
     if optimum.is_better and optimum.starts > 1:
         lines.append(f"{optimum.agreeing} of {optimum.starts} starts lead to this design.")
     if optimum.front:
-        lines.append(f"Front of {len(optimum.front)} designs, none of which is worse in both goals: click one to apply it.")
+        lines.append(
+            f"Front of {len(optimum.front)} designs, none of which is worse in both goals: click one to apply it."
+        )
     if optimum.rejection:
         lines.append(f"A better design was rejected: {escape(optimum.rejection)}")
     return "<br>".join(lines)

@@ -260,7 +260,7 @@ class Titles(QObject):
 
     def name_docks(self) -> None:
         """Titles of docks and pages as the design calls their quantities."""
-        if self._session.held:  # by the mouse nothing becomes another kind of design
+        if self._session.drag_source:  # by the mouse nothing becomes another kind of design
             return
         for name, dock in self._window.docks.items():
             title = title_of(name, self._session.design)

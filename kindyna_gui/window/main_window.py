@@ -72,7 +72,7 @@ class MainWindow(Window):
         self.session, self.player, self.settings = session, player, settings
         for owned in (session, player):
             owned.setParent(self)  # else what is connected to them would keep the window for ever
-        session.whole_changed.connect(self._place_drive)
+        session.full_design_changed.connect(self._place_drive)
         session.design_changed.connect(self._design_changed)  # before the views, which read the player's angle
         self._design_changed()
         self.documents = Documents(session, settings, self)
@@ -152,12 +152,12 @@ class MainWindow(Window):
         session.stages_on_screen = self.stages_on_screen
         session.started.connect(partial(setattr, self, "_begun", True))
         session.drive_chosen.connect(partial(setattr, self, "_begun", True))
-        session.whole_changed.connect(self._suit_design)
+        session.full_design_changed.connect(self._suit_design)
         session.file_changed.connect(self._suit_design)
         session.stack.indexChanged.connect(self._steps_changed)
         session.stack.cleanChanged.connect(self._steps_changed)
         session.refused.connect(self._show_refusal)
-        session.vary_wanted.connect(self.vary)
+        session.vary_requested.connect(self.vary)
         self.documents.status_message.connect(self.status.show_message)
         self.exports.status_message.connect(self.status.show_message)
         self.disk.status_message.connect(self.status.show_message)
@@ -169,7 +169,7 @@ class MainWindow(Window):
         player.forward_changed.connect(lambda forward: self.actions_by_key["reverse"].setChecked(not forward))
         self.centre.tabs.currentChanged.connect(lambda _: self.status.recount())
         for dock in self.docks.values():
-            dock.hold(True)
+            dock.pause(True)
             dock.seen.connect(self._docks_moved)
             dock.topLevelChanged.connect(self._docks_moved)
             dock.dockLocationChanged.connect(self._docks_moved)
@@ -217,7 +217,7 @@ class MainWindow(Window):
 
     def pin(self, design: Design | None = None) -> None:
         """Keep a design as it is, that at hand where none is named: what is changed then is held against it."""
-        row = Pins.of(self.session).pin(self.session.whole if design is None else design)
+        row = Pins.of(self.session).pin(self.session.full_design if design is None else design)
         self.show_message(f"Pinned as {row.name}; plots show it dashed, the drawing in grey")
 
     def pin_before(self) -> None:
@@ -227,7 +227,7 @@ class MainWindow(Window):
             self.show_message("Nothing was changed yet")
             return
         if self.session.several:
-            design = with_only(self.session.whole, self.session.chosen, design)
+            design = with_only(self.session.full_design, self.session.chosen, design)
         row = Pins.of(self.session).pin(design, f"before: {self.session.stack.undoText()}")
         self.show_message(f"Pinned {row.name}; plots show it dashed, the drawing in grey")
 
@@ -338,13 +338,13 @@ class MainWindow(Window):
         """The stages that views on screen read, in the order they need each other; with the motion, from which all are computed.
         While something is held with the mouse they are those of when it was taken: each of its moves asks for them."""
         session = self.session
-        if session.held is not None and session.stages_held is not None:
-            return session.stages_held
+        if session.drag_source is not None and session.stages_of_drag is not None:
+            return session.stages_of_drag
         wanted = {stage for view in self._views() if view.on_screen() for stage in view.stages}
         if wanted:
             wanted.add("motion")
-        session.stages_held = tuple(stage for stage in session.study.stages if stage in wanted)
-        return session.stages_held
+        session.stages_of_drag = tuple(stage for stage in session.study.stages if stage in wanted)
+        return session.stages_of_drag
 
     def focus_field(self, path: str) -> None:
         """Bring the field of a path, or of a section, before the reader; of a drive that is not shown, the drive too."""
@@ -610,7 +610,7 @@ class MainWindow(Window):
 
     def _furnish(self) -> None:
         for dock in self.docks.values():
-            dock.hold(False)
+            dock.pause(False)
         self.layouts.furnish()
         if strange := preferences.not_understood():
             self.status.show_message(f"{STRANGE}{', '.join(strange)}")
@@ -624,7 +624,7 @@ class MainWindow(Window):
         self.layouts.save()
         for view in self.findChildren(View):
             view.leave()
-        self.session.awaited.close()
+        self.session.pending.close()
         if self._papers is not None:
             self._papers.leave()
         self.recovery.close()

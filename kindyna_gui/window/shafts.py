@@ -41,11 +41,11 @@ def add_to_shaft(window: Window) -> None:
         if add_from_file(session, window):
             window.show_view("drives")
         return
-    answer = dialogs.ask_on_shaft(window, session.whole.name)
+    answer = dialogs.ask_on_shaft(window, session.full_design.name)
     if answer is OnShaft.NEW:
         drives.list_them(session)
     elif answer is OnShaft.FILE:
-        added = session.whole
+        added = session.full_design
         path = dialogs.design_to_open(window, Settings().folder)
         if path is None or not window.documents.open_path(path):
             return

@@ -24,7 +24,7 @@ from kindyna_gui.look import coloured, sign, text_button
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import clear_menu, soon
-from kindyna_gui.requirements import ways_of
+from kindyna_gui.requirements import suggestions_for
 
 PAUSE_MS = 150
 STAY_MS = 6000  # of a message
@@ -68,7 +68,7 @@ class StatusLine(QStatusBar):
         self.awaited.clicked.connect(self._end_or_begin)
         self.awaited.hide()
         self.angle.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
-        self.redress()
+        self.update_style()
         self.angle.setToolTip("Angle of all views")
         self.assumed.setToolTip("Values that are not taken from a source: click to see them, and to go to one")
         self.assumed.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
@@ -100,19 +100,19 @@ class StatusLine(QStatusBar):
         self.messageChanged.connect(self._ask_again)
         self.messageChanged.connect(self._offer)
         self.messageChanged.connect(self._show_whole)
-        session.awaited.changed.connect(self._show_awaited)
+        session.pending.changed.connect(self._show_awaited)
         session.mended.connect(self._mended)
         session.restored.connect(self._mended)
-        session.draft_changed.connect(self._draft_changed)
+        session.incomplete_changed.connect(self._draft_changed)
         session.restored.connect(self._draft_changed)  # another drive names it otherwise
-        session.whole_changed.connect(self._design_changed)
+        session.full_design_changed.connect(self._design_changed)
         session.file_changed.connect(self._file_changed)
         player.angle_changed.connect(self._angle_changed)
         self._design_changed()
         self._file_changed()
         self._angle_changed(player.theta)
 
-    def redress(self) -> None:
+    def update_style(self) -> None:
         """The angle has a fixed size: else each new one would lay out the whole line anew."""
         letters = self.fontMetrics()
         self.angle.setFixedSize(letters.horizontalAdvance("driver angle 359.9°  "), letters.height())
@@ -140,7 +140,7 @@ class StatusLine(QStatusBar):
 
     def _offer(self, text: str) -> None:
         """What can be done about a message is a button beside it."""
-        way = next(iter(ways_of(text)), None)
+        way = next(iter(suggestions_for(text)), None)
         self._entry = "" if way is None else way.entry
         self.way.setText("" if way is None else way.text)
         self.way.setVisible(way is not None)
@@ -189,13 +189,13 @@ class StatusLine(QStatusBar):
 
     def _show_awaited(self) -> None:
         """A way out of what takes long, and back."""
-        awaited = self._session.awaited
+        awaited = self._session.pending
         self.awaited.setText("Search again" if awaited.given_up else "Cancel the search")
         self.awaited.setToolTip("For the steady response of the flexible shaft, which a view shows")
         self.awaited.setVisible(awaited.busy or awaited.given_up)
 
     def _end_or_begin(self) -> None:
-        awaited = self._session.awaited
+        awaited = self._session.pending
         if awaited.given_up:
             awaited.again()
         else:
@@ -214,7 +214,7 @@ class StatusLine(QStatusBar):
         self._soon.stop()
         stages = tuple(self._session.stages_on_screen())
         try:
-            findings = findings_of(self._session.whole_study, stages) if stages else ()
+            findings = findings_of(self._session.full_study, stages) if stages else ()
             text, severity = counted(findings) if stages else ("limits not checked", NOTE)
             tip = f"Looked at: {', '.join(stages) or 'nothing, no view is on screen'}. Click to see all findings."
         except KindynaError as error:
@@ -225,7 +225,7 @@ class StatusLine(QStatusBar):
         soon(self, self._lay_message)  # what stands beside it may have become wider
 
     def _design_changed(self) -> None:
-        number = len(self._session.whole.assumed)
+        number = len(self._session.full_design.assumed)
         self.assumed.setText(f"{number} assumed")
         self.assumed.setVisible(number > 0)
         self.recount()
@@ -240,7 +240,7 @@ class StatusLine(QStatusBar):
 
     def _list_assumed(self) -> None:
         """One entry for each assumed value, which leads to its field; those of a drive in a menu of their own."""
-        design, menus = self._session.whole, {"": self._assumed_rows}
+        design, menus = self._session.full_design, {"": self._assumed_rows}
         self._of_drives = menus  # which Python must not forget
         clear_menu(self._assumed_rows)
         for path in design.assumed:

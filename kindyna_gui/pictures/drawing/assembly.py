@@ -405,11 +405,11 @@ class Assembly(QGraphicsScene):
         self.overlay.lay(visible, scale)
         self.overlay.show_angle(degrees(self._machine))
 
-    def redress(self) -> None:
+    def update_style(self) -> None:
         """Theme or letters have changed: the drives are to be drawn anew."""
         for item in self.items():
             if isinstance(item, Tag):
-                item.letter()
+                item.update_font()
         cells = self._cells
         self.figures, self.carried = {}, None
         for cell in cells:

@@ -494,11 +494,11 @@ class MechanismScene(QGraphicsScene):
         if self._region is not None:
             self.show_region(*self._region)
 
-    def redress(self) -> None:
+    def update_style(self) -> None:
         """Be written in the letters of now."""
         for item in self.items():
             if isinstance(item, Tag):
-                item.letter()
+                item.update_font()
         self.lay_labels()
 
     def _show_region(self, visible: QRectF, scale: float, sides: Mapping[str, int]) -> None:

@@ -116,8 +116,8 @@ class CurvePlot(FixedPlot):
         if not self._named:
             self._axes["top"].setHeight(UNNAMED)
 
-    def redress(self) -> None:
-        super().redress()
+    def update_style(self) -> None:
+        super().update_style()
         self._laid = ()
         self.draw_again()
 

@@ -102,10 +102,10 @@ class Legend(QGraphicsTextItem):
         self._laid: tuple[object, ...] = ()
         self.setDefaultTextColor(QColor(ink))
         self.height = 0.0
-        self.letter()
+        self.update_font()
 
-    def letter(self) -> None:
-        """Be written in the letters of now; to be fitted then."""
+    def update_font(self) -> None:
+        """Use the font size that is set now; `fit` lays the text out again."""
         self.setFont(font(SMALL))
         self._metrics = QFontMetricsF(self.font())
         self.setPlainText(APART)

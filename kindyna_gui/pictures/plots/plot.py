@@ -62,8 +62,8 @@ class Axis(pg.AxisItem):
             self.setTickPen(hidden)
             self.setTextPen(theme.pen(theme.quiet))
 
-    def letter(self) -> None:
-        """Be written in the letters of now."""
+    def update_font(self) -> None:
+        """Use the font size that is set now."""
         self._sizes = {}
         self.setStyle(tickFont=font(SMALL))
         self.title_anew(str)
@@ -385,11 +385,11 @@ class FixedPlot(pg.GraphicsView):
         if "top" in self._axes:
             self._axes["top"].setHeight(sized(TOP_HEIGHT))
 
-    def redress(self) -> None:
+    def update_style(self) -> None:
         """Theme or letters have changed: lay out anew what is there."""
         for item in self.scene().items():
-            if callable(letter := getattr(item, "letter", None)):
-                letter()
+            if callable(update_font := getattr(item, "update_font", None)):
+                update_font()
         self._size_axes()
         self._fit_legend()
         self._lay()

@@ -100,7 +100,7 @@ class PolarPlot(QWidget):
         self._read()
         self.update()
 
-    def redress(self) -> None:
+    def update_style(self) -> None:
         """Theme or letters have changed; the view draws the curves anew."""
         self._marks = self._paths = self._kept = None
         self._scale()

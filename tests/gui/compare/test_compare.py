@@ -72,7 +72,7 @@ def test_a_file_is_pinned_and_saved_as_a_page(user: User, tmp_path: Path) -> Non
     project.save(user.design, tmp_path / "other.toml")
     user.session.edit(BASE, 430.0, "a")
     user.picks("design_to_open", tmp_path / "other.toml")
-    user.choose("Edit", "Pin a file...")
+    user.choose("Edit", "Compare with another file...")
     rows = shown(user, "compare")
     assert any(row[2:4] == ("400", "430") for row in rows)
     user.picks("comparison_to_save", tmp_path / "c.html")
@@ -84,7 +84,7 @@ def test_a_file_is_pinned_and_saved_as_a_page(user: User, tmp_path: Path) -> Non
 
 def test_what_was_before_the_last_step_is_pinned(user: User) -> None:
     user.session.edit(BASE, 425.0, "Change base radius")
-    user.choose("Edit", "Pin what was before")
+    user.choose("Edit", "Compare with the last step")
     rows = shown(user, "compare")
     assert any(row[2:4] == ("400", "425") for row in rows)
     view = user.window.show_view("compare")
@@ -96,7 +96,7 @@ def test_a_pinned_variant_without_an_answer_is_said_to_be_the_pinned_one(user: U
     """The curves of the design at hand stay; plot and table say that it is the variant, and why."""
     project.save(put(user.design, "follower.slider_arm_mm", 100.0), tmp_path / "short.toml")
     user.picks("design_to_open", tmp_path / "short.toml")
-    user.choose("Edit", "Pin a file...")
+    user.choose("Edit", "Compare with another file...")
     plot = user.window.show_view("pressure_angle")
     assert isinstance(plot, PlotView)
     wait_for(lambda: plot.up_to_date)
@@ -223,7 +223,7 @@ def test_the_peak_of_a_shaft_is_explained_at_its_machine_angle(open_user: Open) 
     view = user.window.show_view("explain")
     assert isinstance(view, ExplainView)
     wait_for(lambda: view.up_to_date)
-    wanted = explained(user.session.whole_study, "torque_nm")
+    wanted = explained(user.session.full_study, "torque_nm")
     assert view.head.text().startswith(wanted.headline(7))
     assert [each.cells[3] for each in view.table.rows.rows][:2] == ["Torque of Feed there", "Torque of Clamp there"]
 

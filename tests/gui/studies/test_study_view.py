@@ -366,7 +366,7 @@ def test_the_board_is_there_again_when_the_design_is_opened_again(open_user: Ope
 
 def test_what_is_typed_wrong_stays_and_says_what_is_allowed(user: User) -> None:
     view = vary(user, BASE)
-    found = view.surveys.survey
+    survey = view.surveys.survey
     for end, text, says in (
         ("low", "500", "bounds are reversed; allowed: below 480 mm"),
         ("low", "-3", "outside its range; allowed: above 0 ..."),
@@ -377,7 +377,7 @@ def test_what_is_typed_wrong_stays_and_says_what_is_allowed(user: User) -> None:
         assert box.refused
         assert says in view.rows.message.text()
         QTest.keyClick(box, Qt.Key.Key_Escape)
-    assert rested(user).found is found
+    assert rested(user).surveys.survey is survey
     type_into(view.figure_rows.boxes[PRESSURE, "least"], "60")
     assert "limits are reversed" in view.figure_rows.message.text()
     QTest.mouseClick(view.rows.removers[BASE], Qt.MouseButton.LeftButton)
@@ -412,7 +412,7 @@ def test_the_share_of_machines_within_the_limits_stands_in_the_same_dock(user: U
 
 def get_pressure(view: StudyView) -> float:
     """What stands beside the name, more exactly."""
-    return current_figures(view.session.whole_study, [PRESSURE])[0][PRESSURE]
+    return current_figures(view.session.full_study, [PRESSURE])[0][PRESSURE]
 
 
 def test_a_study_is_saved_for_the_commands(open_user: Open, tmp_path: Path) -> None:
@@ -497,7 +497,9 @@ def test_bands_of_machines_are_shaded_in_the_plots_once_they_are_asked_for(user:
     rested(user)
     assert plot.bands == [], "nobody has asked"
     QTest.mouseClick(view.tabs.tabBar(), Qt.MouseButton.LeftButton, pos=view.tabs.tabBar().tabRect(1).center())
-    QTest.mouseClick(view.tolerances.bands, Qt.MouseButton.LeftButton, pos=QPoint(8, view.tolerances.bands.height() // 2))
+    QTest.mouseClick(
+        view.tolerances.bands, Qt.MouseButton.LeftButton, pos=QPoint(8, view.tolerances.bands.height() // 2)
+    )
     wait_for(lambda: not view.bands.busy)
     (band,) = plot.bands
     study = user.session.study
@@ -534,7 +536,9 @@ def test_bands_of_machines_are_shaded_in_the_plots_once_they_are_asked_for(user:
     settle()
     assert plot.bands == [], "those of another design are gone"
     wait_for(lambda: len(plot.bands) == 1 and not view.bands.busy)
-    QTest.mouseClick(view.tolerances.bands, Qt.MouseButton.LeftButton, pos=QPoint(8, view.tolerances.bands.height() // 2))
+    QTest.mouseClick(
+        view.tolerances.bands, Qt.MouseButton.LeftButton, pos=QPoint(8, view.tolerances.bands.height() // 2)
+    )
     settle()
     assert plot.bands == []
     user.see("curves")

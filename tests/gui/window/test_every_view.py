@@ -19,7 +19,7 @@ def test_views_follow_from_kind_to_kind(open_user: Open, area: Qt.DockWidgetArea
     """Those of one side of the window, one after the other; where they stand in front of each other, those behind catch up."""
     user = open_user()
     for kind in KINDS:  # and back to the first by undo
-        user.session.put_whole(load(example(kind)), f"Take {kind}")
+        user.session.put_full_design(load(example(kind)), f"Take {kind}")
         user.session.end_gesture()
         for name in AREAS[area]:
             view = user.window.show_view(name)
@@ -35,4 +35,4 @@ def test_views_follow_from_kind_to_kind(open_user: Open, area: Qt.DockWidgetArea
         settle()
     for name in AREAS[area]:
         user.window.view(name).pull()
-    assert user.session.whole == load(example(KINDS[0]))
+    assert user.session.full_design == load(example(KINDS[0]))
