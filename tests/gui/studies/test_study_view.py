@@ -118,7 +118,7 @@ def test_f1_opens_the_page_on_studies(user: User) -> None:
     user.press(Qt.Key.Key_F1)
     pages = user.window.findChild(HelpWindow)
     wait_for(pages.isVisible)
-    assert "Worked through on the lift" in pages.text.toPlainText()
+    assert "An example with the lift" in pages.text.toPlainText()
     pages.close()
 
 
@@ -391,7 +391,7 @@ def test_the_share_of_machines_within_the_limits_stands_in_the_same_dock(user: U
     ask_alone(view, PRESSURE)
     vary(user, Y)
     type_into(view.figure_rows.boxes[PRESSURE, "most"], "30")
-    assert "A tolerance" in view.share.text()
+    assert "Enter a tolerance" in view.share.text()
     for path in (X, Y):
         type_into(view.rows.boxes[path, "width"], "0.05")
     rested(user)
