@@ -34,7 +34,7 @@ from kindyna_gui.player import Player
 from kindyna_gui.requirements import NOT_PINNED, Unavailable
 from kindyna_gui.saving import written
 from kindyna_gui.settings import Settings
-from kindyna_gui.view import NumberAtHand, View, ViewHost
+from kindyna_gui.view import ExplainableNumber, View, ViewHost
 
 # -- compare view ----------------------------------------------------------------------------------------
 
@@ -51,7 +51,7 @@ MOST = 9  # letters of a number
 class CompareView(View):
     """The table of what changed, worst first."""
 
-    of_whole = True
+    is_design_wide = True
     stages = STAGES
     pause_ms = 150
 
@@ -80,7 +80,7 @@ class CompareView(View):
         self.set_column(row, self.table, grows=self.table)
         self.pins.changed.connect(self.invalidate)
 
-    def number_at_hand(self) -> NumberAtHand | None:
+    def selected_number(self) -> ExplainableNumber | None:
         return self.table.number
 
     def refresh(self, study: Study) -> None:
@@ -138,7 +138,7 @@ def _rows(found: Comparison, session: Session) -> list[TableRow]:
     known, labels = set(explainable(session.study)), labels_of(session.study)
     for row in found.changed:
         words = _in_words(row.quantity, labels)
-        number = NumberAtHand(row.quantity) if row.quantity in known else None
+        number = ExplainableNumber(row.quantity) if row.quantity in known else None
         rows.append(TableRow((words, row.of, *row.texts), tip=f"{words} ({row.quantity})", number=number))
     return rows or [TableRow(("The design and its results are as pinned.", "", "", "", ""))]
 
@@ -219,7 +219,7 @@ class ExplainView(View):
         super().belong_to(window)
         self.field_requested.connect(window.focus_field)
 
-    def explain(self, number: NumberAtHand) -> None:
+    def explain(self, number: ExplainableNumber) -> None:
         """Show where this number comes from, at its own angle where it has one."""
         self._chosen = number.name
         if number.theta is not None:
@@ -264,7 +264,7 @@ class ExplainView(View):
             [
                 TableRow(
                     (each.symbol, digits(each.value, 7), each.unit, sentence(each.meaning), each.origin),
-                    number=NumberAtHand(each.column) if each.column else None,
+                    number=ExplainableNumber(each.column) if each.column else None,
                 )
                 for each in made.letters
             ]
@@ -273,7 +273,7 @@ class ExplainView(View):
 
     def _choose(self, place: int) -> None:
         if 0 <= place < len(self._names):
-            self.explain(NumberAtHand(self._names[place]))
+            self.explain(ExplainableNumber(self._names[place]))
 
     def _go(self, index: QModelIndex) -> None:
         """To where a letter comes from: its own explanation, else its field, or those of its stage."""

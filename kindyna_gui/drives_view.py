@@ -109,7 +109,7 @@ class DrivesView(View):
 
     picture_requested = Signal()
 
-    of_whole = True
+    is_design_wide = True
     stages = ("linkage", "dynamics")
 
     def __init__(self, session: Session, player: Player) -> None:

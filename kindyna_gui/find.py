@@ -140,7 +140,7 @@ class TrialCount:
 class FindView(BackgroundView):
     """Seeks beside the window, when the design or a limit changes while it can be seen."""
 
-    of_whole = True
+    is_design_wide = True
     stages = ("linkage", "cam")
     pause_ms = 200
 
@@ -306,7 +306,9 @@ class FindView(BackgroundView):
 
     def _search(self) -> None:
         """Seek under the limits at hand; what was sought before is given up."""
-        if self.not_here or self._wanted not in self._offered():  # as long as the list is that of the design before
+        if (
+            self.is_unavailable or self._wanted not in self._offered()
+        ):  # as long as the list is that of the design before
             return
         design, what = self._design, self._wanted
         places = places_of(design, what)
@@ -316,7 +318,7 @@ class FindView(BackgroundView):
         keys = self._keys(design)
         stated = {key: value for key, value in self._typed.items() if key in keys}
         self._show_limits(design)
-        self._rest()
+        self._stop_work()
         self.searches += 1
         self._count = TrialCount()
         if what in SHAFT_SEARCHES:
@@ -328,9 +330,9 @@ class FindView(BackgroundView):
         self._patience.start()
         self._work.start([(design, job)])
 
-    def _rest(self) -> None:
+    def _stop_work(self) -> None:
         """Nothing is sought, and there is no answer to the design at hand."""
-        super()._rest()
+        super()._stop_work()
         self._quiet()
         self.take.setEnabled(False)
         self.solution = None

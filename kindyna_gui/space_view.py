@@ -102,7 +102,7 @@ class SpaceSheet(QWidget):
 class SpaceView(View):
     """Of all drives, at the machine angle at hand."""
 
-    of_whole = True
+    is_design_wide = True
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)

@@ -102,7 +102,7 @@ class StudyView(BackgroundView):
         The survey on display, computed in the background.
     """
 
-    of_whole = True
+    is_design_wide = True
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
@@ -329,7 +329,7 @@ class StudyView(BackgroundView):
             if self._drawn != self._shown_data:
                 self._draw()
             self._mark_design()
-        self.in_turn(self._show_current_values)
+        self.refresh_in_turn(self._show_current_values)
         self._request_machines()
 
     def _fill_menus(self, fields: tuple[str, ...]) -> None:

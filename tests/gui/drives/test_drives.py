@@ -194,7 +194,7 @@ def test_what_was_before_is_never_another_drive(unit: User, deed: str) -> None:
     settle()
     assert unit.session.before is None
     unit.choose("Edit", "Compare with the last step")
-    assert unit.window.status.currentMessage() == "Nothing was changed yet"
+    assert unit.window.status.currentMessage() == "The design has not been changed yet"
 
 
 def test_torques_that_wait_for_a_pause_are_not_of_the_design_before(unit: User) -> None:
