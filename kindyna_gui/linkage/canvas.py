@@ -170,7 +170,7 @@ class Canvas(QGraphicsView):
 
     def redress(self) -> None:
         """Theme or letters have changed; what is zoomed stays."""
-        self._scene.redress()
+        self._scene.update_style()
         if self.fitted:
             self.fit()
 

@@ -95,7 +95,7 @@ def spirals(element: Element, geometry: Geometry) -> list[np.ndarray]:
         pins = [j for j in geometry.joints if j.pair.kind == REVOLUTE and {j.pair.body, j.pair.on} == bodies]
         return [pins[0].track if pins else geometry.bodies[element.body].z]
     joint = next(joint for joint in geometry.joints if joint.name == geometry.kinematics.driver_name)
-    wound = isinstance(element, OutputForce) and geometry.closes(element) and joint.pair.kind != SLIDING
+    wound = isinstance(element, OutputForce) and geometry.is_closing_spring(element) and joint.pair.kind != SLIDING
     return [joint.track] if wound else []
 
 
@@ -136,7 +136,7 @@ def closing(element: OutputForce, geometry: Geometry, theme: Theme) -> Iterator[
         return
     unit, stem = geometry.unit, is_stem(joint, geometry)
     from_middle = float(np.mean(((joint.track - geometry.middle) * joint.line.conjugate()).real))
-    outwards = joint.outwards if stem or not from_middle else float(np.sign(from_middle))
+    outwards = joint.outward_sign if stem or not from_middle else float(np.sign(from_middle))
     line = joint.line * outwards
     near = behind_face(geometry, line) if stem else 0.5 * BLOCK_LENGTH * unit
     far = (
@@ -351,7 +351,7 @@ def _tag(key: str, size: np.ndarray, unit: str, place: np.ndarray, away: np.ndar
 
 def output_force(element: OutputForce, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """The closing spring of a follower, and its external force."""
-    if geometry.closes(element):
+    if geometry.is_closing_spring(element):
         yield from closing(element, geometry, theme)
     if geometry.external:
         yield from external(OutputForce(geometry.external, 0.0, element.sign, element.name), geometry, theme)

@@ -17,7 +17,7 @@ from core.instant_centres import CentreTable
 from core.instant_centres.construction import Key
 from core.study import Study
 from kindyna_gui.pictures.drawing import cam_parts, load_parts, overlay, parts
-from kindyna_gui.pictures.drawing.cam_parts import COLOURINGS, ColouredLoop, coloured, reading_at, scale_of
+from kindyna_gui.pictures.drawing.cam_parts import COLOURINGS, ColouredLoop, colour_scale, coloured_profile, reading_at
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.drawing.labels import Labels, TextBox
 from kindyna_gui.pictures.drawing.overlay import (
@@ -32,10 +32,10 @@ from kindyna_gui.pictures.drawing.overlay import (
 from kindyna_gui.pictures.drawing.parts import (
     DIMENSIONS,
     EVERY_LAYER,
+    FORCE_LAYERS,
     LINKAGE_LAYERS,
-    OF_FORCES,
-    OF_LOADS,
-    OF_STEP,
+    LOAD_LAYERS,
+    STEP_LAYERS,
     TWIST,
     shaft,
 )
@@ -55,7 +55,7 @@ MARGIN_UNITS = 4.5  # around all that moves, in units of the symbols
 _STANDING = ("rails", "ground", "pedestal", "rim", "dimensions")
 
 
-def whole(geometry: Geometry, parts: Iterable[DrawnPart]) -> QRectF:
+def full_extent(geometry: Geometry, parts: Iterable[DrawnPart]) -> QRectF:
     """The rectangle that holds the mechanism over the whole turn [mm]: all that moves, the ground it stands on, and
     the instant centre where it is near."""
     low, high = geometry.core_box
@@ -131,7 +131,7 @@ BUILDERS: tuple[Callable[[Geometry, Theme], Iterator[DrawnPart]], ...] = (
 )
 LAZY: Mapping[str, Callable[[Geometry, Theme], Iterator[DrawnPart]]] = MappingProxyType(
     {
-        **{layer: partial(coloured, layer) for layer in COLOURINGS},
+        **{layer: partial(coloured_profile, layer) for layer in COLOURINGS},
         DIMENSIONS: dimensions,
         TWIST: shaft,
         "loads": load_parts.loads,
@@ -200,13 +200,13 @@ class MechanismScene(QGraphicsScene):
         sides = self._labels.sides if self._labels is not None and keep_labels else {}
         drew = bool(self._fields)
         self._drop_vectors()
-        by_forces = not self._made.isdisjoint((*OF_FORCES, TWIST))  # what other loads change
-        same = before is not None and geometry.same_places(before) and not by_forces
+        by_forces = not self._made.isdisjoint((*FORCE_LAYERS, TWIST))  # what other loads change
+        same = before is not None and geometry.has_same_positions(before) and not by_forces
         if not same:
             self._rebuild(geometry)
         elif before is not None and not load_parts.same_loads(geometry, before, self._shown["masses"]):
             self._renew_loads()
-        if geometry.numbered:
+        if geometry.has_numbered_links:
             from kindyna_gui.pictures.drawing.centre_parts import Construct
 
             self.construct = Construct(geometry, self.theme, self.viewport, self._texts, self._step)
@@ -237,7 +237,7 @@ class MechanismScene(QGraphicsScene):
             self.overlay.drop_colours(self.removeItem)
         if self.overlay is None:
             self.overlay = Overlay(self.theme, self.addItem)
-        self.overlay.angle_name = geometry.study.angle_name if geometry.numbered else "cam angle"
+        self.overlay.angle_name = geometry.study.angle_name if geometry.has_numbered_links else "cam angle"
         for builder in BUILDERS:
             for part in builder(geometry, self.theme):
                 self._take(part)
@@ -253,10 +253,10 @@ class MechanismScene(QGraphicsScene):
 
     def _renew_loads(self) -> None:
         """Draw what follows from the loads alone anew."""
-        for key in [key for key, part in self.parts.items() if not set(OF_LOADS).isdisjoint(part.layers)]:
+        for key in [key for key, part in self.parts.items() if not set(LOAD_LAYERS).isdisjoint(part.layers)]:
             self.removeItem(self.parts.pop(key).item)
-        self._made -= set(OF_LOADS)
-        for layer in OF_LOADS:
+        self._made -= set(LOAD_LAYERS)
+        for layer in LOAD_LAYERS:
             self._need_parts(layer)
         self._frame()
 
@@ -264,7 +264,7 @@ class MechanismScene(QGraphicsScene):
         """Take in what the picture must hold of what is shown."""
         assert self.geometry is not None
         shown = (part for part in self.parts.values() if self._shown[DIMENSIONS] or DIMENSIONS not in part.layers)
-        self._whole = whole(self.geometry, shown)
+        self._whole = full_extent(self.geometry, shown)
         self.setSceneRect(self._whole)
 
     def _drop_vectors(self) -> None:
@@ -302,7 +302,7 @@ class MechanismScene(QGraphicsScene):
             if isinstance(part.item, ColouredLoop):
                 self._ribbons.append(part.item)
                 part.item.look(self.viewport.scale)
-        scale = scale_of(layer, self.geometry, self.theme)
+        scale = colour_scale(layer, self.geometry, self.theme)
         if scale is not None:
             self.overlay.add_colours(layer, scale)
 
@@ -323,7 +323,7 @@ class MechanismScene(QGraphicsScene):
         self._step = step
         if not draw:
             return
-        for layer in OF_STEP:
+        for layer in STEP_LAYERS:
             self._need_more(layer)
         if self.construct is not None:
             self.construct.show_step(step)
@@ -367,7 +367,7 @@ class MechanismScene(QGraphicsScene):
 
     def layer_shown(self, name: str) -> bool:
         """Whether a layer is shown: chosen, or needed by a step of the construction."""
-        return self._shown[name] or (self._step is not None and name in OF_STEP)
+        return self._shown[name] or (self._step is not None and name in STEP_LAYERS)
 
     def layer_wanted(self, name: str) -> bool:
         """Whether a layer was chosen."""
@@ -387,7 +387,7 @@ class MechanismScene(QGraphicsScene):
             self.overlay.lay(*self._region)
         if name == DIMENSIONS and self.geometry is not None:
             self._frame()
-        if name in (*FIELDS, *OF_LOADS, DIMENSIONS, "coupler"):
+        if name in (*FIELDS, *LOAD_LAYERS, DIMENSIONS, "coupler"):
             self._make_room()
             if self._region is not None:
                 self.show_region(*self._region)
@@ -422,7 +422,7 @@ class MechanismScene(QGraphicsScene):
     def set_fraction(self, fraction: float) -> None:
         """Move to the sample nearest to this part of a turn."""
         if self.geometry is not None:
-            n, whole = self.geometry.samples, self.geometry.whole_turn
+            n, whole = self.geometry.samples, self.geometry.is_full_turn
             # there and back where the mechanism cannot go round
             self.set_index(round(fraction * n) if whole else round((1.0 - abs(1.0 - 2.0 * fraction)) * (n - 1)))
 
@@ -439,7 +439,7 @@ class MechanismScene(QGraphicsScene):
         self._mouse = None if at is None else (at, reach)
         if self.geometry is None or self.overlay is None:
             return
-        by_forces = any(self._shown[layer] for layer in OF_FORCES)
+        by_forces = any(self._shown[layer] for layer in FORCE_LAYERS)
         reading = None if at is None else reading_at(self.geometry, self.index, at, reach, by_forces)
         self.overlay.show_reading("" if reading is None else reading.text)
         if reading is None:
@@ -451,7 +451,7 @@ class MechanismScene(QGraphicsScene):
             self._dot.setFlag(QGraphicsItem.GraphicsItemFlag.ItemIgnoresTransformations)
             self._dot.setZValue(Z_DOT)
             self.addItem(self._dot)
-        place = reading.place * np.exp(1j * np.deg2rad(self.geometry.turned[self.index]))
+        place = reading.point * np.exp(1j * np.deg2rad(self.geometry.cam_rotation[self.index]))
         self._dot.setPos(place.real, place.imag)
         self._dot.show()
 
@@ -494,8 +494,8 @@ class MechanismScene(QGraphicsScene):
         if self._region is not None:
             self.show_region(*self._region)
 
-    def redress(self) -> None:
-        """Be written in the letters of now."""
+    def update_style(self) -> None:
+        """Take over the current fonts."""
         for item in self.items():
             if isinstance(item, Tag):
                 item.letter()
@@ -512,8 +512,8 @@ class MechanismScene(QGraphicsScene):
             self.overlay.lay(visible, scale)
             low = complex(visible.left(), visible.top())
             if self._still:
-                self._labels.stand_still(self.index)
-            if not self._labels.keep(sides, scale):
+                self._labels.use_sample(self.index)
+            if not self._labels.reuse_sides(sides, scale):
                 texts = list(self._written(self._labels.samples))
                 self._labels.arrange((low, low + complex(visible.width(), visible.height())), scale, texts)
             self._move(self.index, self._angle)
