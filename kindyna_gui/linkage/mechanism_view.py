@@ -658,7 +658,7 @@ class MechanismView(View):
 
     def _take_layers(self) -> None:
         for name, shown in self._layers_wanted.items():
-            if self.scene.layer_wanted(name) != shown:
+            if self.scene.layer_selected(name) != shown:
                 self.scene.set_layer(name, shown)
                 if name in FORCE_LAYERS:
                     self._show_missing_cam(self.session.study)
