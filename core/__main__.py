@@ -67,7 +67,7 @@ def parser(program: str, rows: Mapping[str, Command] = COMMANDS) -> argparse.Arg
     result.add_argument("--version", action="version", version=f"kindyna {__version__}")
     commands = result.add_subparsers(metavar="COMMAND", required=True, dest="command", prog=program)
     for name, row in rows.items():
-        commands.add_parser(name, help=row.help, description=row.help, **_PARSER_OPTIONS).request = row.asks
+        commands.add_parser(name, help=row.help, description=row.help, **_PARSER_OPTIONS).request = row.arguments
     return result
 
 
@@ -95,7 +95,7 @@ def _run(argv: Sequence[str] | None, painter: Painter | None, program: str, rows
 
     try:
         with inputs_protected():
-            return row.run(build_request(row.asks(), vars(arguments)), painter)
+            return row.run(build_request(row.arguments(), vars(arguments)), painter)
     except KindynaError as error:
         from core.commands.common import named_in_file
 

@@ -135,7 +135,7 @@ class Background(QObject):
 FIRST_WAIT_S = 0.25  # seconds that are waited for it at first
 
 
-class Awaited(QObject):
+class PendingResult(QObject):
     """The last thing that was not there when it was read; another one takes its place.
 
     changed   it is being computed, or no longer

@@ -31,10 +31,10 @@ from kindyna_gui.labels import name_of, sentence
 from kindyna_gui.look import coloured, sign
 from kindyna_gui.pictures.style import SCREEN, SERIF
 from kindyna_gui.player import Player
-from kindyna_gui.requirements import NOT_PINNED, NotHere
+from kindyna_gui.requirements import NOT_PINNED, Unavailable
 from kindyna_gui.saving import written
 from kindyna_gui.settings import Settings
-from kindyna_gui.view import NumberAtHand, View, ViewHost
+from kindyna_gui.view import ExplainableNumber, View, ViewHost
 
 # -- compare view ----------------------------------------------------------------------------------------
 
@@ -51,7 +51,7 @@ MOST = 9  # letters of a number
 class CompareView(View):
     """The table of what changed, worst first."""
 
-    of_whole = True
+    is_design_wide = True
     stages = STAGES
     pause_ms = 150
 
@@ -68,7 +68,7 @@ class CompareView(View):
         self.pin = QPushButton("Pin this variant")
         self.unpin = QPushButton("Unpin")
         self.save = QPushButton("Save...")
-        self.pin.clicked.connect(lambda: self.pins.pin(self.session.whole))
+        self.pin.clicked.connect(lambda: self.pins.pin(self.session.full_design))
         self.unpin.clicked.connect(self.pins.unpin)
         self.save.clicked.connect(self._save)
         self.found: Comparison | None = None
@@ -80,18 +80,18 @@ class CompareView(View):
         self.set_column(row, self.table, grows=self.table)
         self.pins.changed.connect(self.invalidate)
 
-    def number_at_hand(self) -> NumberAtHand | None:
+    def selected_number(self) -> ExplainableNumber | None:
         return self.table.number
 
     def refresh(self, study: Study) -> None:
         self.choice.clear()
         for each in reversed(self.pins.rows):
             self.choice.addItem(each.name, each)
-        pinned = self.pins.whole_study
+        pinned = self.pins.full_study
         if pinned is None:
             self.found = None
-            raise NotHere(NOT_PINNED)
-        now = compared_design(self.session.whole_study)
+            raise Unavailable(NOT_PINNED)
+        now = compared_design(self.session.full_study)
         if self._side is None or self._side[0] is not pinned:
             with self.pins.named():
                 self._side = pinned, compared_design(pinned)
@@ -121,7 +121,7 @@ def _rows(found: Comparison, session: Session) -> list[TableRow]:
     rows = [
         TableRow(
             (
-                name_of(session.whole, row.quantity) or row.quantity,
+                name_of(session.full_design, row.quantity) or row.quantity,
                 "input",
                 *map(_brief, (row.a, row.b, row.change), row.texts),
             ),
@@ -138,7 +138,7 @@ def _rows(found: Comparison, session: Session) -> list[TableRow]:
     known, labels = set(explainable(session.study)), labels_of(session.study)
     for row in found.changed:
         words = _in_words(row.quantity, labels)
-        number = NumberAtHand(row.quantity) if row.quantity in known else None
+        number = ExplainableNumber(row.quantity) if row.quantity in known else None
         rows.append(TableRow((words, row.of, *row.texts), tip=f"{words} ({row.quantity})", number=number))
     return rows or [TableRow(("The design and its results are as pinned.", "", "", "", ""))]
 
@@ -219,7 +219,7 @@ class ExplainView(View):
         super().belong_to(window)
         self.field_requested.connect(window.focus_field)
 
-    def explain(self, number: NumberAtHand) -> None:
+    def explain(self, number: ExplainableNumber) -> None:
         """Show where this number comes from, at its own angle where it has one."""
         self._chosen = number.name
         if number.theta is not None:
@@ -232,7 +232,7 @@ class ExplainView(View):
     def _of_whole(self) -> list[str]:
         """What is one of the whole shaft, where several drives turn with it; nothing while that is being looked for."""
         try:
-            return explainable(self.session.whole_study) if self.session.several else []
+            return explainable(self.session.full_study) if self.session.several else []
         except ResultPending:
             return []
 
@@ -253,7 +253,7 @@ class ExplainView(View):
         whole = self._chosen in self._whole
         at = None if self.largest.isChecked() else degrees(self.player.machine_of(theta) if whole else theta)
         try:
-            made = explained(self.session.whole_study if whole else self.session.study, self._chosen, at)
+            made = explained(self.session.full_study if whole else self.session.study, self._chosen, at)
         except KindynaError as error:
             self.head.setText(str(error))
             self.table.show_rows([])
@@ -264,7 +264,7 @@ class ExplainView(View):
             [
                 TableRow(
                     (each.symbol, digits(each.value, 7), each.unit, sentence(each.meaning), each.origin),
-                    number=NumberAtHand(each.column) if each.column else None,
+                    number=ExplainableNumber(each.column) if each.column else None,
                 )
                 for each in made.letters
             ]
@@ -273,7 +273,7 @@ class ExplainView(View):
 
     def _choose(self, place: int) -> None:
         if 0 <= place < len(self._names):
-            self.explain(NumberAtHand(self._names[place]))
+            self.explain(ExplainableNumber(self._names[place]))
 
     def _go(self, index: QModelIndex) -> None:
         """To where a letter comes from: its own explanation, else its field, or those of its stage."""

@@ -221,7 +221,7 @@ def layout_name_wanted(parent: QWidget, names: Sequence[str]) -> str:
     box = _choice(parent, "Under the name:", names)
     box.setComboBoxEditable(True)
     box.setTextValue("")
-    return (_asked(box, "Keep this layout", "tour#Named layouts", box.textValue) or "").strip()
+    return (_asked(box, "Save this layout", "tour#Named layouts", box.textValue) or "").strip()
 
 
 def drive_wanted(parent: QWidget, names: Sequence[str], spell: Spell[str]) -> int | None:

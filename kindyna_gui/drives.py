@@ -39,7 +39,7 @@ from kindyna_gui.pictures.style import BALANCE, SCREEN
 def add(session: Session, design: Design, name: str = "") -> bool:
     """The drives of a design behind those that there are; the first of them is chosen. Where the session's design is of one
     drive, it becomes the first of a list. False where it is refused."""
-    whole, first = _with_shaft(session.whole), len(session.whole.drives)
+    whole, first = _with_shaft(session.full_design), len(session.full_design.drives)
     names = []
     try:
         for index in range(len(design.drives)):
@@ -58,8 +58,8 @@ def listed(design: Design, name: str) -> Design:
 
 def list_them(session: Session) -> bool:
     """The session's design, of one drive, as the first of a list."""
-    whole = listed(session.whole, session.whole.name)
-    return _done(session, whole, f"Put {session.whole.name} on a shaft of several", 0)
+    whole = listed(session.full_design, session.full_design.name)
+    return _done(session, whole, f"Put {session.full_design.name} on a shaft of several", 0)
 
 
 def free_slug(name: str) -> str:
@@ -72,7 +72,7 @@ def add_balancer(session: Session) -> bool:
     """A balance cam to begin with, which is then chosen. False where there is one, or nothing can be balanced."""
     from core.shaft import with_balancer
 
-    whole = session.whole
+    whole = session.full_design
     try:
         made = with_balancer(whole, session.shaft.flywheel.energy_swing)
     except KindynaError as error:
@@ -89,15 +89,15 @@ def _with_shaft(design: Design) -> Design:
 def copy(session: Session) -> bool:
     """The chosen drive once more, behind it."""
     index = session.chosen
-    return _done(session, copy_drive(session.whole, index), f"Copy {session.names[index]}", index + 1)
+    return _done(session, copy_drive(session.full_design, index), f"Copy {session.names[index]}", index + 1)
 
 
 def replace_chosen(session: Session, design: Design, label: str) -> bool:
     """Another mechanism in place of the chosen drive's, which keeps its name and its place on the shaft."""
     alone = replace(design, name=session.design.name, shaft=session.design.shaft)
-    whole = with_only(session.whole, session.chosen, alone)
+    whole = with_only(session.full_design, session.chosen, alone)
     whole = edited(
-        whole, "shaft.speed_rpm", session.whole.camshaft.speed_rpm
+        whole, "shaft.speed_rpm", session.full_design.camshaft.speed_rpm
     )  # a linkage's driver turns as the shaft does
     return _done(session, whole, label, session.chosen)
 
@@ -106,20 +106,23 @@ def remove(session: Session) -> bool:
     """The chosen drive, or the balance cam, taken away; the last drive stays."""
     index, name = session.chosen, session.names[session.chosen]
     if session.on_balancer:
-        kept = tuple(path for path in session.whole.assumed if not path.startswith(f"{BALANCER}."))
-        return _done(session, replace(session.whole, balancer=None, assumed=kept), f"Remove {name}", 0)
+        kept = tuple(path for path in session.full_design.assumed if not path.startswith(f"{BALANCER}."))
+        return _done(session, replace(session.full_design, balancer=None, assumed=kept), f"Remove {name}", 0)
     return _done(
-        session, remove_drive(session.whole, index), f"Remove {name}", min(index, len(session.whole.drives) - 2)
+        session,
+        remove_drive(session.full_design, index),
+        f"Remove {name}",
+        min(index, len(session.full_design.drives) - 2),
     )
 
 
 def move(session: Session, by: int) -> bool:
     """The chosen drive further up or down in the list."""
     index, to = session.chosen, session.chosen + by
-    if session.on_balancer or not 0 <= to < len(session.whole.drives):
+    if session.on_balancer or not 0 <= to < len(session.full_design.drives):
         return False
     way = "up" if by < 0 else "down"
-    return _done(session, move_drive(session.whole, index, to), f"Move {session.names[index]} {way}", to)
+    return _done(session, move_drive(session.full_design, index, to), f"Move {session.names[index]} {way}", to)
 
 
 def rename(session: Session, index: int, name: str) -> bool:
@@ -130,7 +133,7 @@ def rename(session: Session, index: int, name: str) -> bool:
 
 def _done(session: Session, whole: Design, label: str, chosen: int) -> bool:
     session.end_gesture()
-    done = session.put_whole(whole, label, chosen=max(chosen, 0))
+    done = session.put_full_design(whole, label, chosen=max(chosen, 0))
     session.end_gesture()
     return done
 

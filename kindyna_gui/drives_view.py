@@ -81,7 +81,7 @@ class DrivesTable(QTableWidget):
         self.setAlternatingRowColors(True)
         self.setTabKeyNavigation(False)
         self.verticalHeader().hide()
-        self.redress()
+        self.update_style()
         head = self.horizontalHeader()
         head.setHighlightSections(False)
         head.setMinimumSectionSize(30)
@@ -89,7 +89,7 @@ class DrivesTable(QTableWidget):
         head.setSectionResizeMode(NAME, QHeaderView.ResizeMode.Stretch)
         self.setAccessibleName("Drives on the shaft")
 
-    def redress(self) -> None:
+    def update_style(self) -> None:
         """As high and wide as its letters want it."""
         self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + LEADING)
 
@@ -109,7 +109,7 @@ class DrivesView(View):
 
     picture_requested = Signal()
 
-    of_whole = True
+    is_design_wide = True
     stages = ("linkage", "dynamics")
 
     def __init__(self, session: Session, player: Player) -> None:
@@ -156,7 +156,7 @@ class DrivesView(View):
 
     def refresh(self, study: Study) -> None:
         self._torque_timer.stop()  # the rows that it waits for are of another design
-        require_list(self.session.whole, ONE_DRIVE)
+        require_list(self.session.full_design, ONE_DRIVE)
         rows = drive_rows(self.session)
         with QSignalBlocker(self.table):
             if self.table.rowCount() != len(rows):
@@ -165,7 +165,7 @@ class DrivesView(View):
                 self._show_row(number, row)
             self.table.setCurrentCell(self.session.chosen, max(self.table.currentColumn(), 0))
         movable = not self.session.on_balancer
-        last = len(self.session.whole.drives) - 1
+        last = len(self.session.full_design.drives) - 1
         self.buttons["copy"].setEnabled(movable)
         self.buttons["remove"].setEnabled(last > 0 or not movable)
         self.buttons["up"].setEnabled(movable and self.session.chosen > 0)
@@ -177,7 +177,7 @@ class DrivesView(View):
             self._torque_timer.start()
 
     def _show_row(self, number: int, row: DriveRow) -> None:
-        whole = self.session.whole
+        whole = self.session.full_design
         if number < len(whole.drives):
             drive = whole.drives[number]
             phase, side = f"{short(drive.phase_deg)}°", "mirrored" if drive.mirrored else ""
@@ -230,7 +230,7 @@ class DrivesView(View):
         """The peak torque of a drive as a text, and why there is none."""
         shaft = self.session.shaft
         try:
-            if number < len(self.session.whole.drives):
+            if number < len(self.session.full_design.drives):
                 name = self.session.names[number]
                 if name not in shaft.loading_drives:
                     return "not by the shaft", ""
@@ -238,7 +238,7 @@ class DrivesView(View):
             else:
                 peak = shaft.balancer_peak.value
         except NoSolution as error:
-            return "no answer", reason(self.session.whole, error)
+            return "no answer", reason(self.session.full_design, error)
         rung = readable("N·m", abs(peak))
         return f"{digits(peak / rung.size, 4)} {rung.symbol}", ""
 
@@ -248,7 +248,7 @@ class DrivesView(View):
             self._of, self._form = section, Form(self.session, section)
             self._place.replace(self._form)
         assert self._form is not None
-        self._form.refresh(self.session.whole)
+        self._form.refresh(self.session.full_design)
         height = min(self._form.wanted_height, HIGHEST)
         self._form.setMaximumHeight(height)
         self._form.setMinimumHeight(min(height, LOWEST))
@@ -294,7 +294,7 @@ class DrivesView(View):
         menu.addSeparator()
         action = menu.addAction("Balance cam")
         action.setStatusTip("A cam against a spring that takes the swing out of the shaft's torque")
-        action.setEnabled(self.session.whole.balancer is None)
+        action.setEnabled(self.session.full_design.balancer is None)
         action.triggered.connect(lambda: drives.add_balancer(self.session))
 
     def _add_from_file(self, *_: object) -> None:

@@ -30,7 +30,7 @@ from kindyna_gui.pictures.drawing.parts import LAYERS
 from kindyna_gui.player import Player
 from kindyna_gui.requirements import NO_CAM
 from kindyna_gui.saving import save_picture, written
-from kindyna_gui.settings import Settings, as_kept
+from kindyna_gui.settings import Settings, in_file_units
 
 
 def tables_of(design: Design, samples: int = SAMPLES) -> dict[str, str | Iterator[bytes]]:
@@ -91,7 +91,7 @@ class Exports(QObject):
         """All that can be written besides the design, in the menu's order."""
         session = self._session
         no_cam = "" if session.design.drive.cam is not None else NO_CAM
-        moves = any(drive.motion is not None for drive in session.whole.drives)
+        moves = any(drive.motion is not None for drive in session.full_design.drives)
         return (
             Export(
                 "&Tables...",
@@ -161,7 +161,7 @@ class Exports(QObject):
     def _name(self) -> str:
         """A name for files: that of the design's own file, else of the design."""
         path = self._session.path
-        stem = path.stem if path is not None else self._session.whole.name
+        stem = path.stem if path is not None else self._session.full_design.name
         return file_name("".join(c if c.isalnum() or c in "-_" else "_" for c in stem).strip("_")) or "design"
 
     @property
@@ -172,16 +172,16 @@ class Exports(QObject):
     @property
     def _drive(self) -> Design:
         """The chosen drive, under a name that serves outside the window."""
-        return in_machine(self._session.whole, self._session.design)
+        return in_machine(self._session.full_design, self._session.design)
 
     def tables(self) -> None:
         """Profile, kinematics, dynamics and summary, at as many cam angles as wanted."""
         from kindyna_gui import export_dialogs
 
-        wanted = export_dialogs.tables_wanted(self._window, self._settings.folder, self._session.whole_study)
+        wanted = export_dialogs.tables_wanted(self._window, self._settings.folder, self._session.full_study)
         if wanted is None:
             return
-        design = self._session.whole
+        design = self._session.full_design
         try:
             made = background.beside(
                 self._window, "Writing the tables", lambda: write_tables(design, wanted.folder, wanted.samples)
@@ -209,7 +209,7 @@ class Exports(QObject):
         )
         if wanted is None or path is None:
             return
-        design = self._session.whole
+        design = self._session.full_design
         make = partial(document, Study(design), wanted.parts, wanted.cover)
         try:
             made = background.beside(self._window, f"Computing {path.name}", make)
@@ -217,7 +217,7 @@ class Exports(QObject):
             if made is not None:
                 with (
                     background.progress(self._window, f"Painting {path.name}", len(made.pictures) + 1) as go_on,
-                    as_kept(),
+                    in_file_units(),
                 ):
                     data, lacking = report_file(made, path.suffix.lower(), go_on), made.lacking
         except KindynaError as error:
@@ -236,7 +236,7 @@ class Exports(QObject):
         from core.output.report import report
 
         path = dialogs.report_to_save(self._window, self._settings.folder / f"{self._name}.txt")
-        design = self._session.whole
+        design = self._session.full_design
         self._report(written(self._window, path, lambda: report(Study(design))))
 
     def web_page(self) -> None:
@@ -244,7 +244,7 @@ class Exports(QObject):
         from core.output.handover import write_page
 
         path = dialogs.page_to_save(self._window, self._settings.folder / f"{self._name}.html")
-        design = self._session.whole
+        design = self._session.full_design
         self._write_beside(path, lambda path: write_page(Study(design), path))
 
     def handover(self) -> None:
@@ -260,11 +260,11 @@ class Exports(QObject):
         )
         if request is None or path is None:
             return
-        design = self._session.whole
+        design = self._session.full_design
         study = Study(design)
         try:
             made = background.beside(self._window, f"Computing {path.name}", lambda: handover(design, request))
-            with background.progress(self._window, f"Painting {path.name}", 12) as go_on, as_kept():
+            with background.progress(self._window, f"Painting {path.name}", 12) as go_on, in_file_units():
                 more = painted(study, request, go_on) if made is not None else None
             if made is None or more is None:
                 self._report(f"{path.name} was cancelled; nothing is written")
@@ -299,7 +299,7 @@ class Exports(QObject):
 
         session = self._session
         name = session.names[session.chosen] if session.several else ""
-        made = table_wanted(self._window, session.whole, name)
+        made = table_wanted(self._window, session.full_design, name)
         if made is None:
             return
         path = dialogs.controller_table_to_save(
@@ -343,7 +343,9 @@ class Exports(QObject):
         try:
             made = background.beside(self._window, f"Writing {path.name}", lambda: make(path))
         except KindynaError as error:
-            dialogs.show_faults(self._window, f"{path.name} cannot be written.", [reason(self._session.whole, error)])
+            dialogs.show_faults(
+                self._window, f"{path.name} cannot be written.", [reason(self._session.full_design, error)]
+            )
             return
         if made is None:
             self._report(f"{path.name} was cancelled; nothing is written")
@@ -376,7 +378,7 @@ class Exports(QObject):
         view = self.view("timing")
         path = dialogs.timing_to_save(self._window, self._settings.folder / f"{self._name}_timing.pdf")
         shown = {} if view is None else {"unit": view.canvas.unit, "pair": view.canvas.pair}
-        design = self._session.whole
+        design = self._session.full_design
         if path is not None:
             self._report(
                 written(self._window, path, lambda: timing_file(design, path.suffix.lower(), **shown), paints=True)
@@ -393,11 +395,16 @@ class Exports(QObject):
             return
         path, film = wanted
         try:
-            with background.progress(self._window, f"Drawing {film.frames} frames", film.frames) as go_on, as_kept():
+            with (
+                background.progress(self._window, f"Drawing {film.frames} frames", film.frames) as go_on,
+                in_file_units(),
+            ):
                 take = pictures if film.ending == ".png" else shoot
-                data = take(self._session.whole, film, self.layers(), go_on)
+                data = take(self._session.full_design, film, self.layers(), go_on)
         except KindynaError as error:
-            dialogs.show_faults(self._window, "The mechanism cannot be drawn.", [reason(self._session.whole, error)])
+            dialogs.show_faults(
+                self._window, "The mechanism cannot be drawn.", [reason(self._session.full_design, error)]
+            )
             return
         if data is None:
             self.status_message.emit("The animation was cancelled; nothing is written")

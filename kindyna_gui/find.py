@@ -57,7 +57,7 @@ from kindyna_gui.pictures.plots.xy import Dots, Line, Rule, XYPlot
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import short
 from kindyna_gui.player import Player
-from kindyna_gui.requirements import NO_SIZES, NotHere
+from kindyna_gui.requirements import NO_SIZES, Unavailable
 from kindyna_gui.settings import size_of
 from kindyna_gui.view import BackgroundView
 
@@ -140,7 +140,7 @@ class TrialCount:
 class FindView(BackgroundView):
     """Seeks beside the window, when the design or a limit changes while it can be seen."""
 
-    of_whole = True
+    is_design_wide = True
     stages = ("linkage", "cam")
     pause_ms = 200
 
@@ -157,7 +157,7 @@ class FindView(BackgroundView):
         self.place.setAccessibleName("Which of them")
         self.answer = QLabel(wordWrap=True, textFormat=Qt.TextFormat.RichText, alignment=Qt.AlignmentFlag.AlignTop)
         self.answer.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-        self.redress()
+        self.update_style()
         self.take, self.cancel, self.again = (
             QPushButton("Take over"),
             QPushButton("Cancel"),
@@ -184,7 +184,7 @@ class FindView(BackgroundView):
         session.started.connect(self._typed.clear)
         session.drive_chosen.connect(self._typed.clear)
 
-    def redress(self) -> None:
+    def update_style(self) -> None:
         """The answer has its room, whatever it is."""
         self.answer.setMinimumHeight(ANSWER_LINES * self.fontMetrics().lineSpacing() + 4)
 
@@ -238,7 +238,7 @@ class FindView(BackgroundView):
     def refresh(self, study: Study) -> None:
         rows = self._offered()
         if not rows:
-            raise NotHere(NO_SIZES)
+            raise Unavailable(NO_SIZES)
         _fill(self.what, {what: title_of(what) for what in rows})
         self._search()
 
@@ -255,12 +255,12 @@ class FindView(BackgroundView):
     def _offered(self) -> tuple[str, ...]:
         """Of the drive at hand, and of the whole shaft."""
         own = () if self.session.on_balancer else available_searches(self.session.design)
-        return (*own, *available_shaft_searches(self.session.whole))
+        return (*own, *available_shaft_searches(self.session.full_design))
 
     @property
     def _design(self) -> Design:
         """What is sought in: the drive at hand, or the whole."""
-        design: Design = self.session.whole if self._wanted in SHAFT_SEARCHES else self.session.design
+        design: Design = self.session.full_design if self._wanted in SHAFT_SEARCHES else self.session.design
         return design
 
     @property
@@ -306,7 +306,9 @@ class FindView(BackgroundView):
 
     def _search(self) -> None:
         """Seek under the limits at hand; what was sought before is given up."""
-        if self.not_here or self._wanted not in self._offered():  # as long as the list is that of the design before
+        if (
+            self.is_unavailable or self._wanted not in self._offered()
+        ):  # as long as the list is that of the design before
             return
         design, what = self._design, self._wanted
         places = places_of(design, what)
@@ -316,21 +318,21 @@ class FindView(BackgroundView):
         keys = self._keys(design)
         stated = {key: value for key, value in self._typed.items() if key in keys}
         self._show_limits(design)
-        self._rest()
+        self._stop_work()
         self.searches += 1
         self._count = TrialCount()
         if what in SHAFT_SEARCHES:
             job = partial(_sought, design, what, stated, **({"aim": place} if place else {}))
         else:
-            whole, number = self.session.whole, self.session.chosen
+            whole, number = self.session.full_design, self.session.chosen
             machine = partial(with_only, whole, number)
             job = partial(_sought, design, what, stated, choice=place, machine=machine, notify=self._count.tell)
         self._patience.start()
         self._work.start([(design, job)])
 
-    def _rest(self) -> None:
+    def _stop_work(self) -> None:
         """Nothing is sought, and there is no answer to the design at hand."""
-        super()._rest()
+        super()._stop_work()
         self._quiet()
         self.take.setEnabled(False)
         self.solution = None
@@ -384,7 +386,7 @@ class FindView(BackgroundView):
         if self.solution is None:
             return
         found, design = self.solution, self._design
-        self.session.put_whole(found.machine, step_name(design, self._wanted, found), next(iter(found.answer)))
+        self.session.put_full_design(found.machine, step_name(design, self._wanted, found), next(iter(found.answer)))
         self.session.end_gesture()
 
 

@@ -19,7 +19,7 @@ from kindyna_gui.labels import in_sentence, name_of, sentence
 from kindyna_gui.look import coloured, sign
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
-from kindyna_gui.view import NumberAtHand, View, ViewHost
+from kindyna_gui.view import ExplainableNumber, View, ViewHost
 
 # -- certificate view ------------------------------------------------------------------------------------
 
@@ -103,7 +103,7 @@ def certificate_row(name: str, residual: Residual) -> TableRow:
 class CertificateView(View):
     """The table of residuals."""
 
-    of_whole = True
+    is_design_wide = True
     stages = STAGES
     pause_ms = 150
 
@@ -115,15 +115,15 @@ class CertificateView(View):
         self._names: tuple[str, ...] = ()
         self.offer_explanation(self.table, "Explain what it proves")
 
-    def number_at_hand(self) -> NumberAtHand | None:
+    def selected_number(self) -> ExplainableNumber | None:
         from core.output.explain import number_of_residual
 
         row = self.table.currentIndex().row()
         name = number_of_residual(self.session.study, self._names[row]) if 0 <= row < len(self._names) else ""
-        return NumberAtHand(name) if name else None
+        return ExplainableNumber(name) if name else None
 
     def refresh(self, study: Study) -> None:
-        proof = certificate_of(self.session.whole_study)
+        proof = certificate_of(self.session.full_study)
         self._names = tuple(proof)
         self.table.show_rows([certificate_row(name, residual) for name, residual in proof.items()])
 
@@ -140,15 +140,15 @@ class FindingsView(View):
     """The list of findings.
 
     field_requested   (path): a finding was clicked whose field this is
-    mending_wanted    (remedy): the button of one was
+    remedy_chosen    (remedy): the button of one was
     height_wanted     (pixels, whole): what it has to show needs at least so much, and no more where that is the whole of it
     """
 
-    of_whole = True
+    is_design_wide = True
     stages = STAGES
     pause_ms = 150
     field_requested = Signal(str)
-    mending_wanted = Signal(object)
+    remedy_chosen = Signal(object)
     height_wanted = Signal(int, bool)
 
     def __init__(self, session: Session, player: Player) -> None:
@@ -174,17 +174,17 @@ class FindingsView(View):
     def belong_to(self, window: ViewHost) -> None:
         super().belong_to(window)
         self.field_requested.connect(window.focus_field)
-        self.mending_wanted.connect(window.mend)
+        self.remedy_chosen.connect(window.apply_remedy)
 
-    def number_at_hand(self) -> NumberAtHand | None:
+    def selected_number(self) -> ExplainableNumber | None:
         from core.output.explain import number_of_finding
 
         row = self.table.currentIndex().row()
         name = number_of_finding(self.session.study, self._findings[row]) if 0 <= row < len(self._findings) else ""
-        return NumberAtHand(name) if name else None
+        return ExplainableNumber(name) if name else None
 
     def refresh(self, study: Study) -> None:
-        whole = self.session.whole_study
+        whole = self.session.full_study
         self._findings = findings_of(whole)
         rows, remedies = [], _remedies(whole.design, self._findings)
         for f, remedy in zip(self._findings, remedies, strict=True):
@@ -206,7 +206,7 @@ class FindingsView(View):
     def _button(self, row: TableRow, remedy: Remedy) -> QPushButton:
         button = QPushButton(row.cells[REMEDY], autoDefault=False)
         button.setToolTip("Search for the value that keeps the limit" if remedy.find else "Go to where it is typed")
-        button.clicked.connect(lambda: self.mending_wanted.emit(remedy))
+        button.clicked.connect(lambda: self.remedy_chosen.emit(remedy))
         return button
 
     def _go(self, index: QModelIndex) -> None:

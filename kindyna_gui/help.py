@@ -83,7 +83,7 @@ def _fields(page: str, host: Any) -> str:
     session, tables = host.session, []
     parts = [(session.typed, name) for name in session.typed.tables]
     if session.several:
-        whole = session.typed_whole
+        whole = session.typed_full_design
         parts += [(whole, name) for name in (f"drives[{session.chosen}]", "balancer") if name in whole.tables]
     for design, name in parts:
         cells = [

@@ -112,7 +112,7 @@ class InspectionDialog(ComputedDialog):
     def job(self) -> Callable[[], Inspection]:
         return partial(_computed, self._design, self.form.request)
 
-    def show_made(self, made: Inspection | None) -> str:
+    def show_result(self, made: Inspection | None) -> str:
         if made is None:
             self.lift.show_message("")
             self.band.show_message("")

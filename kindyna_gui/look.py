@@ -44,8 +44,8 @@ from core.findings import ERROR, NOTE, WARNING
 from kindyna_gui import settings
 from kindyna_gui.pictures.style import DARK, LIGHT, SCREEN, Theme, draw_in, of_theme
 from kindyna_gui.places import icon_file
-from kindyna_gui.requirements import ways_of
-from kindyna_gui.settings import TOLD, as_kept, choose_letters
+from kindyna_gui.requirements import suggestions_for
+from kindyna_gui.settings import TOLD, choose_font_scale, in_file_units
 
 # -- look ------------------------------------------------------------------------------------------------
 
@@ -162,7 +162,7 @@ def _change(widgets: Iterable[QWidget], before: Theme, theme: Theme) -> None:
             continue
         if swap is not None:
             swap.widget(widget)
-        if callable(again := getattr(widget, "redress", None)):
+        if callable(again := getattr(widget, "update_style", None)):
             again()
 
 
@@ -172,7 +172,7 @@ def on_paper(widget: QWidget) -> Iterator[None]:
     screen, sheet = replace(SCREEN), widget.styleSheet()
     parts = [widget, *widget.findChildren(QWidget)]
     plain = [part for part in parts if not part.testAttribute(Qt.WidgetAttribute.WA_SetPalette)]
-    with as_kept():
+    with in_file_units():
         draw_in(LIGHT)
         _change(parts, screen, LIGHT)
         widget.setStyleSheet(_sheet())
@@ -198,7 +198,7 @@ def _letter(app: QApplication, percent: int) -> bool:
         wanted.setPointSizeF(usual.pointSizeF() * percent / 100.0)
     else:
         wanted.setPixelSize(round(usual.pixelSize() * percent / 100.0))
-    if not choose_letters(percent / 100.0):
+    if not choose_font_scale(percent / 100.0):
         return False
     app.setStyleSheet("")  # under one, widgets would keep the font they had
     app.setFont(wanted)
@@ -382,7 +382,7 @@ def sign(severity: str) -> QIcon:
 
 def linked(sentence: str) -> str:
     """A sentence, with what can be done about it as links to entries of the menus."""
-    ways = ways_of(sentence)
+    ways = suggestions_for(sentence)
     if not ways:
         return sentence
     from html import escape

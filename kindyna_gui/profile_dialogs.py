@@ -172,7 +172,7 @@ class ProfileDialog(ComputedDialog):
     def show_waiting(self) -> None:
         self.picture.wait()
 
-    def show_made(self, made: Preview | None) -> str:
+    def show_result(self, made: Preview | None) -> str:
         self.picture.show_preview(made)
         return "" if made is None else _summary(made.job)
 
@@ -258,7 +258,7 @@ class DrawingDialog(ComputedDialog):
     def show_waiting(self) -> None:
         self.picture.wait()
 
-    def show_made(self, made: DrawingSheet | None) -> str:
+    def show_result(self, made: DrawingSheet | None) -> str:
         self.picture.show_sheet(made)
         return "" if made is None else "\n".join(filter(None, (made.about, made.missing)))
 
@@ -354,7 +354,7 @@ class ControllerDialog(ComputedDialog):
 
     # -- what comes of it -----------------------------------------------------------------------------------
 
-    def show_made(self, made: Computed | None) -> str:
+    def show_result(self, made: Computed | None) -> str:
         if made is None or made.errors is None:
             for plot in (*self.plots, self.curve):
                 plot.show_message("" if made is None else NOT_PUBLISHED)

@@ -1,5 +1,5 @@
 """What a view needs of a design: a motion, a shaft, links that are listed one by one, what a contact pressure
-takes. Where it is missing, there is a sentence for the user; NotHere carries it."""
+takes. Where it is missing, there is a sentence for the user; Unavailable carries it."""
 
 from __future__ import annotations
 
@@ -38,57 +38,60 @@ STRANGE = "Preferences that are not understood: "
 
 
 @frozen
-class Way:
+class Suggestion:
     """What fills an empty view: the words of its button, and the entry of the menus that it stands for, by its key there."""
 
     text: str
     entry: str
 
 
-DRIVER, ROLLER = Way("Let a link follow a motion...", "drivers"), Way("Put a cam under it...", "rollers")
-BEGIN = Way("Begin with a cam...", "designing.new_by_picture")
-SHAFT, OPEN_LOADS = Way("Give it a shaft", "designing.give_shaft"), Way("Type masses and forces", "focus_field:loads")
-TO_SHAFT = Way("Add it to a shaft...", "add_to_shaft")
+DRIVER, ROLLER = Suggestion("Let a link follow a motion...", "drivers"), Suggestion("Put a cam under it...", "rollers")
+BEGIN = Suggestion("Begin with a cam...", "designing.new_by_picture")
+SHAFT, OPEN_LOADS = (
+    Suggestion("Add a shaft", "designing.give_shaft"),
+    Suggestion("Type masses and forces", "focus_field:loads"),
+)
+TO_SHAFT = Suggestion("Add it to a shaft...", "add_to_shaft")
 
-WAYS: Mapping[str, tuple[Way, ...]] = MappingProxyType(
+SUGGESTIONS: Mapping[str, tuple[Suggestion, ...]] = MappingProxyType(
     {
         NO_MOTION: (DRIVER,),
         NO_SHAFT: (SHAFT,),
         NO_WHEEL: (SHAFT,),
-        RIGID_SHAFT: (Way("Make the shaft elastic", "designing.make_flexible"),),
-        RIGID_FOLLOWER: (Way("Type its stiffness", "focus_field:loads"),),
+        RIGID_SHAFT: (Suggestion("Make the shaft elastic", "designing.make_flexible"),),
+        RIGID_FOLLOWER: (Suggestion("Type its stiffness", "focus_field:loads"),),
         NO_ELASTIC: (ROLLER, DRIVER),
         NO_FLIGHT: (ROLLER, DRIVER),
         NO_SIZES: (BEGIN, ROLLER, DRIVER),
         NO_FORCES: (OPEN_LOADS,),
         NO_RANKING: (OPEN_LOADS,),
-        NOT_PINNED: (Way("Pin this variant", "pin"),),
-        NO_SERVO: (Way("Give it a servo", "designing.give_servo"),),
+        NOT_PINNED: (Suggestion("Pin this variant", "pin"),),
+        NO_SERVO: (Suggestion("Add a servo", "designing.give_servo"),),
         ALONE: (TO_SHAFT,),
         ONE_DRIVE: (TO_SHAFT,),
-        ONLY_LINKAGES: (Way("New design...", "new"),),
+        ONLY_LINKAGES: (Suggestion("New design...", "new"),),
     }
 )
 """Why a view is empty -> what can be done about it; entries that the design at hand has not are left out."""
 
-WAYS_OF_BEGINNINGS: Mapping[str, tuple[Way, ...]] = MappingProxyType(
+SUGGESTIONS_BY_START: Mapping[str, tuple[Suggestion, ...]] = MappingProxyType(
     {
         LED_BY_NO_CAM: (ROLLER, DRIVER),
-        LACKS_SIZES: (Way("Type what the cam lacks", "focus_field:cam"),),
+        LACKS_SIZES: (Suggestion("Type what the cam lacks", "focus_field:cam"),),
         NOTHING_PRESSES: (OPEN_LOADS,),
-        STRANGE: (Way("Preferences...", "prefer"),),
+        STRANGE: (Suggestion("Preferences...", "prefer"),),
     }
 )
 """Likewise, of sentences that go on with what is missing."""
 
 
-def ways_of(sentence: str) -> tuple[Way, ...]:
+def suggestions_for(sentence: str) -> tuple[Suggestion, ...]:
     """What can be done about a reason."""
-    begun = (ways for words, ways in WAYS_OF_BEGINNINGS.items() if sentence.startswith(words))
-    return WAYS.get(sentence) or next(begun, ())
+    begun = (ways for words, ways in SUGGESTIONS_BY_START.items() if sentence.startswith(words))
+    return SUGGESTIONS.get(sentence) or next(begun, ())
 
 
-class NotHere(KindynaError):
+class Unavailable(KindynaError):
     """The design has nothing that a view could show; the sentence names where to look instead."""
 
 
@@ -98,36 +101,36 @@ def lists_links(design: Design) -> bool:
 
 
 def require_links(design: Design, instead: str) -> None:
-    """Raises NotHere, with the sentence, where the links have no numbers."""
+    """Raises Unavailable, with the sentence, where the links have no numbers."""
     if not lists_links(design):
-        raise NotHere(instead)
+        raise Unavailable(instead)
 
 
 def require_centres(study: Study, instead: str) -> None:
-    """Raises NotHere, with the sentence, where there are neither links with numbers nor a cam."""
+    """Raises Unavailable, with the sentence, where there are neither links with numbers nor a cam."""
     if "cam" not in study.stages:
         require_links(study.design, instead)
 
 
 def turned_shaft(study: Study, instead: str) -> Shaft:
-    """The shaft of a design, which turns cams or cranks, carries a flywheel and may twist; raises NotHere, with the sentence, where
+    """The shaft of a design, which turns cams or cranks, carries a flywheel and may twist; raises Unavailable, with the sentence, where
     there is none."""
     if study.design.shaft is not None and study.camshaft.loading_drives:
         return study.design.shaft
-    raise NotHere(instead)
+    raise Unavailable(instead)
 
 
 def require_list(design: Design, instead: str) -> None:
-    """Raises NotHere, with the sentence, where the design is of one drive that no list names."""
+    """Raises Unavailable, with the sentence, where the design is of one drive that no list names."""
     if not design.listed:
-        raise NotHere(instead)
+        raise Unavailable(instead)
 
 
 def require_motion(design: Design) -> Motion:
-    """The motion; raises NotHere, with a sentence, where a crank turns at speed."""
+    """The motion; raises Unavailable, with a sentence, where a crank turns at speed."""
     motion = motion_of(design)
     if motion is None:
-        raise NotHere(NO_MOTION)
+        raise Unavailable(NO_MOTION)
     return motion
 
 

@@ -16,7 +16,7 @@ from core.project.files import write
 from core.study import Quantity, Study
 from kindyna_gui import background, dialogs
 from kindyna_gui.labels import reason
-from kindyna_gui.settings import Settings, as_kept
+from kindyna_gui.settings import Settings, in_file_units
 from kindyna_gui.view import View
 
 Content = bytes | str
@@ -55,7 +55,7 @@ def _patiently(make: Callable[[], Made]) -> Made:
     """Do something under the waiting cursor, in the units of files."""
     QApplication.setOverrideCursor(Qt.CursorShape.WaitCursor)
     try:
-        with as_kept():
+        with in_file_units():
             return make()
     finally:
         QApplication.restoreOverrideCursor()
@@ -80,7 +80,7 @@ def copy_picture(view: View) -> None:
         view.status_message.emit(f"Nothing is copied. {view.no_picture}")
         return
     try:
-        with as_kept():
+        with in_file_units():
             image = QImage.fromData(view.picture(".png"))
     except KindynaError as error:  # a drawing that cannot be put together yet
         view.status_message.emit(f"Nothing is copied. {reason(view.session.design, error)}")

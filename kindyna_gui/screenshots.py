@@ -130,7 +130,7 @@ def shots(design: Design, size: tuple[int, int]) -> dict[str, bytes]:
             window.show_task(task_with(name))
             view = window.show_view(name)
             rest(window)
-            for ending in (_as_it_is if view.not_here else FORMS.get(name, _as_it_is))(view):
+            for ending in (_as_it_is if view.is_unavailable else FORMS.get(name, _as_it_is))(view):
                 rest(window)
                 made[f"{name}{ending}.png"] = png(view)
     finally:

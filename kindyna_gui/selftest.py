@@ -50,7 +50,7 @@ def _try(path: Path) -> str:
     window = hidden_window(design, SIZE)
     try:
         _edit_and_undo(window)
-        _must(window.session.whole == design, "undo did not bring the design back")
+        _must(window.session.full_design == design, "undo did not bring the design back")
         drawn = _turn(window)
         count = _export(window, path)
     finally:
@@ -108,20 +108,21 @@ def _turn(window: MainWindow) -> int:
     _must(len(shown) == FRAMES and away < 1e-9, "one turn does not end where it began")
     for view in window.findChildren(View):
         _must(
-            not view.in_trouble or view.not_here or not view.on_screen(), f"{type(view).__name__} has nothing to show"
+            not view.in_trouble or view.is_unavailable or not view.on_screen(),
+            f"{type(view).__name__} has nothing to show",
         )
     return len(shown)
 
 
 def _export(window: MainWindow, path: Path) -> int:
     with tempfile.TemporaryDirectory() as folder:
-        written = write_tables(window.session.whole, Path(folder))
+        written = write_tables(window.session.full_design, Path(folder))
         copy = Path(folder) / "copy.toml"
-        save(window.session.whole, copy)
+        save(window.session.full_design, copy)
         clear_caches()  # the core computes anew
         wanted = as_texts(tables_of(load(copy)))
         _must(set(written) == set(wanted), "other files than the core writes")
         for name, text in wanted.items():
             _must((Path(folder) / name).read_text(encoding="utf-8") == text, f"{name} differs from the core's")
-    _must(load(path) == window.session.whole, "the design is no longer the example")
+    _must(load(path) == window.session.full_design, "the design is no longer the example")
     return len(wanted)

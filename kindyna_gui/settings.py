@@ -49,13 +49,13 @@ def choose(units: Mapping[str, str], comma: bool) -> None:
         TOLD.changed.emit()
 
 
-def is_usual() -> bool:
+def is_default() -> bool:
     """Whether the window shows everything as files have it."""
     return not _units and not _comma and _letters == 1.0
 
 
 @contextmanager
-def as_kept() -> Iterator[None]:
+def in_file_units() -> Iterator[None]:
     """Inside, everything is shown as files have it: what is written leaves the window."""
     before = _kept.set(True)
     try:
@@ -81,7 +81,7 @@ def size_of(symbol: str) -> float:
     return 1.0 if shown == symbol else (sizes[shown] / sizes[symbol]).factor
 
 
-def choose_letters(size: float) -> bool:
+def choose_font_scale(size: float) -> bool:
     """Draw letters so many times as large as usual; whether that is another size than before."""
     global _letters
     before, _letters = _letters, size
@@ -203,7 +203,7 @@ LONGEST = 4096
 """Characters of a text in the settings; the graph of the last run may have more."""
 
 
-def kept_value(kept: QSettings, key: str) -> Any:
+def stored_value(kept: QSettings, key: str) -> Any:
     """What the settings hold under a key; None where that is nothing, or of a kind that cannot be read."""
     try:
         return kept.value(key)
@@ -211,16 +211,16 @@ def kept_value(kept: QSettings, key: str) -> Any:
         return None
 
 
-def kept_text(kept: QSettings, key: str, usual: str = "", longest: int = LONGEST) -> str:
+def stored_text(kept: QSettings, key: str, usual: str = "", longest: int = LONGEST) -> str:
     """A text, or a number as text; the usual one where something else is there, or a text that is no name of anything."""
-    value = kept_value(kept, key)
+    value = stored_value(kept, key)
     text = str(value) if isinstance(value, str | int | float) else usual
     return text if len(text) <= longest and "\0" not in text else usual
 
 
 def _word(kept: QSettings, key: str) -> Any:
     """One of its words as it is kept; the usual one where another stands there, of a newer version or broken."""
-    found = str(kept_value(kept, key))
+    found = str(stored_value(kept, key))
     return next((word for word in WORDS[key] if str(word) == found), WORDS[key][0])
 
 
@@ -228,9 +228,9 @@ def not_understood() -> list[str]:
     """What is kept and is none of the words of its key, of a newer version or broken: each with the word that is taken for it."""
     kept = QSettings("KINDYNA", "KINDYNA")
     return [
-        f"{key} {kept_value(kept, key)!s:.40} (taken as {words[0]})"
+        f"{key} {stored_value(kept, key)!s:.40} (taken as {words[0]})"
         for key, words in WORDS.items()
-        if kept.contains(key) and str(kept_value(kept, key)) not in map(str, words)
+        if kept.contains(key) and str(stored_value(kept, key)) not in map(str, words)
     ]
 
 
@@ -245,7 +245,7 @@ def read() -> Preferences:
         _word(kept, "look/font"),
         _word(kept, "look/still") == 1,
         _word(kept, TEXTS["paper"]),
-        *(kept_text(kept, TEXTS[name]) for name in ("author", "company", "logo")),
+        *(stored_text(kept, TEXTS[name]) for name in ("author", "company", "logo")),
     )
 
 
@@ -309,12 +309,12 @@ class Settings:
 
     def restore_geometry(self, window: QMainWindow) -> bool:
         """False where nothing was kept; then nothing changes."""
-        geometry = kept_value(self._kept, "window/geometry")
+        geometry = stored_value(self._kept, "window/geometry")
         return isinstance(geometry, QByteArray) and window.restoreGeometry(geometry)
 
     def written(self, name: str) -> str:
         """What a report's first page said the last time; empty where nothing."""
-        return kept_text(self._kept, f"report/{name}")
+        return stored_text(self._kept, f"report/{name}")
 
     def write(self, name: str, text: str) -> None:
         """Keep it."""
@@ -323,7 +323,7 @@ class Settings:
     @property
     def task(self) -> str:
         """The task of the last run; empty where there was none."""
-        return kept_text(self._kept, "window/task")
+        return stored_text(self._kept, "window/task")
 
     @property
     def named_layouts(self) -> list[str]:
@@ -332,7 +332,7 @@ class Settings:
 
     def _texts(self, key: str) -> list[str]:
         """A list of texts, of which Qt keeps one alone as a text; those that are none are left out."""
-        kept = kept_value(self._kept, key)
+        kept = stored_value(self._kept, key)
         texts = [kept] if isinstance(kept, str) else kept if isinstance(kept, list) else []
         return [text for text in texts if isinstance(text, str) and text and len(text) <= LONGEST and "\0" not in text]
 
@@ -351,13 +351,17 @@ class Settings:
     def named_layout(self, name: str) -> tuple[str, TaskLayout]:
         """The task and its layout that are kept under a name. Raises ValueError, with the reason, where they cannot be used."""
         key = f"layouts/{_key(name)}"
-        version, task = kept_text(self._kept, f"{key}/version"), kept_text(self._kept, f"{key}/task")
+        version, task = stored_text(self._kept, f"{key}/version"), stored_text(self._kept, f"{key}/task")
         if version != str(self.VERSION):
             newer = number_from_one(version, 10**9) > self.VERSION
-            raise ValueError("of a newer version of KINDYNA" if newer else "of an older version, which had other docks")
+            raise ValueError(
+                "it is from a newer version of KINDYNA"
+                if newer
+                else "it is from an older version, which had other docks"
+            )
         layout = self._read_layout(key)
         if layout is None:
-            raise ValueError("broken")
+            raise ValueError("it is damaged")
         return task, layout
 
     def save_layout(self, task: str, layout: TaskLayout) -> None:
@@ -375,16 +379,16 @@ class Settings:
         return self._read_layout(f"layout{self.VERSION}/{task}")
 
     def _read_layout(self, key: str) -> TaskLayout | None:
-        state, names = kept_value(self._kept, f"{key}/docks"), kept_text(self._kept, f"{key}/pages").split()
+        state, names = stored_value(self._kept, f"{key}/docks"), stored_text(self._kept, f"{key}/pages").split()
         if not isinstance(state, QByteArray) or not names:
             return None
-        links, several = (kept_text(self._kept, f"{key}/{kind}") == "1" for kind in ("links", "several"))
+        links, several = (stored_text(self._kept, f"{key}/{kind}") == "1" for kind in ("links", "several"))
         return TaskLayout(state, tuple(names[1:]), names[0], links, several)
 
     @property
     def graph(self) -> str:
         """The graph of the last run, as text; empty where there was none."""
-        return kept_text(self._kept, "window/graph", longest=FIELD)
+        return stored_text(self._kept, "window/graph", longest=FIELD)
 
     @graph.setter
     def graph(self, text: str) -> None:
@@ -393,7 +397,7 @@ class Settings:
     @property
     def welcome(self) -> bool:
         """Whether the welcome page is shown where the program is started without a file."""
-        return kept_text(self._kept, "window/welcome", "1") != "0"
+        return stored_text(self._kept, "window/welcome", "1") != "0"
 
     @welcome.setter
     def welcome(self, shown: bool) -> None:
@@ -422,7 +426,7 @@ class Settings:
     @property
     def folder(self) -> Path:
         """Where the last file was."""
-        folder = Path(kept_text(self._kept, "files/folder") or Path.home())
+        folder = Path(stored_text(self._kept, "files/folder") or Path.home())
         return folder if folder.is_dir() else Path.home()
 
     @folder.setter

@@ -12,7 +12,7 @@ from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.pictures.style import BLUE, SCREEN
 from kindyna_gui.player import Player
-from kindyna_gui.requirements import NotHere
+from kindyna_gui.requirements import Unavailable
 from kindyna_gui.view import View
 
 MM = 1e3
@@ -102,7 +102,7 @@ class SpaceSheet(QWidget):
 class SpaceView(View):
     """Of all drives, at the machine angle at hand."""
 
-    of_whole = True
+    is_design_wide = True
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
@@ -111,7 +111,7 @@ class SpaceView(View):
 
     def refresh(self, study: Study) -> None:
         if not (self.session.several and self.session.shaft.has_transfer_path):
-            raise NotHere(NO_PART)
+            raise Unavailable(NO_PART)
         self.sheet.path = self.session.shaft.transfer_path * MM
 
     def follow(self, theta: float) -> None:

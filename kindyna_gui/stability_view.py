@@ -22,7 +22,7 @@ from kindyna_gui.pictures.plots.stability_chart import ACROSS, UPWARDS, ChartPlo
 from kindyna_gui.pictures.plots.xy import PulledPoint
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
-from kindyna_gui.requirements import NO_SHAFT, RIGID_SHAFT, NotHere, turned_shaft
+from kindyna_gui.requirements import NO_SHAFT, RIGID_SHAFT, Unavailable, turned_shaft
 from kindyna_gui.stability_pages import (
     ChartPoint,
     PointFields,
@@ -174,7 +174,7 @@ class StabilityView(View):
     drawn   the chart that is shown; None before the first
     """
 
-    of_whole = True
+    is_design_wide = True
     stages = ("stability",)
 
     def __init__(self, session: Session, player: Player) -> None:
@@ -273,10 +273,10 @@ class StabilityView(View):
         self.wanted = self.found = None
         self.use.hide()
         try:
-            if turned_shaft(self.session.whole_study, NO_SHAFT).elastic is None:
-                raise NotHere(RIGID_SHAFT)
+            if turned_shaft(self.session.full_study, NO_SHAFT).elastic is None:
+                raise Unavailable(RIGID_SHAFT)
             if self.drawn is None:
-                self._show(*self._computed(self.session.whole_study))
+                self._show(*self._computed(self.session.full_study))
                 return
         except KindynaError:
             self.drawn = None
@@ -312,12 +312,12 @@ class StabilityView(View):
     def _compute_anew(self) -> None:
         """Begin what an edit has made necessary, beside the window."""
         if self.on_screen():
-            study = self.session.whole_study
+            study = self.session.full_study
             self.anew.start([(study, partial(self._computed, study))])
             self._rest()
 
     def _computed_anew(self, study: Study, made: tuple[Stability, Chart, str] | KindynaError) -> None:
-        if study is self.session.whole_study:
+        if study is self.session.full_study:
             if isinstance(made, KindynaError):
                 self.drawn = None
                 self.show_reason(made)
@@ -514,7 +514,7 @@ class StabilityView(View):
         """Put the shaft of the wanted point into the design."""
         if self.wanted is None or self.found is None:
             return
-        elastic = self.session.whole.shaft.elastic
+        elastic = self.session.full_design.shaft.elastic
         inertia, stiffness = self.found.machine.shaft_for(*self.wanted)
         made = replace(
             elastic,
@@ -522,7 +522,8 @@ class StabilityView(View):
             stiffness_nm_per_rad=float(f"{stiffness:.6g}"),
         )
         self.session.end_gesture()
-        self.session.put_whole(
-            with_elastic(self.session.whole, made), f"Move shaft to η = {self.wanted[0]:.4g}, Q = {self.wanted[1]:.4g}"
+        self.session.put_full_design(
+            with_elastic(self.session.full_design, made),
+            f"Move shaft to η = {self.wanted[0]:.4g}, Q = {self.wanted[1]:.4g}",
         )
         self.session.end_gesture()

@@ -214,7 +214,7 @@ class TimingCanvas(QWidget):
             self.setMinimumHeight(round(sized(max(LEAST_HEIGHT, bands * LEAST_BAND + 26))))
         self.update()
 
-    def redress(self) -> None:
+    def update_style(self) -> None:
         """Theme or letters have changed."""
         self._chart = self._picture = None
         self.update()

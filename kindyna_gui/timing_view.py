@@ -269,7 +269,7 @@ PATH = "timing"
 class TimingView(View):
     """Chart and list over the session's whole shaft. Each drag, each typed value, each row is a step of the undo stack."""
 
-    of_whole = True
+    is_design_wide = True
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
@@ -358,7 +358,7 @@ class TimingView(View):
 
     @property
     def _whole(self) -> Design:
-        whole: Design = self.session.whole
+        whole: Design = self.session.full_design
         return whole
 
     def _show_rows(self) -> None:
@@ -394,15 +394,15 @@ class TimingView(View):
 
     def _put(self, design: Design, label: str, path: str) -> bool:
         """One step, of all drives."""
-        return self.session.put_whole(design, label, path)
+        return self.session.put_full_design(design, label, path)
 
     def _take(self) -> None:
         self.session.end_gesture()
-        self.session.take_hold(self)
+        self.session.begin_drag(self)
 
     def _let_go(self, back: bool) -> None:
         self.session.end_gesture()
-        self.session.release()
+        self.session.end_drag()
 
     def _choose_unit(self) -> None:
         self.canvas.set_unit(self.unit.currentData())

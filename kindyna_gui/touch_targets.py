@@ -22,7 +22,7 @@ from kindyna_gui.pictures.plots.quantities import limits_on, rows_of
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import measure
 from kindyna_gui.saving import copy_picture
-from kindyna_gui.view import NumberAtHand, View, ViewHost
+from kindyna_gui.view import ExplainableNumber, View, ViewHost
 
 Answer = tuple[str, bool]
 """A line beside the mouse, and whether it says that a limit is passed."""
@@ -54,7 +54,7 @@ Deed = tuple[str, Callable[[], Any]]
 
 def _design_of(thing: Thing, view: View) -> Design:
     """The whole where the path leads through its drives, else the design of the drive at hand."""
-    whole: Design = view.session.whole
+    whole: Design = view.session.full_design
     return whole if thing.path.startswith(("drives[", "timing[")) else view.session.design
 
 
@@ -103,7 +103,7 @@ def _explain(thing: Thing, view: View, host: ViewHost) -> Deed | None:
     if not rows:
         return None
     label = rows[0].label
-    return f"Explain {label[:1].lower()}{label[1:]} here", lambda: host.explain(NumberAtHand(thing.explain))
+    return f"Explain {label[:1].lower()}{label[1:]} here", lambda: host.explain(ExplainableNumber(thing.explain))
 
 
 def _copy(thing: Thing, view: View, host: ViewHost) -> Deed | None:

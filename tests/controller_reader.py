@@ -8,6 +8,7 @@ from math import comb
 from typing import Any
 
 import numpy as np
+from scipy.linalg import solve_banded
 
 from core.process import resources
 from core.project import load
@@ -135,14 +136,14 @@ def _quintic(y: np.ndarray, v: np.ndarray, a: np.ndarray, h: np.ndarray) -> list
 
 
 def _spline_slopes(x: np.ndarray, y: np.ndarray, ends: list[float]) -> np.ndarray:
-    """From the continuity of the second derivative at every inner row, as one dense system."""
-    n, h = x.size, np.diff(x)
-    matrix, right = np.eye(n), np.zeros(n)
-    right[0], right[-1] = ends
-    for i in range(1, n - 1):
-        matrix[i, i - 1 : i + 2] = 1.0 / h[i - 1], 2.0 / h[i - 1] + 2.0 / h[i], 1.0 / h[i]
-        right[i] = 3.0 * ((y[i] - y[i - 1]) / h[i - 1] ** 2 + (y[i + 1] - y[i]) / h[i] ** 2)
-    return np.linalg.solve(matrix, right)
+    """From the continuity of the second derivative at every inner row, as one banded system."""
+    h, slopes = np.diff(x), np.diff(y) / np.diff(x)
+    bands, right = np.zeros((3, x.size)), np.empty(x.size)
+    bands[1, [0, -1]], right[[0, -1]] = 1.0, ends
+    bands[0, 2:], bands[2, :-2] = 1.0 / h[1:], 1.0 / h[:-1]
+    bands[1, 1:-1] = 2.0 / h[:-1] + 2.0 / h[1:]
+    right[1:-1] = 3.0 * (slopes[:-1] / h[:-1] + slopes[1:] / h[1:])
+    return np.asarray(solve_banded((1, 1), bands, right))
 
 
 def _bernstein(b: np.ndarray, u: np.ndarray, order: int) -> np.ndarray:

@@ -18,7 +18,7 @@ from kindyna_gui import dialogs
 from kindyna_gui.background import Background
 from kindyna_gui.places import example
 
-NO_DIALOG = {"Find anything...", "New graph...", "Keep this layout..."}
+NO_DIALOG = {"Find anything...", "New graph...", "Save this layout..."}
 OTHERS = ("Welcome", "Figures of the papers...")
 PATIENCE = 30
 

@@ -60,7 +60,7 @@ QUESTIONS = (
     ("File", "Import linkage..."),
     ("File", "Import controller table..."),
     ("File", "Add this design to a shaft..."),
-    ("Edit", "Pin a file..."),
+    ("Edit", "Compare with another file..."),
     ("Edit", "Scale the design..."),
     ("Edit", "Preferences..."),
     ("Make", "Blend a sequence..."),

@@ -117,7 +117,7 @@ class Visits(Actions):
             if kind == "pin":
                 QTest.keyClick(QApplication.focusWidget() or self.window, K.Key_P, CTRL | SHIFT)
             elif kind in ("before", "unpin"):
-                self._choose(("Edit", "Pin what was before" if kind == "before" else "Unpin"))
+                self._choose(("Edit", "Compare with the last step" if kind == "before" else "Unpin"))
             elif kind == "compare":
                 page = self.window.show_view("compare")
                 self._fill(self._some(QComboBox, page))

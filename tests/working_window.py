@@ -55,13 +55,13 @@ def drag(window: MainWindow, dice: random.Random) -> None:
 
 def draw(window: MainWindow, dice: random.Random) -> None:
     """A number by the mouse: held, views follow in their turn."""
-    window.session.take_hold(window)
+    window.session.begin_drag(window)
     drag(window, dice)
-    window.session.release()
+    window.session.end_drag()
 
 
 def choose_drive(window: MainWindow, dice: random.Random) -> None:
-    window.session.choose_drive(dice.randrange(len(window.session.whole.drives)))
+    window.session.choose_drive(dice.randrange(len(window.session.full_design.drives)))
 
 
 def leave_the_motion_unfinished(window: MainWindow, dice: random.Random) -> None:
@@ -86,7 +86,7 @@ def redo(window: MainWindow, dice: random.Random) -> None:
 
 
 def save(window: MainWindow, dice: random.Random) -> None:
-    if window.session.draft is None:
+    if window.session.incomplete is None:
         window.documents.save()
 
 

@@ -1,4 +1,4 @@
-"""The commands of the command line: one row each, its module imported when it is chosen, not before."""
+"""The commands of the command line, one row each; the module of a command is imported when the command runs."""
 
 from __future__ import annotations
 
@@ -22,25 +22,30 @@ DONE, DONE_WITH_ERRORS, NOTHING_DONE = 0, 1, 2
 """Exit codes: done; done and all files written, but a finding is an error; nothing done."""
 
 Drawn: TypeAlias = "Study | Snapshot | Chart | Figure | GraphImage | Drawing | Printed"
-"""What can be painted: a study, a linkage at one angle, a chart or another figure of stability, a graph, a figure of a paper, a
-report to hand on."""
+"""Subjects of pictures: a study, a linkage at one angle, a chart or figure of stability, a graph, a figure of a paper, a report."""
 
 Painter = Callable[[Drawn], Mapping[str, bytes]]
-"""Paints it: file name -> content, of a report its ending -> content; nothing where it cannot, which it then says."""
+"""Paints a subject: file name -> content, of a report its ending -> content; empty where it cannot paint it, with a message."""
 
 
 @frozen
 class Command:
-    """One row: its help; the dataclass of what it asks for, imported when it is asked for; what it does with that: ``run`` returns
-    the exit code."""
+    """A command of the command line.
+
+    Attributes
+    ----------
+    help : in one line
+    arguments : function that imports and returns the dataclass of its arguments
+    run : runs the command with its arguments and a painter, and returns the exit code
+    """
 
     help: str
-    asks: Callable[[], type]
+    arguments: Callable[[], type]
     run: Callable[[Any, Painter | None], int]
 
 
 def _row(help: str, module: str, name: str) -> Command:
-    """The command of a module of this room: its class ``<Name>Arguments`` and its function ``run_<name>``."""
+    """The command of a module of this package: its class ``<Name>Arguments`` and its function ``run_<name>``."""
 
     def attribute(spelled: str) -> Any:
         with without_garbage_collection():
@@ -56,10 +61,10 @@ def _row(help: str, module: str, name: str) -> Command:
 COMMANDS: Mapping[str, Command] = MappingProxyType(
     {
         "check": _row("findings and proof of a design", "check", "check"),
-        "report": _row("the whole report of a design", "designs", "report"),
+        "report": _row("report of a design", "designs", "report"),
         "export": _row("tables as CSV and figures as JSON", "export", "export"),
         "profile": _row("the cam's profile, or its cutter's path, as CSV, DXF, SVG or G-code", "cams", "profile"),
-        "ecam": _row("a table for a servo controller, and the error that the controller makes of it", "tables", "ecam"),
+        "ecam": _row("a table for a servo controller, and the error of the controller's curve", "tables", "ecam"),
         "inspection": _row(
             "the lift that a probe measures on the cam, and whether a measured table keeps its tolerance",
             "cams",
@@ -76,11 +81,11 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
             "optimise",
         ),
         "tolerance": _row(
-            "what tolerances do: sensitivities, worst case, share of machines within limits, bands",
+            "effect of tolerances: sensitivities, worst case, share of machines within limits, bands",
             "studies",
             "tolerance",
         ),
-        "vary": _row("a table of many designs, some of whose numbers and words are varied", "studies", "vary"),
+        "vary": _row("a table of many designs with varied fields", "studies", "vary"),
         "contact": _row(
             "the speed from which the follower leaves its cam, its flights, the contact force over angle and speed",
             "cams",
@@ -91,12 +96,14 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
         ),
         "centres": _row("instant centres and velocities of a linkage at one position", "linkages", "centres"),
         "compare": _row(
-            "two designs side by side: inputs that differ, results of both, findings that came or went",
+            "comparison of two designs: inputs that differ, results of both, new and removed findings",
             "designs",
             "compare",
         ),
         "explain": _row(
-            "where a number comes from: its equation, with the letters' values and their origin", "designs", "explain"
+            "where a number comes from: its equation, with the values of its symbols and their origin",
+            "designs",
+            "explain",
         ),
         "graph": _row(
             "curves of tables and designs on one graph, as PNG, SVG, PDF or CSV, their differences and values",
@@ -106,7 +113,7 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
         "laws": _row("the motion laws and their peak coefficients", "motions", "laws"),
         "blend": _row("a motion blended from elementary curves", "motions", "blend"),
         "motion": _row(
-            "the motion of a design by itself, or in another design, begun elsewhere in its turn", "motions", "motion"
+            "the motion of a design as a file or in another design, shifted in its turn", "motions", "motion"
         ),
         "indexer": _row("an indexer as a design: stops, index angle, dwell and law", "motions", "indexer"),
         "flying-shear": _row(
@@ -117,13 +124,13 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
         ),
         "stability": _row("chart and forbidden speeds of a flexible camshaft", "stability", "stability"),
         "figures": _row(
-            "the figures and tables of the papers, and what they say against what comes out here",
+            "figures and tables of the papers: printed values and computed values",
             "stability",
             "figures",
         ),
         "linkage-from": _row("a linkage from Pyslvs, PMKS+ or Linkage", "linkages", "linkage_from"),
-        "circuits": _row("the ways to put a linkage together, as drawn or by signs", "linkages", "circuits"),
-        "curves": _row("what points of a linkage run through, as CSV, DXF or SVG", "linkages", "curves"),
+        "circuits": _row("assemblies of a linkage, as drawn or by signs", "linkages", "circuits"),
+        "curves": _row("curves of points of a linkage, as CSV, DXF or SVG", "linkages", "curves"),
         "pose": _row("a linkage at one angle, a layer a link, as DXF or SVG", "linkages", "pose"),
         "measured": _row("a motion from a measured table", "tables", "measured"),
         "motion-from": _row(

@@ -1,4 +1,4 @@
-"""The command ``contact``: whether the follower stays on its cam, its flights where it does not, and the map over angle and speed."""
+"""Commands about cams: contact, inspection, profile and vibration."""
 
 from __future__ import annotations
 
@@ -52,12 +52,14 @@ from core.study import Study
 
 @frozen(kw_only=True)
 class ContactArguments:
-    """Whose contact, whether its flights are followed, and how finely the map is."""
+    """Arguments of ``contact``: a design, whether flights are computed, and the samples of the map."""
 
     design: Path = design_file()
     drive: str = drive_name()
-    flights: bool = flag("Flights", help="follow the follower after it has left the cam")
-    turns: float = option(number("Turns", 0.0, 200.0, open_low=True, default=3.0, help="through so many"), metavar="N")
+    flights: bool = flag("Flights", help="compute the motion of the follower after it has left the cam")
+    turns: float = option(
+        number("Turns", 0.0, 200.0, open_low=True, default=3.0, help="number of turns to compute"), metavar="N"
+    )
     out: Path | None = text_option(
         "the contact force over cam angle and speed", default=None, type=Path, metavar="FILE.csv"
     )
@@ -65,13 +67,13 @@ class ContactArguments:
     speeds: int = whole("Speeds of the map", 1, 2000, default=CONTACT_SPEEDS, help="speeds of the table")
     rpm: float | None = option(
         number("Speed", 0.0, 1e5, open_low=True, default=None, help="highest speed of the table"),
-        default_text="above the design's and that of lift-off",
+        default_text="above the design's speed and that of lift-off",
         metavar="RPM",
     )
 
 
 def run_contact(arguments: ContactArguments, painter: Painter | None) -> int:
-    """The speed of lift-off on the terminal, with the flights where they are asked for; the map as a file."""
+    """Print the speed of lift-off, with flights where requested; write the map to a file."""
     study = one_studied(arguments.design, arguments.drive)
     require_cam(study, "contact")
     study.contact_force  # noqa: B018 - raises, and says why, where no contact can be lost
@@ -80,8 +82,8 @@ def run_contact(arguments: ContactArguments, painter: Painter | None) -> int:
         lines += ["", *flight_lines(study, study.flights(arguments.turns))]
     if arguments.out is not None:
         theta = np.deg2rad(degrees(arguments.samples))
-        found = contact_force_map(study, theta, arguments.rpm, arguments.speeds)
-        write_all(arguments.out.parent, {arguments.out.name: contact_map_csv(found)})
+        force_map = contact_force_map(study, theta, arguments.rpm, arguments.speeds)
+        write_all(arguments.out.parent, {arguments.out.name: contact_map_csv(force_map)})
     print("\n".join(lines))
     return DONE
 
@@ -91,11 +93,11 @@ def run_contact(arguments: ContactArguments, painter: Painter | None) -> int:
 
 @frozen(kw_only=True)
 class InspectionArguments:
-    """Of which cam, how it is inspected, and the measured table that is held against it."""
+    """Arguments of ``inspection``: a cam, its inspection, and a measured table to compare with."""
 
     design: Path = design_file()
     drive: str = drive_name()
-    out: Path = text_option("table to write (.csv), with a summary beside it", type=Path, metavar="FILE")
+    out: Path = text_option("table to write (.csv), with a summary as FILE.json", type=Path, metavar="FILE")
     request: InspectionRequest = InspectionRequest()
     measured: Path | None = text_option(
         "measured table: cam angle and lift in each row", default=None, type=Path, metavar="TABLE"
@@ -105,32 +107,32 @@ class InspectionArguments:
 
 
 def run_inspection(arguments: InspectionArguments, painter: Painter | None) -> int:
-    """The files, and the verdict on the terminal."""
+    """Write the files, and print the verdict."""
     require_name(arguments.out)
-    made, comparison = inspection(Study(load_one(arguments.design, arguments.drive)), arguments.request), None
+    result, comparison = inspection(Study(load_one(arguments.design, arguments.drive)), arguments.request), None
     if arguments.measured is not None:
         comparison = compare(
-            made.setup, read_lift(read_bytes(arguments.measured), arguments.measured.name), arguments.fit
+            result.setup, read_lift(read_bytes(arguments.measured), arguments.measured.name), arguments.fit
         )
     elif arguments.fit:
-        print("--fit is left aside: there is no measured table", file=sys.stderr)
-    paths = write_inspection(made, arguments.out, comparison)
+        print("--fit is ignored: there is no measured table", file=sys.stderr)
+    paths = write_inspection(result, arguments.out, comparison)
     if arguments.json:
-        print(to_json(facts(made, comparison)), end="")
+        print(to_json(facts(result, comparison)), end="")
     else:
-        print("\n".join([*map(str, paths), *_lines(made, comparison)]))
-    findings = made.setup.findings if comparison is None else comparison.findings
+        print("\n".join([*map(str, paths), *_lines(result, comparison)]))
+    findings = result.setup.findings if comparison is None else comparison.findings
     for finding in findings:
         print(finding_line(finding), file=sys.stderr)
     return DONE_WITH_ERRORS if any(finding.severity == ERROR for finding in findings) else DONE
 
 
-def _lines(made: Inspection, comparison: ProfileComparison | None) -> list[str]:
-    """What the files hold."""
-    at = made.setup
-    size = f", radius {at.radius:.9g} mm" if at.kind.radius else ""
+def _lines(result: Inspection, comparison: ProfileComparison | None) -> list[str]:
+    """Summary of the files in lines."""
+    setup = result.setup
+    size = f", radius {setup.radius:.9g} mm" if setup.kind.radius else ""
     lines = [
-        f"{at.kind.label}{size}; lift 0 at {at.base:.9g} mm from the cam centre, largest {made.table.lift.max():.9g} mm",
+        f"{setup.kind.label}{size}; lift 0 at {setup.base:.9g} mm from the cam centre, largest {result.table.lift.max():.9g} mm",
     ]
     if comparison is None:
         return lines
@@ -139,7 +141,7 @@ def _lines(made: Inspection, comparison: ProfileComparison | None) -> list[str]:
         lines.append(
             f"fitted: cam angle = angle {comparison.angle_offset:+.6g} deg, lift = measured {-comparison.lift_offset:+.6g} mm"
         )
-    band = at.request.tolerance_mm
+    band = setup.request.tolerance_mm
     lines += [
         *(printable(note) for note in comparison.notes),
         f"{comparison.lines.size} rows; largest deviation {comparison.normal_deviation[row]:+.4g} mm normal to the profile "
@@ -156,11 +158,11 @@ def _lines(made: Inspection, comparison: ProfileComparison | None) -> list[str]:
 
 @frozen(kw_only=True)
 class ProfileArguments:
-    """Of which cam, and what the file shall hold."""
+    """Arguments of ``profile``: a cam and the content of the file."""
 
     design: Path = design_file()
     out: Path = text_option(
-        f"file to write, its ending says how: {'|'.join(FORMATS)}; FILE.json beside it holds the facts, as --json prints them",
+        f"file to write, with one of the endings {'|'.join(FORMATS)}; FILE.json has the facts, as --json prints them",
         type=Path,
         metavar="FILE",
     )
@@ -170,14 +172,14 @@ class ProfileArguments:
 
 
 def run_profile(arguments: ProfileArguments, painter: Painter | None) -> int:
-    """The file, and the deviation that it reaches on the terminal."""
+    """Write the file, and print its deviation."""
     study = one_studied(arguments.design, arguments.drive)
     job = profile_job(study, arguments.out, arguments.request)
-    made, main = write_profile(job, arguments.out), job.main
+    paths, main = write_profile(job, arguments.out), job.main
     if arguments.json:
         print(facts_text(job, arguments.out), end="")
     else:
-        for path in made:
+        for path in paths:
             print(path)
         print(
             f"{main.count} points on {main.curve.length:.9g} mm, at most {rounded_up(main.deviation, 4):g} mm from the exact curve"
@@ -204,12 +206,16 @@ def _speeds(text: str) -> tuple[float, float]:
 
 @frozen(kw_only=True)
 class VibrationArguments:
-    """Whose vibration, and the speeds of its spectrum."""
+    """Arguments of ``vibration``: a design and the speeds of the spectrum."""
 
     design: Path = design_file()
     drive: str = drive_name()
     speeds: tuple[float, float] | None = text_option(
-        "of the spectrum, in rpm", default=None, default_text="up to twice the design's", type=_speeds, metavar="A:B"
+        "of the spectrum, in rpm",
+        default=None,
+        default_text="up to twice the design's speed",
+        type=_speeds,
+        metavar="A:B",
     )
     count: int = whole("Speeds of the spectrum", 2, 5000, default=SPECTRUM_SPEEDS, help="speeds of the spectrum")
     out: Path | None = text_option("the spectrum as a table", default=None, type=Path, metavar="FILE.csv")
@@ -217,18 +223,18 @@ class VibrationArguments:
 
 
 def run_vibration(arguments: VibrationArguments, painter: Painter | None) -> int:
-    """The residual vibration in each dwell on the terminal; the spectrum as a file. A follower that is rigid has neither."""
+    """Print the residual vibration in every dwell of an elastic follower; write the spectrum to a file."""
     study = Study(load_one(arguments.design, arguments.drive))
     require_cam(study, "vibration")
     study.elasticity  # noqa: B018 - raises, and says why, where nothing vibrates
     low, high = arguments.speeds or (None, None)
-    found = None
+    spectrum = None
     if arguments.out is not None or arguments.json:
-        found = study.vibration(spectrum_speeds(study, low, high, arguments.count))
-    if arguments.out is not None and found is not None:
-        write_all(arguments.out.parent, {arguments.out.name: spectrum_csv(study, found)})
-    if arguments.json and found is not None:
-        table = {name: column.tolist() for name, column in spectrum_table(study, found).items()}
+        spectrum = study.vibration(spectrum_speeds(study, low, high, arguments.count))
+    if arguments.out is not None and spectrum is not None:
+        write_all(arguments.out.parent, {arguments.out.name: spectrum_csv(study, spectrum)})
+    if arguments.json and spectrum is not None:
+        table = {name: column.tolist() for name, column in spectrum_table(study, spectrum).items()}
         print(to_json({**elastic_figures(study), "spectrum": table}), end="")
     else:
         print("\n".join(elastic_lines(study)))

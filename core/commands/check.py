@@ -22,14 +22,14 @@ if TYPE_CHECKING:  # few designs lack anything
 
 @frozen(kw_only=True)
 class CheckArguments:
-    """The design."""
+    """Arguments of the command: the design."""
 
     design: Path = design_file()
 
 
 def run_check(arguments: CheckArguments, painter: Painter | None) -> int:
-    """Findings and certificate of a design."""
-    study = studied(_finished(arguments.design))
+    """Print findings and certificate of a design."""
+    study = studied(_read_design(arguments.design))
     findings, proof = findings_of(study), certificate_of(study)
     for finding in findings:
         print(finding_line(finding, study.angle_name))
@@ -43,8 +43,8 @@ def run_check(arguments: CheckArguments, painter: Painter | None) -> int:
     return verdict_on(findings, proof)
 
 
-def _finished(path: Path) -> Design:
-    """The design in a file. Raises DesignError; of a linkage that is no mechanism yet with what it lacks."""
+def _read_design(path: Path) -> Design:
+    """Read the design of a file. Raises DesignError, for an incomplete linkage with what it lacks."""
     text = read_text(path)
     try:
         return loads(text, str(path))
@@ -56,7 +56,7 @@ def _finished(path: Path) -> Design:
 
 
 def _lack(text: str, source: str, error: DesignError) -> Mobility | None:
-    """What a linkage in a text lacks, where it has no other faults."""
+    """Mobility of an incomplete linkage; None where the text has other faults or the linkage lacks nothing."""
     try:
         drawn = loads(text, source, unfinished=True)
     except DesignError:

@@ -1,4 +1,4 @@
-"""What several commands ask for, and the exit code that findings ask for."""
+"""Options of several commands, and the exit code of findings and certificate."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ LEAST_SAMPLES, MOST_SAMPLES = 4, 5_000_000
 
 
 def folder(text: str) -> Path:
-    """A folder to write to."""
+    """Read the path of a folder to write to."""
     if not text.strip():
-        raise argparse.ArgumentTypeError("a folder is wanted, nothing was given")
+        raise argparse.ArgumentTypeError("empty; give the path of a folder")
     return Path(text)
 
 
 def ending_with(what: str, *endings: str) -> Callable[[str], Path]:
-    """Reads the name of a file with one of these endings."""
+    """Return a reader of file names with one of these endings."""
 
     def read(text: str) -> Path:
         path = Path(text)
@@ -42,55 +42,55 @@ def ending_with(what: str, *endings: str) -> Callable[[str], Path]:
 
 
 def picture_size(least: int, most: int) -> Callable[[str], tuple[int, int]]:
-    """Reads the width and height of a picture [pixels]: ``1440x900``."""
+    """Return a reader of width and height of a picture in pixels, as ``1440x900``."""
 
     def read(text: str) -> tuple[int, int]:
         sides = text.replace("×", "x").split("x")
         if len(sides) != 2 or not all(number_from_one(side, most) >= least for side in sides):
-            allowed = f"WIDTHxHEIGHT, each {least} ... {most} pixels, such as 1440x900"
+            allowed = f"WIDTHxHEIGHT, both {least} ... {most} pixels, such as 1440x900"
             raise argparse.ArgumentTypeError(f"{text!r}: size of a picture; allowed: {allowed}")
         return int(sides[0]), int(sides[1])
 
     return read
 
 
-# -- fields that the requests of several commands have -----------------------------------------------------
+# -- options of several commands ------------------------------------------------------------------------
 
 
 def design_file() -> Any:
-    """The design file."""
+    """Option: the design file."""
     return text_option("design file (.toml)", "DESIGN", type=Path)
 
 
 def drive_name() -> Any:
-    """Which drive of several."""
+    """Option: the drive, where a design has several."""
     return text_option("which drive of a camshaft", "--drive", default="", metavar="NAME")
 
 
 def samples_per_turn(label: str = "Samples per turn", help: str = "cam angles per turn", default: int = SAMPLES) -> Any:
-    """How finely a turn is tabulated."""
+    """Option: the number of samples of a turn."""
     return whole(label, LEAST_SAMPLES, MOST_SAMPLES, default=default, help=help)
 
 
 def out_folder(help: str, **how: Any) -> Any:
-    """A folder for files; without a default it is beside what is printed."""
+    """Option: a folder for files; without a default the files are written besides the printed text."""
     return text_option(help, "--out", type=folder, metavar="DIR", **{"default": None, **how})
 
 
 def as_json(help: str = "print JSON") -> Any:
-    """Whether JSON is printed."""
+    """Option: print JSON."""
     return text_option(help, "--json", default=False, action="store_true")
 
 
 def sorted_by() -> Any:
-    """The figure that a ranking is sorted by."""
+    """Option: the column by which a ranking is sorted."""
     return text_option(
-        "what the rows are sorted by, as JSON names it (peak_torque_nm)", "--by", default="", metavar="COLUMN"
+        "column by which the rows are sorted, as in JSON (peak_torque_nm)", "--by", default="", metavar="COLUMN"
     )
 
 
 def studied(design: Design, samples: int = SAMPLES) -> Study:
-    """The study of a design. Raises NoSolution where it lists its drives and none of them has an answer."""
+    """The study of a design. Raises NoSolution where none of several drives has a solution."""
     study = Study(design, samples)
     if not study.solved_drives:
         raise next(iter(study.camshaft.failures.values()))
@@ -98,7 +98,7 @@ def studied(design: Design, samples: int = SAMPLES) -> Study:
 
 
 def one_studied(path: Path, drive: str) -> Study:
-    """The study of the one drive, or of the balance cam, which is shown as one more. Raises as ``one_of``; NoSolution."""
+    """The study of a drive by its name, or of the balance cam. Raises KindynaError for an unknown name, and NoSolution."""
     design = load(path)
     if drive == BALANCER and design.balancer is not None and (balancer := Study(design).camshaft.balancer) is not None:
         return Study(in_machine(design, balancer.design))
@@ -106,54 +106,54 @@ def one_studied(path: Path, drive: str) -> Study:
 
 
 def require_cam(study: Study, command: str) -> None:
-    """Raises KindynaError for a design without a cam."""
+    """Raise KindynaError for a design without a cam."""
     if "cam" not in study.stages:
         raise KindynaError(f"{command}: this design has no cam; allowed: one with [cam]")
 
 
 def require_shaft(study: Study) -> None:
-    """Raises KindynaError for a design whose shaft turns nothing."""
+    """Raise KindynaError for a design without a shaft that turns a cam or a crank."""
     if "stability" not in study.stages:
         raise KindynaError("stability: no shaft turns a cam or a crank in this design; allowed: one with [shaft]")
 
 
-def field_of_file(whole: Design, number: int, field: str) -> str:
-    """The field of one drive in the whole file."""
-    return field if field.startswith("shaft") else path_in(whole, number, field)
+def field_of_file(design: Design, number: int, field: str) -> str:
+    """Path of a field of a drive in the file of several drives."""
+    return field if field.startswith("shaft") else path_in(design, number, field)
 
 
 def named_in_file(error: KindynaError, arguments: argparse.Namespace) -> KindynaError:
-    """What has no answer, of one drive of several, named by the field of the whole file; any other error as it is."""
+    """The error with the path of its field in the file, where a drive of several has no solution; any other error unchanged."""
     drive = getattr(arguments, "drive", None)
     if drive is None or drive == BALANCER or not isinstance(error, NoSolution):
         return error
-    if error.field.startswith(("shaft", "drives[", "balancer")):  # of the whole file already
+    if error.field.startswith(("shaft", "drives[", "balancer")):  # already a path of the file
         return error
-    whole = load(arguments.design)
+    design = load(arguments.design)
     return type(error)(
-        error.problem, field_of_file(whole, number_of(whole, drive), error.field), error.hint, error.cam_angles
+        error.problem, field_of_file(design, number_of(design, drive), error.field), error.hint, error.cam_angles
     )
 
 
-def in_file(findings: Iterable[Finding], whole: Design, number: int) -> list[Finding]:
-    """Findings of one drive by the fields of the whole file."""
-    return [replace(each, field=field_of_file(whole, number, each.field)) for each in findings]
+def in_file(findings: Iterable[Finding], design: Design, number: int) -> list[Finding]:
+    """Findings of a drive with the paths of their fields in the file."""
+    return [replace(finding, field=field_of_file(design, number, finding.field)) for finding in findings]
 
 
 def verdict(study: Study, stages: Sequence[str] = ()) -> int:
-    """The exit code: whether a finding of the stages (all where none is named) is an error, or a residual exceeds its bound."""
+    """Exit code of the stages, of all where none is named: an error among the findings, or a residual above its bound."""
     return verdict_on(findings_of(study, tuple(stages)), certificate_of(study, tuple(stages)))
 
 
 def verdict_on(findings: Iterable[Finding], certificate: Mapping[str, Residual]) -> int:
-    """The exit code: whether one of these findings is an error, or a residual of the certificate exceeds its bound."""
+    """Exit code of findings and certificate: an error among the findings, or a residual above its bound."""
     bad = any(f.severity == ERROR for f in findings) or not all(residual.kept for residual in certificate.values())
     return DONE_WITH_ERRORS if bad else DONE
 
 
 def pictures(painter: Painter | None, *drawn: Drawn) -> Mapping[str, bytes]:
-    """File name -> content; where nobody paints, a line says so."""
+    """File name -> content of pictures; empty without a painter, with a message."""
     if painter is None:
         print("pictures left out: they need kindyna --headless", file=sys.stderr)
         return {}
-    return {name: data for each in drawn for name, data in painter(each).items()}
+    return {name: data for subject in drawn for name, data in painter(subject).items()}

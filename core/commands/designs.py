@@ -1,4 +1,4 @@
-"""The command ``compare``: two designs held against each other."""
+"""Commands about designs: compare, explain, find, report and scale."""
 
 from __future__ import annotations
 
@@ -58,32 +58,35 @@ from core.study.limits import FieldBound, Limit
 
 @frozen(kw_only=True)
 class CompareArguments:
-    """Which designs, and where to."""
+    """Arguments of ``compare``: two designs and a file."""
 
     a: Path = text_option("design file (.toml)", "A", type=Path)
-    b: Path = text_option("design file to hold against it", "B", type=Path)
+    b: Path = text_option("design file to compare with A", "B", type=Path)
     out: Path | None = text_option(
-        "also write what differs there", default=None, type=ending_with("a comparison", ".csv", ".html"), metavar="FILE"
+        "also write the comparison to this file",
+        default=None,
+        type=ending_with("a comparison", ".csv", ".html"),
+        metavar="FILE",
     )
     json: bool = as_json()
 
 
 def run_compare(arguments: CompareArguments, painter: Painter | None) -> int:
-    """What differs, on the terminal, and as a file where one is named."""
-    found = compare_designs(_side(arguments.a), _side(arguments.b))
+    """Print the comparison of two designs; write it to a file where one is given."""
+    comparison = compare_designs(_side(arguments.a), _side(arguments.b))
     if arguments.out is not None:
         if arguments.out.suffix.lower() == ".csv":
-            write(arguments.out, comparison_csv(found).encode())
+            write(arguments.out, comparison_csv(comparison).encode())
         else:
             from core.output.report.document import html
 
-            write(arguments.out, html(comparison_document(found), {}).encode())
-    print(to_json(comparison_data(found)) if arguments.json else comparison_text(found), end="")
+            write(arguments.out, html(comparison_document(comparison), {}).encode())
+    print(to_json(comparison_data(comparison)) if arguments.json else comparison_text(comparison), end="")
     return DONE
 
 
 def _side(path: Path) -> ComparedDesign:
-    """Raises KindynaError naming the file: of two designs either may have no answer."""
+    """A design to compare. Raises KindynaError with its file where it has no solution."""
     design = load(path)
     try:
         return compared_design(studied(design))
@@ -96,31 +99,31 @@ def _side(path: Path) -> ComparedDesign:
 
 @frozen(kw_only=True)
 class ExplainArguments:
-    """Which number of which design, and at which angle."""
+    """Arguments of ``explain``: a design, a quantity and an angle."""
 
     design: Path = design_file()
     quantity: str = text_option(
         "column of a table, or a figure of the flywheel: drive_torque_nm, needed_inertia_kg_m2", "QUANTITY"
     )
     at: float | None = text_option(
-        "angle of cam, crank or machine; else where it is largest", default=None, type=float, metavar="DEG"
+        "angle of cam, crank or machine; by default that of the greatest value", default=None, type=float, metavar="DEG"
     )
     drive: str = drive_name()
     json: bool = as_json()
 
 
 def run_explain(arguments: ExplainArguments, painter: Painter | None) -> int:
-    """Equation, letters and proof, on the terminal."""
+    """Print equation, symbols and proof of a number."""
     study = one_studied(arguments.design, arguments.drive) if arguments.drive else studied(load(arguments.design))
-    made = explained(study, arguments.quantity, arguments.at)
-    print(to_json(as_row(made)) if arguments.json else explain_as_text(made), end="")
+    explanation = explained(study, arguments.quantity, arguments.at)
+    print(to_json(as_row(explanation)) if arguments.json else explain_as_text(explanation), end="")
     return DONE
 
 
 # -- the command ``find`` ---------------------------------------------------------------------------------------
 
 
-PATIENCE = 2.0  # seconds between two lines that say how far it is
+PATIENCE = 2.0  # seconds between two lines of progress
 
 
 def _limit(text: str) -> tuple[str, float | None]:
@@ -141,13 +144,13 @@ def _limit(text: str) -> tuple[str, float | None]:
 def _limits_help() -> str:
     keys = f"{' | '.join(LIMITS)} (radii of the profile), or the path of a varied field with _min or _max"
     table: Mapping[str, Limit | FieldBound] = {**LIMITS, **BOUNDS}
-    usual = "; ".join(f"{key} {row.help}" for key, row in table.items() if row.help)
-    return f"{keys}. What is not stated has the design's own limit, else the usual one: {usual}. none: no limit"
+    typical = "; ".join(f"{key} {row.help}" for key, row in table.items() if row.help)
+    return f"{keys}. A limit that is not given is that of the design, else the typical one: {typical}. none: no limit"
 
 
 @frozen(kw_only=True)
 class FindArguments:
-    """What is sought, in which design, and within which limits."""
+    """Arguments of ``find``: a design, a dimension and its limits."""
 
     design: Path = design_file()
     drive: str = drive_name()
@@ -156,48 +159,50 @@ class FindArguments:
         _limits_help(), default=(), action="append", type=_limit, metavar="KEY=VALUE"
     )
     aim: str = option(
-        choice("Aim", tuple(AIMS), default="peak", help="what of the torque the best phases make least"), "--for"
+        choice("Aim", tuple(AIMS), default="peak", help="property of the torque that the phases minimise"), "--for"
     )
-    into: Path | None = text_option("write the design with the answer", default=None, type=Path, metavar="FILE")
+    into: Path | None = text_option("write the design with the solution", default=None, type=Path, metavar="FILE")
     json: bool = as_json()
 
 
 def run_find(arguments: FindArguments, painter: Painter | None) -> int:
-    """The answer, or the best that there is and what stands against it."""
-    whole, what = load(arguments.design), arguments.what
+    """Print the solution, or the best value and the limits that it violates."""
+    machine, what = load(arguments.design), arguments.what
     if what in SHAFT_SEARCHES and arguments.drive:
-        raise KindynaError(f"--drive {arguments.drive}: {what} is sought for the whole shaft; leave --drive out")
-    number = 0 if what in SHAFT_SEARCHES else number_of(whole, arguments.drive)
-    design = whole if what in SHAFT_SEARCHES else only(whole, number)
+        raise KindynaError(f"--drive {arguments.drive}: {what} belongs to the whole shaft; omit --drive")
+    number = 0 if what in SHAFT_SEARCHES else number_of(machine, arguments.drive)
+    design = machine if what in SHAFT_SEARCHES else only(machine, number)
     solution = find(
         design,
         what,
         _limits(arguments.limit),
         aim=arguments.aim,
-        notify=_Progress().tell,
-        machine=same_design if what in SHAFT_SEARCHES else partial(with_only, whole, number),
+        notify=_Progress().report,
+        machine=same_design if what in SHAFT_SEARCHES else partial(with_only, machine, number),
     )
     print(to_json(_data(solution)) if arguments.json else _text(solution), end="")
     if not solution.is_valid:
-        print(f"no value serves; what stands against the best: {'; '.join(solution.violations)}", file=sys.stderr)
+        print(
+            f"no value satisfies every limit; the best one violates: {'; '.join(solution.violations)}", file=sys.stderr
+        )
         return NOTHING_DONE
     if arguments.into is not None:
         save(solution.machine, arguments.into)
-    holding = what in CAM_SEARCHES and CAM_SEARCHES[what].seeks_contact
-    study, stages = studied(solution.design), ("dynamics",) if what in SHAFT_SEARCHES or holding else ("cam",)
+    is_contact_search = what in CAM_SEARCHES and CAM_SEARCHES[what].seeks_contact
+    study, stages = studied(solution.design), ("dynamics",) if what in SHAFT_SEARCHES or is_contact_search else ("cam",)
     errors = [finding for finding in findings_of(study, stages) if finding.severity == ERROR]
-    for finding in errors if what in SHAFT_SEARCHES else in_file(errors, whole, number):
+    for finding in errors if what in SHAFT_SEARCHES else in_file(errors, machine, number):
         print(finding_line(finding, study.angle_name), file=sys.stderr)
     return DONE_WITH_ERRORS if errors else DONE
 
 
 class _Progress:
-    """Says now and then how many designs were tried, to a reader at a terminal."""
+    """Prints the number of designs tried, every ``PATIENCE`` seconds, on a terminal."""
 
     def __init__(self) -> None:
         self._last = time.monotonic()
 
-    def tell(self, count: int) -> None:
+    def report(self, count: int) -> None:
         now = time.monotonic()
         if now - self._last > PATIENCE and sys.stderr.isatty():
             self._last = now
@@ -205,11 +210,11 @@ class _Progress:
 
 
 def _limits(given: Sequence[tuple[str, float | None]]) -> StatedLimits:
-    """By key; raises KindynaError where a key is given two values."""
+    """Limits by key. Raises KindynaError for a key with two values."""
     limits = dict(given)
     for key, value in given:
         if value != limits[key]:
-            both = (f"{key} = {'none' if each is None else f'{each:g}'}" for each in (value, limits[key]))
+            both = (f"{key} = {'none' if bound is None else f'{bound:g}'}" for bound in (value, limits[key]))
             raise KindynaError(f"limit {', '.join(both)}: a limit has one value; give one")
     return limits
 
@@ -232,19 +237,19 @@ def _data(solution: Solution) -> dict[str, object]:
 
 
 def _text(solution: Solution) -> str:
-    heading = f"{solution.target}:" if solution.is_valid else "the best that there is:"
+    heading = f"{solution.target}:" if solution.is_valid else "the best value, which violates limits:"
     lines = [heading, *(f"  {path} = {value:.9g}" for path, value in solution.answer.items()), "reached:"]
     for key, value in solution.reached.items():
         number = f"{value:.7g}" if math.isfinite(value) else "none"
         limit, reason = solution.limits.get(key), solution.reasons.get(key)
         against = "" if limit is None else ", not undercut" if not limit and key in LIMITS else f", limit {limit:.6g}"
         lines.append(f"  {key} = {number}{against}{f' ({reason})' if reason else ''}")
-    lines += [f"it rests on {path} = {value:.9g}, which is assumed" for path, value in solution.assumed.items()]
+    lines += [f"it depends on {path} = {value:.9g}, which is assumed" for path, value in solution.assumed.items()]
     if solution.end:
-        lines.append(f"no limit holds it: it stands at the end, {solution.end}")
+        lines.append(f"no limit determines it: it is at the end of its range, {solution.end}")
     lines += [f"beyond it: {text}" for text in solution.next_findings]
     lines += [f"comes with it: {text}" for text in solution.notes]
-    lines += [f"goes into the design: {path} = {value:.12g}" for path, value in solution.applied.items()]
+    lines += [f"set in the design: {path} = {value:.12g}" for path, value in solution.applied.items()]
     return "\n".join(lines) + "\n"
 
 
@@ -253,15 +258,15 @@ def _text(solution: Solution) -> str:
 
 @frozen(kw_only=True)
 class ReportArguments:
-    """Of which design, where to, and what of a file to hand on is left out."""
+    """Arguments of ``report``: a design, a folder or file, and the parts to leave out of a file."""
 
     design: Path = design_file()
     samples: int = samples_per_turn()
     out: Path | None = out_folder(
-        "also write report, summary and pictures there; NAME.html or NAME.pdf: instead, one file to hand on"
+        "also write report, summary and pictures there; NAME.html or NAME.pdf: instead, the report as one file"
     )
     without: tuple[str, ...] = text_option(
-        f"what to leave out of the file to hand on: {', '.join(PARTS)}",
+        f"parts to leave out of NAME.html or NAME.pdf: {', '.join(PARTS)}",
         default=(),
         nargs="+",
         choices=tuple(PARTS),
@@ -271,43 +276,43 @@ class ReportArguments:
 
 
 def run_report(arguments: ReportArguments, painter: Painter | None) -> int:
-    """The report on the terminal; with a folder, also as files."""
+    """Print the report; with a folder, write it as files too."""
     study = studied(load(arguments.design), arguments.samples)
     if arguments.out is not None and arguments.out.suffix.lower() in ENDINGS:
-        return _to_hand_on(study, arguments, painter)
+        return _write_document(study, arguments, painter)
     text = report(study)
     if arguments.out is not None:
-        made: dict[str, str | bytes] = {"report.txt": text, "summary.json": to_json(summary(bounded_study(study)))}
-        write_into(arguments.out, {**made, **_pictures(study, painter)})
+        files: dict[str, str | bytes] = {"report.txt": text, "summary.json": to_json(summary(bounded_study(study)))}
+        write_into(arguments.out, {**files, **_pictures(study, painter)})
     print(text, end="")
     return verdict(study)
 
 
 def _pictures(study: Study, painter: Painter | None) -> Mapping[str, bytes]:
-    """Those of each drive that is listed in a folder of its slug."""
+    """Pictures of a design; of several drives, in a folder of every drive."""
     if painter is None:
         return pictures(painter)
-    drawn = ((slug, painter(each)) for slug, each in study.solved_drives.items())
-    return {f"{slug}/{name}".removeprefix("/"): data for slug, found in drawn for name, data in found.items()}
+    drawn = ((slug, painter(drive)) for slug, drive in study.solved_drives.items())
+    return {f"{slug}/{name}".removeprefix("/"): data for slug, images in drawn for name, data in images.items()}
 
 
-def _to_hand_on(study: Study, arguments: ReportArguments, painter: Painter | None) -> int:
-    """One file that needs nothing beside it."""
+def _write_document(study: Study, arguments: ReportArguments, painter: Painter | None) -> int:
+    """Write the report as one HTML or PDF file."""
     out = arguments.out
     assert out is not None
     ending = out.suffix.lower()
-    made = document(study, [name for name in PARTS if name not in arguments.without], arguments.cover)
-    if made.lacking:
-        print(made.lacking, file=sys.stderr)
-    painted = painter(Printed(made, ending)) if painter is not None else {}
+    report_document = document(study, [name for name in PARTS if name not in arguments.without], arguments.cover)
+    if report_document.lacking:
+        print(report_document.lacking, file=sys.stderr)
+    painted = painter(Printed(report_document, ending)) if painter is not None else {}
     if ending not in painted:
         if ending != ".html":
-            raise KindynaError(f"{out}: a PDF is painted, which needs kindyna --headless; NAME.html is written without")
-        if painter is None and made.pictures:
+            raise KindynaError(f"{out}: a PDF needs kindyna --headless; NAME.html can be written without it")
+        if painter is None and report_document.pictures:
             print("pictures left out: they need kindyna --headless", file=sys.stderr)
         from core.output.report.document import html
 
-        painted = {ending: html(made, {}).encode()}
+        painted = {ending: html(report_document, {}).encode()}
     write(out, painted[ending])
     print(out)
     return verdict(study)
@@ -318,7 +323,7 @@ def _to_hand_on(study: Study, arguments: ReportArguments, painter: Painter | Non
 
 @frozen(kw_only=True)
 class ScaleArguments:
-    """Of which design, by which factor, and where to."""
+    """Arguments of ``scale``: a design, a factor and a file."""
 
     design: Path = design_file()
     factor: float = option(
@@ -328,15 +333,15 @@ class ScaleArguments:
     )
     out: Path = text_option("design file to write", type=Path, metavar="FILE.toml")
     masses: bool = option(
-        flag("Masses and inertias grow along, as of the same material", default=True),
+        flag("Scale masses and inertias too, as for the same material", default=True),
         "--keep-masses",
-        help="leave masses and moments of inertia as they are; else they grow by FACTOR^3 and FACTOR^5, as parts of the same "
+        help="keep masses and moments of inertia; else they are scaled by FACTOR^3 and FACTOR^5, as parts of the same "
         "material do",
     )
 
 
 def run_scale(arguments: ScaleArguments, painter: Painter | None) -> int:
-    """The scaled design as a file, and on the terminal what was scaled."""
+    """Write the scaled design to a file, and print what was scaled."""
     if arguments.out.resolve() == arguments.design.resolve():
         raise KindynaError(f"--out {arguments.out}: is the design that is read; choose another file")
     save(rescaled(load(arguments.design), arguments.factor, masses=arguments.masses), arguments.out)

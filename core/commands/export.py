@@ -14,7 +14,7 @@ from core.requests import text_option
 
 @frozen(kw_only=True)
 class ExportArguments:
-    """Of which design, and which stages."""
+    """Arguments of ``export``: a design, a folder and the stages."""
 
     design: Path = design_file()
     samples: int = samples_per_turn()
@@ -23,7 +23,7 @@ class ExportArguments:
 
 
 def run_export(arguments: ExportArguments, painter: Painter | None) -> int:
-    """Tables and summary into a folder."""
+    """Write tables and summary into a folder."""
     study = studied(load(arguments.design), arguments.samples)
     for path in export(study, arguments.out, arguments.only):
         print(path)

@@ -1,4 +1,4 @@
-"""The command ``graph``: curves of tables and designs in one picture, or as numbers, and what is read off them."""
+"""The command ``graph``: curves of tables and designs as a picture or as numbers, and their values."""
 
 from __future__ import annotations
 
@@ -47,10 +47,10 @@ from core.requests import number_reader, option, text_option
 from core.units import NO_UNIT, unit_symbol
 
 FILES = (*ENDINGS, ".csv")
-MOST_CURVES = 200  # that nobody named: no picture tells more of them apart
+MOST_CURVES = 200  # without --curve: more cannot be distinguished
 _CURVE = (
     "a curve: Y, or KEY=VALUE,KEY=VALUE of y x (columns, by name or by number from 1), file (number from 1), drive ((all): a curve for "
-    "each), y-unit x-unit, minus (number of a curve, from 1), axis (auto left right), name, colour (#rrggbb), width, dash "
+    "every drive), y-unit x-unit, minus (number of a curve, from 1), axis (auto left right), name, colour (#rrggbb), width, dash "
     f"({' '.join(DASHES)}), mark ({' '.join(MARKS)}); repeat it (without: of tables all columns, {MOST_CURVES} at most, of designs "
     "the first channel)"
 )
@@ -87,27 +87,27 @@ _KEYS: Mapping[str, tuple[str, Callable[[str], Any]]] = MappingProxyType(
         "width": ("width", number_reader(Info("Width of a line", low=LEAST_WIDTH, high=MOST_WIDTH), NO_UNIT)),
     }
 )  # fmt: skip
-"""Key of a curve on the command line -> field of its row, and what reads it."""
+"""Key of a curve on the command line -> field of its row, and reader of the value."""
 
 
 def curve(text: str) -> GraphCurve:
-    """``y=force_n,x=angle_deg,file=2,axis=right``; ``minus`` and ``file`` still by number."""
-    made = GraphCurve()
+    """Read a curve, as ``y=force_n,x=angle_deg,file=2,axis=right``; ``minus`` and ``file`` are numbers."""
+    row = GraphCurve()
     for i, part in enumerate(text.split(",")):
         key, mark, value = part.partition("=")
         key, value = ("y", part) if not mark and i == 0 else (key.strip(), value)
         if key not in _KEYS or not (mark or i == 0) or not value:
-            raise _fail(text, f"{part!r} is no KEY=VALUE of a curve; keys: {' '.join(_KEYS)}")
+            raise _fail(text, f"{part!r} is not KEY=VALUE; keys of a curve: {' '.join(_KEYS)}")
         name, read = _KEYS[key]
-        made = replace(made, **{name: read(value.strip())})
-    return made
+        row = replace(row, **{name: read(value.strip())})
+    return row
 
 
 Ends = tuple[float | None, float | None]
 
 
 def span(text: str) -> Ends:
-    """``LOW:HIGH``, either empty."""
+    """Read a range ``LOW:HIGH``; either end may be empty."""
     low, mark, high = text.partition(":")
     try:
         ends = tuple(float(end) if end.strip() else None for end in (low, high))
@@ -130,12 +130,12 @@ def _axis_range(axis: str) -> Any:
 
 
 def _axis_log(axis: str) -> Any:
-    return flag("In powers of ten", help=f"{axis} in powers of ten")
+    return flag("Logarithmic", help=f"{axis} logarithmic")
 
 
 @frozen(kw_only=True)
 class GraphArguments:
-    """Which curves of which files, on which axes, and what is read off them."""
+    """Arguments of ``graph``: files, curves, axes, and points at which values are printed."""
 
     files: tuple[Path, ...] = text_option(
         "tables (.csv, text) and designs (.toml)", "FILE", default=(), type=Path, nargs="*"
@@ -145,7 +145,7 @@ class GraphArguments:
     )
     curve: tuple[GraphCurve, ...] = text_option(_CURVE, default=(), action="append", type=curve, metavar="SPEC")
     ready: str | None = text_option(
-        "a graph that is ready: path, speed (of what several drives carry); path:POINT, height:POINT (of a point of a linkage)",
+        "a ready graph: path, speed (of a part that several drives move); path:POINT, height:POINT (of a point of a linkage)",
         default=None,
         metavar="NAME",
     )
@@ -173,7 +173,9 @@ class GraphArguments:
         type=picture_size(LEAST_SIDE, MOST_SIDE),
         metavar="WxH",
     )
-    at: float | None = option(number("X of a point", default=None, help="print every curve's value there"), metavar="X")
+    at: float | None = option(
+        number("X of a point", default=None, help="print the value of every curve there"), metavar="X"
+    )
     to: float | None = option(
         number("X of a second point", default=None, help="and there, with Δx, Δy and slope"), metavar="X"
     )
@@ -181,11 +183,11 @@ class GraphArguments:
 
 
 def run_graph(arguments: GraphArguments, painter: Painter | None) -> int:
-    """Write the files, print what is read off; 1 where a curve could not be drawn and others could."""
+    """Write the files and print values; exit code 1 where some curves have no values."""
     if not arguments.files and arguments.setup is None:
-        raise KindynaError("graph: no file; name a table, a design, or a graph that was saved with --setup")
+        raise KindynaError("graph: no file; give a table, a design, or a saved graph with --setup")
     if arguments.to is not None and arguments.at is None:
-        raise KindynaError("--to: a second point wants a first one; give it with --at")
+        raise KindynaError("--to: a second point needs a first one; give it with --at")
     sources: dict[str, Source] = {}
 
     def source_of(name: str) -> Source:
@@ -194,49 +196,51 @@ def run_graph(arguments: GraphArguments, painter: Painter | None) -> int:
         return sources[name]
 
     graph = _graph(arguments, source_of)
-    found = graph_data(graph, source_of)
-    for line in _lines_wrong(graph, found):
+    data_set = graph_data(graph, source_of)
+    for line in _fault_lines(graph, data_set):
         print(printable(line), file=sys.stderr)
-    if not found.series:
-        if not found.faults:
+    if not data_set.series:
+        if not data_set.faults:
             raise KindynaError(
                 f"{arguments.setup.name if arguments.setup else arguments.files[0].name}: has no curve that is shown"
             )
         return NOTHING_DONE
-    made = {path: _content(path, graph, found, arguments.size, painter) for path in arguments.out}
-    for path, content in made.items():
+    contents = {path: _content(path, graph, data_set, arguments.size, painter) for path in arguments.out}
+    for path, content in contents.items():
         write(path, content)
         if not arguments.json:
             print(path)
-    data = _data(found, arguments.at, arguments.to)
+    data = _data(data_set, arguments.at, arguments.to)
     print(
         to_json(data) if arguments.json else "\n".join(_readings(data)),
         end="" if arguments.json or arguments.at is None else "\n",
     )
-    return DONE_WITH_ERRORS if found.faults else DONE
+    return DONE_WITH_ERRORS if data_set.faults else DONE
 
 
 def _graph(arguments: GraphArguments, source_of: Callable[[str], Source]) -> Graph:
-    """The rows of the setup, then those of the command line; without any of them all columns."""
+    """Curves of the setup, then those of the command line; without both all columns."""
     graph = load_setup(arguments.setup) if arguments.setup is not None else Graph()
     if arguments.ready is not None:
         graph = _ready(arguments, source_of)
     begin, names = len(graph.curves), [str(path) for path in arguments.files]
-    if arguments.setup is not None and any(not each.source for each in graph.curves) and not names:
-        raise KindynaError(f"{arguments.setup.name}: has curves of a design at hand; name the design's file")
-    rows = arguments.curve or ([] if begin else [row for name in names for row in _usual(name, source_of(name))])
+    if arguments.setup is not None and any(not row.source for row in graph.curves) and not names:
+        raise KindynaError(f"{arguments.setup.name}: has curves of the current design; give the file of a design")
+    rows = arguments.curve or (
+        [] if begin else [row for name in names for row in _default_curves(name, source_of(name))]
+    )
     if len(rows) > MOST_CURVES and not arguments.curve:
         raise KindynaError(
             f"{len(rows)} curves are too many for one graph; allowed: {MOST_CURVES}; choose some with --curve"
         )
-    for each in rows:
-        graph = add_curve(graph, replace(each, source=_file(each.source, names), minus=""))
-    for i, each in enumerate(rows):
-        if each.minus:
-            if not (row := number_from_one(each.minus, len(graph.curves))):
-                raise KindynaError(f"minus={each.minus}: number of a curve; allowed: 1 ... {len(graph.curves)}")
+    for row in rows:
+        graph = add_curve(graph, replace(row, source=_file(row.source, names), minus=""))
+    for i, row in enumerate(rows):
+        if row.minus:
+            if not (number := number_from_one(row.minus, len(graph.curves))):
+                raise KindynaError(f"minus={row.minus}: number of a curve; allowed: 1 ... {len(graph.curves)}")
             at = begin + i
-            changed = replace(graph.curves[at], minus=graph.curves[row - 1].key)
+            changed = replace(graph.curves[at], minus=graph.curves[number - 1].key)
             graph = replace(graph, curves=(*graph.curves[:at], changed, *graph.curves[at + 1 :]))
     x, left, right = (_scale(getattr(graph, side), arguments, side) for side in ("x", "left", "right"))
     return replace(
@@ -245,26 +249,26 @@ def _graph(arguments: GraphArguments, source_of: Callable[[str], Source]) -> Gra
 
 
 def _ready(arguments: GraphArguments, source_of: Callable[[str], Source]) -> Graph:
-    """The graph of that name, of the first file."""
+    """The ready graph of this name, of the first file."""
     if arguments.setup is not None:
-        raise KindynaError("--ready: not together with --setup")
+        raise KindynaError("--ready: cannot be combined with --setup")
     source = source_of("")
-    there = ready_graphs(source) if isinstance(source, DesignSource) else ()
-    for each in there:
-        if each.name == arguments.ready:
-            return each.graph
+    available = ready_graphs(source) if isinstance(source, DesignSource) else ()
+    for row in available:
+        if row.name == arguments.ready:
+            return row.graph
     names = (
-        ", ".join(each.name for each in there)
-        or "none; several drives, and linkages with points beside their joints, have some"
+        ", ".join(row.name for row in available)
+        or "none; designs with several drives, and linkages with points besides their joints, have some"
     )
     raise KindynaError(f"--ready {arguments.ready}: {source.name} has no such graph; allowed: {names}")
 
 
-def _usual(name: str, source: Source) -> list[GraphCurve]:
-    """Of a table every column but the first; of a design the first channel, of each drive."""
+def _default_curves(name: str, source: Source) -> list[GraphCurve]:
+    """All columns of a table but the first; the first quantity of a design, for every drive."""
     part = source.parts("")[0]
     if not name.lower().endswith(".toml"):
-        return [GraphCurve(source=name, y=each.name) for each in source.headings(part)[1:]]
+        return [GraphCurve(source=name, y=heading.name) for heading in source.headings(part)[1:]]
     return [GraphCurve(source=name, drive=part)]
 
 
@@ -279,45 +283,47 @@ def _file(source: str, names: Sequence[str]) -> str:
 
 
 def _scale(scale: GraphAxis, arguments: GraphArguments, side: str) -> GraphAxis:
-    title, ends, log = (getattr(arguments, f"{side}_{what}") for what in ("title", "range", "log"))
+    title, ends, log = (getattr(arguments, f"{side}_{field}") for field in ("title", "range", "log"))
     low, high = ends if ends is not None else (scale.low, scale.high)
     return replace(scale, title=scale.title if title is None else title, low=low, high=high, log=scale.log or log)
 
 
-def _lines_wrong(graph: Graph, found: GraphData) -> list[str]:
-    faults = [f"curve {graph.number(key) + 1}: {text}" for key, text in found.faults.items()]
-    return [*dict.fromkeys(note for notes in found.notes.values() for note in notes), *faults]
+def _fault_lines(graph: Graph, data_set: GraphData) -> list[str]:
+    faults = [f"curve {graph.number(key) + 1}: {text}" for key, text in data_set.faults.items()]
+    return [*dict.fromkeys(note for notes in data_set.notes.values() for note in notes), *faults]
 
 
-def _content(path: Path, graph: Graph, found: GraphData, size: tuple[int, int], painter: Painter | None) -> bytes | str:
+def _content(
+    path: Path, graph: Graph, data_set: GraphData, size: tuple[int, int], painter: Painter | None
+) -> bytes | str:
     ending = path.suffix.lower()
     if ending == ".csv":
-        return numbers_csv(found)
+        return numbers_csv(data_set)
     if painter is None:
         raise KindynaError(f"{path.name}: pictures need kindyna --headless; a table (.csv) does not")
-    (data,) = painter(GraphImage(graph, found, ending, *size, name=graph.title or path.stem)).values()
+    (data,) = painter(GraphImage(graph, data_set, ending, *size, name=graph.title or path.stem)).values()
     return data
 
 
-def _data(found: GraphData, at: float | None, to: float | None) -> dict[str, Any]:
+def _data(data_set: GraphData, at: float | None, to: float | None) -> dict[str, Any]:
     rows = []
-    for i, each in enumerate(found.series):
-        row: dict[str, Any] = {"name": each.name, "unit": each.y_unit, "points": each.x.size}
+    for i, series in enumerate(data_set.series):
+        row: dict[str, Any] = {"name": series.name, "unit": series.y_unit, "points": series.x.size}
         if at is not None:
-            first = point_at(found, i, at)
+            first = point_at(data_set, i, at)
             row |= {"x": first.x, "y": first.y}
             if to is not None:
-                second = point_at(found, i, to)
-                apart = point_distance(found, first, second)
+                second = point_at(data_set, i, to)
+                difference = point_distance(data_set, first, second)
                 row |= {
                     "to_x": second.x,
                     "to_y": second.y,
-                    "delta_x": apart.x,
-                    "delta_y": apart.y,
-                    "slope": apart.slope,
+                    "delta_x": difference.x,
+                    "delta_y": difference.y,
+                    "slope": difference.slope,
                 }
         rows.append(row)
-    return {"x_unit": found.x_unit, "curves": rows}
+    return {"x_unit": data_set.x_unit, "curves": rows}
 
 
 def _readings(data: Mapping[str, Any]) -> list[str]:

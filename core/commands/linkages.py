@@ -1,4 +1,4 @@
-"""The command ``centres``: instant centres and velocities of a mechanism at one position, as JSON."""
+"""Commands about linkages: centres, circuits, curves, pose and linkage-from."""
 
 from __future__ import annotations
 
@@ -44,23 +44,23 @@ from core.study import Study
 
 @frozen(kw_only=True)
 class CentresArguments:
-    """Of which design, and at which angle."""
+    """Arguments of the command: a design, an angle and a file or folder."""
 
     design: Path = design_file()
     drive: str = drive_name()
     angle_deg: float = option(number("Angle of the driver or the cam in degrees"), help="of the driver, or of the cam")
-    out: Path | None = out_folder("also write them there, with pictures")
+    out: Path | None = out_folder("also write them to this folder, with pictures")
 
 
 def run_centres(arguments: CentresArguments, painter: Painter | None) -> int:
-    """Instant centres and velocities at one position, as JSON; with a folder those of a linkage also drawn."""
+    """Print instant centres and velocities at one position as JSON; with a folder, draw those of a linkage."""
     study = Study(load_one(arguments.design, arguments.drive))
     text = to_json(centres_data(study, arguments.angle_deg))
     if arguments.out is not None:
-        made: dict[str, str | bytes] = {"centres.json": text}
+        files: dict[str, str | bytes] = {"centres.json": text}
         if study.design.drive.links:
-            made.update(pictures(painter, snapshot(study, arguments.angle_deg)))
-        write_into(arguments.out, made)
+            files.update(pictures(painter, snapshot(study, arguments.angle_deg)))
+        write_into(arguments.out, files)
     print(text, end="")
     return DONE
 
@@ -73,18 +73,16 @@ DRAWN_CIRCUIT, SIGNS = "drawn", "signs"
 
 @frozen(kw_only=True)
 class CircuitsArguments:
-    """Of which design, and what is written."""
+    """Arguments of ``circuits``: a design, a circuit and a file."""
 
     design: Path = design_file()
-    take: int = option(whole("Circuit", 1, 999, default=1, help="its number in the list; 1 is the design's own"))
-    told: str = option(
-        choice(
-            "Told by", (DRAWN_CIRCUIT, SIGNS), default=DRAWN_CIRCUIT, help="how the file says which circuit it is in"
-        ),
+    take: int = option(whole("Circuit", 1, 999, default=1, help="its number in the list; 1 is the present one"))
+    method: str = option(
+        choice("Stated by", (DRAWN_CIRCUIT, SIGNS), default=DRAWN_CIRCUIT, help="how the file states its circuit"),
         "--as",
     )
     out: Path | None = text_option(
-        "design to write, in the circuit taken",
+        "design to write, in this circuit",
         default=None,
         default_text="none",
         type=ending_with("a design", ".toml"),
@@ -94,21 +92,21 @@ class CircuitsArguments:
 
 
 def run_circuits(arguments: CircuitsArguments, painter: Painter | None) -> int:
-    """The circuits by number with the range of the driver in each; a design in one of them."""
+    """Print the circuits with the range of their driver; write a design in one of them."""
     design = require_linkage(load_one(arguments.design))
-    found = circuits(design)
-    if arguments.take > len(found):
-        raise KindynaError(f"circuit = {arguments.take}: there is none of this number; allowed: 1 ... {len(found)}")
+    all_circuits = circuits(design)
+    if arguments.take > len(all_circuits):
+        raise KindynaError(f"circuit = {arguments.take}: no such circuit; allowed: 1 ... {len(all_circuits)}")
     if arguments.out is not None:
-        write(arguments.out, dumps(_as(found[arguments.take - 1], arguments.told)))
-    rows = [_row(design, i, circuit) for i, circuit in enumerate(found, 1)]
+        write(arguments.out, dumps(_as(all_circuits[arguments.take - 1], arguments.method)))
+    rows = [_row(design, i, circuit) for i, circuit in enumerate(all_circuits, 1)]
     print(to_json({"circuits": rows}) if arguments.json else "".join(map(_line, rows)), end="")
     return DONE
 
 
-def _as(circuit: Circuit, told: str) -> Design:
+def _as(circuit: Circuit, method: str) -> Design:
     design = circuit.design
-    if told == SIGNS:
+    if method == SIGNS:
         return with_signs(design)
     return (
         design
@@ -126,8 +124,8 @@ def _row(design: Design, number: int, circuit: Circuit) -> dict[str, object]:
 def _line(row: dict[str, object]) -> str:
     key = next(key for key in row if key.startswith("driver"))
     low, high = row[key]  # type: ignore[misc]
-    own = ", the design's own" if row["here"] else ""
-    return f"{row['number']}: driver {low:.6g} ... {high:.6g} {key.removeprefix('driver_')}{own}\n"  # type: ignore[has-type]
+    present = ", the present one" if row["here"] else ""
+    return f"{row['number']}: driver {low:.6g} ... {high:.6g} {key.removeprefix('driver_')}{present}\n"  # type: ignore[has-type]
 
 
 # -- the command ``curves`` -------------------------------------------------------------------------------------
@@ -135,36 +133,34 @@ def _line(row: dict[str, object]) -> str:
 
 @frozen(kw_only=True)
 class CurvesArguments:
-    """Of which design, and which points."""
+    """Arguments of ``curves``: a design and its points."""
 
     design: Path = design_file()
     drive: str = drive_name()
     out: Path = text_option("file to write", type=ending_with("curves", ".csv", *WRITERS), metavar="FILE.csv|.dxf|.svg")
     points: tuple[str, ...] = text_option(
-        "of these points only", default=(), default_text="all that move", nargs="+", metavar="NAME"
+        "only these points", default=(), default_text="all moving points", nargs="+", metavar="NAME"
     )
-    time_marks: int = option(
-        whole("Time marks", 0, 3600, default=0, help="small circles at so many equal times of a turn")
-    )
+    time_marks: int = option(whole("Time marks", 0, 3600, default=0, help="number of circles at equal times of a turn"))
     samples: int = samples_per_turn()
 
 
 def run_curves(arguments: CurvesArguments, painter: Painter | None) -> int:
-    """The curves as a table, or drawn, a layer a point; of a part in space as it looks from above and aside (isometric)."""
-    whole = Study(load(arguments.design), arguments.samples)
-    if not arguments.drive and whole.design.listed and whole.camshaft.has_transfer_path:
-        return _of_part(whole, arguments.out)
+    """Write the curves of points as a table or a drawing; the path of a part in space is drawn isometric."""
+    study = Study(load(arguments.design), arguments.samples)
+    if not arguments.drive and study.design.listed and study.camshaft.has_transfer_path:
+        return _write_path(study, arguments.out)
     study = Study(load_one(arguments.design, arguments.drive), arguments.samples)
-    found = point_curves(study, arguments.points, arguments.time_marks)
-    write(arguments.out, curves_file(study, found, arguments.out.suffix.lower()))
+    curves = point_curves(study, arguments.points, arguments.time_marks)
+    write(arguments.out, curves_file(study, curves, arguments.out.suffix.lower()))
     print(arguments.out)
     return DONE
 
 
-def _of_part(study: Study, out: Path) -> int:
+def _write_path(study: Study, out: Path) -> int:
     ending = out.suffix.lower()
     if ending in WRITERS:
-        comment = f"{study.design.name}: path of the part that is carried, isometric, mm"
+        comment = f"{study.design.name}: path of the transferred part, isometric, mm"
         write(out, WRITERS[ending]((comment,), path_layers(study)))
     else:
         write(out, path_csv(study))
@@ -177,22 +173,20 @@ def _of_part(study: Study, out: Path) -> int:
 
 @frozen(kw_only=True)
 class PoseArguments:
-    """Of which design, and at which angle."""
+    """Arguments of the command: a design, an angle and a file or folder."""
 
     design: Path = design_file()
     drive: str = drive_name()
     angle_deg: float = option(number("Angle of the driver or the cam in degrees"), help="of the driver, or of the cam")
     every_deg: float = option(
-        number("Ghost poses every", 0.0, 360.0, default=0.0, help="degrees of the turn; 0: none"), "--every"
+        number("Repeat the pose every", 0.0, 360.0, default=0.0, help="degrees of the turn; 0: none"), "--every"
     )
-    underlay: bool = option(
-        flag("Underlay", help="with the lines of the DXF that lies under the drawing of the design")
-    )
+    underlay: bool = option(flag("Underlay", help="with the lines of the DXF underlay of the design"))
     out: Path = text_option("file to write", type=ending_with("a drawing", *WRITERS), metavar="FILE.dxf|.svg")
 
 
 def run_pose(arguments: PoseArguments, painter: Painter | None) -> int:
-    """The drawing, a layer a link."""
+    """Write the drawing, with a layer for every link."""
     study = Study(load_one(arguments.design, arguments.drive))
     more = dict(repeated_pose_layers(study, arguments.every_deg)) if arguments.every_deg else {}
     if arguments.underlay:
@@ -204,15 +198,15 @@ def run_pose(arguments: PoseArguments, painter: Painter | None) -> int:
 
 
 def _underlay(design: Path) -> Layers:
-    """The lines of the DXF under a design; none where it is missing, or a picture, which is said. Raises FileError of its placement."""
-    from core.contour.underlay import ENDINGS, IMAGES, read_lines, read_underlay, sidecar
+    """Lines of the DXF underlay of a design; empty where it is missing or an image, with a message. Raises FileError."""
+    from core.contour.underlay import IMAGES, read_lines, read_underlay, sidecar
 
     underlay = read_underlay(design)
     if underlay is None:
-        print(f"underlay: there is no {sidecar(design).name}; Underlay in the window places one", file=sys.stderr)
+        print(f"underlay: there is no {sidecar(design).name}; add one with Underlay in the window", file=sys.stderr)
     elif underlay.file.suffix.lower() in IMAGES:
         print(
-            f"underlay: {underlay.file.name} is a picture, left out; of {' | '.join(ENDINGS)} a DXF has lines",
+            f"underlay: {underlay.file.name} is an image without lines, left out; allowed: a DXF",
             file=sys.stderr,
         )
     else:
@@ -230,46 +224,45 @@ def _underlay(design: Path) -> Layers:
 
 @frozen(kw_only=True)
 class LinkageFromArguments:
-    """What is read, and how."""
+    """Arguments of ``linkage-from``: a file or text, and how it is read."""
 
     text: str = text_option(
-        "a .linkage2 file, a file with a Pyslvs expression or the address of PMKS+, or one of these two itself",
+        "a .linkage2 file, a file with a Pyslvs expression or a PMKS+ address, or the expression or address itself",
         "FILE|TEXT",
     )
     out: Path = text_option("design file to write", type=ending_with("a design", ".toml"), metavar="DESIGN.toml")
     format: str = option(
-        choice("Program", tuple(FORMATS), default="", help="whose text it is"), default_text="as it begins"
+        choice("Program", tuple(FORMATS), default="", help="program that wrote the text"),
+        default_text="by its beginning",
     )
-    units: str = option(
-        choice("Units", tuple(UNITS), default="", help="of lengths"), default_text="as it says, else mm"
-    )
-    mirror: bool = option(flag("Mirror", help="turn it over about the x axis: for programs whose y points down"))
+    units: str = option(choice("Units", tuple(UNITS), default="", help="of lengths"), default_text="as stated, else mm")
+    mirror: bool = option(flag("Mirror", help="mirror at the x axis, for programs whose y axis points down"))
     inputs: tuple[str, ...] = text_option(
-        "a joint that is driven; again for another", "--input", default=(), action="append", metavar="JOINT"
+        "a driven joint; repeat it", "--input", default=(), action="append", metavar="JOINT"
     )
     json: bool = as_json()
 
 
 def run_linkage_from(arguments: LinkageFromArguments, painter: Painter | None) -> int:
-    """The design as a file; how many links and joints it has, and what was left out."""
+    """Write the design; print its number of links and joints, and what was left out."""
     text, name = arguments.text, ""
     if len(text) < 4096 and "\n" not in text and os.path.exists(text):
         name = Path(text).stem
         text = decoded(read_bytes(text, PROGRAM_BYTES))
-    made = read_linkage(
+    result = read_linkage(
         text, arguments.format, name=name, units=arguments.units, mirror=arguments.mirror, inputs=arguments.inputs
     )
-    write(arguments.out, dumps(made.design))
-    print(to_json(_data(made)) if arguments.json else _text(made), end="")
+    write(arguments.out, dumps(result.design))
+    print(to_json(_data(result)) if arguments.json else _text(result), end="")
     return DONE
 
 
-def _data(made: LinkageImport) -> dict[str, object]:
-    left = [{"what": each.what, "why": each.why} for each in made.left_out]
-    return {"links": made.links, "joints": made.joints, "left_out": left}
+def _data(result: LinkageImport) -> dict[str, object]:
+    left = [{"what": part.what, "why": part.why} for part in result.left_out]
+    return {"links": result.links, "joints": result.joints, "left_out": left}
 
 
-def _text(made: LinkageImport) -> str:
-    lines = [f"{printable(made.design.name)}: {made.links} links, {made.joints} joints"]
-    lines += [f"left out: {printable(each.what)}: {printable(each.why)}" for each in made.left_out]
+def _text(result: LinkageImport) -> str:
+    lines = [f"{printable(result.design.name)}: {result.links} links, {result.joints} joints"]
+    lines += [f"left out: {printable(part.what)}: {printable(part.why)}" for part in result.left_out]
     return "\n".join(lines) + "\n"

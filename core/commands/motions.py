@@ -1,4 +1,4 @@
-"""Commands that begin a design with its motion."""
+"""Commands about motions: blend, laws, motion-from, flying-shear, indexer and motion."""
 
 from __future__ import annotations
 
@@ -58,18 +58,18 @@ from core.project.files import read_bytes, write
 from core.requests import option, text_option
 from core.study import Study
 
-# -- commands that begin a design with its motion ---------------------------------------------------------------
+# -- a new design of a motion -----------------------------------------------------------------------------------
 
 
 def begin(arguments: Any, make: Callable[[Any], Design]) -> int:
-    """What is wanted as a design file, and on the terminal its peaks; the exit code."""
+    """Write a new design to a file, print its peaks, and return the exit code."""
     from core.commands import DONE
     from core.output.channels import new_design_text
     from core.project import save
     from core.requests import require_in_range
 
-    require_in_range(arguments.wanted)
-    design = make(arguments.wanted)
+    require_in_range(arguments.request)
+    design = make(arguments.request)
     save(design, arguments.out)
     print(new_design_text(design))
     return DONE
@@ -79,7 +79,7 @@ def begin(arguments: Any, make: Callable[[Any], Design]) -> int:
 
 
 PICTURES = (".png", ".svg")
-_WANTED = ("type", "stroke", "start", "end")
+_REQUIRED = ("type", "stroke", "start", "end")
 
 
 def _setting(text: str) -> tuple[str, float]:
@@ -99,7 +99,7 @@ def _point(text: str) -> tuple[float, float]:
 
 
 def _settings(given: Sequence[tuple[str, float]]) -> dict[str, float]:
-    """By name; raises BlendError where a name is given two values."""
+    """Settings by name. Raises BlendError for a name with two values."""
     settings = dict(given)
     for name, value in given:
         if value != settings[name]:
@@ -110,14 +110,14 @@ def _settings(given: Sequence[tuple[str, float]]) -> dict[str, float]:
 
 
 def _curve(text: str) -> str:
-    """A curve of the table, or none."""
+    """Read the name of a curve of the table, which may be empty."""
     if text and text.upper() not in ELEMENTS:
         raise argparse.ArgumentTypeError(f"{text!r}: unknown curve; allowed: {' | '.join(ELEMENTS)}")
     return text.upper()
 
 
-def _typed(sequence: str) -> tuple[str, str]:
-    """The type of motion that a sequence is, and its constant velocity; empty where it is of none. Raises BlendError."""
+def _type_of(sequence: str) -> tuple[str, str]:
+    """Type of motion and constant velocity of a sequence; the type is empty where the sequence has none. Raises BlendError."""
     if broken := sequence_error(sequence):
         raise BlendError(f"--sequence {sequence}: {broken}")
     return motion_type_of(sequence)
@@ -129,7 +129,7 @@ def _types_help() -> str:
 
 @frozen(kw_only=True)
 class BlendArguments:
-    """The motion that is wanted, and where it goes; or what is asked of the table of the curves."""
+    """Arguments of ``blend``: a motion and its files, or a curve of the table."""
 
     type: str | None = choice("Type", tuple(MOTION_TYPES), default=None, help=_types_help())
     stroke: float | None = option(
@@ -163,14 +163,12 @@ class BlendArguments:
         metavar="DEG=S",
     )
     sequence: str = text_option(
-        "this sequence and no other; it says its type of motion and constant velocity itself. One of no type, of any curves "
-        f"that join, takes --set with the curves and strokes counted from 1: {', '.join(f'{name}1' for name in KINDS)}",
+        "only this sequence, which determines type of motion and constant velocity. A sequence without a type, of any curves "
+        f"that join, accepts --set with the curves and strokes counted from 1: {', '.join(f'{name}1' for name in KINDS)}",
         default="",
         metavar="C1-H2-P2",
     )
-    best: str | None = choice(
-        "Best", tuple(GOALS), default=None, help="the gentlest, over what the settings leave free"
-    )
+    best: str | None = choice("Best", tuple(GOALS), default=None, help="goal to minimise over the free settings")
     unit: str = choice("Unit", ("mm", "deg"), default="mm", help="of the stroke")
     out: Path | None = text_option(
         f"displacement, velocity and acceleration as a picture: {' or '.join(PICTURES)}",
@@ -179,7 +177,7 @@ class BlendArguments:
         metavar="NAME",
     )
     table: str | None = text_option(
-        "print which curve may follow which, with the signs at their ends, and do nothing else; CURVE: what may follow it, "
+        "only print which curve may follow which, with the signs at their ends; CURVE: which curves may follow it, "
         "and why not",
         default=None,
         nargs="?",
@@ -188,9 +186,9 @@ class BlendArguments:
         metavar="CURVE",
     )
     json: bool = as_json()
-    into: Path | None = text_option("write it into a design file", default=None, type=Path, metavar="DESIGN")
+    into: Path | None = text_option("write the motion into a design file", default=None, type=Path, metavar="DESIGN")
     rank: Path | None = text_option(
-        "rank this blend, the other sequences that answer, and the laws by what each costs in a design at its speed",
+        "rank this blend, the other sequences with a solution, and the laws by their peaks in a design at its speed",
         default=None,
         type=Path,
         metavar="DESIGN",
@@ -200,49 +198,49 @@ class BlendArguments:
 
 
 def run_blend(arguments: BlendArguments, painter: Painter | None) -> int:
-    """A blended motion, printed and perhaps painted or written into a design; or the table of the curves."""
+    """Print a blended motion, paint it or write it into a design; or print the table of curves."""
     if arguments.table is not None:
         words = arguments.table, arguments.type or ""
         print(to_json(table_data(*words)) if arguments.json else table_text(*words), end="")
         return DONE
     constant, motion_type = arguments.constant_velocity, arguments.type
     if arguments.sequence and motion_type is None:
-        motion_type, constant = _typed(arguments.sequence)
-    blended = _of_a_sequence(arguments) if motion_type == "" else _of_a_type(arguments, motion_type, constant)
+        motion_type, constant = _type_of(arguments.sequence)
+    blended = _blend_sequence(arguments) if motion_type == "" else _blend_type(arguments, motion_type, constant)
     if arguments.rank is not None:
         return _rank_blend(arguments.rank, arguments, blended)
-    beside = ""
+    changes = ""
     if arguments.into is not None:
-        whole = load(arguments.into)
-        number = number_of(whole, arguments.drive)
-        before = only(whole, number)
-        made = with_blend(before, blended)
-        save(with_only(whole, number, made), arguments.into, in_place=True)
-        beside = changed_segment_text(before, made, blended)
+        machine = load(arguments.into)
+        number = number_of(machine, arguments.drive)
+        before = only(machine, number)
+        after = with_blend(before, blended)
+        save(with_only(machine, number, after), arguments.into, in_place=True)
+        changes = changed_segment_text(before, after, blended)
     if arguments.out is not None:
         painted = pictures(painter, blend_figure(blended, arguments.out.stem))
         for name, data in painted.items():
             if Path(name).suffix == arguments.out.suffix.lower():
                 write(arguments.out, data)
-    print(to_json(curves_data(blended)) if arguments.json else blend_text(blended) + beside, end="")
+    print(to_json(curves_data(blended)) if arguments.json else blend_text(blended) + changes, end="")
     return DONE
 
 
 def _require(missing: Sequence[str]) -> None:
     if missing:
         raise BlendError(
-            f"blend: {', '.join(missing)}: wanted for a motion; --table alone prints which curve may follow which"
+            f"blend: {', '.join(missing)}: required for a motion; --table alone prints which curve may follow which"
         )
 
 
-def _of_a_type(arguments: BlendArguments, motion_type: str | None, constant: str) -> BlendResult:
-    """A motion of one of Yang's types. Raises BlendError."""
-    wanted: dict[str, Any] = {name: getattr(arguments, name) for name in _WANTED} | {"type": motion_type}
-    _require([f"--{name}" for name, value in wanted.items() if value is None])
+def _blend_type(arguments: BlendArguments, motion_type: str | None, constant: str) -> BlendResult:
+    """Blend a motion of one of Yang's types. Raises BlendError."""
+    values: dict[str, Any] = {name: getattr(arguments, name) for name in _REQUIRED} | {"type": motion_type}
+    _require([f"--{name}" for name, value in values.items() if value is None])
     if constant == "rise" and arguments.type == "DRD-return":
-        constant = "return"  # plain: of the one stroke there is
+        constant = "return"  # the only stroke
     request = Request(
-        **wanted,
+        **values,
         constant=constant,
         settings=_settings(arguments.set),
         return_stroke=arguments.return_stroke,
@@ -253,8 +251,8 @@ def _of_a_type(arguments: BlendArguments, motion_type: str | None, constant: str
     return best(request, arguments.best) if arguments.best else blend(request)
 
 
-def _of_a_sequence(arguments: BlendArguments) -> BlendResult:
-    """Any curves of the table in a row; a stroke is that of the first rise, or return where there is none. Raises BlendError."""
+def _blend_sequence(arguments: BlendArguments) -> BlendResult:
+    """Blend any sequence of curves; a stroke belongs to the first rise, or to the first return. Raises BlendError."""
     _require([f"--{name}" for name in ("start", "end") if getattr(arguments, name) is None])
     if arguments.point:
         raise BlendError(
@@ -273,20 +271,20 @@ def _of_a_sequence(arguments: BlendArguments) -> BlendResult:
 
 
 def _rank_blend(path: Path, arguments: BlendArguments, blended: BlendResult) -> int:
-    """Print the blend, and what it and all in its place cost in the design. Raises KindynaError."""
+    """Print the blend, and its ranking among the other sequences and laws in the design. Raises KindynaError."""
     from core.find import blend_candidates
 
     if arguments.into is not None or arguments.out is not None:
-        raise BlendError("--rank: a blend is ranked in a design, nothing is written; leave --into and --out out")
-    whole = load(path)
-    design = only(whole, number_of(whole, arguments.drive))
+        raise BlendError("--rank: cannot be combined with --into and --out")
+    machine = load(path)
+    design = only(machine, number_of(machine, arguments.drive))
     candidates = blend_candidates(blended, partial(with_blend, design), arguments.best or "")
-    figures, rows = rows_of(design, candidates, arguments.by)
+    figures, rows = ranked_rows(design, candidates, arguments.by)
     if arguments.json:
-        ranking = [{"blend": row.name, **data_of(figures, row)} for row in rows]
+        ranking = [{"blend": row.name, **row_data(figures, row)} for row in rows]
         print(to_json({"curves": curves_data(blended), "ranking": ranking}), end="")
     else:
-        print(blend_text(blended) + "\n" + text_of("in its place", figures, rows), end="")
+        print(blend_text(blended) + "\n" + ranking_text("motion", figures, rows), end="")
     return DONE
 
 
@@ -295,10 +293,10 @@ def _rank_blend(path: Path, arguments: BlendArguments, blended: BlendResult) -> 
 
 @frozen(kw_only=True)
 class LawsArguments:
-    """The table alone, or the design that the laws are ranked in."""
+    """Arguments of ``laws``: a design in which the laws are ranked, or none for the table of laws."""
 
     design: Path | None = text_option(
-        "rank the laws by what each costs in this design at its speed: torque, wind-up, residual vibration, contact",
+        "rank the laws by their peaks in this design at its speed: torque, wind-up, residual vibration, contact",
         "DESIGN",
         default=None,
         nargs="?",
@@ -306,7 +304,7 @@ class LawsArguments:
     )
     drive: str = drive_name()
     segment: tuple[int, ...] = text_option(
-        "the segment that takes the law, counted from 1; may be repeated",
+        "segment that gets the law, from 1; repeat it",
         default=(),
         default_text="all that move",
         action="append",
@@ -318,7 +316,7 @@ class LawsArguments:
 
 
 def run_laws(arguments: LawsArguments, painter: Painter | None) -> int:
-    """The table of laws with their peak coefficients, or ranked in a design."""
+    """Print the laws with their peak coefficients, or ranked in a design."""
     if arguments.design is not None:
         _rank_laws(arguments.design, arguments)
     elif arguments.segment or arguments.by or arguments.drive:
@@ -331,13 +329,13 @@ def run_laws(arguments: LawsArguments, painter: Painter | None) -> int:
 
 
 def _rank_laws(path: Path, arguments: LawsArguments) -> None:
-    """Print what each law costs in the design. Raises KindynaError."""
+    """Print the ranking of the laws in a design. Raises KindynaError."""
     from core.design import only
     from core.find import law_candidates, moving_segments
     from core.project import load, number_of
 
-    whole = load(path)
-    design = only(whole, number_of(whole, arguments.drive))
+    machine = load(path)
+    design = only(machine, number_of(machine, arguments.drive))
     numbers = [number - 1 for number in arguments.segment] or moving_segments(design)
     moving = moving_segments(design)
     if not moving:
@@ -345,21 +343,21 @@ def _rank_laws(path: Path, arguments: LawsArguments) -> None:
     for segment in numbers:
         if segment not in moving:
             allowed = " | ".join(str(i + 1) for i in moving)
-            raise KindynaError(f"--segment {segment + 1}: none that moves; allowed: {allowed}")
-    figures, rows = rows_of(design, law_candidates(design, numbers), arguments.by)
+            raise KindynaError(f"--segment {segment + 1}: no segment with a rise; allowed: {allowed}")
+    figures, rows = ranked_rows(design, law_candidates(design, numbers), arguments.by)
     if arguments.json:
         print(
             to_json(
-                [{"law": row.name, **_coefficients(peaks(LAWS[row.name])), **data_of(figures, row)} for row in rows]
+                [{"law": row.name, **_coefficients(peaks(LAWS[row.name])), **row_data(figures, row)} for row in rows]
             ),
             end="",
         )
     else:
-        print(text_of("law", figures, rows), end="")
+        print(ranking_text("law", figures, rows), end="")
 
 
 def _coefficients(peak: Peaks) -> dict[str, float]:
-    """For unit rise and span."""
+    """Peak coefficients for unit rise and span."""
     return {"cv": peak.cv, "ca": peak.ca, "cj": peak.cj, "cm": peak.cm}
 
 
@@ -389,12 +387,12 @@ def _centre(text: str) -> complex:
 
 @frozen(kw_only=True)
 class MotionFromArguments:
-    """Which curve, for which design, and how the drawing is read."""
+    """Arguments of ``motion-from``: a curve, a design, and how the drawing is read."""
 
     design: Path = design_file()
     drive: str = drive_name()
     curve: Path = text_option(
-        "drawing with one closed curve of lines and arcs; the layer PROFILE counts where it has a curve",
+        "drawing with one closed curve of lines and arcs; the layer PROFILE, where it has a curve",
         "CURVE.dxf",
         type=Path,
     )
@@ -410,22 +408,22 @@ class MotionFromArguments:
         "of the cam, in the drawing's units", default=None, default_text="its origin", type=_centre, metavar="X,Y"
     )
     gap_mm: float = number(
-        "Gap", 0.0, MOST_GAP_MM, default=GAP_MM, help="over which ends of lines and arcs join that belong to no other"
+        "Gap", 0.0, MOST_GAP_MM, default=GAP_MM, help="largest distance of two free ends of lines and arcs that join"
     )
     json: bool = as_json()
 
 
 def run_motion_from(arguments: MotionFromArguments, painter: Painter | None) -> int:
-    """The design with the motion, and on the terminal what the curve was and where velocity or acceleration jumps."""
-    whole = load(arguments.design)
-    number = number_of(whole, arguments.drive)
-    design = only(whole, number)
+    """Write the design with the motion; print the curve, and the jumps of velocity and acceleration."""
+    machine = load(arguments.design)
+    number = number_of(machine, arguments.drive)
+    design = only(machine, number)
     contour = read_contour(
         read_bytes(arguments.curve), arguments.curve.name, arguments.units, arguments.centre, arguments.gap_mm
     )
     traced = trace(design, contour)
     code = verdict(Study(traced.design), ("motion", "cam"))
-    save(with_only(whole, number, traced.design), arguments.out)
+    save(with_only(machine, number, traced.design), arguments.out)
     print(to_json(contour_data(traced)) if arguments.json else contour_text(traced), end="")
     return code
 
@@ -435,14 +433,14 @@ def run_motion_from(arguments: MotionFromArguments, painter: Painter | None) -> 
 
 @frozen(kw_only=True)
 class FlyingShearArguments:
-    """What is wanted, and where it goes."""
+    """Arguments of the command: the motion and a file."""
 
-    wanted: FlyingShear = FlyingShear()
+    request: FlyingShear = FlyingShear()
     out: Path = text_option("design file to write", type=Path, metavar="FILE.toml")
 
 
 def run_flying_shear(arguments: FlyingShearArguments, painter: Painter | None) -> int:
-    """The design as a file, and on the terminal its peaks."""
+    """Write the design to a file, and print its peaks."""
     return begin(arguments, flying_shear)
 
 
@@ -451,14 +449,14 @@ def run_flying_shear(arguments: FlyingShearArguments, painter: Painter | None) -
 
 @frozen(kw_only=True)
 class IndexerArguments:
-    """What is wanted, and where it goes."""
+    """Arguments of the command: the motion and a file."""
 
-    wanted: Indexer = Indexer()
+    request: Indexer = Indexer()
     out: Path = text_option("design file to write", type=Path, metavar="FILE.toml")
 
 
 def run_indexer(arguments: IndexerArguments, painter: Painter | None) -> int:
-    """The design as a file, and on the terminal its peaks."""
+    """Write the design to a file, and print its peaks."""
     return begin(arguments, indexer)
 
 
@@ -467,48 +465,48 @@ def run_indexer(arguments: IndexerArguments, painter: Painter | None) -> int:
 
 @frozen(kw_only=True)
 class MotionArguments:
-    """Whose motion, and where it goes: to a file of its own, or into a design, which may be the same one."""
+    """Arguments of ``motion``: a design, and a file for the motion or a design to write it into."""
 
     design: Path = text_option("design, or file of a motion (.toml)", "DESIGN", type=Path)
     drive: str = drive_name()
     shift_deg: float = option(
         number(
-            "Shift", -360.0, 360.0, default=0.0, help="the same so much later: the motion at DEG is what it was at 0"
+            "Shift", -360.0, 360.0, default=0.0, help="delay of the motion: its value at DEG is the value at 0 before"
         )
     )
     out: Path | None = text_option("file of the motion alone to write", default=None, type=Path, metavar="FILE.toml")
-    into: Path | None = text_option("design file that takes the motion", default=None, type=Path, metavar="DESIGN")
-    into_drive: str = text_option("which drive of that design takes it", "--into-drive", default="", metavar="NAME")
+    into: Path | None = text_option("design file to write the motion into", default=None, type=Path, metavar="DESIGN")
+    into_drive: str = text_option(
+        "drive of that design that gets the motion", "--into-drive", default="", metavar="NAME"
+    )
 
 
 def run_motion(arguments: MotionArguments, painter: Painter | None) -> int:
-    """The motion written, and its peaks on the terminal."""
+    """Write the motion, and print its peaks."""
     if (arguments.out is None) == (arguments.into is None):
-        raise KindynaError("motion: wanted: --out FILE.toml, or --into DESIGN")
+        raise KindynaError("motion: give --out FILE.toml, or --into DESIGN")
     source = load_one(arguments.design, arguments.drive)
-    moved = shift_motion(alone(source), arguments.shift_deg)
+    shifted = shift_motion(alone(source), arguments.shift_deg)
     if arguments.out is not None:
-        save(moved, arguments.out)
+        save(shifted, arguments.out)
     elif arguments.into is not None:
-        whole = load(arguments.into)
-        index = number_of(whole, arguments.into_drive)
-        save(with_only(whole, index, with_motion_of(only(whole, index), moved)), arguments.into, in_place=True)
-    print(new_design_text(moved))
+        machine = load(arguments.into)
+        index = number_of(machine, arguments.into_drive)
+        save(with_only(machine, index, with_motion_of(only(machine, index), shifted)), arguments.into, in_place=True)
+    print(new_design_text(shifted))
     return DONE
 
 
-# -- what laws and blends cost in a design, as the commands ``laws`` and ``blend`` print it ---------------------
+# -- rankings of laws and blends in a design --------------------------------------------------------------------
 
 
-def rows_of(
+def ranked_rows(
     design: Design, candidates: Mapping[str, Candidate], by: str
 ) -> tuple[tuple[RankingColumn, ...], list[RankingRow]]:
-    """The columns, and the rows in the order of one of them, by its key; of the first where none is named. Raises KindynaError."""
+    """Columns of a ranking, and its rows sorted by a column, by the first one where none is named. Raises KindynaError."""
     figures = ranking_columns(design)
     if not figures:
-        raise KindynaError(
-            "this design has nothing to rank by: it needs a cam, and loads; give it both, or leave the design out"
-        )
+        raise KindynaError("this design cannot rank motions: it needs a cam and loads; add both, or omit the design")
     keys = [figure.key for figure in figures]
     if by and by not in keys:  # the unit may be left out
         by = next((key for key in keys if split_unit(key)[0] == by), by)
@@ -517,14 +515,14 @@ def rows_of(
     return figures, sorted_rows(list(ranking(candidates, figures)), keys.index(by) if by else 0)
 
 
-def data_of(figures: Sequence[RankingColumn], row: RankingRow) -> dict[str, Any]:
-    """For JSON; ``problem`` is empty where the design takes it."""
+def row_data(figures: Sequence[RankingColumn], row: RankingRow) -> dict[str, Any]:
+    """Data of a row for JSON; ``problem`` is empty where the design has a solution with that motion."""
     values = zip(figures, row.figures, strict=True)
     return {**{figure.key: value for figure, value in values}, "problem": row.problem}
 
 
-def text_of(heading: str, figures: Sequence[RankingColumn], rows: Sequence[RankingRow]) -> str:
-    """A table with the reason at the end of each row that has no figures."""
+def ranking_text(heading: str, figures: Sequence[RankingColumn], rows: Sequence[RankingRow]) -> str:
+    """Table of a ranking; a row without figures ends with its reason."""
     table: list[tuple[str, ...]] = [(heading, *(f"{figure.title} {figure.symbol}" for figure in figures), "")]
     for row in rows:
         table.append((row.name, *("–" if value is None else digits(value, 5) for value in row.figures), row.problem))

@@ -1,4 +1,4 @@
-"""The command ``stability``: the chart of a flexible camshaft, its forbidden speeds, histories, and Kim1990's claims."""
+"""Commands about stability and papers: figures and stability."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ ALL = "all"
 
 @frozen(kw_only=True)
 class FiguresArguments:
-    """Which paper, and where to."""
+    """Arguments of ``figures``: a paper and a folder."""
 
     paper: str = option(choice("Paper", (*PAPERS, ALL), help=" | ".join((*PAPERS, ALL))), "PAPER")
     out: Path = text_option("write tables and pictures there", type=folder, metavar="DIR")
@@ -50,34 +50,34 @@ class FiguresArguments:
 
 
 def run_figures(arguments: FiguresArguments, painter: Painter | None) -> int:
-    """Every row with its verdict on the terminal; its figure or table as CSV and, where someone paints, as SVG and PNG."""
-    wanted = tuple(PAPERS) if arguments.paper == ALL else (arguments.paper,)
+    """Print every claim with its verdict; write its figure or table as CSV and, with a painter, as SVG and PNG."""
+    papers = tuple(PAPERS) if arguments.paper == ALL else (arguments.paper,)
     examples = Examples()
-    found = {paper: claims(paper, examples) for paper in wanted}
-    rows = [claim for each in found.values() for claim in each]
-    made: dict[str, str | bytes] = {**claim_tables(rows), **_painted(rows, painter)}
+    by_paper = {paper: claims(paper, examples) for paper in papers}
+    rows = [claim for group in by_paper.values() for claim in group]
+    files: dict[str, str | bytes] = {**claim_tables(rows), **_painted(rows, painter)}
     if arguments.json:
         text = to_json(claims_data(rows))
     else:
         text = "\n".join(
-            claims_text(f"{PAPERS[paper].label}: {PAPERS[paper].title}", each) for paper, each in found.items()
+            claims_text(f"{PAPERS[paper].label}: {PAPERS[paper].title}", group) for paper, group in by_paper.items()
         )
-    write_into(arguments.out, made)
+    write_into(arguments.out, files)
     print(text, end="")
     return DONE
 
 
 def _painted(rows: list[Claim], painter: Painter | None) -> dict[str, bytes]:
-    """Pictures beside the tables, each once; where nobody paints, a line says so."""
+    """Pictures of the tables; empty without a painter, with a message."""
     if painter is None:
         print("pictures left out: they need kindyna --headless", file=sys.stderr)
         return {}
-    made: dict[str, bytes] = {}
+    images: dict[str, bytes] = {}
     first = {table_file(claim): claim for claim in reversed(rows)}
     for name in dict.fromkeys(table_file(claim) for claim in rows):
         for picture, data in painter(first[name].drawing).items():
-            made[name.removesuffix(".csv") + picture[picture.rindex(".") :]] = data
-    return made
+            images[name.removesuffix(".csv") + picture[picture.rindex(".") :]] = data
+    return images
 
 
 # -- the command ``stability`` ----------------------------------------------------------------------------------
@@ -93,7 +93,7 @@ Point = Callable[[Machine], tuple[float, float]]
 
 
 def _point(text: str) -> Point:
-    """A point of the chart, or a speed of the machine itself, as (η, Q) of that machine."""
+    """Read a point of the chart, or a speed of the machine; the result gives (η, Q) of a machine."""
     if text.lower().endswith("rpm"):
         rpm = _rpm(text[:-3].strip())
         return lambda machine: (machine.eta_at(rpm), machine.q)
@@ -106,21 +106,21 @@ def _point(text: str) -> Point:
     return lambda machine: point
 
 
-def _points(shaft: Stability, asked: Sequence[Point]) -> list[tuple[float, float]]:
-    """Raises KindynaError for a speed at which the shaft swings too often in a turn to be followed."""
-    points = [point(shaft.machine) for point in asked]
+def _points(shaft: Stability, requested: Sequence[Point]) -> list[tuple[float, float]]:
+    """Points of the chart. Raises KindynaError for a speed at which the shaft vibrates too often in a turn."""
+    points = [point(shaft.machine) for point in requested]
     for eta, _ in points:
         if eta > MOST_ETA:
             rpm, least = shaft.machine.rpm(eta), shaft.machine.rpm(MOST_ETA)
             raise KindynaError(
-                f"--at {rpm:.6g}rpm: the shaft swings {eta:.3g} times a turn; allowed: {least:.6g} rpm and more"
+                f"--at {rpm:.6g}rpm: the shaft vibrates {eta:.3g} times a turn; allowed: {least:.6g} rpm and more"
             )
     return points
 
 
 @frozen(kw_only=True)
 class StabilityArguments:
-    """Whose shaft, and what is told of it."""
+    """Arguments of ``stability``: a design, and the points, rows and speeds of its chart."""
 
     design: Path = design_file()
     out: Path | None = out_folder("write tables, report and chart there")
@@ -132,12 +132,19 @@ class StabilityArguments:
         metavar="Q",
     )
     eta_max: float | None = option(
-        number("Frequency ratio", 0.0, MOST_ETA, open_low=True, default=None, help="tongues up to there"),
+        number(
+            "Frequency ratio",
+            0.0,
+            MOST_ETA,
+            open_low=True,
+            default=None,
+            help="greatest frequency ratio of the tongues",
+        ),
         default_text=f"{ETA_MAX:g}; the chart shows the machine too",
         metavar="ETA",
     )
     at: tuple[Point, ...] = text_option(
-        "what every model says there, and histories from rest (the machine's own point); or a speed, 1500rpm",
+        "verdicts of all models there, and histories from rest (default: the machine's point); or a speed, 1500rpm",
         default=(),
         action="append",
         type=_point,
@@ -147,7 +154,7 @@ class StabilityArguments:
         number("Turns", 0.0, 1000.0, open_low=True, default=30.0, help="turns of a history"), metavar="N"
     )
     rpm: tuple[float, ...] = text_option(
-        "tell how stiff the shaft must be to run at this speed",
+        "print the stiffness that the shaft needs to run at this speed",
         default=(),
         action="append",
         type=_rpm,
@@ -158,16 +165,16 @@ class StabilityArguments:
     )
     claims: bool = flag(
         "Claims",
-        help="what Kim1990 says of its cam against what comes out here; with --out its Figs. 4-12 as tables and pictures",
+        help="printed and computed values of Kim1990's cam; with --out its Figs. 4-12 as tables and pictures",
     )
 
 
 def run_stability(arguments: StabilityArguments, painter: Painter | None) -> int:
-    """The section of the report on the terminal; with a folder the tables, the report and the pictures as files."""
+    """Print the section of the report; with a folder, write tables, report and pictures."""
     design = load(arguments.design)
     if design.listed and (arguments.guess or arguments.claims):
         given = "--guess" if arguments.guess else "--claims"
-        raise KindynaError(f"{given}: of a design of one drive only; this one lists {len(design.drives)}")
+        raise KindynaError(f"{given}: only for a design with one drive; this one has {len(design.drives)}")
     study = Study(design)
     require_shaft(study)
     if arguments.guess and design.camshaft.elastic is None:
@@ -177,22 +184,22 @@ def run_stability(arguments: StabilityArguments, painter: Painter | None) -> int
     except NoStability as error:
         if design.listed or study.design.camshaft.elastic is not None:
             raise
-        raise NoStability(error.problem, error.field, f"{error.hint}, or take usual ones with --guess") from None
+        raise NoStability(error.problem, error.field, f"{error.hint}, or assume typical ones with --guess") from None
     return (_claims if arguments.claims else _machine)(study, shaft, arguments, painter)
 
 
 def _machine(study: Study, shaft: Stability, arguments: StabilityArguments, painter: Painter | None) -> int:
-    """What there is to say of the design's own shaft. Raises NoStability where that is nothing."""
+    """Print and write the stability of the design's shaft. Raises NoStability where there is none."""
     shaft.exact  # noqa: B018 - asked before anything is written: the report only notes that it has no answer
     needed = [stiffness_text(shaft.stiffness_for(rpm)) for rpm in arguments.rpm]
     points = _points(shaft, arguments.at)
     verdicts = [(eta, q, shaft.verdicts(eta, q, arguments.periods)) for eta, q in points]
-    told = "".join("\n" + point_text(shaft, *row) for row in verdicts)
-    text = stability_text(study) + told
+    verdict_text = "".join("\n" + point_text(shaft, *row) for row in verdicts)
+    text = stability_text(study) + verdict_text
     if arguments.out is not None:
-        made, drawn = stability_files(study, shaft, arguments.q, points, arguments.periods, arguments.eta_max)
-        made["report.txt"] = f"{made['report.txt']!s}{told}"
-        write_into(arguments.out, {**made, **pictures(painter, *drawn)})
+        files, drawn = stability_files(study, shaft, arguments.q, points, arguments.periods, arguments.eta_max)
+        files["report.txt"] = f"{files['report.txt']!s}{verdict_text}"
+        write_into(arguments.out, {**files, **pictures(painter, *drawn)})
     print(text, end="")
     for line in needed:
         print(line)
@@ -202,14 +209,14 @@ def _machine(study: Study, shaft: Stability, arguments: StabilityArguments, pain
 
 
 def _claims(study: Study, shaft: Stability, arguments: StabilityArguments, painter: Painter | None) -> int:
-    """What the paper says of its cam, and its figures."""
+    """Print and write the claims of the paper about its cam, and its figures."""
     require_kim(shaft.coefficients)
     examples = Examples({EXAMPLE: study.design})
-    text = claims_text(f"{PAPERS[KIM].label}: what the paper says, and what comes out here", claims(KIM, examples))
+    text = claims_text(f"{PAPERS[KIM].label}: printed and computed values", claims(KIM, examples))
     if arguments.out is not None:
-        made, chart, figures = kim_files(examples, shaft, arguments.periods, arguments.eta_max or ETA_MAX)
+        files, chart, figures = kim_files(examples, shaft, arguments.periods, arguments.eta_max or ETA_MAX)
         painted = pictures(painter, chart, *figures)
         named = {name.replace("stability", "figure_8"): data for name, data in painted.items()}
-        write_into(arguments.out, {"claims.txt": text, **made, **named})
+        write_into(arguments.out, {"claims.txt": text, **files, **named})
     print(text, end="")
     return DONE

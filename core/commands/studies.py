@@ -1,4 +1,4 @@
-"""The command ``optimise``: the best design of a study within its limits."""
+"""Commands about studies of designs: optimise, tolerance and vary."""
 
 from __future__ import annotations
 
@@ -47,12 +47,12 @@ from core.varying.tolerances import MACHINES, PERCENTILES, SHARE, AllWaves
 # -- the command ``optimise`` -----------------------------------------------------------------------------------
 
 
-PATIENCE = 2.0  # seconds between two lines that say how far it is
+PATIENCE = 2.0  # seconds between two lines of progress
 
 
 @frozen(kw_only=True)
 class OptimiseArguments:
-    """Which study, and where the best design goes."""
+    """Arguments of ``optimise``: a study, and a file for the best design."""
 
     study: Path = text_option("study file (.toml) with [[goals]]", "STUDY", type=Path)
     into: Path | None = text_option("write the best design", default=None, type=Path, metavar="FILE")
@@ -60,84 +60,85 @@ class OptimiseArguments:
 
 
 def run_optimise(arguments: OptimiseArguments, painter: Painter | None) -> int:
-    """The best design, or that which misses the limits least."""
+    """Print the best design, or the one that violates the limits least."""
     if arguments.into is not None and arguments.into.resolve() == arguments.study.resolve():
         raise KindynaError(f"--into {arguments.into}: is the study that is read; choose another file")
-    asked = load_study(arguments.study)
-    found = optimise(asked, _Progress().tell)
-    said = remarks(asked, found)
-    print(to_json(_data(found, said)) if arguments.json else _optimum_text(found, said), end="")
-    if not found.is_feasible:
-        against = f": {found.rejection}" if found.rejection else ""
+    study_file = load_study(arguments.study)
+    optimum = optimise(study_file, _Progress().report)
+    notes = remarks(study_file, optimum)
+    print(to_json(_data(optimum, notes)) if arguments.json else _optimum_text(optimum, notes), end="")
+    if not optimum.is_feasible:
+        against = f": {optimum.rejection}" if optimum.rejection else ""
         print(
-            f"optimise: no design keeps the limits; above stands the one that misses them least{against}",
+            f"optimise: no design satisfies the limits; the one above violates them least{against}",
             file=sys.stderr,
         )
         return NOTHING_DONE
     if arguments.into is not None:
-        save(found.design, arguments.into)
-    study = studied(found.design)
-    errors = [each for each in findings_of(study) if each.severity == ERROR]
-    for each in errors:
-        print(finding_line(each, study.angle_name), file=sys.stderr)
+        save(optimum.design, arguments.into)
+    study = studied(optimum.design)
+    errors = [finding for finding in findings_of(study) if finding.severity == ERROR]
+    for finding in errors:
+        print(finding_line(finding, study.angle_name), file=sys.stderr)
     return DONE_WITH_ERRORS if errors else DONE
 
 
 class _Progress:
-    """Says now and then where the search is, to a reader at a terminal."""
+    """Prints the goal of the search, every ``PATIENCE`` seconds, on a terminal."""
 
     def __init__(self) -> None:
         self._last = time.monotonic()
 
-    def tell(self, fields: Mapping[str, Any], goal: float, start: int) -> None:
+    def report(self, fields: Mapping[str, Any], goal: float, start: int) -> None:
         now = time.monotonic()
         if now - self._last > PATIENCE and sys.stderr.isatty():
             self._last = now
             print(f"start {start}: {goal:.6g} ...", file=sys.stderr)
 
 
-def _data(found: Optimum, said: Sequence[str]) -> dict[str, Any]:
+def _data(optimum: Optimum, notes: Sequence[str]) -> dict[str, Any]:
     return {
-        "answer": dict(found.answer),
-        "goal": next(iter(found.goals.values())) if len(found.goals) == 1 else dict(found.goals),
-        "before": next(iter(found.before.values())) if len(found.before) == 1 else dict(found.before),
-        "kept": found.is_feasible,
-        "better": found.is_better,
-        "binding": [{"limit": each.limit, "per_percent": each.per_percent} for each in found.binding],
-        "starts": found.starts,
-        "agreeing": found.agreeing,
-        "front": [dict(point) for point in found.front],
-        "share": None if found.share is None else {"share": found.share.value, "low": found.share.interval[0]},
-        "taken": dict(found.also_set),
-        "against": found.rejection,
-        "remarks": list(said),
+        "answer": dict(optimum.answer),
+        "goal": next(iter(optimum.goals.values())) if len(optimum.goals) == 1 else dict(optimum.goals),
+        "before": next(iter(optimum.before.values())) if len(optimum.before) == 1 else dict(optimum.before),
+        "kept": optimum.is_feasible,
+        "better": optimum.is_better,
+        "binding": [{"limit": bound.limit, "per_percent": bound.per_percent} for bound in optimum.binding],
+        "starts": optimum.starts,
+        "agreeing": optimum.agreeing,
+        "front": [dict(point) for point in optimum.front],
+        "share": None if optimum.share is None else {"share": optimum.share.value, "low": optimum.share.interval[0]},
+        "taken": dict(optimum.also_set),
+        "against": optimum.rejection,
+        "remarks": list(notes),
     }
 
 
-def _optimum_text(found: Optimum, said: Sequence[str]) -> str:
-    heading = "the best design:" if found.is_better else "nothing better was found; the design as it is:"
-    lines = [heading if found.is_feasible else "the design that misses the limits least:"]
+def _optimum_text(optimum: Optimum, notes: Sequence[str]) -> str:
+    heading = "the best design:" if optimum.is_better else "no better design; the present one:"
+    lines = [heading if optimum.is_feasible else "the design that violates the limits least:"]
     lines += [
-        f"  {path} = {value if isinstance(value, str) else f'{value:.9g}'}" for path, value in found.answer.items()
+        f"  {path} = {value if isinstance(value, str) else f'{value:.9g}'}" for path, value in optimum.answer.items()
     ]
-    for key, value in found.goals.items():
-        lines.append(f"{key} = {value:.7g}, before {found.before[key]:.7g}")
+    for key, value in optimum.goals.items():
+        lines.append(f"{key} = {value:.7g}, before {optimum.before[key]:.7g}")
     lines += [
-        f"held by {each.limit}: 1 % more of it changes the goal by {each.per_percent:.4g}" for each in found.binding
+        f"at its limit {bound.limit}: 1 % more of it changes the goal by {bound.per_percent:.4g}"
+        for bound in optimum.binding
     ]
-    if found.is_better:
-        lines.append(f"{found.agreeing} of {found.starts} starts met there")
-    lines += [f"goes into the design: {path} = {value:.9g}" for path, value in found.also_set.items()]
-    if found.front:
-        points = "point: --json lists it" if len(found.front) == 1 else "points: --json lists them"
-        lines.append(f"front of {len(found.front)} {points}")
-    if found.share is not None:
+    if optimum.is_better:
+        lines.append(f"{optimum.agreeing} of {optimum.starts} starts lead there")
+    lines += [f"set in the design: {path} = {value:.9g}" for path, value in optimum.also_set.items()]
+    if optimum.front:
+        points = "point: --json lists it" if len(optimum.front) == 1 else "points: --json lists them"
+        lines.append(f"front of {len(optimum.front)} {points}")
+    if optimum.share is not None:
         lines.append(
-            f"{found.share.value:.2%} of random machines keep the limits, {found.share.interval[0]:.2%} at least with 95 %"
+            f"{optimum.share.value:.2%} of random machines keep the limits, {optimum.share.interval[0]:.2%} at least with 95 %"
         )
-    if found.rejection:
-        lines.append(f"a better one was refused: {found.rejection}")
-    lines += said
+    if optimum.rejection:
+        lines.append(f"a better one was refused: {optimum.rejection}")
+    lines += notes
     return "\n".join(lines) + "\n"
 
 
@@ -149,18 +150,20 @@ SENSITIVITY, BANDS, SUMMARY = "sensitivity.csv", "bands.csv", "summary.json"
 
 @frozen(kw_only=True)
 class ToleranceArguments:
-    """Whose tolerances, where the files go, and how many machines are drawn by chance."""
+    """Arguments of ``tolerance``: a design or study, a folder, and the number of random machines."""
 
     file: Path = text_option("design file with [[tolerances]], or study file of one (.toml)", "DESIGN|STUDY", type=Path)
     out: Path = out_folder("folder for the three files", default=Path())
-    machines: int = whole("Machines", 2, 1_000_000, default=MACHINES, help="drawn by chance")
+    machines: int = whole("Machines", 2, 1_000_000, default=MACHINES, help="number of random machines")
     seed: int | None = option(
-        whole("Seed", 0, 2**32 - 1, default=None), help="of chance", default_text="that of the study, else 0"
+        whole("Seed", 0, 2**32 - 1, default=None),
+        help="of the random numbers",
+        default_text="that of the study, else 0",
     )
 
 
 def run_tolerance(arguments: ToleranceArguments, painter: Painter | None) -> int:
-    """The three files, and the share of machines within the limits on the terminal."""
+    """Write the three files, and print the share of machines within the limits."""
     study = _study(arguments.file)
     scatter = Scatter(study)
     seed = study.file.seed if arguments.seed is None else arguments.seed
@@ -168,7 +171,7 @@ def run_tolerance(arguments: ToleranceArguments, painter: Painter | None) -> int
     values = scatter.values(arguments.machines, seed)
     if np.isnan(values).all():
         raise KindynaError(
-            f"tolerances: none of {arguments.machines} machines can be built; see that the design itself can, with check"
+            f"tolerances: none of {arguments.machines} machines can be built; check the design with the command check"
         )
     share = Share(int(scatter.within_limits(values).sum()), arguments.machines)
     tighter = scatter.tightened(arguments.machines, seed, slopes) if share.value < SHARE else None
@@ -176,13 +179,13 @@ def run_tolerance(arguments: ToleranceArguments, painter: Painter | None) -> int
     data: dict[str, Any] = {
         "machines": share.machines, "seed": seed, "within": share.within, "share": share.value, "low": low, "high": high,
         "limits": [
-            {"quantity": limit.quantity, "of": limit.of, "bound": bound, "share": _alone(scatter, values, limit.key, side, bound)}
+            {"quantity": limit.quantity, "of": limit.of, "bound": bound, "share": _share_within(scatter, values, limit.key, side, bound)}
             for limit, side, bound in scatter.bounds()
         ],
         "worst": [
-            {"quantity": each.limit.quantity, "of": each.limit.of, "linear": each.linear, "value": each.value, "within": each.within,
-             "at": dict(each.at)}
-            for each in scatter.corners(slopes)
+            {"quantity": worst.limit.quantity, "of": worst.limit.of, "linear": worst.linear, "value": worst.value,
+             "within": worst.within, "at": dict(worst.at)}
+            for worst in scatter.corners(slopes)
         ],
         "tighten": None if tighter is None else {
             "halve": dict(tighter.halved), "cost": tighter.cost, "share": tighter.share.value, "low": tighter.share.interval[0],
@@ -199,18 +202,18 @@ def run_tolerance(arguments: ToleranceArguments, painter: Painter | None) -> int
 
 
 def _study(path: Path) -> StudyOfMany:
-    """Of a study file, or of a design by itself."""
+    """The study of a study file, or the tolerance study of a design."""
     text = read_text(path)
     return tolerance_study(loads(text, str(path))) if "format" in parsed(text, str(path)) else load_study(path)
 
 
-def _alone(scatter: Scatter, values: np.ndarray, key: str, side: float, bound: float) -> float:
-    """Share of machines that keep one bound."""
+def _share_within(scatter: Scatter, values: np.ndarray, key: str, side: float, bound: float) -> float:
+    """Share of machines within one bound."""
     return float((side * values[scatter.keys.index(key)] <= side * bound).mean())
 
 
 def _sensitivity(scatter: Scatter, slopes: np.ndarray) -> str:
-    """Field, quantity, change of the quantity per unit of the field, part of its variance; of each quantity the largest part first."""
+    """CSV of field, quantity, change of the quantity per unit of the field and part of its variance, the largest part first."""
     parts, fields = scatter.parts(slopes), list(scatter.nominal)
     lines = ["field,quantity,per_unit,part_of_tolerance"]
     for q, row in enumerate(scatter.study.quantities):
@@ -225,46 +228,46 @@ def _tolerance_text(data: dict[str, Any], share: Share) -> str:
     lines = [
         f"{share.within:,} of {share.machines:,} machines keep all limits: {share.value:.2%} ({low:.2%} ... {high:.2%} with 95 %)"
     ]
-    for each in data["worst"]:
-        value = "cannot be built" if each["value"] is None else f"{each['value']:.6g}"
+    for worst in data["worst"]:
+        value = "cannot be built" if worst["value"] is None else f"{worst['value']:.6g}"
         lines.append(
-            f"  worst case of {each['quantity']}: {value}, {'within' if each['within'] else 'beyond'} its limit"
+            f"  worst case of {worst['quantity']}: {value}, {'within' if worst['within'] else 'beyond'} its limit"
         )
-    for name, each in _by_drive(data["waviness"]):
-        lines += _of_waves(name, each)
+    for name, waves in _by_drive(data["waviness"]):
+        lines += _wave_lines(name, waves)
     if data["tighten"] is not None:
         sets = ", ".join(f"{path} / {2**times}" for path, times in data["tighten"]["halve"].items())
         lines.append(f"  tighten {sets}: {data['tighten']['share']:.2%} (cost {data['tighten']['cost']:g})")
     elif share.value < SHARE:
-        lines.append(f"  no tolerances that are halved twice at most bring {SHARE:.2%} of machines within the limits")
+        lines.append(f"  {SHARE:.2%} of machines within the limits need tolerances smaller than a quarter")
     return "\n".join(lines)
 
 
 def _summary(waves: AllWaves) -> dict[str, Any] | None:
-    """What waves do; on a shaft of several drives by the name of each that has any."""
+    """Effect of waviness; on a shaft with several drives by the name of the drive."""
     if waves.design.listed:
         names = drive_names(waves.design)
-        return {names[number or 0]: each.summary() for number, each in waves.by_drive.items()} or None
+        return {names[number or 0]: drive.summary() for number, drive in waves.by_drive.items()} or None
     return waves.by_drive[None].summary() if waves.by_drive else None
 
 
-def _by_drive(found: dict[str, Any] | None) -> list[tuple[str, dict[str, float]]]:
-    """The inverse; the name is empty where there is but one."""
-    if found is None:
+def _by_drive(waves: dict[str, Any] | None) -> list[tuple[str, dict[str, float]]]:
+    """Name of a drive in words, and its waviness; the name of a single drive is empty."""
+    if waves is None:
         return []
-    return [("", found)] if "lift_error_mm" in found else [(f" of {name}", each) for name, each in found.items()]
+    return [("", waves)] if "lift_error_mm" in waves else [(f" of {name}", drive) for name, drive in waves.items()]
 
 
-def _of_waves(name: str, found: dict[str, float]) -> list[str]:
-    lines = [f"  waves{name}: {found['lift_error_mm']:.4g} mm at the follower, {found['acceleration_mm_s2']:.5g} mm/s²"]
-    if "contact_force_n" in found:
-        least = found.get("least_contact_force_n")
-        left = "" if least is None else "; the follower leaves the cam" if least < 0.0 else f"; {least:.5g} N are left"
-        lines.append(f"    they ask {found['contact_force_n']:.5g} N of contact force{left}")
-    if "amplified" in found:
+def _wave_lines(name: str, waves: dict[str, float]) -> list[str]:
+    lines = [f"  waves{name}: {waves['lift_error_mm']:.4g} mm at the follower, {waves['acceleration_mm_s2']:.5g} mm/s²"]
+    if "contact_force_n" in waves:
+        least = waves.get("least_contact_force_n")
+        left = "" if least is None else "; the follower leaves the cam" if least < 0.0 else f"; {least:.5g} N remain"
+        lines.append(f"    they need {waves['contact_force_n']:.5g} N of contact force{left}")
+    if "amplified" in waves:
         lines.append(
-            f"    the elastic follower vibrates {found['amplified']:.4g} times as far at {found['amplified_lobes']} lobes (its own "
-            f"frequency: {found['natural_lobes']:.4g}), {found['elastic_contact_force_n']:.5g} N"
+            f"    the elastic follower vibrates {waves['amplified']:.4g} times as far at {waves['amplified_lobes']} lobes (natural "
+            f"frequency: {waves['natural_lobes']:.4g}), {waves['elastic_contact_force_n']:.5g} N"
         )
     return lines
 
@@ -277,14 +280,14 @@ MOST_WORKERS = 256
 
 @frozen(kw_only=True)
 class VaryArguments:
-    """Which study, where its table goes, and who computes."""
+    """Arguments of ``vary``: a study, its table, and the processes."""
 
     study: Path = text_option("study file (.toml)", "STUDY", type=Path)
     out: Path = text_option(
-        "the table: a row for each design", type=ending_with("a table", ".csv", PARQUET), metavar="TABLE.csv|.parquet"
+        "table with a row for every design", type=ending_with("a table", ".csv", PARQUET), metavar="TABLE.csv|.parquet"
     )
-    resume: bool = flag("Resume", help="go on where an earlier run of the same study was stopped")
-    workers: int = whole("Processes", 1, MOST_WORKERS, default=1, help="processes that compute")
+    resume: bool = flag("Resume", help="continue an interrupted run of the same study")
+    workers: int = whole("Processes", 1, MOST_WORKERS, default=1, help="number of processes")
     scheduler: str = option(
         text_option("", default=""),
         help="compute on the Dask cluster of this scheduler (extra cluster)",
@@ -294,38 +297,37 @@ class VaryArguments:
 
 
 def run_vary(arguments: VaryArguments, painter: Painter | None) -> int:
-    """The table as a file, how many designs it holds and why some have no values on the terminal."""
+    """Write the table; print the number of designs, and why some have no values."""
     study = load_study(arguments.study)
-    made = Run(study)
+    run = Run(study)
     progress = Progress()
     with workers(arguments.workers, arguments.scheduler) as (executor, ahead):
-        made.compute(resume=arguments.resume, executor=executor, ahead=ahead, progress=progress.tell)
+        run.compute(resume=arguments.resume, executor=executor, ahead=ahead, progress=progress.report)
     reasons: Counter[str] = Counter()
     built = 0
-    for block in made.blocks():
+    for block in run.blocks():
         built += int((~np.isnan(block.value).any(axis=0)).sum())
         reasons.update(block.reason[block.reason != ""].tolist())
     if not built:
-        raise KindynaError(none_built_text(made.count, *reasons.most_common(1)[0]))
-    write_table(made, arguments.out)
+        raise KindynaError(none_built_text(run.count, *reasons.most_common(1)[0]))
+    write_table(run, arguments.out)
     if arguments.json:
         data = {
-            "designs": made.count,
+            "designs": run.count,
             "built": built,
             "reasons": dict(reasons.most_common()),
-            "columns": headings(made),
+            "columns": headings(run),
         }
         print(to_json(data), end="")
     else:
-        print(f"{made.count:,} designs, {built:,} of them with values; {arguments.out}")
+        print(f"{run.count:,} designs, {built:,} of them with values; {arguments.out}")
         for code, count in reasons.most_common():
             print(f"  {code}: {count:,}")
     return DONE
 
 
 class Progress:
-    """Says now and then how many designs are done, how many a second, and how long the rest takes: at a terminal often, in a log
-    seldom."""
+    """Prints the number of designs, designs per second and the remaining time: often on a terminal, seldom in a log."""
 
     OFTEN, SELDOM = 2.0, 60.0  # seconds between two lines
 
@@ -333,8 +335,8 @@ class Progress:
         self._start = self._last = time.monotonic()
         self._first: int | None = None
 
-    def tell(self, done: int, count: int) -> None:
-        """As ``Run.compute`` calls it."""
+    def report(self, done: int, count: int) -> None:
+        """Print the progress of ``Run.compute``."""
         now = time.monotonic()
         self._first = done if self._first is None else self._first
         pause = self.OFTEN if sys.stderr.isatty() else self.SELDOM

@@ -1,4 +1,4 @@
-"""The command ``ecam``: a motion as a table for a servo controller, with the error that the controller makes of it."""
+"""Commands about tables: ecam and measured."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ from core.units import NO_UNIT
 
 @frozen(kw_only=True)
 class EcamArguments:
-    """Of which design, for which controller, and where to."""
+    """Arguments of ``ecam``: a design, a controller and a file."""
 
     design: Path = design_file()
     out: Path = text_option("file to write", type=Path, metavar="FILE")
@@ -67,19 +67,19 @@ class EcamArguments:
 
 
 def run_ecam(arguments: EcamArguments, painter: Painter | None) -> int:
-    """The file, and its certificate on the terminal."""
+    """Write the table, and print its certificate."""
     row, request = controller(arguments.controller), arguments.request
     require_in_range(request)
     slave, name, speed = drive_slave(load(arguments.design), arguments.drive, request)
-    made = ecam(slave, row, request, name, speed)
-    files: dict[Path, str | bytes] = {arguments.out: made.content}
+    result = ecam(slave, row, request, name, speed)
+    files: dict[Path, str | bytes] = {arguments.out: result.content}
     if arguments.curve is not None:
         files[arguments.curve] = curve_csv(
-            error_curve(slave, made.interpolation, made.placing, closing=row.has_both_ends)
+            error_curve(slave, result.interpolation, result.placing, closing=row.has_both_ends)
         )
     for path, content in files.items():
         write_all(path.parent, {path.name: content})
-    print(to_json(facts(made)) if arguments.json else text(made), end="")
+    print(to_json(facts(result)) if arguments.json else text(result), end="")
     return DONE
 
 
@@ -87,40 +87,40 @@ def run_ecam(arguments: EcamArguments, painter: Painter | None) -> int:
 
 
 def errors(text: str) -> Errors:
-    """``0.01``, or ``s=0.001,v=0.5``: by quantity. Raises argparse.ArgumentTypeError."""
+    """Read measuring errors, as ``0.01``, or ``s=0.001,v=0.5`` by quantity. Raises argparse.ArgumentTypeError."""
     if "=" not in text:
         return ERROR(text)
-    made = {}
+    by_quantity = {}
     for part in text.split(","):
-        letter, _, value = (each.strip() for each in part.partition("="))
+        letter, _, value = (text.strip() for text in part.partition("="))
         if letter not in LETTERS:
             raise argparse.ArgumentTypeError(f"{part!r}: measuring error; allowed: s=E, v=E, a=E")
-        made[LETTERS[letter]] = ERROR(value)
-    return made
+        by_quantity[LETTERS[letter]] = ERROR(value)
+    return by_quantity
 
 
 def line_numbers(text: str) -> tuple[int, ...]:
-    """``57,60-63``. Raises argparse.ArgumentTypeError."""
-    found: list[int] = []
+    """Read numbers of lines, as ``57,60-63``. Raises argparse.ArgumentTypeError."""
+    numbers: list[int] = []
     for part in text.split(","):
-        ends = [number_from_one(each.strip(), ROWS) for each in part.split("-")]
-        if len(ends) > 2 or not all(ends) or len(found) + ends[-1] - ends[0] > ROWS:
+        ends = [number_from_one(end.strip(), ROWS) for end in part.split("-")]
+        if len(ends) > 2 or not all(ends) or len(numbers) + ends[-1] - ends[0] > ROWS:
             raise argparse.ArgumentTypeError(f"{part!r}: lines to be left out; allowed: 57,60-63")
-        found += range(ends[0], ends[-1] + 1)
-    return tuple(found)
+        numbers += range(ends[0], ends[-1] + 1)
+    return tuple(numbers)
 
 
 def switches(text: str) -> Switches:
-    """``56=table,180=modified-sine``. Raises argparse.ArgumentTypeError."""
-    made = []
+    """Read kinds of segments, as ``56=table,180=modified-sine``. Raises argparse.ArgumentTypeError."""
+    kinds = []
     for part in text.split(","):
-        angle, there, kind = (each.strip() for each in part.partition("="))
-        if not there or kind not in segment_kinds():
+        angle, mark, kind = (text.strip() for text in part.partition("="))
+        if not mark or kind not in segment_kinds():
             raise argparse.ArgumentTypeError(
                 f"{part!r}: segment; allowed: DEG=KIND, KIND of {', '.join(segment_kinds())}"
             )
-        made.append((ANGLE(angle), kind))
-    return tuple(made)
+        kinds.append((ANGLE(angle), kind))
+    return tuple(kinds)
 
 
 ANGLE = number_reader(Info("Cam angle", low=0.0, high=360.0), NO_UNIT)
@@ -130,13 +130,13 @@ LIFT = number_reader(Info("Lift", low=0.0, open_low=True), NO_UNIT)
 
 @frozen(kw_only=True)
 class MeasuredArguments:
-    """Which table, how it is read and fitted, and where the motion goes."""
+    """Arguments of ``measured``: a table, how it is read and fitted, and a design for the motion."""
 
-    table: Path = text_option("CSV, text or workbook (.xlsx, .ods) with a row for each cam angle", "TABLE", type=Path)
+    table: Path = text_option("CSV, text or workbook (.xlsx, .ods) with a row for every cam angle", "TABLE", type=Path)
     error: Errors = text_option(
-        "measuring error of a value, in its column's unit; one alone is of the displacement; 0 = the rounding of the table",
+        "measuring error of a value, in its column's unit; a single one is of the displacement; 0 = the rounding of the table",
         default=None,
-        default_text="what the rows tell",
+        default_text="estimated from the rows",
         type=errors,
         metavar="E|s=E,v=E,a=E",
     )
@@ -163,7 +163,7 @@ class MeasuredArguments:
         metavar="Y",
     )
     lift: tuple[float, ...] = text_option(
-        "where the duration of an event is stated, above the base circle, in the unit of the motion; more than one: again",
+        "lift above the base circle at which the duration of an event is stated, in the unit of the motion; repeat it",
         default=(),
         default_text="1 and 1.27 mm",
         action="append",
@@ -171,29 +171,29 @@ class MeasuredArguments:
         metavar="S",
     )
     no_laws: bool = flag("No laws", help="tables between the dwells, no laws of the table of laws")
-    no_dwells: bool = flag("No dwells", help="no dwells that stand exactly still; with --no-laws: one spline")
+    no_dwells: bool = flag("No dwells", help="no exact dwells; with --no-laws: one spline")
     switch: Switches = text_option(
-        "what the segment at a cam angle shall be in place of what is found: table, dwell or a law",
+        "kind of the segment at a cam angle, instead of the recognised one: table, dwell or a law",
         default=(),
         type=switches,
         metavar="DEG=KIND,...",
     )
-    keep_all: bool = flag("All rows", help="fit wrong rows, too, and rows that contradict each other")
-    mirror: bool = flag("Mirror", help="the rows are half a lobe, which is reflected in the row of its largest lift")
+    keep_all: bool = flag("All rows", help="fit outliers too, and rows that contradict each other")
+    mirror: bool = flag("Mirror", help="reflect half a lobe in the row of its greatest lift")
     controller: str = text_option(
-        "the table is of this controller, a row of the table of controllers, and read exactly",
+        "read the table exactly, as a table of this controller",
         default="",
         metavar="SLUG",
     )
     segment: int = text_option(
-        "the table's first two columns are the curve of this segment of the design, counted from 1, stretched to its span and rise",
+        "segment of the design, from 1, whose curve the first two columns give, scaled to its span and rise",
         "--segment",
         default=0,
         default_text="the whole motion",
         type=int,
         metavar="N",
     )
-    as_is: bool = flag("As it is", help="with --segment: with the table's own span and rise")
+    as_is: bool = flag("As it is", help="with --segment: with the span and rise of the table")
     joined: bool = flag(
         "Joined", help="with --segment: velocity and acceleration at its ends are those of its neighbours"
     )
@@ -201,7 +201,7 @@ class MeasuredArguments:
     made_as: str | None = option(
         choice("As", ("design", "segment", "motion"), default=None),
         "--as",
-        help="a design or motion that is not there yet is made by --into, of the motion alone; segment: that of --segment",
+        help="a new design or motion for --into, of the motion alone; segment: that of --segment",
         default_text="design, or segment with --segment",
     )
     drive: str = drive_name()
@@ -209,23 +209,27 @@ class MeasuredArguments:
 
 
 def run_measured(arguments: MeasuredArguments, painter: Painter | None) -> int:
-    """A motion fitted to a measured table, printed and perhaps written into a design; the exit code."""
+    """Fit a motion to a measured table, print it, and write it into a design where one is given."""
     if arguments.made_as == "segment" and not arguments.segment:
-        raise KindynaError("--as segment: wanted: --segment N, which it becomes")
-    makes = arguments.made_as in (None, "design", "motion") and not arguments.segment
-    new = arguments.into if makes and arguments.into is not None and not arguments.into.exists() else None
-    whole = load(arguments.into) if arguments.into is not None and new is None else None
-    which = 0 if whole is None else number_of(whole, arguments.drive)
-    design = None if whole is None else only(whole, which)
+        raise KindynaError("--as segment: give --segment N too")
+    is_new_design = arguments.made_as in (None, "design", "motion") and not arguments.segment
+    new = arguments.into if is_new_design and arguments.into is not None and not arguments.into.exists() else None
+    machine = load(arguments.into) if arguments.into is not None and new is None else None
+    which = 0 if machine is None else number_of(machine, arguments.drive)
+    design = None if machine is None else only(machine, which)
     unit = "mm" if design is None else require_motion(design).unit
     speed = arguments.speed_rpm if arguments.speed_rpm is not None or design is None else design.speed_rpm
     if arguments.controller:
-        found = read_motion(controller(arguments.controller), read_bytes(arguments.table), unit=unit)
+        controller_motion = read_motion(controller(arguments.controller), read_bytes(arguments.table), unit=unit)
         if new is not None:
-            save(of_motion(found.motion, arguments.table.stem, speed), new)
-        elif arguments.into is not None and whole is not None and design is not None:
-            save(with_only(whole, which, with_controller_motion(design, found)), arguments.into, in_place=True)
-        print(to_json(motion_facts(found)) if arguments.json else motion_text(found), end="")
+            save(of_motion(controller_motion.motion, arguments.table.stem, speed), new)
+        elif arguments.into is not None and machine is not None and design is not None:
+            save(
+                with_only(machine, which, with_controller_motion(design, controller_motion)),
+                arguments.into,
+                in_place=True,
+            )
+        print(to_json(motion_facts(controller_motion)) if arguments.json else motion_text(controller_motion), end="")
         return DONE
     data, name = read_bytes(arguments.table), arguments.table.name
     if is_workbook(data):
@@ -233,7 +237,7 @@ def run_measured(arguments: MeasuredArguments, painter: Painter | None) -> int:
     else:
         sheet = read_sheet(data, name, arguments.delimiter, arguments.decimal)
     if arguments.segment:
-        return _segment(arguments, sheet, whole, which)
+        return _segment(arguments, sheet, machine, which)
     table = read_table(sheet, layout(sheet, arguments.columns, unit, speed), speed, arguments.leave_out)
     fitted = fit(
         mirror_rows(table) if arguments.mirror else table,
@@ -246,26 +250,27 @@ def run_measured(arguments: MeasuredArguments, painter: Painter | None) -> int:
     )
     if new is not None:
         save(of_motion(fitted.motion, arguments.table.stem, speed), new)
-    elif arguments.into is not None and whole is not None and design is not None:
-        save(with_only(whole, which, with_measured_motion(design, fitted)), arguments.into, in_place=True)
+    elif arguments.into is not None and machine is not None and design is not None:
+        save(with_only(machine, which, with_measured_motion(design, fitted)), arguments.into, in_place=True)
     lifts = arguments.lift
     print(to_json(fit_data(sheet, fitted, lifts)) if arguments.json else fit_text(sheet, fitted, lifts), end="")
     return DONE
 
 
-def _segment(arguments: MeasuredArguments, sheet: Worksheet, whole: Design | None, which: int) -> int:
-    """The table as the curve of a segment of the design. Raises KindynaError."""
-    if whole is None or arguments.into is None:
-        raise KindynaError("measured --segment: wanted: --into DESIGN, whose segment it becomes")
-    design = only(whole, which)
+def _segment(arguments: MeasuredArguments, sheet: Worksheet, machine: Design | None, which: int) -> int:
+    """Write the table into a design as the curve of a segment. Raises KindynaError."""
+    if machine is None or arguments.into is None:
+        raise KindynaError("measured --segment: give --into DESIGN too")
+    design = only(machine, which)
     count = len(require_motion(design).segments)
     if not 1 <= arguments.segment <= count:
         raise KindynaError(f"--segment {arguments.segment}: no such segment; allowed: 1 ... {count}")
     index = arguments.segment - 1
-    made = segment_from_table(design, index, sheet, as_is=arguments.as_is, joined=arguments.joined)
-    save(with_only(whole, which, made), arguments.into, in_place=True)
-    row = require_motion(made).segments[index]
+    changed = segment_from_table(design, index, sheet, as_is=arguments.as_is, joined=arguments.joined)
+    save(with_only(machine, which, changed), arguments.into, in_place=True)
+    row = require_motion(changed).segments[index]
     print(
-        f"segment {arguments.segment}: {len(sheet.rows)} rows, span {row.span_deg:.9g} deg, rise {row.rise:.9g} {require_motion(made).unit}"
+        f"segment {arguments.segment}: {len(sheet.rows)} rows, span {row.span_deg:.9g} deg, "
+        f"rise {row.rise:.9g} {require_motion(changed).unit}"
     )
     return DONE

@@ -289,8 +289,10 @@ ROUNDING = 1e-9  # [deg] permitted violation of a sequence condition
 
 @frozen
 class Stroke:
-    """A rise or a return of a motion: its name ``rise.1``, its segments, and its cam angles [deg], the end above 360 where it
-    continues past the start of the turn."""
+    """A rise or a return of a motion: its name ``rise.1``, its segments, and its cam angles [deg].
+
+    The end is above 360 where it continues past the start of the turn.
+    """
 
     name: str
     segments: tuple[int, ...]

@@ -365,8 +365,10 @@ def _fields_in_order(kind: Any) -> tuple[dataclasses.Field[Any], ...]:
 
 @lru_cache(maxsize=512)
 def slots(kind: Any, unit: str = "", inside: tuple[tuple[str, Any], ...] = ()) -> tuple[FileEntry, ...]:
-    """Entries of a class's table in the file, for a motion in ``unit``; ``inside`` lists fields with the classes of the parts
-    whose keys are in this table."""
+    """Entries of a class's table in the file, for a motion in ``unit``.
+
+    ``inside`` lists fields with the classes of the parts whose keys are in this table.
+    """
     entries: list[FileEntry] = [] if LAW not in vars(kind) else [FileEntry(LAW, (), (), FileLayout(), NOTHING)]
     for part in _fields_in_order(kind):
         info, placing = info_of(part), part.metadata.get(_PLACING, FileLayout())

@@ -1,9 +1,8 @@
-"""What of the follower touches the cam: one small class per face, chosen by the word ``face`` of the file.
+"""Faces of a follower on the cam, one class for each word ``face`` of the file, and forms of a disk cam.
 
-A roller's radius stands in [cam]; a linkage's cam holds its face whole. Whoever needs the face of a drive asks ``Drive.face``.
-Each class has its word as ``face``, what it is called in messages as ``noun``, whether it slides on the cam as ``slides`` and is a
-straight line, which has no centre, as ``straight``, and as ``reach`` what takes its reference point from the cam centre to where it
-stands on the base circle.
+A roller's radius is in [cam]; a linkage's cam contains its face. ``Drive.face`` returns the face of a drive. The class
+attributes of a face are its word ``face``, its name ``noun`` in messages, whether it ``slides`` on the cam, whether it is a
+``straight`` line without a centre, and ``reach``, the distance of its reference point from the cam centre on the base circle.
 """
 
 from __future__ import annotations
@@ -29,7 +28,7 @@ from core.design.fields import (
 from core.frozen import frozen
 from core.materials import MATERIALS
 
-# -- what of the follower touches the cam -----------------------------------------------------------------------
+# -- faces of a follower ----------------------------------------------------------------------------------------
 
 
 FACE = "face"
@@ -38,7 +37,7 @@ FACE = "face"
 
 @frozen
 class Roller:
-    """It turns on its own axis and rolls on the cam; its centre is the follower's reference point."""
+    """A roller, whose centre is the follower's reference point."""
 
     face: ClassVar[str] = "roller"
     noun: ClassVar[str] = "roller"
@@ -53,13 +52,13 @@ class Roller:
         return self.roller_radius_mm
 
     def on(self, cam: Any) -> Roller:
-        """The face as it is on this cam, whose table may state its radius."""
+        """The face with its size, which the cam may state."""
         return self
 
 
 @frozen
 class Rolling:
-    """A roller in [follower], which says no more: its radius is the cam's entry."""
+    """A roller in [follower], whose radius is in [cam]."""
 
     face: ClassVar[str] = "roller"
     noun: ClassVar[str] = "roller"
@@ -67,7 +66,7 @@ class Rolling:
     reach: ClassVar[str] = "base radius + roller radius"
 
     def on(self, cam: Any) -> Roller:
-        """The face as it is on this cam, whose table may state its radius."""
+        """The face with its size, which the cam may state."""
         return Roller(cam.roller_radius_mm)
 
 
@@ -79,7 +78,7 @@ class _Sliding:
     straight: ClassVar[bool] = False
 
     def on(self, cam: Any) -> Any:
-        """The face as it is on this cam, whose table may state its radius."""
+        """The face with its size, which the cam may state."""
         return self
 
 
@@ -99,7 +98,7 @@ class Knife(_Sliding):
 
 @frozen
 class Shoe(_Sliding):
-    """A round that slides; its centre is the reference point."""
+    """A cylindrical face that slides; its centre is the reference point."""
 
     face: ClassVar[str] = "shoe"
     noun: ClassVar[str] = "shoe"
@@ -114,14 +113,13 @@ class Shoe(_Sliding):
 
 @frozen(kw_only=True)
 class Flat(_Sliding):
-    """A straight face. Its normal m points from the cam to the face; places on it are counted along i·m from the
-    reference point."""
+    """A straight face; positions on it are measured from the reference point along i·m, m its normal away from the cam."""
 
     face: ClassVar[str] = "flat"
     straight: ClassVar[bool] = True
     noun: ClassVar[str] = "flat face"
     face_half_width_mm: float | None = number(
-        "Face half width", 0.0, 1e9, open_low=True, default=None, help="empty = as wide as it needs to be"
+        "Face half width", 0.0, 1e9, open_low=True, default=None, help="empty = as wide as needed"
     )
     face_centre_mm: float = seldom(
         coordinate("Face centre", default=0.0, help="middle of the face, along it from its reference point")
@@ -129,18 +127,18 @@ class Flat(_Sliding):
 
     @property
     def radius_mm(self) -> float:
-        """How far its reference stands off the cam: it lies on it."""
+        """Distance of the reference point from the profile [mm]: 0, it is on the face."""
         return 0.0
 
     @property
     def tilt_deg(self) -> float:
-        """Of its normal from the x axis of its body."""
+        """Tilt of the face [deg]."""
         return 0.0
 
 
 @frozen(kw_only=True)
 class TiltedFlat(Flat):
-    """Of a translating follower: the reference point is where the line at the offset meets the face."""
+    """Flat face of a translating follower; its reference point is on the line at the offset."""
 
     face_tilt_deg: float = seldom(
         number("Face tilt", -89.0, 89.0, default=0.0, help="from square to the guide, counter-clockwise")
@@ -154,7 +152,7 @@ class TiltedFlat(Flat):
 
 @frozen(kw_only=True)
 class OffsetFlat(Flat):
-    """Of an arm: the reference point is the foot of the pivot on the face."""
+    """Flat face of an arm; its reference point is the projection of the pivot on the face."""
 
     face_offset_mm: float = coordinate(
         "Face offset",
@@ -165,12 +163,12 @@ class OffsetFlat(Flat):
 
 RoundFace = Roller | Knife | Shoe
 Face = Roller | Knife | Shoe | TiltedFlat | OffsetFlat
-"""A face with its size, as the cam sees it."""
+"""A face with its size."""
 
 
 @frozen
 class ContactFriction:
-    """Of a face that slides on the cam."""
+    """Friction of a face that slides on the cam."""
 
     contact_friction: float = number(
         "Contact friction", 0.0, 10.0, default=0.0, step=0.01, help="coefficient between face and cam"
@@ -178,7 +176,7 @@ class ContactFriction:
 
 
 def rubs(table: Any) -> type[ContactFriction] | None:
-    """Whether loads state a friction of the contact."""
+    """Class of the contact friction, where a table of loads has it."""
     return ContactFriction if "contact_friction" in table else None
 
 
@@ -195,7 +193,7 @@ def _play(help: str) -> Any:
 
 @frozen
 class Open:
-    """One flank; something has to press the follower on it."""
+    """A cam with one flank; a force must press the follower on it."""
 
     form: ClassVar[str] = "open"
     holds: ClassVar[bool] = False
@@ -203,39 +201,38 @@ class Open:
 
 @frozen
 class Groove:
-    """The roller runs between an inner and an outer flank."""
+    """A groove cam, with the roller between an inner and an outer flank."""
 
     form: ClassVar[str] = "groove"
     holds: ClassVar[bool] = True
-    play_mm: float = _play("the groove is so much wider than the roller; the outer flank is the farther one")
+    play_mm: float = _play("width of the groove beyond the roller's diameter, at the outer flank")
 
 
-def _known(label: str, help: str, most: float = LONGEST_MM, otherwise: str = "not known") -> Any:
-    return number(label, 0.0, most, open_low=True, default=None, help=f"{help}; empty = {otherwise}")
+def _known(label: str, help: str, high: float = LONGEST_MM, otherwise: str = "not known") -> Any:
+    return number(label, 0.0, high, open_low=True, default=None, help=f"{help}; empty = {otherwise}")
 
 
 def _material(label: str, help: str) -> Any:
-    gives = "gives modulus, Poisson's ratio and, where known, the pressure that it bears"
+    gives = "gives modulus, Poisson's ratio and, where known, the allowable pressure"
     return choice(label, tuple(MATERIALS), default=None, help=f"{help}; {gives}")
 
 
 def _ratio(label: str) -> Any:
     return number(
-        label, 0.0, 0.5, default=None, step=0.01, help="beside a typed modulus; empty = the material's, else 0.3"
+        label, 0.0, 0.5, default=None, step=0.01, help="for a typed modulus; empty = the material's, else 0.3"
     )
 
 
 @frozen(kw_only=True)
 class Surfaces:
-    """What touches there, as far as it is known: materials of cam and of the roller, shoe or face on it, and the roller's bearing.
-    A typed modulus stands before that of the material."""
+    """Materials of the cam and of the face on it, and the roller's bearing, as far as known; a typed modulus has priority."""
 
     material: str | None = leading(_material("Material", "of the cam"))
-    roller_material: str | None = leading(_material("Roller material", "of what touches the cam, roller or not"))
+    roller_material: str | None = leading(_material("Roller material", "of the part on the cam, roller or not"))
     youngs_modulus_gpa: float | None = _known("Young's modulus", "of the cam", LARGEST, "the material's")
     poisson_ratio: float | None = _ratio("Poisson's ratio")
     roller_youngs_modulus_gpa: float | None = _known(
-        "Roller's modulus", "Young's, of what touches the cam", LARGEST, "the material's"
+        "Roller's modulus", "Young's, of the part on the cam", LARGEST, "the material's"
     )
     roller_poisson_ratio: float | None = _ratio("Roller's Poisson's ratio")
     roller_load_rating_n: float | None = _known(
@@ -245,7 +242,7 @@ class Surfaces:
 
 @frozen(kw_only=True)
 class SecondSurfaces(Surfaces):
-    """The same of the second cam; what is empty is as of the first."""
+    """Materials of the second cam and its roller; empty fields are as for the first."""
 
     thickness_mm: float | None = _known(
         "Second thickness", "width of the second cam along the shaft", otherwise="as the first cam"
@@ -257,7 +254,7 @@ OF_SECOND = tuple(field.name for field in fields(SecondSurfaces))
 
 @frozen(kw_only=True)
 class SecondRoller(SecondSurfaces):
-    """The roller on the second cam of a conjugate pair; where it stands is the follower's entry."""
+    """The roller on the second cam of a conjugate pair; its position is in [follower]."""
 
     roller_radius_mm: float = leading(length("Second roller radius"))
 
@@ -273,7 +270,7 @@ class SecondLinkRoller(SecondSurfaces):
 
 @frozen(kw_only=True)
 class Conjugate:
-    """Two cams on one shaft, a roller on each: where the one would pull, the other pushes."""
+    """Two cams on one shaft, with a roller on each, which push in opposite directions."""
 
     form: ClassVar[str] = "conjugate"
     holds: ClassVar[bool] = True
@@ -283,7 +280,7 @@ class Conjugate:
 
 @frozen(kw_only=True)
 class LinkageConjugate:
-    """The same under a linkage."""
+    """A conjugate pair of cams under a linkage."""
 
     form: ClassVar[str] = "conjugate"
     holds: ClassVar[bool] = True
@@ -298,14 +295,14 @@ FORMS = (Open.form, Groove.form, Conjugate.form)
 
 
 def form_of(*classes: type[Form]) -> Any:
-    """A dataclass field for the form of a cam, whose keys stand in the cam's table."""
-    words = {each.form: each for each in classes}
+    """Dataclass field for the form of a cam, with its keys in the cam's table."""
+    words = {class_.form: class_ for class_ in classes}
     return placed(chosen_by_word(FORM, words, "Form", otherwise=Open.form, weight=MAIN), Open())
 
 
 @frozen(kw_only=True)
 class CamDetails(Surfaces):
-    """What the drawing of a cam may state besides its form, as far as it is known."""
+    """Further dimensions of a cam's drawing, as far as known."""
 
     thickness_mm: float | None = leading(_known("Thickness", "width of the profile along the shaft"))
     bore_mm: float | None = _known("Bore", "diameter")
@@ -313,6 +310,6 @@ class CamDetails(Surfaces):
     keyway_width_mm: float | None = _known("Keyway width", "of the groove in the bore")
     keyway_depth_mm: float | None = _known("Keyway depth", "from the bore")
     keyway_angle_deg: float | None = number(
-        "Keyway angle", -360.0, 360.0, default=None, help="of its middle in the cam's own frame; empty = not known"
+        "Keyway angle", -360.0, 360.0, default=None, help="of its middle in the cam's frame; empty = not known"
     )
     cutter_radius_mm: float | None = _known("Cutter radius", "of cutter or grinding wheel")

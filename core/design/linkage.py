@@ -1,6 +1,6 @@
-"""A planar linkage as typed: links with named points in their own frames, sliding pairs, one driver, branches.
+"""A planar linkage: links with named points in the frames of the links, sliding pairs, drivers, branches.
 
-The same point name on several links is a revolute pair: n links on one pin are n - 1 pairs.
+A point name on several links is a revolute pair; n links on one pin are n - 1 pairs.
 """
 
 from __future__ import annotations
@@ -42,17 +42,17 @@ from core.frozen import frozen
 from core.numerics.derivatives import vector
 
 FRAME_LINK = 1
-"""Number of the link that stands still; its frame is the global frame."""
+"""Number of the fixed link; its frame is the global frame."""
 
 CRANK, MOTION = "crank", "motion"
 MOTION_SPEED = 60.0
-"""[rpm] of a motion's shaft where the file does not say: one turn a second."""
+"""Default speed of a motion's shaft [rpm]: one turn a second."""
 DRIVERS = (CRANK, MOTION)
 
 
 @frozen
 class LinkPoint:
-    """A named point of a link, in the link's own frame."""
+    """A named point of a link, in the frame of the link."""
 
     name: str
     x_mm: float = coordinate("x", pair="x, y")
@@ -61,7 +61,7 @@ class LinkPoint:
 
 @frozen
 class Link:
-    """One rigid body. Points whose name stands on no other link are followed and drawn (coupler points)."""
+    """One rigid body; points of no second link are coupler points."""
 
     number: int = whole("Number", 1, 999, help="1 = frame")
     points: tuple[LinkPoint, ...] = placed(
@@ -76,8 +76,7 @@ class Link:
 
 @frozen(kw_only=True)
 class Slider:
-    """``link`` slides on the link ``on`` along a line of that one's frame, without turning on it: the x axis of the
-    frame of ``link`` lies on the line and points along it."""
+    """Sliding pair: ``link`` slides along a line of the link ``on`` without turning; its x axis is on the line."""
 
     link: int = whole("Link", 1, 999, help="the link that slides")
     on: int = whole("On", 1, 999, help="the link that carries the line")
@@ -88,9 +87,10 @@ class Slider:
 
 @frozen
 class Driver:
-    """The link that is moved: a ``crank`` pinned to the frame turns at speed; with ``motion`` the angle of a link
-    pinned to the frame, or the slide of a link on the frame, follows the design's motion. ``on`` is what it is moved against: the
-    frame, or a link that moves itself, as the tube of a cylinder does."""
+    """The driving link: a ``crank`` at constant speed, or a link whose angle or slide follows the ``motion`` of the design.
+
+    ``on`` is its reference link: the frame, or a moving link, as the tube of a cylinder.
+    """
 
     link: int = whole("Driving link", FRAME_LINK, 999)
     kind: str = choice("Driven by", DRIVERS, default=CRANK, missing=" | ".join(DRIVERS))
@@ -107,23 +107,22 @@ class Driver:
 
 
 NO_DRIVER = Driver(FRAME_LINK)
-"""Of a linkage in which nothing drives yet."""
+"""Driver of a linkage without a driver."""
 
 
 GEAR, INTERNAL, BELT, RACK = "gear", "internal", "belt", "rack"
 WHEELS = (GEAR, INTERNAL, BELT, RACK)
-"""Pairs of wheels: the outer ones of gears turn against each other, a ring and its pinion, and pulleys, with each other. Of a rack, whose
-radius is stated as 0, the sense is that of a pinion on its left, looking forward along the line on which it slides."""
+"""Pairs of wheels: gears turn in opposite senses, ring and pinion, and pulleys, in the same. A rack has the radius 0; its pinion is on
+its left, seen along the line on which it slides."""
 MOST_TURNS = 360  # of a cycle
 
 
 @frozen(kw_only=True)
 class SecondDriver:
-    """A link pinned to a known one whose angle against the link ``on`` follows the driver's: ratio times it, or a motion of its own
-    over the driver's turn, and an offset. Of a link that slides on the link ``on`` it is the place on the line, as of a rack.
+    """A second driving link: its angle or slide relative to the link ``on`` is a ratio times the driver's, or a motion, plus an offset.
 
-    Of wheels the ratio follows from their teeth or radii: the first one is the driver's, or stands still on the frame where the
-    link is carried by the driver, so that ``on`` is the driver's link.
+    The ratio of wheels follows from their teeth or radii. The first wheel belongs to the driver; with ``on`` equal to the
+    driver's link it is fixed to the frame.
     """
 
     link: int = whole("Second driving link", 2, 999)
@@ -143,7 +142,7 @@ class SecondDriver:
 
     @property
     def wheels(self) -> tuple[float, float] | None:
-        """Teeth of both, or their radii; None where neither is stated."""
+        """Teeth of both wheels, or their radii; None where neither is given."""
         for first, second in (
             (self.teeth_first, self.teeth_second), (self.radius_first_mm, self.radius_second_mm),
         ):  # fmt: skip
@@ -153,16 +152,16 @@ class SecondDriver:
 
     @property
     def pitch_radii(self) -> tuple[float, float] | None:
-        """Radii of both pitch circles [mm], as stated or by teeth and module, that of a rack 0; None where they do not follow."""
+        """Radii of both pitch circles [mm], by radius or by teeth and module, 0 for a rack; None where they are unknown."""
         radii, teeth = (self.radius_first_mm, self.radius_second_mm), (self.teeth_first, self.teeth_second)
         if self.module_mm and None not in teeth and not any(radii):
-            radii = tuple(0.5 * self.module_mm * (each or 0) for each in teeth)  # type: ignore[assignment]
-        first, second = (each or 0.0 for each in radii)
+            radii = tuple(0.5 * self.module_mm * (count or 0) for count in teeth)  # type: ignore[assignment]
+        first, second = (radius or 0.0 for radius in radii)
         known = bool(first) != bool(second) if self.kind == RACK else bool(first and second)
         return (first, second) if known else None
 
     def ratio_by(self, driver: int) -> float | None:
-        """The ratio that the wheels give it, on the frame or on the link of the driver; None where they do not say."""
+        """Ratio of the wheels, on the frame or on the driver's link; None where it is unknown."""
         if self.kind == RACK:
             first, second = self.pitch_radii or (0.0, 0.0)
             return pi / 180.0 * first if first else 180.0 / (pi * second) if second else None
@@ -175,7 +174,7 @@ class SecondDriver:
 
 @frozen
 class NamedMotion:
-    """The motion of a second driver, ``[motions.NAME]``: over the driver's turn, from its angle 0 on."""
+    """Motion of a second driver, ``[motions.NAME]``, over the turn of the driver from its angle 0."""
 
     name: str
     motion: Motion
@@ -183,12 +182,12 @@ class NamedMotion:
 
 @frozen
 class Side:
-    """Which way a joint is assembled: +1 left, -1 right.
+    """Side on which a joint is assembled: +1 left, -1 right.
 
     ``joint`` names the pin between the two links of a dyad, or, where these slide on each other, is the number of the
     link that slides (as text). Of RRR the line runs from the known end of the lower-numbered link to that of the higher;
     where the known end is a guide, +1 is forward along it; of a link that slides on another, +1 has its pin ahead of
-    the other's, along the line. Where the way leads through change points, the side holds before the first of them: from
+    the other's, along the line. Where the motion passes through change points, the side is that before the first of them: from
     the crank's angle 0, or from the driver's lowest position.
     """
 
@@ -198,8 +197,7 @@ class Side:
 
 @frozen
 class Drawn:
-    """Where points stand, roughly, with the driver at ``driver_deg`` or ``driver_mm``, of a motion at cam angle 0 where neither
-    is stated: of its assemblies the linkage takes the nearest."""
+    """Approximate positions of points at a position of the driver, by default that of cam angle 0; they select the nearest assembly."""
 
     driver_deg: float | None = number("Driver drawn at", -LARGEST, LARGEST, default=None)
     driver_mm: float | None = coordinate("Driver drawn at", default=None)
@@ -223,12 +221,12 @@ class Linkage:
     branch: tuple[Side, ...] = placed(FileLayout(Side, key="joint"), ())
     drawn: Drawn | None = placed(FileLayout(Drawn, single=True), None)
     drivers: tuple[SecondDriver, ...] = placed(FileLayout(SecondDriver), ())
-    motions: tuple[NamedMotion, ...] = placed(FileLayout(in_file=False), ())  # tables of their own
+    motions: tuple[NamedMotion, ...] = placed(FileLayout(in_file=False), ())  # in separate tables
 
     @property
     def own_motions(self) -> Mapping[int, Motion]:
-        """Link of a second driver -> its own motion."""
-        named = {each.name: each.motion for each in self.motions}
+        """Link of a second driver -> its motion."""
+        named = {row.name: row.motion for row in self.motions}
         return MappingProxyType({d.link: named[d.motion] for d in self.drivers if d.motion in named})
 
     @property
@@ -238,16 +236,16 @@ class Linkage:
 
     @property
     def ratios(self) -> Mapping[int, float]:
-        """Link of a second driver -> its ratio, in degrees or mm; 0 where it has a motion of its own."""
-        found = {
+        """Link of a second driver -> its ratio, in degrees or mm; 0 where it has a motion."""
+        ratios = {
             d.link: 0.0 if d.motion else d.ratio if d.ratio is not None else d.ratio_by(self.driver.link)
             for d in self.drivers
         }
-        return MappingProxyType({link: ratio for link, ratio in found.items() if ratio is not None})
+        return MappingProxyType({link: ratio for link, ratio in ratios.items() if ratio is not None})
 
     @property
     def turns(self) -> int | None:
-        """Turns of the driver after which every second one has made whole turns too; None where ``MOST_TURNS`` do not do."""
+        """Turns of the driver in a period of all drivers; None where it exceeds ``MOST_TURNS``."""
         from fractions import Fraction
 
         turns, advances = 1, (motion.gain / 360.0 for motion in self.own_motions.values())
@@ -262,14 +260,16 @@ class Linkage:
 
     @property
     def sides(self) -> Mapping[str, int]:
-        """Joint -> +1 or -1, of those that are stated."""
+        """Joint -> its stated side, +1 or -1."""
         return MappingProxyType({s.joint: s.side for s in self.branch})
 
 
 @frozen(kw_only=True)
 class LinkageCam(CamDetails):
-    """Disk cam about the origin of the frame, under a roller, a knife edge or a shoe at a point of a link: it makes the linkage
-    follow the motion. Its size follows from where that point runs."""
+    """Disk cam about the origin of the frame, under a roller, a knife edge or a shoe at a point of a link.
+
+    It drives the linkage by the motion; the path of the point determines its size.
+    """
 
     link: int = whole("Roller on link", 2, 999)
     point: str = placed(FileLayout(missing="the name of a point"))
@@ -304,7 +304,7 @@ class LinkForce:
 
 @frozen(kw_only=True)
 class LinkageLoads(ForceElements):
-    """Masses of the links and what pushes them; ``contact``: of a face that slides on the cam."""
+    """Masses of the links and forces on them; ``contact`` is the friction of a sliding face."""
 
     contact: ContactFriction | None = placed(FileLayout(ContactFriction, choose=rubs), None)
     gravity_m_s2: float = seldom(number("Gravity", 0.0, default=9.80665))

@@ -1,23 +1,23 @@
-"""A balance cam: it loads and frees a spring so that what is left of the shaft's torque is its mean."""
+"""Balance cam and force elements."""
 
 from __future__ import annotations
 
 from core.design.fields import FileLayout, coordinate, length, number, placed, whole
 from core.frozen import frozen
 
-# -- A balance cam ----------------------------------------------------------------------------------------------
+# -- balance cam ------------------------------------------------------------------------------------------------
 
 
 @frozen(kw_only=True)
 class Balancer:
-    """A translating roller follower on a spring; its motion follows from the torque that it balances, at the shaft's speed.
+    """Balance cam: a translating roller follower whose spring evens out the torque of the shaft at its speed.
 
     The motion begins at 0, where the spring has its preload; the follower's weight counts as preload.
     """
 
     spring_rate_n_per_mm: float = number("Spring rate", 0.0, help="a softer spring makes a longer stroke")
     preload_n: float = number(
-        "Spring preload", 0.0, open_low=True, help="where the motion is 0; with none the cam would have a kink there"
+        "Spring preload", 0.0, open_low=True, help="where the motion is 0; without it the cam would have a kink there"
     )
     follower_mass_kg: float = number("Follower mass", 0.0, default=0.0, help="with its roller")
     phase_deg: float = number("Phase", -360.0, 360.0, default=0.0, help="machine angle at the cam's zero mark")
@@ -25,7 +25,7 @@ class Balancer:
     roller_radius_mm: float = length("Roller radius Rr")
 
 
-# -- force elements as typed ------------------------------------------------------------------------------------
+# -- force elements ---------------------------------------------------------------------------------------------
 
 
 _POINT = "the name of a point, or at = [x, y]"
@@ -33,7 +33,7 @@ _POINT = "the name of a point, or at = [x, y]"
 
 @frozen(kw_only=True)
 class Attachment:
-    """Where a force element holds on to a link: a point of it, or a place in its frame."""
+    """Attachment of a force element to a link: a point by name, or coordinates in the frame of the link."""
 
     link: int = whole("Link", 1, 999, help="1 = frame")
     point: str | None = placed(FileLayout(), None)
@@ -56,7 +56,7 @@ class PointSpring:
     to: Attachment = _end()
     rate_n_per_mm: float = number("Spring rate", 0.0, default=0.0)
     free_length_mm: float = number("Free length", 0.0, 1e9, default=0.0, help="without force")
-    damping_n_s_per_mm: float = number("Damping", 0.0, default=0.0, help="of the damper beside it")
+    damping_n_s_per_mm: float = number("Damping", 0.0, default=0.0, help="of the parallel damper")
 
 
 @frozen(kw_only=True)
@@ -92,7 +92,7 @@ class PairFriction:
 
 @frozen
 class LoadPoint:
-    """A row of a table of force over the turn."""
+    """A row of a force table over the turn."""
 
     deg: float = number("Cam angle", 0.0, 360.0)
     value: float = number("Force", help="torque, where it turns")
@@ -100,13 +100,13 @@ class LoadPoint:
 
 @frozen(kw_only=True)
 class Process:
-    """A force or a torque that works on a part of the turn, at a part of the motion, or as a table over the turn.
+    """A force or torque over a part of the turn, at a part of the motion, or as a table over the turn.
 
     Without a link it acts on the output along its motion: N where that slides, N m where it swings. At a point of a link it is a
     force in a direction of the global frame, and a torque on the link.
     """
 
-    cam_from_deg: float | None = number("From cam angle", 0.0, 360.0, default=None, step=1.0, help="of the drive's own")
+    cam_from_deg: float | None = number("From cam angle", 0.0, 360.0, default=None, step=1.0, help="of the drive")
     cam_to_deg: float | None = number(
         "To cam angle", 0.0, 360.0, default=None, step=1.0, help="less than from: past 360°"
     )
@@ -126,7 +126,7 @@ class Process:
 
 @frozen(kw_only=True)
 class ForceElements:
-    """The force elements that any loads can have, and how elastic the follower is between its mass and the cam."""
+    """Force elements of any loads, and the elasticity of the follower between its mass and the cam."""
 
     follower_stiffness_n_per_mm: float | None = number(
         "Follower stiffness",

@@ -1,6 +1,6 @@
-"""What the user typed: frozen parts in the user's own units, so that a file round-trips exactly.
+"""Design inputs as frozen parts in the units of the user, so that a file is written back exactly as it was read.
 
-No part holds a result, a view setting or another kind's keys; a part that is None does not exist.
+Parts contain no results and no view settings; a part that does not exist is None.
 """
 
 from __future__ import annotations
@@ -53,9 +53,14 @@ from core.units import UNITS
 
 @frozen
 class NamedCurve:
-    """A curve known by its name in the table of laws. ``crossover``: where a symmetric law turns from acceleration to
-    deceleration, as a fraction of the span. ``flat_fraction``: over which fraction of its span half a cycloid (C1 ... C4) keeps
-    its acceleration constant."""
+    """A curve of the table of laws.
+
+    Attributes
+    ----------
+    law : slug of the law
+    crossover : change from acceleration to deceleration of a symmetric law, as a fraction of the span
+    flat_fraction : fraction of the span with constant acceleration, for a half cycloid C1 ... C4
+    """
 
     law: str = placed(FileLayout(missing=" | ".join(LAWS)))
     crossover: float = number("Crossover", 0.01, 0.99, default=0.5, step=0.05, help="0.5 = symmetric")
@@ -71,8 +76,10 @@ class NamedCurve:
 
 @frozen
 class SccaCurve:
-    """Sine - constant - cosine acceleration: of what constant velocity leaves of the span, how much is sine ramp and
-    how much constant acceleration; the rest is cosine (Norton ch. 3: b, c, d)."""
+    """Sine - constant - cosine acceleration (Norton ch. 3: b, c, d).
+
+    Fractions of the span without its constant velocity are sine ramp and constant acceleration; the rest is cosine.
+    """
 
     law: ClassVar[str] = "scca"
     cv_fraction: float = number("Constant velocity", 0.0, 0.99, default=0.0, step=0.05, help="fraction of the span")
@@ -84,7 +91,7 @@ class SccaCurve:
 
 @frozen
 class PolynomialEnd:
-    """What a polynomial does at one end, per degree of cam angle; an absent jerk is left free."""
+    """Derivatives of a polynomial at one end, per degree of cam angle; without a jerk the jerk is free."""
 
     velocity: float = number("Velocity", default=0.0, help="per degree")
     acceleration: float = number("Acceleration", default=0.0, help="per degree squared")
@@ -93,7 +100,7 @@ class PolynomialEnd:
 
 @frozen
 class PolynomialCurve:
-    """The polynomial of least degree with the wanted ends."""
+    """The polynomial of least degree with given derivatives at its ends."""
 
     law: ClassVar[str] = "polynomial"
     start: PolynomialEnd = placed(FileLayout(PolynomialEnd, single=True, whole=True), PolynomialEnd())
@@ -102,8 +109,7 @@ class PolynomialCurve:
 
 @frozen
 class SplinePoint:
-    """What a spline does at an angle from the segment's start: its value (from the segment's start too), velocity and
-    acceleration per degree, as far as they are given."""
+    """Value, velocity and acceleration of a spline at an angle, as far as given; angle and value are from the segment's start."""
 
     at_deg: float = number("At", 0.0, 360.0)
     value: float | None = number("Value", default=None)
@@ -113,8 +119,7 @@ class SplinePoint:
 
 @frozen
 class SplineCurve:
-    """The curve of least jerk (in the mean square) through the points; periodic where it takes the whole turn, else it
-    starts and ends at rest where no point says otherwise."""
+    """The curve of least mean-square jerk through points: periodic over a full turn, else at rest at its ends by default."""
 
     law: ClassVar[str] = "spline"
     points: tuple[SplinePoint, ...] = placed(FileLayout(SplinePoint, whole=True), ())
@@ -126,9 +131,11 @@ TABLE_ENDS = (AT_REST, "stop", "free", JOINED)
 
 @frozen
 class TableCurve(SplineCurve):
-    """The same curve through rows of a table: cam angle and value, and velocity and acceleration where they are known, which
-    the file holds as lists of numbers. What the first and the last row leave open of velocity and acceleration is what ``start`` and
-    ``end`` say: at rest, velocity 0 alone, free, or joined, as the neighbour has them there, whatever the row says."""
+    """The curve of least jerk through rows of a table: cam angle, value, and velocity and acceleration where known.
+
+    ``start`` and ``end`` determine velocity and acceleration that the first and the last row do not give: at rest, velocity
+    0 only, free, or joined, equal to those of the neighbour whatever the row gives.
+    """
 
     law: ClassVar[str] = "table"
     start: str = choice("Start", TABLE_ENDS, default=AT_REST, help="velocity and acceleration where it begins")
@@ -138,8 +145,7 @@ class TableCurve(SplineCurve):
 
 @frozen
 class ComputedCurve:
-    """A curve that nobody types, for it follows from other parts: its pieces over the span, 0 ... 1, in the motion's unit, from the
-    segment's start."""
+    """A curve computed from other parts: pieces over the span 0 ... 1, in the unit of the motion, from the segment's start."""
 
     law: ClassVar[str] = "computed"
     pieces: tuple[Piece, ...] = placed(FileLayout(in_file=False))
@@ -149,11 +155,11 @@ Curve = NamedCurve | SccaCurve | PolynomialCurve | SplineCurve | TableCurve | Co
 CURVES: Mapping[str, type[SccaCurve | PolynomialCurve | SplineCurve]] = MappingProxyType(
     {c.law: c for c in (SccaCurve, PolynomialCurve, SplineCurve, TableCurve)}
 )
-"""Laws with keys of their own; every other one is Named."""
+"""Law with further keys -> class of its curve; the curves of other laws are ``NamedCurve``."""
 
 
 def curve_of(law: str) -> Curve:
-    """The curve of that law, its other entries at their defaults."""
+    """Default curve of a law."""
     return CURVES[law]() if law in CURVES else NamedCurve(law)
 
 
@@ -164,16 +170,16 @@ def _curve_class(table: Mapping[str, Any]) -> type[Curve]:
 
 @frozen
 class Segment:
-    """One stretch of the motion: cam span, rise (end minus start, in the motion's unit), and the curve between."""
+    """One segment of the motion: cam span, rise (end minus start, in the unit of the motion), and curve."""
 
-    span_deg: float = number("Span", 1e-6, 360.0, step=1.0, help="cam angle this segment takes")
+    span_deg: float = number("Span", 1e-6, 360.0, step=1.0, help="cam angle of this segment")
     rise: float = number("Rise", help="end minus start; negative for a return", step=1.0, of_motion=True)
     curve: Curve = placed(FileLayout(NamedCurve, choose=_curve_class, brief=True), NamedCurve("dwell"))
 
 
 @frozen
 class TableOrigin:
-    """A motion that is read from a table whenever the design is."""
+    """A motion that is read from a table together with the design."""
 
     table: str = placed(FileLayout(missing="a file"))
     column: str = placed(FileLayout(brief=True), "")
@@ -182,7 +188,7 @@ class TableOrigin:
 
 @frozen
 class InverseOrigin:
-    """The motion of a linkage's driver that makes an output do what is typed beside it."""
+    """The motion of a linkage's driver that gives an output link the motion in the design."""
 
     linkage: str = placed(FileLayout(missing="a design file with [linkage]"))
     output: str = placed(FileLayout(missing="the number of a link"))
@@ -190,7 +196,7 @@ class InverseOrigin:
 
 @frozen
 class Origin:
-    """What a motion is a function of, as typed: one of these. Paths are relative to the design's folder."""
+    """Linked files of a motion, one of these kinds; paths are relative to the folder of the design."""
 
     from_: TableOrigin | None = placed(FileLayout(TableOrigin, single=True), None)
     sum: tuple[str, ...] = placed(FileLayout(each=str), ())
@@ -198,22 +204,30 @@ class Origin:
 
     @property
     def key(self) -> str:
-        """Of the table [motion]."""
+        """Key in the table [motion]."""
         return "from" if self.from_ is not None else "inverse" if self.inverse is not None else "sum"
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The files as typed."""
-        of_one = (
+        """Names of the files, as typed."""
+        single = (
             self.inverse.linkage if self.inverse is not None else self.from_.table if self.from_ is not None else ""
         )
-        return (of_one,) if of_one else self.sum
+        return (single,) if single else self.sum
 
 
 @frozen
 class Follows:
-    """Where a motion follows from: ``origin`` as typed in a file of ``folder``; ``asked`` of an inverse, the motion of its output; the
-    files that were read, those that they follow from among them; ``made``: what followed, which nothing else may become."""
+    """Origin of a motion from linked files.
+
+    Attributes
+    ----------
+    origin : as typed in a file of ``folder``
+    folder : folder of the design
+    asked : motion of the output, for the inverse of a linkage
+    files : all files that were read
+    made : (start, segments, advance) that were computed from them
+    """
 
     origin: Origin
     folder: str
@@ -224,10 +238,15 @@ class Follows:
 
 @frozen
 class Motion:
-    """The follower's motion over one turn: where it stands at cam angle 0, and its segments in order.
+    """Motion of the follower over one turn.
 
-    ``unit`` is ``mm`` for a follower that slides and ``deg`` for one that swings; ``advance`` how far it goes on each turn where it
-    does not come back: a feed, an indexer.
+    Attributes
+    ----------
+    start : position at cam angle 0
+    segments : in the order of the turn
+    unit : ``mm`` for a slide, ``deg`` for a swing
+    advance : displacement per turn of a feed or an indexer; None where the motion returns
+    follows : linked files; None where the motion is typed
     """
 
     FILE_ORDER: ClassVar[tuple[str, ...]] = ("start", "advance", "segments")
@@ -236,24 +255,24 @@ class Motion:
     segments: tuple[Segment, ...] = placed(FileLayout(Segment), ())
     unit: str = placed(FileLayout(in_file=False), "mm")
     advance: float | None = number(
-        "Advance", default=None, help="a turn, where the motion does not come back: rises add up to it", of_motion=True
+        "Advance", default=None, help="per turn, where the motion does not return: the sum of the rises", of_motion=True
     )
 
     follows: Follows | None = placed(FileLayout(in_file=False), None)
 
     @property
     def is_as_linked(self) -> bool:
-        """Whether it is its own, or still what followed from its origin."""
+        """Whether it is not linked to files, or is unchanged since it was computed from them."""
         return self.follows is None or self.follows.made == (self.start, self.segments, self.advance)
 
     @property
     def gain(self) -> float:
-        """What its rises add up to: the advance of a turn, 0 where it comes back."""
+        """Sum of the rises: the advance per turn, 0 where the motion returns."""
         return self.advance or 0.0
 
     @property
     def scale(self) -> float:
-        """From the motion's unit to SI."""
+        """Factor from the unit of the motion to SI."""
         return UNITS[self.unit].factor
 
 
@@ -263,15 +282,15 @@ LAYOUTS = tuple("abcdefgh")
 
 
 def faces_of(flat: type[Flat] | None, *, brief: bool = False, default: Any = Rolling()) -> Any:  # noqa: B008
-    """A dataclass field for the face of a follower, whose keys stand in the follower's table."""
+    """Dataclass field for the face of a follower, with its keys in the follower's table."""
     words = {"roller": Rolling, **({} if flat is None else {"flat": flat}), "knife": Knife, "shoe": Shoe}
-    placing = chosen_by_word(FACE, words, "Face", otherwise=default.face, brief=brief, help="what touches the cam")
+    placing = chosen_by_word(FACE, words, "Face", otherwise=default.face, brief=brief, help="the part on the cam")
     return placed(placing, default)
 
 
 @frozen(kw_only=True)
 class SecondArm:
-    """Where the second roller of a conjugate pair stands: at the end of an arm that is fixed to the first."""
+    """Position of the second roller of a conjugate pair, at the end of an arm fixed to the first arm."""
 
     arm_mm: float = length("Second arm", help="pivot to the second roller's centre")
     angle_deg: float = number(
@@ -281,7 +300,7 @@ class SecondArm:
 
 @frozen(kw_only=True)
 class SecondPlace:
-    """Where the second roller of a conjugate pair stands on a follower that slides."""
+    """Position of the second roller of a conjugate pair on a translating follower."""
 
     distance_mm: float = length(
         "Second roller's distance", help="behind the first, against the direction; centre to centre"
@@ -289,7 +308,7 @@ class SecondPlace:
 
 
 def _second(kind: type[SecondArm] | type[SecondPlace]) -> Any:
-    """A dataclass field for the second roller's place; None but for a conjugate pair."""
+    """Dataclass field for the position of the second roller; None without a conjugate pair."""
     return placed(FileLayout(kind, single=True), None)
 
 
@@ -337,21 +356,19 @@ class Oscillating:
     arm_mm: float = length("Arm", help="pivot to roller centre")
     pivot_x_mm: float = coordinate("Pivot x", help="from the cam centre")
     pivot_y_mm: float = coordinate("Pivot y", help="from the cam centre")
-    side: str = choice(
-        "Side", tuple(SIDES), help="of the ray from the pivot to the cam centre on which the roller lies"
-    )
+    side: str = choice("Side", tuple(SIDES), help="of the line from the pivot to the cam centre on which the roller is")
     second: SecondArm | None = _second(SecondArm)
 
 
 @frozen(kw_only=True)
 class OscillatingFlat:
-    """Arm on a fixed pivot with a flat face on the cam; the contact moves along it, so that it has no length of its own."""
+    """Arm on a fixed pivot with a flat face on the cam, along which the contact moves."""
 
     face: OffsetFlat = faces_of(OffsetFlat, default=OffsetFlat())
     pivot_x_mm: float = coordinate("Pivot x", help="from the cam centre")
     pivot_y_mm: float = coordinate("Pivot y", help="from the cam centre")
     side: str = choice(
-        "Side", tuple(SIDES), help="of the ray from the pivot to the cam centre on which the contact lies"
+        "Side", tuple(SIDES), help="of the line from the pivot to the cam centre on which the contact is"
     )
 
 
@@ -360,7 +377,7 @@ Follower = CamSlider | Translating | Oscillating | OscillatingFlat
 
 @frozen
 class Output:
-    """What a motion alone moves, an axis without a mechanism: a slide in mm, or what turns about a pivot in deg. It has no lengths."""
+    """Output of a motion without a mechanism: a slide in mm, or a rotary axis in deg."""
 
     unit: str = placed(FileLayout(in_file=False), "mm")
 
@@ -390,8 +407,8 @@ Cam = RollerCam | DiskCam
 
 def face_of(follower: Follower, cam: Cam) -> Face:
     """The face of a follower with its size."""
-    found: Face = follower.face.on(cam)
-    return found
+    face: Face = follower.face.on(cam)
+    return face
 
 
 SENSES: Mapping[str, float] = MappingProxyType({"ccw": 1.0, "cw": -1.0})
@@ -402,9 +419,9 @@ SPRINGS = ("fixed", "retuned")
 
 @frozen
 class ElasticShaft:
-    """What makes the camshaft flexible: a spring between the drive, which turns evenly, and the cam (Kim1990 Fig. 1).
+    """Flexible camshaft: a torsion spring between the drive at constant speed and the cam (Kim1990 Fig. 1).
 
-    ``spring``: the loads are the design's own, or Kim1990's valve spring, made anew for each speed.
+    ``spring`` selects the loads of the design, or Kim1990's valve spring, adapted to each speed.
     """
 
     camshaft_inertia_kg_m2: float = leading(
@@ -416,7 +433,7 @@ class ElasticShaft:
     )
     damping_ratio: float = number("Shaft damping ratio", 0.0, 0.99, default=0.0, step=0.005, help="of critical damping")
     spring: str = seldom(
-        choice("Spring", SPRINGS, default="fixed", help="retuned: Kim1990's, as stiff as each speed asks")
+        choice("Spring", SPRINGS, default="fixed", help="retuned: Kim1990's, with its stiffness adapted to each speed")
     )
     spring_factor: float = seldom(
         number("Spring factor", 0.0, 1e3, default=1.5, step=0.1, help="Kim1990's a of a retuned spring")
@@ -429,7 +446,7 @@ def _elastic_class(table: Mapping[str, Any]) -> type[ElasticShaft] | None:
 
 @frozen
 class Shaft:
-    """The camshaft: sense and speed of rotation, flywheel, motor; ``elastic`` where it twists."""
+    """The camshaft: sense of rotation and speed, flywheel, motor, and elasticity where it is flexible."""
 
     rotation: str = choice("Rotation", tuple(SENSES))
     speed_rpm: float = leading(number("Speed", 0.0, 1e5, open_low=True, step=1.0))
@@ -453,12 +470,12 @@ class Shaft:
 
     @property
     def sense(self) -> float:
-        """d of the papers: +1 when the shaft turns counter-clockwise, -1 clockwise."""
+        """Sense of rotation d: +1 counter-clockwise, -1 clockwise."""
         return SENSES[self.rotation]
 
     @property
     def signed_rpm(self) -> float:
-        """The speed, negative where the shaft turns clockwise."""
+        """Speed [rpm], negative where the shaft turns clockwise."""
         return SENSES.get(self.rotation, 1.0) * self.speed_rpm
 
 
@@ -469,8 +486,7 @@ ROTARY, LINEAR = "rotary", "linear"
 
 @frozen(kw_only=True)
 class Servo:
-    """A servo motor that makes the motion itself, where a cam else would; its gearing, and what it moves besides the masses of [loads].
-    ``kind`` is the motor's."""
+    """A servo motor in place of a cam, with its gearing, and the masses that it moves in addition to [loads]."""
 
     kind: str = choice("Motor", (ROTARY, LINEAR))
     inertia_kg_m2: float | None = number(
@@ -495,7 +511,7 @@ class Servo:
         "Peak torque", 0.0, open_low=True, default=None, help="the most that the motor gives"
     )
     rated_torque_nm: float | None = number(
-        "Rated torque", 0.0, open_low=True, default=None, help="that it bears for good, as rms"
+        "Rated torque", 0.0, open_low=True, default=None, help="in continuous running, as rms"
     )
     rated_rpm: float | None = number(
         "Rated speed", 0.0, open_low=True, default=None, help="up to which it gives that torque"
@@ -517,13 +533,13 @@ def _friction() -> float:
 
 @frozen(kw_only=True)
 class Loads(ForceElements):
-    """What every follower's loads share; in a file what a follower adds stands first. ``contact``: of a face that slides."""
+    """Loads common to all followers; ``contact`` is the friction of a sliding face."""
 
     contact: ContactFriction | None = placed(FileLayout(ContactFriction, choose=rubs), None)
     gravity_m_s2: float = seldom(number("Gravity", 0.0, default=9.80665))
     gravity_angle_deg: float = seldom(number("Gravity direction", -360.0, 360.0, default=-90.0, help="-90 = downwards"))
     least_contact_force_n: float | None = number(
-        "Least contact force", 0.0, default=None, help="that must press the follower on an open cam"
+        "Least contact force", 0.0, default=None, help="between follower and open cam"
     )
     restitution: float | None = number(
         "Restitution",
@@ -600,25 +616,25 @@ class OscillatingFlatLoads(Loads):
     preload_nm: float = leading(number("Spring preload", default=0.0, help="against the motion, where it is 0"))
 
 
-def _not_here(default: Any = None) -> Any:
-    """A dataclass field for an element that these loads cannot have."""
+def _excluded(default: Any = None) -> Any:
+    """Dataclass field for an element that these loads cannot have."""
     return placed(FileLayout(in_file=False), default)
 
 
 @frozen(kw_only=True)
 class OutputLoads(ForceElements):
-    """What every output's loads share: forces along its motion, and none between links."""
+    """Loads common to all outputs: forces along the motion, none between links."""
 
-    follower_stiffness_n_per_mm: None = _not_here()
-    follower_damping_ratio: None = _not_here()
-    springs: tuple[()] = _not_here(())
-    torsion_springs: tuple[()] = _not_here(())
-    pair_friction: tuple[()] = _not_here(())
+    follower_stiffness_n_per_mm: None = _excluded()
+    follower_damping_ratio: None = _excluded()
+    springs: tuple[()] = _excluded(())
+    torsion_springs: tuple[()] = _excluded(())
+    pair_friction: tuple[()] = _excluded(())
 
 
 @frozen(kw_only=True)
 class SlideLoads(OutputLoads):
-    """Mass and forces of what a motion in mm moves."""
+    """Mass and forces of the output of a motion in mm."""
 
     mass_kg: float = _mass("Mass moved")
     force_n: float = number("Force", default=0.0, help="on it, along the positive motion")
@@ -627,7 +643,7 @@ class SlideLoads(OutputLoads):
 
 @frozen(kw_only=True)
 class TurnLoads(OutputLoads):
-    """Inertia and torques of what a motion in deg turns."""
+    """Inertia and torques of the output of a motion in deg."""
 
     inertia_kg_m2: float = _mass("Inertia turned")
     torque_nm: float = number("Torque", default=0.0, help="on it, along the positive motion")
@@ -635,7 +651,7 @@ class TurnLoads(OutputLoads):
 
 
 OUTPUT_LOADS: Mapping[str, type[SlideLoads] | type[TurnLoads]] = MappingProxyType({"mm": SlideLoads, "deg": TurnLoads})
-"""Unit of a motion that is alone -> its loads."""
+"""Unit of a motion without a mechanism -> class of its loads."""
 
 
 # -- kinds of followers ------------------------------------------------------------------------------------
@@ -643,9 +659,9 @@ OUTPUT_LOADS: Mapping[str, type[SlideLoads] | type[TurnLoads]] = MappingProxyTyp
 
 @frozen
 class FollowerKind:
-    """One row per follower: the classes its tables of the file are read into, and the unit of its motion.
+    """Kind of follower: the classes of its tables in the file, and the unit of its motion.
 
-    flat  classes of follower and loads under a flat face, where they are others
+    ``flat`` lists the classes of follower and loads with a flat face, where they differ.
     """
 
     label: str
@@ -656,21 +672,21 @@ class FollowerKind:
 
     @property
     def faces(self) -> Mapping[str, type]:
-        """The faces that it can have, by the words of the file."""
+        """Word of the file -> class of the faces that it can have."""
         return words_of(self.follower, FACE)
 
     @property
     def forms(self) -> Mapping[str, type]:
-        """The forms that its cam can have under a roller, by the words of the file."""
+        """Word of the file -> class of the forms that its cam can have with a roller."""
         return words_of(self.under(Rolling.face)[1], FORM)
 
     @property
     def followers(self) -> tuple[type[Follower], ...]:
-        """Classes of the table ``[follower]`` for this kind."""
+        """Classes of its table ``[follower]``."""
         return (self.follower, *(self.flat or ())[:1])
 
     def under(self, face: str) -> tuple[type[Follower], type[Cam], type[Loads]]:
-        """The classes of follower, cam and loads with this face."""
+        """Classes of follower, cam and loads with a face."""
         follower, loads = self.flat if self.flat and face == Flat.face else (self.follower, self.loads)
         return follower, RollerCam if face == Rolling.face else DiskCam, loads
 
@@ -687,5 +703,5 @@ FOLLOWER_KINDS: Mapping[str, FollowerKind] = MappingProxyType(
 
 
 def kind_of(follower: Follower) -> str:
-    """The slug of a follower's kind."""
+    """Slug of a follower's kind."""
     return next(slug for slug, row in FOLLOWER_KINDS.items() if type(follower) in row.followers)

@@ -206,8 +206,10 @@ def put(design: Design, path: str, value: Any) -> Design:
 
 
 def _table(design: Design, path: str) -> tuple[Any, Sequence[Step], Callable[[Any], Design]]:
-    """Table at the start of a path, None where the design could have it; the remaining steps; and a function of a new table
-    that returns the changed design."""
+    """Table at the start of a path, None where the design could have it, and the remaining steps.
+
+    Also a function of a new table that returns the changed design.
+    """
     (name, index), *steps = _steps(path)
     if name in _LISTS and index is not None and design.listed:
         rows = getattr(design, name)

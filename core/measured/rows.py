@@ -109,7 +109,7 @@ def integrated(rows: TurnRows) -> tuple[TurnRows, float]:
 
 
 def _rises(x: np.ndarray, step: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Integral of y from each row to the next (n,) by the cubic through four rows; its difference from the parabola's."""
+    """Integral of y to the next row (n,) by the cubic through four rows; its difference from a parabola's."""
     before, after, next_y = np.roll(step, 1), np.roll(step, -1), np.roll(y, -1)
     slope = (next_y - y) / step
     second_differences = [

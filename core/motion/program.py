@@ -250,7 +250,7 @@ class CompiledMotion:
 
     @cached_property
     def sines(self) -> np.ndarray:
-        """Amplitude [SI], frequency [1/rad], phase [rad] (3, j, m) of each piece's sines in the angle from its start."""
+        """Amplitude [SI], frequency [1/rad], phase [rad] (3, j, m) of each piece's sines, from its start."""
         amplitude, frequency, phase = self._table.sines
         return np.array([self._gain[0] * amplitude, frequency / self._span, phase])
 

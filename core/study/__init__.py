@@ -1,4 +1,4 @@
-"""A design and what follows from it: the lazy chain of stages of each drive, what all do on their shaft, and what is asked of them."""
+"""Study of a design: stages of every drive, computed on first use, the drives on their shaft, and figures of designs."""
 
 from typing import TYPE_CHECKING
 

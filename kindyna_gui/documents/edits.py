@@ -73,15 +73,15 @@ def refusal_reasons(design: Design, stages: Iterable[str]) -> Reasons:
 
 
 @frozen
-class Draft:
+class IncompleteDesign:
     """All that is typed.
 
-    whole     every drive, as typed; no value is outside of its own range
+    design    every drive, as typed; no value is outside of its own range
     path      the value typed last, '' where none is
     reasons   path in the whole file, and sentence, of what does not fit together
     """
 
-    whole: Design
+    design: Design
     path: str = ""
     reasons: Texts = ()
 
@@ -95,20 +95,22 @@ class Draft:
     def _own(self, path: str, chosen: int) -> tuple[str, Design]:
         """The path in the design of the chosen drive, where it leads into that; else in the whole file."""
         own = drive_at(path)
-        return (own[1], only(self.whole, chosen)) if own is not None and own[0] == chosen else (path, self.whole)
+        return (own[1], only(self.design, chosen)) if own is not None and own[0] == chosen else (path, self.design)
 
     def state(self) -> dict[str, Any]:
         """As a plain dictionary of text and lists."""
-        return {"design": dumps(self.whole), "path": self.path, "reasons": [list(row) for row in self.reasons]}
+        return {"design": dumps(self.design), "path": self.path, "reasons": [list(row) for row in self.reasons]}
 
     @classmethod
-    def from_state(cls, state: Mapping[str, Any]) -> Draft:
+    def from_state(cls, state: Mapping[str, Any]) -> IncompleteDesign:
         """Raises DesignError where the dictionary holds no design."""
         try:
             reasons = tuple((str(path), str(text)) for path, text in state["reasons"])
             return cls(loads(str(state["design"]), unfinished=True), str(state["path"]), reasons)
         except (KeyError, TypeError, ValueError) as error:
-            raise DesignError([Fault("draft", str(error), "cannot be read", "what Draft.state() gives")]) from error
+            raise DesignError(
+                [Fault("draft", str(error), "cannot be read", "what IncompleteDesign.state() gives")]
+            ) from error
 
 
 # -- the step of an undo stack ---------------------------------------------------------------------------

@@ -18,7 +18,7 @@ from kindyna_gui.background import Background
 from kindyna_gui.documents.edits import SAMPLES
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import reason
-from kindyna_gui.requirements import NotHere
+from kindyna_gui.requirements import Unavailable
 
 # -- bands -----------------------------------------------------------------------------------------------
 
@@ -55,14 +55,14 @@ class Bands(QObject):
         super().__init__(session)
         self._session = session
         self.asked = False
-        self._of = session.whole
+        self._of = session.full_design
         self._known: dict[Key, Any] = {}
         self._wanted: dict[Key, None] = {}
         self._work = Background(self)
         self._work.result.connect(self._found)
         self._soon = QTimer(self, singleShot=True, interval=REST_MS)
         self._soon.timeout.connect(self._compute)
-        session.whole_changed.connect(self._renew)
+        session.full_design_changed.connect(self._renew)
 
     def ask(self, on: bool) -> None:
         """Whether plots show them."""
@@ -73,13 +73,13 @@ class Bands(QObject):
 
     def _renew(self) -> None:
         """Also where the drive at hand stays the same: its tolerances, or other drives on the shaft, are others."""
-        if self._of != self._session.whole:
+        if self._of != self._session.full_design:
             self._forget()
             if self.asked:
                 self.changed.emit()
 
     def _forget(self) -> None:
-        self._of = self._session.whole
+        self._of = self._session.full_design
         self._known, self._wanted = {}, {}
         self._work.stop()
         self._soon.stop()
@@ -112,9 +112,9 @@ class Bands(QObject):
         return found
 
     def _read(self, keys: Sequence[Key]) -> dict[Key, Any]:
-        if not self.asked or not scatters(self._session.whole):
+        if not self.asked or not scatters(self._session.full_design):
             return {}
-        if self._of != self._session.whole:  # a view may come before ``_renew``
+        if self._of != self._session.full_design:  # a view may come before ``_renew``
             self._forget()
         new = [key for key in keys if key not in self._known and key not in self._wanted]
         if new:
@@ -123,10 +123,10 @@ class Bands(QObject):
         return {key: self._known[key] for key in keys if self._known.get(key) is not None}
 
     def _compute(self) -> None:
-        if self._session.held is not None:
+        if self._session.drag_source is not None:
             self._soon.start()
             return
-        whole, wanted = self._session.whole, [key for key in self._wanted if key not in self._known]
+        whole, wanted = self._session.full_design, [key for key in self._wanted if key not in self._known]
         jobs: list[Any] = []
         of_drives = [key for key in wanted if isinstance(key, tuple)]
         for number in sorted({key[0] for key in of_drives}):
@@ -218,7 +218,7 @@ class Pins(QObject):
         self.changed.emit()
 
     @property
-    def whole_study(self) -> Study | None:
+    def full_study(self) -> Study | None:
         """Of the one in front, all drives of it; computed when it is read."""
         return None if self.front is None else self._study(-1)
 
@@ -236,12 +236,12 @@ class Pins(QObject):
 
     @contextmanager
     def named(self) -> Iterator[None]:
-        """What has no answer inside is said to be the one in front, not the design at hand. Raises NotHere."""
+        """What has no answer inside is said to be the one in front, not the design at hand. Raises Unavailable."""
         try:
             yield
         except NoSolution as error:
             assert self.front is not None
-            raise NotHere(f"Pinned {self.front.name}: {reason(self.front.design, error)}") from error
+            raise Unavailable(f"Pinned {self.front.name}: {reason(self.front.design, error)}") from error
 
     def _study(self, drive: int) -> Study:
         assert self.front is not None

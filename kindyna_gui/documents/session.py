@@ -39,11 +39,19 @@ from core.motion.program import ShaftPosition
 from core.project import dumps, loads
 from core.project.on_disk import DesignFiles, OnDisk
 from core.study import Camshaft, Study
-from kindyna_gui.background import Awaited
-from kindyna_gui.documents.edits import SAMPLES, Draft, Refusal, Texts, UndoStep, fault_texts, refusal_reasons
+from kindyna_gui.background import PendingResult
+from kindyna_gui.documents.edits import (
+    SAMPLES,
+    IncompleteDesign,
+    Refusal,
+    Texts,
+    UndoStep,
+    fault_texts,
+    refusal_reasons,
+)
 from kindyna_gui.labels import name_of, reason, segment_of
 
-Work = tuple[Design, Draft | None, int]
+Work = tuple[Design, IncompleteDesign | None, int]
 """A whole design, what has been typed of a motion that is not finished, and the number of the drive that it was typed in; one step
 of the undo stack changes all, so that undo shows the drive that it changes."""
 
@@ -59,11 +67,11 @@ class Session(QObject):
     chosen   number of the drive that forms and single plots show, from 0
     design   that drive as a design of its own; where the file is of one drive, the file's
     draft    all that is typed where it does not fit together, while ``whole`` is the last that did; None where it fits. ``typed`` is
-             the chosen drive as typed, ``typed_whole`` all drives
+             the chosen drive as typed, ``typed_full_design`` all drives
 
     design_changed   another design is in place, or another drive is chosen
-    whole_changed    another whole is in place, or another drive is chosen; the design of the drive may be the same
-    draft_changed    another draft is in place, or none any more; the design may be the same
+    full_design_changed    another whole is in place, or another drive is chosen; the design of the drive may be the same
+    incomplete_changed    another draft is in place, or none any more; the design may be the same
     started          another design begins; what was chosen or zoomed for the one before is void
     drive_chosen     forms and single plots show another drive from now on, by the user's choice or by undo
     restored         it was not typed: undo, redo, or another file; what was typed and refused is void
@@ -74,12 +82,12 @@ class Session(QObject):
     segment_chosen   another segment of the motion is the chosen one
     load_chosen      another row of the loads is the chosen one, or none
     step_changed     another step of the circle diagram is shown
-    vary_wanted      (path in the whole file): the user wants to see what a number changes
+    vary_requested      (path in the whole file): the user wants to see what a number changes
     """
 
     design_changed = Signal()
-    whole_changed = Signal()
-    draft_changed = Signal()
+    full_design_changed = Signal()
+    incomplete_changed = Signal()
     started = Signal()
     drive_chosen = Signal()
     restored = Signal()
@@ -90,21 +98,21 @@ class Session(QObject):
     segment_chosen = Signal()
     load_chosen = Signal()
     step_changed = Signal()
-    vary_wanted = Signal(str)
+    vary_requested = Signal(str)
 
     def __init__(self, design: Design, path: Path | None = None) -> None:
         super().__init__()
         self.stack = QUndoStack(self)
-        self.whole: Any = design
+        self.full_design: Any = design
         self.chosen = 0
         self.design: Any = only(design, 0)
-        self.draft: Draft | None = None
+        self.incomplete: IncompleteDesign | None = None
         self.path = path
         self.document = 0  # its number: opening or beginning anew counts, a step of the undo stack does not
         self._gesture = 0
         self._any_refused = False  # since something was taken back last
-        self.held: object = None  # where something is drawn with the mouse: each of its moves is a design
-        self.stages_held: tuple[str, ...] | None = (
+        self.drag_source: object = None  # where something is drawn with the mouse: each of its moves is a design
+        self.stages_of_drag: tuple[str, ...] | None = (
             None  # what was on the screen when it was taken hold of, once it is known
         )
         self._segment = 0
@@ -116,9 +124,9 @@ class Session(QObject):
         self._before: Design | None = None
         self.step: int | None = None
         self._study: Study | None = None
-        self._whole_study: Study | None = None
+        self._full_study: Study | None = None
         self._at: tuple[float, Study] | None = None
-        self.awaited = Awaited(self)
+        self.pending = PendingResult(self)
         self.stages_on_screen: Callable[[], Iterable[str]] = tuple
         self._unchanged: list[tuple[Design, Path | None]] = [(design, path)]
         self._files = DesignFiles()
@@ -139,12 +147,12 @@ class Session(QObject):
     @property
     def work(self) -> Work:
         """All that a step of the undo stack changes."""
-        return self.whole, self.draft, self.chosen
+        return self.full_design, self.incomplete, self.chosen
 
     @property
     def several(self) -> bool:
         """Whether the design lists its drives."""
-        listed: bool = self.whole.listed
+        listed: bool = self.full_design.listed
         return listed
 
     @property
@@ -162,17 +170,17 @@ class Session(QObject):
     @property
     def shaft(self) -> Camshaft[Study]:
         """What all drives do together on their shaft."""
-        return self.whole_study.camshaft
+        return self.full_study.camshaft
 
     @property
     def names(self) -> tuple[str, ...]:
         """The drives by name, the balance cam behind them where there is one."""
-        return (*drive_names(self.whole), *(() if self.whole.balancer is None else (BALANCE_CAM,)))
+        return (*drive_names(self.full_design), *(() if self.full_design.balancer is None else (BALANCE_CAM,)))
 
     @property
     def on_balancer(self) -> bool:
         """Whether the balance cam is the one that is shown: it follows from the drives, and cannot be edited as one."""
-        return self.chosen == len(self.whole.drives)
+        return self.chosen == len(self.full_design.drives)
 
     def _alone(self, whole: Design, index: int) -> Design:
         """A drive, or the balance cam, as a design of its own. Raises NoSolution where nothing can balance the torque."""
@@ -183,13 +191,13 @@ class Session(QObject):
         return cam.design
 
     @property
-    def whole_study(self) -> Study:
+    def full_study(self) -> Study:
         """The study of all that the file has; that of the design in place, where that lists no drives."""
         if not self.several:
             return self.study
-        if self._whole_study is None:
-            self._whole_study = Study(self.whole, SAMPLES)
-        return self._whole_study
+        if self._full_study is None:
+            self._full_study = Study(self.full_design, SAMPLES)
+        return self._full_study
 
     def at(self, theta: float) -> Study:
         """That of the drive at one cam angle [rad], for exact readings there; views that follow the cam share it."""
@@ -243,29 +251,29 @@ class Session(QObject):
         if index == self.chosen:
             return True
         try:
-            self._alone(self.whole, index)
+            self._alone(self.full_design, index)
         except KindynaError as error:
-            self.refuse(BALANCER, reason(self.whole, error))
+            self.refuse(BALANCER, reason(self.full_design, error))
             return False
-        self._show((self.whole, self.draft, index), restored=True)
+        self._show((self.full_design, self.incomplete, index), restored=True)
         return True
 
     # -- what does not fit together yet ----------------------------------------------------------------------
 
     @property
-    def typed_whole(self) -> Any:
+    def typed_full_design(self) -> Any:
         """All drives as typed; they may have faults."""
-        return self.whole if self.draft is None else self.draft.whole
+        return self.full_design if self.incomplete is None else self.incomplete.design
 
     @property
     def typed(self) -> Any:
         """The chosen drive as typed, as a design of its own. It may have faults."""
-        return self.design if self.draft is None or self.on_balancer else only(self.draft.whole, self.chosen)
+        return self.design if self.incomplete is None or self.on_balancer else only(self.incomplete.design, self.chosen)
 
     @property
-    def unfinished(self) -> bool:
+    def is_incomplete_linkage(self) -> bool:
         """Whether what is typed is a linkage that is being drawn, and lacks no more than to be a mechanism."""
-        whole = self.typed_whole
+        whole = self.typed_full_design
         if whole.listed or not whole.drive.links:
             return False
         if wrong := faults(whole):
@@ -275,17 +283,17 @@ class Session(QObject):
     @property
     def misfit(self) -> Refusal:
         """What does not fit together, as the forms of the chosen drive name it; without reasons where all does."""
-        return Refusal("", ()) if self.draft is None else self.draft.refusal(self.chosen)
+        return Refusal("", ()) if self.incomplete is None else self.incomplete.refusal(self.chosen)
 
     @property
     def closing(self) -> Any:
         """The design as typed with its motion made whole; None where that is whole, or nothing simple helps."""
-        if self.draft is None or not missing_of_motion(self.typed):
+        if self.incomplete is None or not missing_of_motion(self.typed):
             return None
         at = segment_of(self.misfit.path)
         return closed_design(self.typed, -1 if at is None else at)
 
-    def close_draft(self) -> bool:
+    def close_motion(self) -> bool:
         """Make the unfinished motion whole with a return, as one step; False where that has no answer."""
         closing = self.closing
         self.end_gesture()
@@ -294,13 +302,13 @@ class Session(QObject):
             return False
         return self.lay_out(closing, "Close the motion", MOTION)
 
-    def drop_draft(self, motion_alone: bool = False) -> None:
+    def drop_incomplete(self, motion_alone: bool = False) -> None:
         """Back to the last design that fitted together, or to its motion alone, as one step."""
         self.end_gesture()
-        if motion_alone and self.draft is not None:
+        if motion_alone and self.incomplete is not None:
             self.lay_out(with_motion(self.typed, require_motion(self.design)), "Drop the unfinished motion", MOTION)
         else:
-            self._change((self.whole, None, self.chosen), "Drop what does not fit", "")
+            self._change((self.full_design, None, self.chosen), "Drop what does not fit", "")
 
     def lay_out(self, design: Design, label: str, path: str = "") -> bool:
         """Put another design of the drive in place as one step, made from ``typed``, whose values need not fit together: while they
@@ -310,34 +318,34 @@ class Session(QObject):
         """
         if self.on_balancer:
             return self._refuse_balancer(path)
-        return self.lay_out_whole(with_only(self.typed_whole, self.chosen, design), label, path)
+        return self.lay_out_full_design(with_only(self.typed_full_design, self.chosen, design), label, path)
 
-    def lay_out_whole(self, typed: Design, label: str, path: str = "") -> bool:
-        """The same of all drives, made from ``typed_whole``."""
-        if typed == self.typed_whole:
+    def lay_out_full_design(self, typed: Design, label: str, path: str = "") -> bool:
+        """The same of all drives, made from ``typed_full_design``."""
+        if typed == self.typed_full_design:
             self.take_back(path)
             return True
-        wrong = self._misfits(typed, self.whole)
+        wrong = self._misfits(typed, self.full_design)
         if not wrong:
             return self._change((typed, None, self.chosen), label, path)
         if impossible := blunders(typed):
             return self._refuse(path, typed, fault_texts(typed, impossible))
-        good = self.whole if self.draft is None else merged(self.typed_whole, self.whole, typed)
-        if self._misfits(good, self.whole):
-            good = self.whole
-        return self._change((good, Draft(typed, self._in_whole(path), wrong), self.chosen), label, path)
+        good = self.full_design if self.incomplete is None else merged(self.typed_full_design, self.full_design, typed)
+        if self._misfits(good, self.full_design):
+            good = self.full_design
+        return self._change((good, IncompleteDesign(typed, self._in_whole(path), wrong), self.chosen), label, path)
 
     def state(self) -> dict[str, Any]:
         """Everything that would be lost with the window, as a plain dictionary of text, numbers and lists.
 
-        It is another one after ``design_changed``, ``draft_changed`` and ``file_changed``, and only then.
+        It is another one after ``design_changed``, ``incomplete_changed`` and ``file_changed``, and only then.
         """
         return {
-            "design": dumps(self.whole),
+            "design": dumps(self.full_design),
             "drive": self.chosen,
             "path": None if self.path is None else str(self.path),
             "modified": self.modified,
-            "draft": None if self.draft is None else self.draft.state(),
+            "draft": None if self.incomplete is None else self.incomplete.state(),
         }
 
     def restore(self, state: Mapping[str, Any]) -> None:
@@ -347,13 +355,13 @@ class Session(QObject):
         """
         try:
             design, path, modified = loads(state["design"], unfinished=True), state["path"], bool(state["modified"])
-            draft = None if state["draft"] is None else Draft.from_state(state["draft"])
+            draft = None if state["draft"] is None else IncompleteDesign.from_state(state["draft"])
             own = None if path is None else Path(path)
             chosen = min(max(int(state.get("drive", 0)), 0), len(design.drives) - 1)
         except (KeyError, TypeError, ValueError) as error:
             raise DesignError([Fault("state", str(error), "cannot be read", "what Session.state() gives")]) from error
         self.document += 1
-        self._unchanged = [] if modified else [(design if draft is None else draft.whole, own)]
+        self._unchanged = [] if modified else [(design if draft is None else draft.design, own)]
         if own is not None:
             self._files.note(own, design)
         self.stack.clear()
@@ -371,7 +379,7 @@ class Session(QObject):
         """
         if path.startswith(f"{MOTION}."):
             typed = self.typed
-            if self.draft is not None and differs_in_one_value(
+            if self.incomplete is not None and differs_in_one_value(
                 self.design, typed, path
             ):  # typed anew: in balance with the others again
                 typed = with_motion(typed, require_motion(self.design))
@@ -379,8 +387,8 @@ class Session(QObject):
             self._cells.add((self.chosen, path))
             return self.lay_out(made, label, path)
         if self._is_of_whole(path):
-            return self.lay_out_whole(with_value(self.typed_whole, path, value), label, path)
-        if path == LAYOUT and self.draft is None:
+            return self.lay_out_full_design(with_value(self.typed_full_design, path, value), label, path)
+        if path == LAYOUT and self.incomplete is None:
             return self._choose_layout(edited(self.design, path, value), value, label)
         return self.lay_out(edited(self.typed, path, value), label, path)
 
@@ -395,20 +403,20 @@ class Session(QObject):
     def mark_assumed(self, path: str, on: bool, label: str) -> bool:
         """Mark a value as assumed, or no longer, as one step."""
         if self._is_of_whole(path):
-            return self.lay_out_whole(with_assumed(self.typed_whole, path, on), label, path)
+            return self.lay_out_full_design(with_assumed(self.typed_full_design, path, on), label, path)
         return self.lay_out(with_assumed(self.typed, path, on), label)
 
     def holder(self, path: str) -> Any:
         """The design that a path leads into, as typed: the drive, or the whole for what its drives share, and for a path of the
         whole file."""
-        return self.typed_whole if self._is_of_whole(path) else self.typed
+        return self.typed_full_design if self._is_of_whole(path) else self.typed
 
     def waits(self, path: str, read: Callable[[Design], Any]) -> bool:
         """Whether what is typed at a path, as read from a design, is not in place, since it does not fit to the rest yet."""
-        if self.draft is None:
+        if self.incomplete is None:
             return False
         try:
-            return bool(read(self.whole if self._is_of_whole(path) else self.design) != read(self.holder(path)))
+            return bool(read(self.full_design if self._is_of_whole(path) else self.design) != read(self.holder(path)))
         except (KeyError, DesignError):  # there only as typed
             return True
 
@@ -423,30 +431,30 @@ class Session(QObject):
 
     def vary(self, path: str) -> None:
         """The user wants to see what the number at a path of the chosen drive changes."""
-        self.vary_wanted.emit(self._in_whole(path))
+        self.vary_requested.emit(self._in_whole(path))
 
     def put(self, design: Design, label: str, path: str = "") -> bool:
         """Put another design of the drive in place as one step, made from ``design``; False where it is refused, for its faults or
         since a stage on screen has no answer. What is unfinished beside it stays so, but for the values that this changes."""
         if self.on_balancer:
             return self._refuse_balancer(path)
-        whole = with_only(self.whole, self.chosen, design)
-        return self._put(whole, self._misfits(whole, self.whole), label, path, self.chosen)
+        whole = with_only(self.full_design, self.chosen, design)
+        return self._put(whole, self._misfits(whole, self.full_design), label, path, self.chosen)
 
-    def put_whole(self, whole: Design, label: str, path: str = "", chosen: int | None = None) -> bool:
+    def put_full_design(self, whole: Design, label: str, path: str = "", chosen: int | None = None) -> bool:
         """Put another whole in place as one step, of which this drive is chosen then, the same one where none is named; False
         where it is refused: of drives that are listed for its faults alone, since one that cannot be assembled takes no other with
         it."""
-        wrong = fault_texts(whole, faults(whole)) if whole.listed else self._misfits(whole, self.whole)
+        wrong = fault_texts(whole, faults(whole)) if whole.listed else self._misfits(whole, self.full_design)
         index = self.chosen if chosen is None else chosen
         return self._put(whole, wrong, label, path, min(index, len(whole.drives) - (whole.balancer is None)))
 
     def _put(self, whole: Design, wrong: Texts, label: str, path: str, chosen: int) -> bool:
         if wrong:
             return self._refuse(path, whole, wrong)
-        typed, draft = merged(self.whole, self.typed_whole, whole), None
-        if self.draft is not None and (left := self._misfits(typed, whole)):
-            draft = replace(self.draft, whole=typed, reasons=left)
+        typed, draft = merged(self.full_design, self.typed_full_design, whole), None
+        if self.incomplete is not None and (left := self._misfits(typed, whole)):
+            draft = replace(self.incomplete, design=typed, reasons=left)
         return self._change((typed if draft is None else whole, draft, chosen), label, path)
 
     def _change(self, after: Work, label: str, path: str) -> bool:
@@ -464,7 +472,7 @@ class Session(QObject):
         self.stack.push(UndoStep(self._show, self.work, work, text))
 
     def _refuse(self, path: str, whole: Design, wrong: Texts) -> bool:
-        refusal, self._any_refused = Draft(whole, path, wrong).refusal(self.chosen), True
+        refusal, self._any_refused = IncompleteDesign(whole, path, wrong).refusal(self.chosen), True
         self.refused.emit(replace(refusal, path=path or refusal.reasons[0][0]))
         return False
 
@@ -486,7 +494,7 @@ class Session(QObject):
 
     def take_back(self, path: str) -> None:
         """What was typed at a path and refused is mended, or taken back, by hand."""
-        if self.held and not self._any_refused:  # nothing was typed
+        if self.drag_source and not self._any_refused:  # nothing was typed
             return
         self._any_refused = False
         self.mended.emit()
@@ -496,20 +504,20 @@ class Session(QObject):
         """What comes next is a step of its own."""
         self._gesture += 1
 
-    def take_hold(self, where: object) -> None:
+    def begin_drag(self, where: object) -> None:
         """The mouse has taken hold of something in this widget: what it does next is one step, until ``release``."""
         self.end_gesture()
-        self.held, self.stages_held = where, None
+        self.drag_source, self.stages_of_drag = where, None
 
-    def release(self) -> None:
+    def end_drag(self) -> None:
         """It has let go."""
-        if self.held:
-            self.held = None
+        if self.drag_source:
+            self.drag_source = None
             self.end_gesture()
 
-    def let_go(self, path: str, back_to: object = None) -> None:
+    def end_field_drag(self, path: str, back_to: object = None) -> None:
         """The mouse has let go of the field of a path; back_to: ``work`` as it was when that was taken hold of, to which it goes back."""
-        self.release()
+        self.end_drag()
         self.withdraw(path)
         if back_to is not None and self.work != back_to:
             self.stack.undo()
@@ -532,17 +540,17 @@ class Session(QObject):
 
     def _show(self, work: Work, *, restored: bool, begun: bool = False) -> None:
         whole, draft, chosen = work
-        rewhole = begun or whole is not self.whole or chosen != self.chosen
-        redrafted = draft != self.draft
+        rewhole = begun or whole is not self.full_design or chosen != self.chosen
+        redrafted = draft != self.incomplete
         try:
             design = self._alone(whole, chosen) if rewhole else self.design
         except KindynaError:  # nothing can balance this torque
             chosen, design = 0, only(whole, 0)
-        stepped = restored and (whole is not self.whole or redrafted)
-        if begun or stepped or _segments(self.typed_whole) != _segments(whole if draft is None else draft.whole):
+        stepped = restored and (whole is not self.full_design or redrafted)
+        if begun or stepped or _segments(self.typed_full_design) != _segments(whole if draft is None else draft.design):
             self._cells.clear()
-        rechosen = begun or chosen != self.chosen or whole.listed != self.whole.listed
-        recounted = len(whole.drives) != len(self.whole.drives)
+        rechosen = begun or chosen != self.chosen or whole.listed != self.full_design.listed
+        recounted = len(whole.drives) != len(self.full_design.drives)
         if not rechosen and design == self.design:
             design = self.design  # what is of this drive stays as it is
         another = rechosen or design is not self.design
@@ -550,23 +558,23 @@ class Session(QObject):
             self.choose_step(None)
             self.choose_load("")
             self.drive_chosen.emit()
-        self.whole, self.chosen, self.design, self.draft = whole, chosen, design, draft
+        self.full_design, self.chosen, self.design, self.incomplete = whole, chosen, design, draft
         if rewhole:
-            self._whole_study = None
+            self._full_study = None
         if another:
             self._study = self._at = None
-            self.awaited.drop()
+            self.pending.drop()
         if restored or rechosen or recounted:
             self._before = None
         if restored:
             self.end_gesture()
             self.restored.emit()
         if redrafted:
-            self.draft_changed.emit()
+            self.incomplete_changed.emit()
         if another:
             self.design_changed.emit()
         if rewhole:
-            self.whole_changed.emit()
+            self.full_design_changed.emit()
 
     # -- files --------------------------------------------------------------------------------------------
 
@@ -592,7 +600,7 @@ class Session(QObject):
         path = self._file()
         design = self._files.read(path)
         self._is_in_file(design, path)
-        if (design, None) != (self.whole, self.draft):
+        if (design, None) != (self.full_design, self.incomplete):
             self.stack.push(
                 UndoStep(self._begin, (self.work, self.path), ((design, None, 0), path), f"Reload {path.name}")
             )
@@ -609,7 +617,7 @@ class Session(QObject):
 
     def _step_taken(self, *_: object) -> None:
         """What is typed and equal to its file, or to the design begun with, needs no saving, however it was reached."""
-        if (self.typed_whole, self.path) in self._unchanged:
+        if (self.typed_full_design, self.path) in self._unchanged:
             self.stack.setClean()
 
     def _is_in_file(self, design: Design, path: Path) -> None:
@@ -626,11 +634,11 @@ class Session(QObject):
 
         Raises FileError; DesignError where values contradict each other, which no file holds.
         """
-        target, design = path or self._file(), self.whole if last_fitting else self.typed_whole
+        target, design = path or self._file(), self.full_design if last_fitting else self.typed_full_design
         self._files.write(design, target)
         self.path = target
         self._is_in_file(design, target)
-        if design == self.typed_whole:
+        if design == self.typed_full_design:
             self.stack.setClean()
         else:
             self.stack.resetClean()

@@ -44,7 +44,7 @@ from core.frozen import frozen
 from core.motion import Join, program
 from core.project import ValueDifference, differences, load, loads
 from core.project.recovery import Recoverable, Unsaved
-from kindyna_gui.documents.edits import Draft
+from kindyna_gui.documents.edits import IncompleteDesign
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import choice_text, law_label, name_of, segment_of, sentence, value_text
 from kindyna_gui.look import MessageLabel
@@ -121,7 +121,7 @@ NO_MECHANISM = "Not a mechanism yet"
 
 def misses(session: Session) -> list[str]:
     """A sentence for each thing that does not fit together, what the motion of the chosen drive lacks first; none where all does."""
-    if session.draft is not None and session.unfinished:
+    if session.incomplete is not None and session.is_incomplete_linkage:
         from core.mechanism.unfinished import mobility
 
         return [sentence(row) for row in mobility(session.typed.drive.linkage).sentences] or [NO_MECHANISM]
@@ -135,7 +135,7 @@ def misses(session: Session) -> list[str]:
 
 def waiting_text(session: Session) -> str:
     """What does not fit to the rest: ``Does not fit yet: Rod L2``; '' where all does."""
-    if session.draft is not None and session.unfinished:
+    if session.incomplete is not None and session.is_incomplete_linkage:
         return NO_MECHANISM
     names = dict.fromkeys(name for _, name, _ in session.misfit.reasons)
     return f"Does not fit yet: {', '.join(names)}" if names else ""
@@ -162,7 +162,7 @@ def waiting_paths(session: Session) -> frozenset[str]:
 
 def motion_waits(session: Session) -> bool:
     """Whether the motion that is typed is not in place."""
-    return session.draft is not None and motion_of(session.typed) != motion_of(session.design)
+    return session.incomplete is not None and motion_of(session.typed) != motion_of(session.design)
 
 
 def joins_of(motion: Motion) -> tuple[Join, ...]:
@@ -263,7 +263,7 @@ def compare(unsaved: Unsaved) -> RecoveryComparison:
     path = unsaved.path
     try:
         design = loads(unsaved.design, source="the recovery file")
-        typed = design if unsaved.draft is None else Draft.from_state(unsaved.draft).whole
+        typed = design if unsaved.draft is None else IncompleteDesign.from_state(unsaved.draft).design
     except KindynaError as error:
         return RecoveryComparison(f"Damaged work, {when}".rstrip(", "), f"It cannot be read: {error}")
     title = f"{design.name if path is None else path.name}, {when}".rstrip(", ")

@@ -47,7 +47,7 @@ class Documents(QObject):
     def name(self) -> str:
         """Of the file, else of the design."""
         path = self._session.path
-        return path.name if path is not None else self._session.whole.name
+        return path.name if path is not None else self._session.full_design.name
 
     # -- leaving ------------------------------------------------------------------------------------------
 
@@ -156,16 +156,20 @@ class Documents(QObject):
         where the user cancels."""
         self.settle()
         session, answer = self._session, Unfinished.AS_TYPED
-        while session.draft is not None and not session.unfinished:
-            as_typed = not faults(session.typed_whole)  # which no file may have
+        while session.incomplete is not None and not session.is_incomplete_linkage:
+            as_typed = not faults(session.typed_full_design)  # which no file may have
             answer = dialogs.ask_unfinished(self._window, misses(session), closing_text(session), as_typed)
-            if answer is not Unfinished.CLOSE or not session.close_draft():
+            if answer is not Unfinished.CLOSE or not session.close_motion():
                 break
         self._last_fitting = answer is Unfinished.LAST_FITTING
-        return session.draft is None or session.unfinished or answer in (Unfinished.AS_TYPED, Unfinished.LAST_FITTING)
+        return (
+            session.incomplete is None
+            or session.is_incomplete_linkage
+            or answer in (Unfinished.AS_TYPED, Unfinished.LAST_FITTING)
+        )
 
     def _save_as(self) -> bool:
-        stem = file_name(self._session.whole.name) or "design"
+        stem = file_name(self._session.full_design.name) or "design"
         suggestion = self._session.path or self._settings.folder / f"{stem}.toml"
         path = dialogs.design_to_save(self._window, suggestion)
         if path is None:
@@ -202,7 +206,7 @@ class Documents(QObject):
 
     def _differences(self, path: Path) -> list[str]:
         """What differs between a file and the design, a line each."""
-        design = self._session.whole if self._last_fitting else self._session.typed_whole
+        design = self._session.full_design if self._last_fitting else self._session.typed_full_design
         try:
             on_disk = load(path)
         except KindynaError as error:

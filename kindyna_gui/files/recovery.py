@@ -21,7 +21,7 @@ from core.errors import KindynaError
 from core.project import dumps, recovery
 from core.project.recovery import Recoverable, RecoveryFile, Unsaved
 from kindyna_gui import dialogs
-from kindyna_gui.documents.edits import Draft
+from kindyna_gui.documents.edits import IncompleteDesign
 from kindyna_gui.documents.session import Session
 from kindyna_gui.files.file_actions import Documents
 from kindyna_gui.places import state_folder
@@ -114,7 +114,7 @@ def recovery_folder() -> Path:
     return state_folder() / "recovery"
 
 
-def _unsaved(design: Design, path: Path | None, draft: Draft | None, drive: int) -> Unsaved:
+def _unsaved(design: Design, path: Path | None, draft: IncompleteDesign | None, drive: int) -> Unsaved:
     return recovery.now(dumps(design), path, None if draft is None else draft.state(), drive)
 
 
@@ -143,7 +143,11 @@ class Recovery(QObject):
 
     def begin(self) -> None:
         """Keep unsaved work from now on."""
-        for changed in (self._session.whole_changed, self._session.draft_changed, self._session.file_changed):
+        for changed in (
+            self._session.full_design_changed,
+            self._session.incomplete_changed,
+            self._session.file_changed,
+        ):
             changed.connect(self.note)
 
     def note(self) -> None:
@@ -151,7 +155,7 @@ class Recovery(QObject):
         session = self._session
         path = session.path.absolute() if session.path is not None else None
         state = (
-            (session.whole, path, session.draft, session.chosen if session.draft is not None else 0)
+            (session.full_design, path, session.incomplete, session.chosen if session.incomplete is not None else 0)
             if session.modified
             else None
         )

@@ -77,12 +77,12 @@ class NameLabel(QLabel):
 
     dragged    (int): so many steps further
     released   the drag, or a click, is over
-    menu_wanted  (QPoint, QMenu): what can be done with it, at this place of the screen, by a menu that is empty yet
+    menu_requested  (QPoint, QMenu): what can be done with it, at this place of the screen, by a menu that is empty yet
     """
 
     dragged = Signal(int)
     released = Signal()
-    menu_wanted = Signal(object, object)
+    menu_requested = Signal(object, object)
 
     def __init__(self, html: str, draggable: bool) -> None:
         super().__init__(html)
@@ -96,7 +96,7 @@ class NameLabel(QLabel):
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
         menu = QMenu(self)
         menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        self.menu_wanted.emit(event.globalPos(), menu)
+        self.menu_requested.emit(event.globalPos(), menu)
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         if event.button() == Qt.MouseButton.LeftButton:
@@ -242,7 +242,7 @@ class Field(QObject):
         box.finished.connect(self.session.end_gesture)
         if not names_a_link(self.spec.path, self.spec.info):
             for part in (self.label, box):
-                part.menu_wanted.connect(self._open_menu)
+                part.menu_requested.connect(self._open_menu)
         self.label.dragged.connect(box.drag_by)
         self.label.released.connect(self._label_released)
         return box
@@ -275,7 +275,7 @@ class Field(QObject):
         box.activated.connect(self._choose)
         box.withdrawn.connect(lambda: self.session.take_back(self.spec.path))
         for part in (self.label, box):
-            part.menu_wanted.connect(self._open_menu)
+            part.menu_requested.connect(self._open_menu)
         self.label.released.connect(box.setFocus)
         return box
 
@@ -304,7 +304,7 @@ class Field(QObject):
             self.mark.setToolTip(
                 f"{self.spec.info.label} is {meaning}; click to change" + (f"\n\n{why}" if why else "")
             )
-        self.editor.set_waits(self.session.waits(self.spec.path, self.spec.read))
+        self.editor.set_waiting(self.session.waits(self.spec.path, self.spec.read))
         self._misfit = self.session.misfit.at(self.spec.path)
         self._show_blame()
         if not self._untaken():

@@ -23,7 +23,7 @@ from kindyna_gui.rebuilt import Rebuilt
 KEPT = "Drawings and plots keep the last that fits."
 
 
-class DraftBar(QWidget):
+class IncompleteBar(QWidget):
     """Shown while something does not fit together, hidden else.
 
     close_requested   the button that makes the motion whole was clicked
@@ -54,7 +54,7 @@ class DraftBar(QWidget):
             grid.addWidget(button, 1, column, Qt.AlignmentFlag.AlignTop)
         self.hide()
 
-    def show_draft(self, misses: Sequence[str], closing: str = "", tip: Sequence[str] = ()) -> None:
+    def show_reasons(self, misses: Sequence[str], closing: str = "", tip: Sequence[str] = ()) -> None:
         """Show the sentences of ``misses`` and what would close the motion ('' where nothing simple would); none hides the bar. tip:
         more of it."""
         self.trouble.setText("\n".join(misses))
@@ -176,7 +176,7 @@ class Form(QScrollArea):
     def refresh(self, design: Design) -> None:
         """Show this design; fields are made anew only where another kind of design has others, and left alone
         where they show what they did."""
-        shown = (part_of(design, self._section), design.assumed, self._session.draft)
+        shown = (part_of(design, self._section), design.assumed, self._session.incomplete)
         before, self._shown = self._shown, shown
         same = before is not None and shown[0] is before[0] and shown[1] == before[1] and shown[2] is before[2]
         if same and not self._begun:

@@ -53,7 +53,7 @@ from kindyna_gui.pictures.style import SCREEN
 # -- hold rows -------------------------------------------------------------------------------------------
 
 
-class HoldRows(QWidget):
+class AttachmentRows(QWidget):
     """The holds of one row of the loads, one below the other.
 
     picked   (key): one is to be chosen in the drawing
@@ -117,7 +117,7 @@ class HoldRows(QWidget):
     def refresh(self, design: Design) -> None:
         """Show where the row holds on, unless what was chosen there was refused, and what does not fit of it."""
         row = get(design, self._path)
-        shown = (design.drive.mechanism, [hold.read(row) for hold in self._holds(design)], self._session.draft)
+        shown = (design.drive.mechanism, [hold.read(row) for hold in self._holds(design)], self._session.incomplete)
         if shown == self._shown:
             return
         self._shown = shown
@@ -129,7 +129,7 @@ class HoldRows(QWidget):
     def _show_misfit(self, hold: AttachedEnd) -> None:
         own = self._own(hold)
         self._say(hold.key, "\n".join(text for path, _, text in self._session.misfit.reasons if path in own))
-        self.boxes[hold.key].set_waits(self._session.waits(own[0], lambda design: hold.read(get(design, self._path))))
+        self.boxes[hold.key].set_waiting(self._session.waits(own[0], lambda design: hold.read(get(design, self._path))))
 
     def _show(self, hold: AttachedEnd, design: Design, now: Target | None) -> None:
         box = self.boxes[hold.key]
@@ -180,7 +180,7 @@ class HoldRows(QWidget):
 
     def _choose(self, hold: AttachedEnd, index: int) -> None:
         held = self._values[hold.key][index]
-        put_held(self._session, self._path, hold, held)
+        put_attachment(self._session, self._path, hold, held)
 
     def _take_back(self, hold: AttachedEnd) -> None:
         self._session.take_back(self._own(hold)[0])
@@ -188,7 +188,7 @@ class HoldRows(QWidget):
         self.refresh(self._session.typed)
 
 
-def put_held(session: Session, path: str, hold: AttachedEnd, held: Target | None) -> bool:
+def put_attachment(session: Session, path: str, hold: AttachedEnd, held: Target | None) -> bool:
     """Let a row of the loads hold on elsewhere, as one step; False where that is refused."""
     design, at = session.typed, f"{path}.{hold.key}"
     session.end_gesture()

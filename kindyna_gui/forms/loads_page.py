@@ -19,7 +19,7 @@ from core.output.load_text import row_attachments, row_name
 from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.form import Form
-from kindyna_gui.forms.load_rows import HoldRows, WhenRow, list_button, row_of_buttons, taken_by_list
+from kindyna_gui.forms.load_rows import AttachmentRows, WhenRow, list_button, row_of_buttons, taken_by_list
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import value_text
 from kindyna_gui.pictures.units import digits, readable
@@ -186,7 +186,7 @@ class LoadsPage(QWidget):
     def __init__(self, session: Session) -> None:
         super().__init__()
         self._session = session
-        self.holds: dict[str, HoldRows] = {}
+        self.holds: dict[str, AttachmentRows] = {}
         self.whens: dict[str, WhenRow] = {}
         self.table = LoadsTable()
         self.form = Form(session, "loads", row_of, self._holds)
@@ -298,7 +298,7 @@ class LoadsPage(QWidget):
         if not group:
             self.holds, self.whens = {}, {}  # the form is made anew
             return None
-        rows = self.holds[group] = HoldRows(self._session, group)
+        rows = self.holds[group] = AttachmentRows(self._session, group)
         rows.picked.connect(partial(self.picked.emit, group))
         if parts_of(group)[0] != "process":
             return rows

@@ -193,7 +193,7 @@ class RedFrame:
 
     _refused = _waits = False
 
-    def set_waits(self, on: bool) -> None:
+    def set_waiting(self, on: bool) -> None:
         if on != self._waits:
             self._waits = on
             self.update()  # type: ignore[attr-defined]
@@ -229,20 +229,20 @@ class WordBox(RedFrame, QComboBox):
     """A combo box that lets the wheel scroll the form until it has been chosen.
 
     withdrawn   Escape: what was chosen, and refused, is taken back
-    menu_wanted  (QPoint, QMenu): what can be done with it, at this place of the screen, by a menu that is empty yet
+    menu_requested  (QPoint, QMenu): what can be done with it, at this place of the screen, by a menu that is empty yet
     """
 
     withdrawn = Signal()
-    menu_wanted = Signal(object, object)
+    menu_requested = Signal(object, object)
 
     def __init__(self) -> None:
         super().__init__()
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
         self.setMinimumContentsLength(6)
-        self.redress()
+        self.update_style()
 
-    def redress(self) -> None:
+    def update_style(self) -> None:
         """As high and wide as its letters want it."""
         self.setFixedHeight(row_height(self))
 
@@ -255,7 +255,7 @@ class WordBox(RedFrame, QComboBox):
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
         menu = QMenu(self)
         menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        self.menu_wanted.emit(event.globalPos(), menu)
+        self.menu_requested.emit(event.globalPos(), menu)
         if not menu.isVisible():
             menu.deleteLater()
 
@@ -302,18 +302,18 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
     unreadable   a text that is no number was confirmed
     finished     the gesture is over: Enter, mouse released, focus left
     withdrawn    what was typed is taken back
-    menu_wanted  (QPoint, QMenu): what can be done with it, at this place of the screen; the menu has what edits the text
+    menu_requested  (QPoint, QMenu): what can be done with it, at this place of the screen; the menu has what edits the text
 
-    as_kept      it shows its own unit, whatever the user prefers: what stands around it does so
+    in_file_units      it shows its own unit, whatever the user prefers: what stands around it does so
     """
 
-    as_kept = False
+    in_file_units = False
 
     entered = Signal(object)
     unreadable = Signal()
     finished = Signal()
     withdrawn = Signal()
-    menu_wanted = Signal(object, object)
+    menu_requested = Signal(object, object)
 
     def __init__(self, info: Info, unit: Unit = NO_UNIT, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -328,11 +328,11 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
         self.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         self.setAccelerated(True)
         self.setKeyboardTracking(False)
-        self.redress()
+        self.update_style()
         self.show_value(0.0)
         TOLD.changed.connect(self._show_otherwise)
 
-    def redress(self) -> None:
+    def update_style(self) -> None:
         """As high and wide as its letters want it."""
         self.setFixedHeight(row_height(self))
         self.setMinimumWidth(QFontMetrics(self.font()).horizontalAdvance("-1234.567") + _BUTTONS)
@@ -340,12 +340,12 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
     # -- the number ---------------------------------------------------------------------------------------
 
     def _text(self, value: float | None) -> str:
-        return "" if value is None else number_text(value, NO_UNIT if self.as_kept else self._unit)
+        return "" if value is None else number_text(value, NO_UNIT if self.in_file_units else self._unit)
 
     @property
     def _size(self) -> float:
         """How many of its own unit one is of that which is shown."""
-        return 1.0 if self.as_kept else size_of(self._unit.symbol)
+        return 1.0 if self.in_file_units else size_of(self._unit.symbol)
 
     def _show_otherwise(self) -> None:
         """In other units; what is typed stays."""
@@ -401,7 +401,7 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
                 self.withdrawn.emit()
             return
         self._tried = self.text()
-        number = parsed(self.text(), self._unit, kept=self.as_kept)
+        number = parsed(self.text(), self._unit, kept=self.in_file_units)
         if number is None and not (self._info.optional and not self.text().strip()):
             self.unreadable.emit()
         else:
@@ -439,7 +439,7 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
 
     def step_by(self, steps: int, scale: float = 1.0) -> None:
         """So many steps of ``scale`` times the usual size."""
-        number = parsed(self.text(), self._unit, kept=self.as_kept) if self.pending else self._value
+        number = parsed(self.text(), self._unit, kept=self.in_file_units) if self.pending else self._value
         start = (self._value or 0.0) if number is None else number
         moved = self.stepped(start, steps, scale)
         if moved == start:
@@ -465,7 +465,7 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
         menu = self.lineEdit().createStandardContextMenu()
         menu.setParent(self, menu.windowFlags())
         menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        self.menu_wanted.emit(event.globalPos(), menu)
+        self.menu_requested.emit(event.globalPos(), menu)
         if not menu.isVisible():
             menu.popup(event.globalPos())
 

@@ -17,7 +17,7 @@ from core.study import Study
 from kindyna_gui.documents.session import SHAFT, Session
 from kindyna_gui.documents.texts import misses, waiting_text
 from kindyna_gui.forms.fields import Field, NameField, in_tab_order
-from kindyna_gui.forms.form import DraftBar, Form, part_of
+from kindyna_gui.forms.form import Form, IncompleteBar, part_of
 from kindyna_gui.forms.loads_page import LoadsPage, first_field, row_of
 from kindyna_gui.labels import SECTION_NAMES
 from kindyna_gui.look import coloured, sign
@@ -84,14 +84,14 @@ class ParametersView(View):
 
     load_added = Signal(str)
     load_picked = Signal(str, str)
-    of_whole = True
+    is_design_wide = True
 
     def __init__(self, session: Session, player: Player, first: Mapping[str, Any] = MappingProxyType({})) -> None:
         super().__init__(session, player)
         self.name = NameField(session)
-        self.draft = DraftBar()
-        self.draft.drop_requested.connect(session.drop_draft)
-        session.draft_changed.connect(self.invalidate)
+        self.incomplete_bar = IncompleteBar()
+        self.incomplete_bar.drop_requested.connect(session.drop_incomplete)
+        session.incomplete_changed.connect(self.invalidate)
         self.kind = QLabel()
         coloured(self.kind, SCREEN.quiet)
         self.legend = QLabel(f"<span style='color:{SCREEN.assumed}'>∗</span> assumed")
@@ -137,7 +137,7 @@ class ParametersView(View):
         layout.setSpacing(3)
         layout.addLayout(head)
         layout.addWidget(self.tabs, 1)
-        layout.addWidget(self.draft)
+        layout.addWidget(self.incomplete_bar)
         layout.addLayout(foot)
         self.set_content_layout(layout)
 
@@ -149,11 +149,13 @@ class ParametersView(View):
     def refresh(self, study: Study) -> None:
         typed = self.session.typed
         place = self._change_subject()
-        self.draft.show_draft([text] if (text := waiting_text(self.session)) else [], tip=misses(self.session))
+        self.incomplete_bar.show_reasons(
+            [text] if (text := waiting_text(self.session)) else [], tip=misses(self.session)
+        )
         self.name.refresh(typed)
         self.kind.setText(kind_label(typed))
         for section, form in self.forms.items():
-            design = self.session.typed_whole if section == SHAFT else typed
+            design = self.session.typed_full_design if section == SHAFT else typed
             present, tab = part_of(design, section) is not None, self.tabs.indexOf(self.pages[section])
             if present != self.tabs.isTabVisible(tab):  # else Qt would lay out the whole window anew all the same
                 self.tabs.setTabVisible(tab, present)

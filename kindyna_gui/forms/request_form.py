@@ -343,7 +343,7 @@ class ComputedDialog(QDialog):
         """What computes what the file will hold, for the request as it is now."""
         raise NotImplementedError
 
-    def show_made(self, made: Any) -> str:
+    def show_result(self, made: Any) -> str:
         """Show what was computed, None where there is no answer; in words."""
         raise NotImplementedError
 
@@ -363,7 +363,7 @@ class ComputedDialog(QDialog):
 
     def _take(self, _: object, result: Any) -> None:
         self.made = None if isinstance(result, KindynaError) else result
-        text = self.show_made(self.made)
+        text = self.show_result(self.made)
         self._tell(str(result) if self.made is None else text, SCREEN.limit if self.made is None else SCREEN.ink)
         self.export.setEnabled(self.made is not None)
 
@@ -499,7 +499,7 @@ class ScaleDialog(QDialog):
             super().accept()
 
 
-def scale_wanted(parent: QWidget) -> tuple[float, bool] | None:
+def ask_scale(parent: QWidget) -> tuple[float, bool] | None:
     """Ask for a factor and whether masses grow along; None where the user cancels."""
     dialog = ScaleDialog(parent)
     accepted = dialog.exec() == QDialog.DialogCode.Accepted

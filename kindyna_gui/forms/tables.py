@@ -24,7 +24,7 @@ from core.frozen import frozen
 from kindyna_gui.documents.session import Session
 from kindyna_gui.rebuilt import soon
 from kindyna_gui.settings import symbol_of
-from kindyna_gui.view import NumberAtHand
+from kindyna_gui.view import ExplainableNumber
 
 # -- copy in a table takes all of it to the clipboard, for a spreadsheet ---------------------------------
 
@@ -158,7 +158,7 @@ class TableRow:
     tip: str = ""
     colour: str = ""
     across: int | None = None
-    number: NumberAtHand | None = None
+    number: ExplainableNumber | None = None
 
 
 @frozen
@@ -266,7 +266,7 @@ class RowsTable(QTableView):
                 head.setSectionResizeMode(column, QHeaderView.ResizeMode.Stretch)
 
     @property
-    def number(self) -> NumberAtHand | None:
+    def number(self) -> ExplainableNumber | None:
         """That of the chosen row."""
         at = self.currentIndex().row()
         return self.rows.rows[at].number if 0 <= at < len(self.rows.rows) else None

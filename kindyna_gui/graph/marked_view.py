@@ -85,7 +85,7 @@ class ExtremesSearch(QObject):
         self._background.close()
 
     def _begin(self) -> None:
-        if self._session.held is not None:  # the mouse draws on: the design at hand is soon another
+        if self._session.drag_source is not None:  # the mouse draws on: the design at hand is soon another
             self._pause.start()
         elif self._wanted is not None:
             self._background.start([(self._wanted[0], partial(channel_extremes, *self._wanted))])

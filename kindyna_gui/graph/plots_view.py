@@ -26,9 +26,9 @@ from kindyna_gui.pictures.plots.xy import MACHINE_ANGLE, MACHINE_TIP, CursorPlot
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import readable
 from kindyna_gui.player import Player, obey
-from kindyna_gui.requirements import NotHere, ways_of
+from kindyna_gui.requirements import Unavailable, suggestions_for
 from kindyna_gui.saving import save_numbers, save_picture
-from kindyna_gui.view import NumberAtHand
+from kindyna_gui.view import ExplainableNumber
 
 # -- drives plot -----------------------------------------------------------------------------------------
 
@@ -119,7 +119,7 @@ class PlotView(MarkedView):
         )
         self.all_drives.toggled.connect(self.invalidate)
         self.plot.addAction(self.all_drives)
-        session.whole_changed.connect(self._whole_changed)
+        session.full_design_changed.connect(self._whole_changed)
         Pins.of(session).changed.connect(self.invalidate)
 
     @property
@@ -181,8 +181,8 @@ class PlotView(MarkedView):
         self.rows = tuple(drawn)
         self.plot.name_angle(study)
         self.message = "" if drawn else "\n".join(missing) or why_empty(study, self.usual)
-        if ways_of(self.message):
-            raise NotHere(self.message)
+        if suggestions_for(self.message):
+            raise Unavailable(self.message)
         notes = ["; ".join(missing), *figures_of(study, self.usual)]
         if drawn:
             pinned, lacking = self._pinned(drawn)
@@ -205,7 +205,7 @@ class PlotView(MarkedView):
                 there, missing = split(study, rows_of(study, [row.name for row in drawn]))
                 for row in there:
                     row.value(study)
-        except NotHere as error:
+        except Unavailable as error:
             return None, str(error)
         if missing or len(there) < len(drawn):
             return None, f"Pinned {pins.front.name} has no such curve"
@@ -224,8 +224,8 @@ class PlotView(MarkedView):
         self.plot.set_angle(theta, self.session.at(theta) if self.rows else None)
         self.extremes.resume()
 
-    def number_at_hand(self) -> NumberAtHand | None:
-        return NumberAtHand(self.rows[0].slug) if self.rows else None
+    def selected_number(self) -> ExplainableNumber | None:
+        return ExplainableNumber(self.rows[0].slug) if self.rows else None
 
     def _turn(self, theta: float) -> None:
         self.player.play(False)
@@ -310,10 +310,10 @@ class StackView(MarkedView):
             plot.set_angle(theta, self.session.at(theta) if self._drawn[name] else None)
         self.extremes.resume()
 
-    def number_at_hand(self) -> NumberAtHand | None:
+    def selected_number(self) -> ExplainableNumber | None:
         chosen = next((name for name, plot in self.plots.items() if plot.underMouse()), "pressure_angle")
         rows = self._drawn.get(chosen)
-        return NumberAtHand(rows[0].slug) if rows else None
+        return ExplainableNumber(rows[0].slug) if rows else None
 
     def _turn(self, theta: float) -> None:
         self.player.play(False)

@@ -168,7 +168,7 @@ class Canvas(QGraphicsView):
         self.show_region(visible.center(), scale, keep_labels)
         self.fitted = True
 
-    def redress(self) -> None:
+    def update_style(self) -> None:
         """Theme or letters have changed; what is zoomed stays."""
         self._scene.update_style()
         if self.fitted:

@@ -1,4 +1,4 @@
-"""Drawing mode."""
+"""Drawing mode: the tool strip, and what mouse and keys do on the canvas while a linkage is drawn."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QVBoxLayout, QWidget
 
 from kindyna_gui.documents.session import Session
 from kindyna_gui.linkage.canvas import Canvas
-from kindyna_gui.linkage.choosing import Choosing, Stroke
 from kindyna_gui.linkage.draw_tools import CHOOSE, MANY, TOOLS, DrawTool, Snap, point_at, snapped
-from kindyna_gui.linkage.drawing_deeds import DEEDS, Deed, Deeds
+from kindyna_gui.linkage.drawing_actions import ACTIONS, DrawingAction, SelectionActions
+from kindyna_gui.linkage.drawing_mouse import SelectionInput, ToolInput
 from kindyna_gui.linkage.drawn_linkage import DrawnLinkage
 from kindyna_gui.linkage.sketch_picture import Marked
 from kindyna_gui.linkage.typed_values import TypedValues
@@ -23,11 +23,31 @@ from kindyna_gui.look import SteadyText, icon, tool_bar
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 
-# -- the strip of the drawing tools ----------------------------------------------------------------------
+EMPTY_WIDTH_MM = 260.0  # visible width of an empty drawing
+_FIRST = "0123456789.-+("  # characters that open the input boxes
+_HERE = {
+    "bar": "Attach a bar",
+    "plate": "Attach a plate",
+    "ground": "Ground",
+    "point": "Trace a point",
+    "driver": "Drive",
+    "gear": "Drive by a ratio",
+}
+MENU_TOOLS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "point": ("bar", "plate", "slider", "slider_on", "ground", "driver", "gear", "force", "spring", "roller"),
+        "link": ("bar", "point", "ground", "driver", "gear", "mass", "force", "spring"),
+        "row": (),
+        "sheet": ("bar", "plate", "ground", "slider", "pin"),
+    }
+)
+"""Kind of part under the mouse -> tools that its menu offers."""
+
+# -- tool strip ------------------------------------------------------------------------------------------
 
 
 class DrawBar(QWidget):
-    """The strip of tools over the drawing, and below them what the drawing lacks and what is to be clicked."""
+    """The tool strip over the drawing, with what to click next, and below it what the drawing lacks."""
 
     def __init__(self, actions: Sequence[QAction]) -> None:
         super().__init__()
@@ -52,28 +72,25 @@ class DrawBar(QWidget):
 
 # -- drawing mode ----------------------------------------------------------------------------------------
 
-SHEET_MM = 260.0  # width of an empty sheet
-_FIRST = "0123456789.-+("
-
 
 class DrawingMode(DrawnLinkage):
-    """What the mouse and the keys do on the canvas while a linkage is drawn.
+    """Drawing with mouse and keys on the canvas.
 
-    switched  (on): the mode has begun, or ended
+    switched  (on): the mode has started or ended
     """
 
     switched = Signal(bool)
 
     def __init__(self, canvas: Canvas, session: Session, player: Player, owner: QWidget) -> None:
         super().__init__(canvas, session, player, owner)
-        self.stroke = Stroke(self)
-        self.typed = TypedValues(self, self.stroke)
-        self.choosing = Choosing(self, self.typed.ask_length)
+        self.tool_input = ToolInput(self)
+        self.typed = TypedValues(self, self.tool_input)
+        self.selection_input = SelectionInput(self, self.typed.ask_length)
         self.group = QActionGroup(self)
         self.group.setObjectName("Draw")
         self.tools = {name: self._tool_action(tool, owner) for name, tool in TOOLS.items()}
-        done = Deeds(self, self.typed)
-        self.deeds = {row.name: self._deed_action(row, done, owner) for row in DEEDS}
+        edits = SelectionActions(self, self.typed)
+        self.actions = {row.name: self._menu_action(row, edits, owner) for row in ACTIONS}
         self.bar = DrawBar(list(self.tools.values()))
         self.changed.connect(self.refresh)
         session.started.connect(self.forget)
@@ -93,39 +110,39 @@ class DrawingMode(DrawnLinkage):
         owner.addAction(action)
         return action
 
-    def _deed_action(self, row: Deed, done: Deeds, owner: QWidget) -> QAction:
+    def _menu_action(self, row: DrawingAction, edits: SelectionActions, owner: QWidget) -> QAction:
         action = QAction(row.text, owner)
         action.setObjectName(f"deed:{row.name}")
         action.setShortcut(QKeySequence(row.key))
         action.setShortcutContext(Qt.ShortcutContext.WidgetWithChildrenShortcut)
         action.setStatusTip(row.tip)
         action.setEnabled(False)
-        action.triggered.connect(lambda *_: row.do(done))
+        action.triggered.connect(lambda *_: row.run(edits))
         owner.addAction(action)
         return action
 
     @property
     def tool(self) -> DrawTool:
-        """The tool in hand."""
-        return self.stroke.tool
+        """The current tool."""
+        return self.tool_input.tool
 
     @property
     def snap(self) -> Snap | None:
-        """Where the mouse is taken to be."""
-        mouse = self.stroke.mouse
-        moved = mouse is not None and mouse.point and self.sheet[1].get(mouse.point) != mouse.at
-        return None if moved else mouse
+        """Position that the mouse snaps to; None if its point has moved since."""
+        mouse = self.tool_input.mouse
+        has_moved = mouse is not None and mouse.point and self.layout[1].get(mouse.point) != mouse.at
+        return None if has_moved else mouse
 
-    # -- the mode ---------------------------------------------------------------------------------------------
+    # -- start, stop, refresh ---------------------------------------------------------------------------------
 
     def start(self, tool: str = CHOOSE) -> None:
-        """Draw from now on."""
+        """Start drawing."""
         if not self.active:
             self.active = True
             self.player.play(False)
             self.canvas.viewport().installEventFilter(self)
             self.canvas.installEventFilter(self)
-            for action in (*self.tools.values(), *self.deeds.values()):
+            for action in (*self.tools.values(), *self.actions.values()):
                 action.setEnabled(True)
             self.bar.show()
             self.switched.emit(True)
@@ -133,22 +150,22 @@ class DrawingMode(DrawnLinkage):
         self.canvas.setFocus()
 
     def stop(self) -> None:
-        """The machine is shown as it runs again."""
+        """End drawing; the running machine is shown again."""
         if self.active:
             self.active = False
             self.typed.boxes.close_all()
             self.forget()
             self.canvas.viewport().removeEventFilter(self)
             self.canvas.removeEventFilter(self)
-            for action in (*self.tools.values(), *self.deeds.values()):
+            for action in (*self.tools.values(), *self.actions.values()):
                 action.setEnabled(False)
             self.bar.hide()
             self.canvas.setCursor(Qt.CursorShape.ArrowCursor)
             self.switched.emit(False)
 
     def choose_tool(self, name: str, *_: object) -> None:
-        """Another of ``TOOLS``."""
-        self.stroke.tool, self.stroke.snaps = TOOLS[name], []
+        """Change to one of ``TOOLS``."""
+        self.tool_input.tool, self.tool_input.snaps = TOOLS[name], []
         self.tools[name].setChecked(True)
         if name != CHOOSE:
             self.choose()
@@ -156,33 +173,34 @@ class DrawingMode(DrawnLinkage):
         self.refresh()
 
     def forget(self) -> None:
-        """Nothing is chosen, begun or locked."""
-        self.stroke.drop()
-        self.choosing.drop()
+        """Clear the selection, the clicks and the locks."""
+        self.tool_input.drop()
+        self.selection_input.drop()
         self.locked.clear()
-        self.forget_sheet()
+        self.clear_layout()
         self.choose()
 
     def _prune(self) -> None:
-        """What is chosen and no longer there is not chosen."""
-        self.stroke.snaps = []
+        """Remove parts that no longer exist from the selection."""
+        self.tool_input.snaps = []
         self.typed.boxes.close_all()
         self.choose(tuple(self.points), tuple(self.links), self.row)
 
     def refresh(self) -> None:
-        """Another design, or another angle, is in place: the strip says what is to be done; of a design without links nothing is."""
+        """Update strip and canvas after a change of design, angle or selection; end drawing in a design without links."""
         if self.active and not self.session.typed.drive.links:
             self.stop()
-        self.bar.prompt.setText(self.stroke.prompt)
+        self.bar.prompt.setText(self.tool_input.prompt)
         if self.active:
             self.bar.state.show_text(self.state_text())
         self.canvas.viewport().update()
 
-    # -- the picture --------------------------------------------------------------------------------------------
+    # -- painting -----------------------------------------------------------------------------------------------
 
     @property
     def marked(self) -> Marked:
-        wrong = self.lack if self.stroke.snaps == [] and len(self.sheet[1]) > 2 else None
+        """Parts to highlight: the selection, what is wrong, and what is locked."""
+        wrong = self.lack if self.tool_input.snaps == [] and len(self.layout[1]) > 2 else None
         return Marked(
             self.points,
             self.links,
@@ -193,7 +211,7 @@ class DrawingMode(DrawnLinkage):
         )
 
     def paint(self, painter: QPainter) -> None:
-        """The sheet over everything; what does not move with the driver in grey."""
+        """Paint the drawing over the scene; links that do not follow the driver are grey."""
         painter.fillRect(self.canvas.viewport().rect(), QColor(SCREEN.paper))
         self.canvas.paint_under(painter)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
@@ -203,25 +221,25 @@ class DrawingMode(DrawnLinkage):
         picture.paint(painter, self.marked, dimensions=self.active, grey=self.still)
         if not self.active:
             return
-        if (box := self.choosing.box) is not None:
+        if (box := self.selection_input.box) is not None:
             painter.setPen(QPen(QColor(SCREEN.chosen), 1.0, Qt.PenStyle.DashLine))
             painter.setBrush(Qt.BrushStyle.NoBrush)
             painter.drawRect(box)
-        for one, other in zip(self.stroke.snaps, self.stroke.snaps[1:], strict=False):
+        for first, second in zip(self.tool_input.snaps, self.tool_input.snaps[1:], strict=False):
             painter.setPen(QPen(QColor(SCREEN.chosen), 2.0))
-            painter.drawLine(picture.to(one.at), picture.to(other.at))
+            painter.drawLine(picture.to(first.at), picture.to(second.at))
         if self.snap is not None and self.tool.name != CHOOSE:
-            picture.paint_snap(painter, self.snap, self.stroke.snaps[-1].at if self.stroke.snaps else None)
+            picture.paint_snap(painter, self.snap, self.tool_input.snaps[-1].at if self.tool_input.snaps else None)
 
     def fit(self) -> None:
-        """Bring all that is drawn into sight; an empty sheet as wide as a small machine."""
-        _, places = self.sheet
+        """Show the whole drawing; an empty one with the width of a small machine."""
+        _, positions = self.layout
         wide, high = max(1, self.canvas.viewport().width()), max(1, self.canvas.viewport().height())
-        if len(places) < 2:
-            middle = next(iter(places.values()), 0j)
-            self.canvas.show_region(QPointF(middle.real, middle.imag), wide / SHEET_MM)
+        if len(positions) < 2:
+            middle = next(iter(positions.values()), 0j)
+            self.canvas.show_region(QPointF(middle.real, middle.imag), wide / EMPTY_WIDTH_MM)
         else:
-            x, y = [at.real for at in places.values()], [at.imag for at in places.values()]
+            x, y = [at.real for at in positions.values()], [at.imag for at in positions.values()]
             scale = 0.7 * min(wide / max(max(x) - min(x), 1e-6), high / max(max(y) - min(y), 1e-6))
             self.canvas.show_region(QPointF(0.5 * (min(x) + max(x)), 0.5 * (min(y) + max(y))), scale)
         self.canvas.fitted = False
@@ -237,32 +255,32 @@ class DrawingMode(DrawnLinkage):
         if kind == QEvent.Type.ContextMenu:
             self.open_menu(event.pos(), event.globalPos())  # type: ignore[attr-defined]
             return True
-        if kind == QEvent.Type.Leave and self.stroke.mouse is not None:
-            self.stroke.mouse = None
+        if kind == QEvent.Type.Leave and self.tool_input.mouse is not None:
+            self.tool_input.mouse = None
             self.canvas.viewport().update()
         return False
 
     def _mouse_event(self, event: QMouseEvent) -> bool:
         kind, left = event.type(), event.button() == Qt.MouseButton.LeftButton
-        hand = self.choosing if self.tool.name == CHOOSE else self.stroke
+        mouse_input = self.selection_input if self.tool.name == CHOOSE else self.tool_input
         if kind == QEvent.Type.MouseMove:
             self.typed.at = event.position().toPoint()
-            if hand.pressed is None and event.buttons():
+            if mouse_input.pressed is None and event.buttons():
                 return False
-            if hand is self.choosing or not self.typed.boxes.open:
-                hand.move(event)
+            if mouse_input is self.selection_input or not self.typed.boxes.open:
+                mouse_input.move(event)
             return True
         if left and kind == QEvent.Type.MouseButtonDblClick and self.tool.clicks == MANY:
-            self.stroke.finish()
+            self.tool_input.finish()
             return True
         if left and kind in (QEvent.Type.MouseButtonPress, QEvent.Type.MouseButtonDblClick):
             self.canvas.setFocus()
             self.typed.boxes.close_all()
             self.typed.at = event.position().toPoint()
-            hand.press(event)
+            mouse_input.press(event)
             return True
         if left and kind == QEvent.Type.MouseButtonRelease:
-            hand.release(event)
+            mouse_input.release(event)
             return True
         return False
 
@@ -271,8 +289,8 @@ class DrawingMode(DrawnLinkage):
             self.escape()
             return True
         if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
-            if self.tool.clicks == MANY and len(self.stroke.snaps) > 1:
-                self.stroke.finish()
+            if self.tool.clicks == MANY and len(self.tool_input.snaps) > 1:
+                self.tool_input.finish()
             return True
         text = event.text()
         plain = not event.modifiers() & ~(Qt.KeyboardModifier.KeypadModifier | Qt.KeyboardModifier.ShiftModifier)
@@ -282,30 +300,30 @@ class DrawingMode(DrawnLinkage):
         return False
 
     def escape(self) -> None:
-        """One step back: what is dragged or begun, then the tool, then the mode."""
-        if self.choosing.take_back():
+        """Cancel the drag or the clicks, else put the tool away, else end drawing."""
+        if self.selection_input.take_back():
             return
-        if self.stroke.snaps:
-            self.stroke.snaps = []
+        if self.tool_input.snaps:
+            self.tool_input.snaps = []
             self.refresh()
         elif self.tool.name != CHOOSE:
             self.choose_tool(CHOOSE)
         else:
             self.stop()
 
-    # -- menus --------------------------------------------------------------------------------------------------
+    # -- context menu -------------------------------------------------------------------------------------------
 
     def open_menu(self, pixel: Any, globally: Any) -> None:
-        """What can be done with what is under the mouse."""
+        """Open the context menu at a pixel of the canvas."""
         menu = self.menu_at(QPointF(pixel))
         menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         menu.popup(globally)
 
     def menu_at(self, pixel: QPointF) -> QMenu:
-        """The context menu of a pixel: deeds for what is there, and tools that begin there."""
+        """Build the context menu of a pixel: tools that start there, and actions on the part under it."""
         self.typed.at = pixel.toPoint()
-        picture, at = self.picture, self.place_of(pixel)
-        name = point_at(picture.places, at, picture.scale)
+        picture, at = self.picture, self.position_at(pixel)
+        name = point_at(picture.positions, at, picture.scale)
         row = "" if name else picture.load_at(at)
         link = None if name or row else picture.link_at(pixel)
         kind = "point" if name else "row" if row else "link" if link else "sheet"
@@ -316,38 +334,19 @@ class DrawingMode(DrawnLinkage):
         elif link and link not in self.links:
             self.choose(links=(link,))
         menu = QMenu(self.canvas)
-        design, places = self.sheet
-        snap = snapped(design.drive.linkage, places, at, picture.scale, marks=self.canvas.marks)
+        design, positions = self.layout
+        snap = snapped(design.drive.linkage, positions, at, picture.scale, marks=self.canvas.marks)
         for tool in MENU_TOOLS[kind]:
             action = menu.addAction(icon(f"draw_{tool}"), _HERE.get(tool, f"{TOOLS[tool].text} here"))
-            action.triggered.connect(partial(self._begin_here, tool, snap))
+            action.triggered.connect(partial(self._start_here, tool, snap))
         menu.addSeparator()
-        for row_ in DEEDS:
-            if kind in row_.kinds:
-                menu.addAction(self.deeds[row_.name])
+        for drawing_action in ACTIONS:
+            if kind in drawing_action.kinds:
+                menu.addAction(self.actions[drawing_action.name])
         return menu
 
-    def _begin_here(self, tool: str, snap: Snap, *_: object) -> None:
-        """A tool with its first place set."""
+    def _start_here(self, tool: str, snap: Snap, *_: object) -> None:
+        """Start a tool with its first click."""
         self.choose_tool(tool)
-        self.stroke.mouse = snap
-        self.stroke.set(snap)
-
-
-_HERE = {
-    "bar": "Attach a bar",
-    "plate": "Attach a plate",
-    "ground": "Ground",
-    "point": "Trace a point",
-    "driver": "Drive",
-    "gear": "Drive by a ratio",
-}
-MENU_TOOLS: Mapping[str, tuple[str, ...]] = MappingProxyType(
-    {
-        "point": ("bar", "plate", "slider", "slider_on", "ground", "driver", "gear", "force", "spring", "roller"),
-        "link": ("bar", "point", "ground", "driver", "gear", "mass", "force", "spring"),
-        "row": (),
-        "sheet": ("bar", "plate", "ground", "slider", "pin"),
-    }
-)
-"""What is under the mouse -> the tools that its menu offers to begin there."""
+        self.tool_input.mouse = snap
+        self.tool_input.set(snap)

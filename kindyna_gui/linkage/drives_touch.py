@@ -131,7 +131,7 @@ class DrivesTouch:
         self._drawn.read_profile(at, REACH / self._canvas.scale_now)
 
     def _ask(self, place: QPointF, on_screen: QPoint) -> None:
-        number, whole, host = self._drawn.number_at(place), self._session.whole, self._view.host
+        number, whole, host = self._drawn.number_at(place), self._session.full_design, self._view.host
         if host is None:
             return
         own = number is not None and number < len(whole.drives)
@@ -143,7 +143,7 @@ class DrivesTouch:
     def _turn_from(self, at: complex) -> Callable[[complex], None] | None:
         """What turns the cam that is pressed there; None where there is none of a drive."""
         number = self._drawn.cam_at(at)
-        if number is None or number >= len(self._session.whole.drives):
+        if number is None or number >= len(self._session.full_design.drives):
             return None
         figure = self._drawn.figures[number]
         ahead = (
@@ -165,11 +165,11 @@ class DrivesTouch:
         return run
 
     def _take(self, number: int) -> bool:
-        if self._session.held is not None:
+        if self._session.drag_source is not None:
             return False
-        whole = self._session.whole
+        whole = self._session.full_design
         self._player.play(False)
-        self._session.take_hold(self._view)
+        self._session.begin_drag(self._view)
         self._work, self._typed = self._session.work, ""
         self._held = DraggedDrive(number, None, whole, whole.drives[number].phase_deg, phase_room(whole, number))
         self.began(True)
@@ -191,7 +191,7 @@ class DrivesTouch:
         held = self._held
         assert held is not None
         name, at = drive_names(held.design)[held.drive], short((held.at + by) % 360.0)
-        done = self._session.put_whole(
+        done = self._session.put_full_design(
             turn_drive(held.design, held.drive, held.at + by), f"Turn {name} to {at}°", held.path
         )
         self.lines = [(f"{name} phase {at}°", False)]
@@ -233,6 +233,6 @@ class DrivesTouch:
         if held is None:
             return
         self._canvas.let_go()
-        self._session.let_go(held.path, self._work if back else None)
+        self._session.end_field_drag(held.path, self._work if back else None)
         self.began(False)
         self.tell()

@@ -90,7 +90,7 @@ class MechanismView(View):
     load_opened = Signal(str)
     drawing_switched = Signal(bool)
 
-    of_whole = True
+    is_design_wide = True
 
     def __init__(self, session: Session, player: Player) -> None:
         self.scene = MechanismScene()
@@ -122,8 +122,8 @@ class MechanismView(View):
         session.started.connect(self._another_design)
         session.drive_chosen.connect(self._another_design)
         session.step_changed.connect(self._show_step)
-        session.whole_changed.connect(self._name_drives)
-        session.draft_changed.connect(self.invalidate)
+        session.full_design_changed.connect(self._name_drives)
+        session.incomplete_changed.connect(self.invalidate)
         session.file_changed.connect(self._look_for_underlay)
         self.strip.chosen.connect(self._choose_drive)
         self.strip.arranged.connect(self.arrange)
@@ -149,7 +149,7 @@ class MechanismView(View):
         self.picker.prompted.connect(lambda _: self._escape.setEnabled(True))
         self.picker.over.connect(lambda _: self._escape.setEnabled(False))
         session.load_chosen.connect(self.canvas.viewport().update)
-        session.whole_changed.connect(partial(self.picker.end, "another design is in place"))
+        session.full_design_changed.connect(partial(self.picker.end, "another design is in place"))
 
     def belong_to(self, window: ViewHost) -> None:
         super().belong_to(window)
@@ -205,7 +205,7 @@ class MechanismView(View):
             column.insertWidget(0, self._drawing.bar)
             self._drawing.switched.connect(self._switch_drawing)
             self._drawing.switched.connect(self.drawing_switched)
-            self._drawing.told.connect(self.status_message)
+            self._drawing.message.connect(self.status_message)
         return self._drawing
 
     @property
@@ -217,8 +217,8 @@ class MechanismView(View):
         typed = self.session.typed.drive
         if self.draws or not typed.links or typed.linkage.drawn is None:
             return self.draws
-        waits = self.session.draft is not None and typed.linkage != self.session.design.drive.mechanism
-        return waits or self.session.unfinished
+        waits = self.session.incomplete is not None and typed.linkage != self.session.design.drive.mechanism
+        return waits or self.session.is_incomplete_linkage
 
     def draw(self, on: bool, tool: str = "choose") -> bool:
         """Begin to draw with the mouse, or leave it; False where there is no linkage."""
@@ -256,7 +256,7 @@ class MechanismView(View):
         if self.session.several:
             self.strip.show_drives(drive_rows(self.session), self.session.chosen)
 
-    def redress(self) -> None:
+    def update_style(self) -> None:
         """Theme or letters have changed."""
         self._name_drives()
 
@@ -310,7 +310,7 @@ class MechanismView(View):
 
     def refresh(self, study: Study) -> None:
         session = self.session
-        self._pale = session.draft is not None and (self.draws_all or session.typed != session.design)
+        self._pale = session.incomplete is not None and (self.draws_all or session.typed != session.design)
         if self.draws:
             self.drawing.refresh()
         self.shows_sheet = self._wants_sheet()
@@ -463,7 +463,7 @@ class MechanismView(View):
 
         self.player.play(False)
         self.player.set_theta(self.player.theta)  # what is changed is the first turn
-        self.session.take_hold(self)
+        self.session.begin_drag(self)
         rim, joints = rims_now(self.scene).get(name), joints_of(self.session.design)
         field = name if name not in joints else joints[name].field
         self.held = Hold(name, field, self.session.work, rim, self.canvas.pressed_place)
@@ -544,7 +544,7 @@ class MechanismView(View):
         hold, self.held = self.held, None
         self.canvas.let_go()
         self._escape.setEnabled(self.picker.active)
-        self.session.release()
+        self.session.end_drag()
         if hold is not None:
             self.session.withdraw(hold.field)
         self.canvas.viewport().update()
@@ -684,7 +684,7 @@ class MechanismView(View):
         size = canvas.viewport().width(), canvas.viewport().height()
         theme = LIGHT if vector else replace(LIGHT, ratio=RATIO)
         if self.draws_all:
-            shaft, name = self.session.shaft, self.session.whole.name
+            shaft, name = self.session.shaft, self.session.full_design.name
             drives = Assembly(theme)
             drives.show_shaft(shaft, self.session.chosen, self._arrangement == ON_SHAFT, self._layers_drawn)
             drives.set_machine(self.player.machine)
@@ -694,7 +694,7 @@ class MechanismView(View):
         scene = MechanismScene(None, theme, ENLARGED if vector else 1.0)
         for name, shown in self._layers_wanted.items():
             scene.set_layer(name, shown)
-        with postponing(self.session.awaited.later):
+        with postponing(self.session.pending.later):
             scene.update_study(self.session.study)
         scene.set_angle(self.player.theta)
         sheet = MechanismSheet(scene, *size, look)

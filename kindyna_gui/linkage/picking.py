@@ -219,7 +219,7 @@ class Picker(QObject):
         for each in links if name is None else (name,):
             body = geometry.bodies[each]
             nodes = [complex(body.track(node)[index]) for node in geometry.nodes(body).values()]
-            for nearest in (foot(at, one, other) for one in nodes for other in nodes):
+            for nearest in (nearest_on_segment(at, one, other) for one in nodes for other in nodes):
                 if abs(at - nearest) * scale < reach:
                     reach, name, place = abs(at - nearest) * scale, each, nearest
         if name is None:
@@ -307,7 +307,7 @@ def wanted_text(hold: AttachedEnd) -> str:
     return f"{text}; the ground stands for the frame" if hold.what == LINK else text
 
 
-def foot(at: complex, one: complex, other: complex) -> complex:
+def nearest_on_segment(at: complex, one: complex, other: complex) -> complex:
     """The place of a stretch that is nearest to another place."""
     along = other - one
     size = abs(along) ** 2
@@ -382,7 +382,7 @@ def rows_at(canvas: Canvas, at: complex) -> list[str]:
     for i, path in enumerate(row_paths(geometry)):
         places = row_places(geometry, path, canvas.drawn.index)
         if places:
-            distance = abs(at - foot(at, places[0], places[-1])) * canvas.scale_now
+            distance = abs(at - nearest_on_segment(at, places[0], places[-1])) * canvas.scale_now
             near.append((distance, i, path))
     found = [path for distance, _, path in sorted(near) if distance <= REACH]
     return list(dict.fromkeys((*found, *_drawn_at(canvas, at))))

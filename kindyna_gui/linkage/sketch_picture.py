@@ -1,4 +1,4 @@
-"""A linkage as it is drawn, mechanism or not: links, pins, lines, loads and lengths, painted in pixels over the paper."""
+"""Painting of the linkage as drawn, also of an incomplete one: links, pins, guides, loads and lengths, in pixels."""
 
 from __future__ import annotations
 
@@ -30,17 +30,18 @@ from kindyna_gui.linkage.draw_tools import (
 )
 from kindyna_gui.pictures.style import BLUE, SCREEN, VERMILION
 
-BAR, PIN, BLOCK = 5.0, 4.0, (15.0, 10.0)  # half the width of a bar, radius of a pin, half the sides of a block, pixels
-FORCE = 46.0  # length of a force's arrow, pixels
-MOST_LINES = 400  # of a grid
-PER = {(True, False): "mm/°", (False, True): "°/mm"}  # of a ratio: whether the link, and the driver, slide; else : 1
+BAR, PIN, BLOCK = 5.0, 4.0, (15.0, 10.0)  # half width of a bar, radius of a pin, half sides of a block, pixels
+FORCE = 46.0  # length of the arrow of a force, pixels
+MOST_LINES = 400  # a finer grid is not drawn
+PER = {(True, False): "mm/°", (False, True): "°/mm"}  # unit of a ratio by (link slides, driver slides); else ": 1"
 
-To = Callable[[complex], QPointF]
+PixelFunction = Callable[[complex], QPointF]
+"""Pixel of a position [mm]."""
 
 
 @frozen
 class Marked:
-    """What stands out: points, links and a row of the loads that are chosen; links and points that are wrong; those locked."""
+    """Parts to highlight: the selected points, links and row of the loads, wrong points and links, and what is locked."""
 
     points: Collection[str] = ()
     links: Collection[int] = ()
@@ -52,89 +53,91 @@ class Marked:
 
 @frozen(eq=False)
 class SketchPicture:
-    """A design with the places of its points, on a sheet that is ``scale`` pixels per mm large."""
+    """Drawing of a design with given positions of its points, at ``scale`` pixels per mm; ``to`` maps mm to pixels.
+
+    ``lengths`` receives the rectangles of the painted lengths, by link and points.
+    """
 
     design: Design
-    places: PointPositions
-    to: To
+    positions: PointPositions
+    to: PixelFunction
     scale: float
     lengths: dict[tuple[int, str, str], QRectF] = field(default_factory=dict)
 
-    # -- what is where ----------------------------------------------------------------------------------------
+    # -- parts by position --------------------------------------------------------------------------------------
 
     def block(self, link: Link) -> QPainterPath:
-        """The block of a link that slides on another, in pixels; empty of one that does not."""
+        """Outline of the block of a sliding link, in pixels; empty if the link does not slide."""
         path = QPainterPath()
         slider = next((s for s in self.design.drive.linkage.sliders if s.link == link.number), None)
-        at = next((self.places[name] for name in link.places if name in self.places), None)
+        at = next((self.positions[name] for name in link.places if name in self.positions), None)
         if slider is None or at is None or slider.on not in self.design.drive.linkage.by_number:
             return path
-        _, along = slider_line(self.design.drive.linkage, slider, self.places)
+        _, along = slider_line(self.design.drive.linkage, slider, self.positions)
         across = 1j * along
-        half = [
+        corners = [
             (a * BLOCK[0] * along + b * BLOCK[1] * across) / self.scale for a, b in ((1, 1), (-1, 1), (-1, -1), (1, -1))
         ]
-        path.addPolygon(QPolygonF([self.to(at + each) for each in (*half, half[0])]))
+        path.addPolygon(QPolygonF([self.to(at + corner) for corner in (*corners, corners[0])]))
         return path
 
-    def load_places(self) -> Mapping[str, complex]:
-        """Row of the loads, or of second inputs -> where its symbol stands [mm]."""
-        found: dict[str, complex] = {}
+    def load_positions(self) -> Mapping[str, complex]:
+        """Row of the loads, or of second inputs -> position of its symbol [mm]."""
+        positions: dict[str, complex] = {}
         linkage, loads = self.design.drive.linkage, self.design.drive.loads
         for i, mass in enumerate(loads.masses):
             if mass.link in linkage.by_number:
-                origin, axis = link_pose(linkage, mass.link, self.places)
-                found[f"loads.masses[{i}]"] = origin + complex(mass.centre_x_mm, mass.centre_y_mm) * axis
+                origin, axis = link_pose(linkage, mass.link, self.positions)
+                positions[f"loads.masses[{i}]"] = origin + complex(mass.centre_x_mm, mass.centre_y_mm) * axis
         for i, force in enumerate(loads.forces):
-            if force.point in self.places:
-                way = complex(force.x_n, force.y_n)
-                found[f"loads.forces[{i}]"] = self.places[force.point] - (
-                    way / abs(way) * FORCE / self.scale if way else 0j
+            if force.point in self.positions:
+                direction = complex(force.x_n, force.y_n)
+                positions[f"loads.forces[{i}]"] = self.positions[force.point] - (
+                    direction / abs(direction) * FORCE / self.scale if direction else 0j
                 )
         for i, spring in enumerate(loads.springs):
-            one, other = (self._end(end) for end in (spring.from_, spring.to))
-            if one is not None and other is not None:
-                found[f"loads.springs[{i}]"] = 0.5 * (one + other)
-        for i, second in enumerate(linkage.drivers):
-            if (pin := input_pin(linkage, second)) in self.places:
-                found[f"linkage.drivers[{i}]"] = self.places[pin] + (-24.0 + 20.0j) / self.scale
-        return found
+            first, second = (self._end(end) for end in (spring.from_, spring.to))
+            if first is not None and second is not None:
+                positions[f"loads.springs[{i}]"] = 0.5 * (first + second)
+        for i, driver in enumerate(linkage.drivers):
+            if (pin := input_pin(linkage, driver)) in self.positions:
+                positions[f"linkage.drivers[{i}]"] = self.positions[pin] + (-24.0 + 20.0j) / self.scale
+        return positions
 
     def _end(self, end: object) -> complex | None:
         point, link = getattr(end, "point", None), getattr(end, "link", 0)
         if point is not None:
-            return self.places.get(point)
+            return self.positions.get(point)
         if link not in self.design.drive.linkage.by_number:
             return None
-        origin, axis = link_pose(self.design.drive.linkage, link, self.places)
+        origin, axis = link_pose(self.design.drive.linkage, link, self.positions)
         return origin + complex(getattr(end, "x_mm", 0.0) or 0.0, getattr(end, "y_mm", 0.0) or 0.0) * axis
 
     def link_at(self, pixel: QPointF) -> int | None:
-        """The link whose face or block is uppermost under a pixel."""
+        """Return the uppermost link under a pixel, or None."""
         linkage = self.design.drive.linkage
         for link in reversed(linkage.links):
             if link.number != FRAME_LINK and self.block(link).contains(pixel):
                 return link.number
-        inverse = self.from_pixel(pixel)
-        return next(iter(faces_at(linkage, self.places, inverse, self.scale)), None)
+        return next(iter(faces_at(linkage, self.positions, self.from_pixel(pixel), self.scale)), None)
 
     def from_pixel(self, pixel: QPointF) -> complex:
-        """The place of the sheet [mm] at a pixel."""
+        """Position [mm] at a pixel."""
         origin = self.to(0j)
         return complex(pixel.x() - origin.x(), origin.y() - pixel.y()) / self.scale
 
     def length_at(self, pixel: QPointF) -> tuple[int, str, str] | None:
-        """The length whose number is under a pixel: link and its two points."""
+        """Return the length whose number is under a pixel: its link and two points."""
         return next((key for key, rect in self.lengths.items() if rect.adjusted(-2, -2, 2, 2).contains(pixel)), None)
 
     def load_at(self, at: complex) -> str:
-        """The row of the loads whose symbol is at a place."""
-        return next((row for row, place in self.load_places().items() if abs(place - at) * self.scale <= 9.0), "")
+        """Return the row of the loads whose symbol is at a position; empty if there is none."""
+        return next((row for row, point in self.load_positions().items() if abs(point - at) * self.scale <= 9.0), "")
 
-    # -- as it looks --------------------------------------------------------------------------------------------
+    # -- painting -----------------------------------------------------------------------------------------------
 
     def paint_grid(self, painter: QPainter, visible: QRectF) -> None:
-        """Light lines of the grid, every fifth stronger, and the axes."""
+        """Paint the grid, every fifth line stronger, and the axes."""
         step = grid_step(self.scale)
         if max(visible.width(), visible.height()) / step > MOST_LINES:
             return
@@ -143,16 +146,16 @@ class SketchPicture:
         for i in range(math.floor(visible.top() / step), math.ceil(visible.bottom() / step) + 1):
             self._grid_line(painter, i, complex(visible.left(), i * step), complex(visible.right(), i * step))
 
-    def _grid_line(self, painter: QPainter, number: int, one: complex, other: complex) -> None:
+    def _grid_line(self, painter: QPainter, number: int, first: complex, second: complex) -> None:
         painter.setPen(
             QPen(QColor(SCREEN.line if not number else SCREEN.dwell if number % 5 == 0 else SCREEN.hair), 1.0)
         )
-        painter.drawLine(self.to(one), self.to(other))
+        painter.drawLine(self.to(first), self.to(second))
 
     def paint(
         self, painter: QPainter, marked: Marked, dimensions: bool = True, grey: Collection[int] = frozenset()
     ) -> None:
-        """All of it; grey: the links that do not move."""
+        """Paint the drawing; the links in ``grey`` do not move."""
         linkage = self.design.drive.linkage
         self._paint_lines(painter)
         for i, link in enumerate(linkage.links):
@@ -170,12 +173,12 @@ class SketchPicture:
             painter.drawPath(self.block(link))
         fixed = frame_link(linkage).places
         for name in fixed:
-            self._paint_pedestal(painter, self.to(self.places[name]))
+            self._paint_pedestal(painter, self.to(self.positions[name]))
         on: dict[str, int] = {}
         for link in linkage.links:
             for name in link.places:
                 on[name] = on.get(name, 0) + 1
-        for name, at in self.places.items():
+        for name, at in self.positions.items():
             chosen, wrong = name in marked.points, name in marked.wrong_points
             painter.setPen(
                 QPen(
@@ -195,25 +198,27 @@ class SketchPicture:
             self._paint_lengths(painter, marked)
 
     def _paint_face(self, painter: QPainter, link: Link, fill: QColor, colour: QColor, width: float) -> None:
-        """Bars between the corners, and what they enclose: the outline first, then the fill upon it."""
-        corners = outline(link, self.places)
+        """Paint the bars between the corners and the area inside them, the outline before the fill."""
+        corners = outline(link, self.positions)
         for shade, wide in ((colour, 2.0 * (BAR + width)), (fill, 2.0 * BAR)):
             painter.setPen(QPen(shade, wide, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
-            for one, other in edges(corners):
-                painter.drawLine(self.to(one), self.to(other))
+            for first, second in edges(corners):
+                painter.drawLine(self.to(first), self.to(second))
         if len(corners) > 2:
             painter.setPen(Qt.PenStyle.NoPen)
             painter.setBrush(QBrush(fill))
             painter.drawPolygon(QPolygonF([self.to(at) for at in corners]))
 
     def _paint_lines(self, painter: QPainter) -> None:
-        """The lines on which blocks slide, dash-dotted, hatched where the frame carries them."""
+        """Paint the guides of blocks dash-dotted, hatched on the frame."""
         linkage = self.design.drive.linkage
         for slider in linkage.sliders:
             if slider.on not in linkage.by_number or slider.link not in linkage.by_number:
                 continue
-            through, along = slider_line(linkage, slider, self.places)
-            block = next((self.places[n] for n in linkage.by_number[slider.link].places if n in self.places), through)
+            through, along = slider_line(linkage, slider, self.positions)
+            block = next(
+                (self.positions[n] for n in linkage.by_number[slider.link].places if n in self.positions), through
+            )
             reach = (abs(block - through) + 60.0 / self.scale) if slider.on == FRAME_LINK else 60.0 / self.scale
             middle = 0.5 * (block + through) if slider.on == FRAME_LINK else block
             pen = QPen(QColor(SCREEN.quiet), 1.0)
@@ -224,8 +229,8 @@ class SketchPicture:
                 painter.setPen(QPen(QColor(SCREEN.quiet), 1.0))
                 below = -1j * along * (BLOCK[1] + 2.0) / self.scale
                 for i in range(-4, 5):
-                    foot_ = block + below + along * (i * 7.0 / self.scale)
-                    painter.drawLine(self.to(foot_), self.to(foot_ + (-1j - 0.6) * along * 6.0 / self.scale))
+                    start = block + below + along * (i * 7.0 / self.scale)
+                    painter.drawLine(self.to(start), self.to(start + (-1j - 0.6) * along * 6.0 / self.scale))
                 painter.drawLine(
                     self.to(block + below - along * 32.0 / self.scale),
                     self.to(block + below + along * 32.0 / self.scale),
@@ -242,7 +247,7 @@ class SketchPicture:
             painter.drawLine(QPointF(x - 11.0 + 4.6 * i, y + 14.0), QPointF(x - 14.5 + 4.6 * i, y + 19.0))
 
     def _paint_driver(self, painter: QPainter) -> None:
-        """An arrow about the pivot of the driving link, or along the line of one that slides."""
+        """Paint an arrow around the pivot of the driving link, or along its guide."""
         linkage = self.design.drive.linkage
         link = linkage.by_number.get(linkage.driver.link)
         if link is None or link.number == FRAME_LINK or linkage.drawn is None:
@@ -250,119 +255,123 @@ class SketchPicture:
         painter.setPen(QPen(QColor(SCREEN.seen(BLUE)), 2.0))
         painter.setBrush(Qt.BrushStyle.NoBrush)
         pivot = next((name for name in link.places if name in frame_link(linkage).places), None)
-        sense = -1.0 if linkage.driver.speed_rpm < 0.0 else 1.0
+        rotation_sign = -1.0 if linkage.driver.speed_rpm < 0.0 else 1.0
         if pivot is not None and linkage.drawn.driver_deg is not None:
-            centre = self.to(self.places[pivot])
+            centre = self.to(self.positions[pivot])
             angle = linkage.drawn.driver_deg
             painter.drawArc(QRectF(centre.x() - 17, centre.y() - 17, 34, 34), round(16 * (angle - 35)), 16 * 70)
-            end = math.radians(angle + 35.0 * sense)
-            self._head(
-                painter, centre + QPointF(17.0 * math.cos(end), -17.0 * math.sin(end)), cmath.exp(1j * end) * 1j * sense
+            end = math.radians(angle + 35.0 * rotation_sign)
+            self._arrow_tip(
+                painter,
+                centre + QPointF(17.0 * math.cos(end), -17.0 * math.sin(end)),
+                cmath.exp(1j * end) * 1j * rotation_sign,
             )
         elif linkage.drawn.driver_mm is not None:
             slider = next((s for s in linkage.sliders if s.link == link.number), None)
-            at = next((self.places[name] for name in link.places if name in self.places), None)
+            at = next((self.positions[name] for name in link.places if name in self.positions), None)
             if slider is not None and at is not None:
-                _, along = slider_line(linkage, slider, self.places)
-                end_ = self.to(at + along * 34.0 / self.scale)
-                painter.drawLine(self.to(at), end_)
-                self._head(painter, end_, along)
+                _, along = slider_line(linkage, slider, self.positions)
+                tip = self.to(at + along * 34.0 / self.scale)
+                painter.drawLine(self.to(at), tip)
+                self._arrow_tip(painter, tip, along)
 
-    def _head(self, painter: QPainter, tip: QPointF, way: complex) -> None:
-        """An arrow's head; way: its direction on the sheet."""
+    def _arrow_tip(self, painter: QPainter, tip: QPointF, direction: complex) -> None:
         painter.save()
         painter.setBrush(QBrush(painter.pen().color()))
-        back = [tip + QPointF((w * way).real, -(w * way).imag) for w in (-8.0 + 3.5j, -8.0 - 3.5j)]
+        back = [tip + QPointF((w * direction).real, -(w * direction).imag) for w in (-8.0 + 3.5j, -8.0 - 3.5j)]
         painter.drawPolygon(QPolygonF([tip, *back]))
         painter.restore()
 
     def _paint_loads(self, painter: QPainter, chosen: str) -> None:
-        places = self.load_places()
+        positions = self.load_positions()
         loads = self.design.drive.loads
-        for row, at in places.items():
-            here, ink = self.to(at), QColor(SCREEN.chosen if row == chosen else SCREEN.ink)
+        for row, at in positions.items():
+            pixel, ink = self.to(at), QColor(SCREEN.chosen if row == chosen else SCREEN.ink)
             painter.setPen(QPen(ink, 2.0 if row == chosen else 1.2))
             if ".masses" in row:
-                rect = QRectF(here.x() - 7, here.y() - 7, 14, 14)
+                rect = QRectF(pixel.x() - 7, pixel.y() - 7, 14, 14)
                 painter.setBrush(QBrush(QColor(SCREEN.paper)))
                 painter.drawEllipse(rect)
                 painter.setBrush(QBrush(ink))
                 painter.drawPie(rect, 0, 16 * 90)
                 painter.drawPie(rect, 16 * 180, 16 * 90)
             elif ".drivers" in row:
-                self._paint_input(painter, here, int(row[row.index("[") + 1 : -1]), row == chosen)
+                self._paint_input(painter, pixel, int(row[row.index("[") + 1 : -1]), row == chosen)
             elif ".forces" in row:
                 force = loads.forces[int(row[row.index("[") + 1 : -1])]
-                tip = self.to(self.places[force.point])
+                tip = self.to(self.positions[force.point])
                 painter.setPen(QPen(QColor(SCREEN.chosen if row == chosen else SCREEN.seen(VERMILION)), 2.2))
-                way = complex(force.x_n, force.y_n)
-                painter.drawLine(here, tip)
-                if way:
-                    self._head(painter, tip, way / abs(way))
+                direction = complex(force.x_n, force.y_n)
+                painter.drawLine(pixel, tip)
+                if direction:
+                    self._arrow_tip(painter, tip, direction / abs(direction))
             else:
                 spring = loads.springs[int(row[row.index("[") + 1 : -1])]
-                one, other = (self._end(end) for end in (spring.from_, spring.to))
-                assert one is not None
-                assert other is not None
-                self._paint_spring(painter, one, other)
+                first, second = (self._end(end) for end in (spring.from_, spring.to))
+                assert first is not None
+                assert second is not None
+                self._paint_spring(painter, first, second)
 
-    def _paint_input(self, painter: QPainter, here: QPointF, index: int, chosen: bool) -> None:
-        """The ratio of a second input beside its pin, and the arc of what it gives the link there."""
+    def _paint_input(self, painter: QPainter, pixel: QPointF, index: int, chosen: bool) -> None:
+        """Paint the ratio of a second input next to its pin, with an arc around the pin."""
         linkage = self.design.drive.linkage
         second = linkage.drivers[index]
-        pin = self.to(self.places[input_pin(linkage, second)])
+        pin = self.to(self.positions[input_pin(linkage, second)])
         painter.setPen(QPen(QColor(SCREEN.chosen if chosen else SCREEN.seen(BLUE)), 2.4 if chosen else 1.6))
         painter.setBrush(Qt.BrushStyle.NoBrush)
         painter.drawArc(QRectF(pin.x() - 13, pin.y() - 13, 26, 26), 16 * 70, 16 * 130)
         ratio = linkage.ratios.get(second.link)
         unit = PER.get((input_slides(linkage, second), not driver_turns(linkage)), ": 1")
         text = second.motion or ("ratio?" if ratio is None else f"{ratio:.4g} {unit}")
-        rect = QRectF(here.x() - 92.0, here.y() - 9.0, 100.0, 18.0)
+        rect = QRectF(pixel.x() - 92.0, pixel.y() - 9.0, 100.0, 18.0)
         painter.drawText(rect, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, text)
 
     def _paint_wheels(self, painter: QPainter) -> None:
-        """The pitch circles of second inputs whose wheels are known, dash-dotted."""
+        """Paint the pitch circles of second inputs with wheels, dash-dotted."""
         linkage = self.design.drive.linkage
         pen = QPen(QColor(SCREEN.quiet), 1.2)
         pen.setDashPattern([10.0, 4.0, 2.0, 4.0])
         painter.setPen(pen)
         painter.setBrush(Qt.BrushStyle.NoBrush)
         for pair in wheel_pairs(linkage) if linkage.drivers else ():
-            if pair.along and pair.first.point in self.places:
-                along = pair.along * link_pose(linkage, pair.carrier, self.places)[1]
-                at = self.places[pair.first.point] - 1j * along * pair.first.radius
+            if pair.along and pair.first.point in self.positions:
+                along = pair.along * link_pose(linkage, pair.carrier, self.positions)[1]
+                at = self.positions[pair.first.point] - 1j * along * pair.first.radius
                 painter.drawLine(*(self.to(at + s * along * pair.first.radius) for s in (-1.5, 1.5)))
             for wheel in pair.circles:
-                if wheel.point in self.places:
-                    painter.drawEllipse(self.to(self.places[wheel.point]), *[wheel.radius * self.scale] * 2)
+                if wheel.point in self.positions:
+                    painter.drawEllipse(self.to(self.positions[wheel.point]), *[wheel.radius * self.scale] * 2)
 
-    def _paint_spring(self, painter: QPainter, one: complex, other: complex) -> None:
-        way = other - one
-        across = 1j * way / abs(way) * 6.0 / self.scale if way else 0j
-        turns = 9
-        line = [one, one + 0.15 * way]
-        line += [one + way * (0.15 + 0.7 * (i + 0.5) / turns) + across * (1 if i % 2 else -1) for i in range(turns)]
-        line += [one + 0.85 * way, other]
+    def _paint_spring(self, painter: QPainter, first: complex, second: complex) -> None:
+        direction = second - first
+        across = 1j * direction / abs(direction) * 6.0 / self.scale if direction else 0j
+        coils = 9
+        line = [first, first + 0.15 * direction]
+        line += [
+            first + direction * (0.15 + 0.7 * (i + 0.5) / coils) + across * (1 if i % 2 else -1) for i in range(coils)
+        ]
+        line += [first + 0.85 * direction, second]
         painter.setBrush(Qt.BrushStyle.NoBrush)
         painter.drawPolyline(QPolygonF([self.to(at) for at in line]))
 
     def _paint_names(self, painter: QPainter) -> None:
         painter.setPen(QColor(SCREEN.ink))
         fixed = frame_link(self.design.drive.linkage).places
-        for name, at in self.places.items():
-            around = [
-                other
+        for name, at in self.positions.items():
+            neighbours = [
+                self.positions[n]
                 for link in self.design.drive.linkage.links
                 if link.number != FRAME_LINK and name in link.places
-                for other in (self.places[n] for n in link.places if n != name and n in self.places)
+                for n in link.places
+                if n != name and n in self.positions
             ]
-            away = sum(((at - other) / abs(at - other) for other in around if other != at), 0j)
-            way = away / abs(away) if abs(away) > 0.3 and name not in fixed else complex(1.0, 0.6)
-            here = self.to(at) + QPointF(13.0 * way.real - 4.0, -13.0 * way.imag + 4.0)
-            painter.drawText(here, name)
+            away = sum(((at - point) / abs(at - point) for point in neighbours if point != at), 0j)
+            direction = away / abs(away) if abs(away) > 0.3 and name not in fixed else complex(1.0, 0.6)
+            pixel = self.to(at) + QPointF(13.0 * direction.real - 4.0, -13.0 * direction.imag + 4.0)
+            painter.drawText(pixel, name)
 
     def _paint_lengths(self, painter: QPainter, marked: Marked) -> None:
-        """The length of every bar beside it; of a plate that is chosen those of its sides."""
+        """Paint the length next to every bar, and the lengths of the sides of a selected plate."""
         self.lengths.clear()
         painter.save()
         font = QFont(painter.font())
@@ -371,39 +380,39 @@ class SketchPicture:
         for link in self.design.drive.linkage.links:
             if link.number == FRAME_LINK or (len(link.points) > 2 and link.number not in marked.links):
                 continue
-            for one, other in edges_of(link):
-                if one not in self.places or other not in self.places:
+            for first, second in edges_of(link):
+                if first not in self.positions or second not in self.positions:
                     continue
-                value = abs(link.places[other] - link.places[one])
+                value = abs(link.places[second] - link.places[first])
                 text = f"{value:.2f}".rstrip("0").rstrip(".")
-                a, b = self.places[one], self.places[other]
+                a, b = self.positions[first], self.positions[second]
                 if abs(b - a) * self.scale < 34.0:
                     continue
                 across = 1j * (b - a) / abs(b - a)
                 across = across if across.imag >= 0.0 else -across
                 wide = painter.fontMetrics().horizontalAdvance(text) + 6.0
                 high = painter.fontMetrics().height()
-                beside = BAR + 3.0 + 0.5 * (wide * abs(across.real) + high * abs(across.imag))
-                at = self.to(0.5 * (a + b) + across * beside / self.scale)
+                offset = BAR + 3.0 + 0.5 * (wide * abs(across.real) + high * abs(across.imag))
+                at = self.to(0.5 * (a + b) + across * offset / self.scale)
                 rect = QRectF(at.x() - wide / 2.0, at.y() - high / 2.0, wide, high)
-                self.lengths[(link.number, one, other)] = rect
-                locked = f"{link.number}:{one}:{other}" in marked.locked
+                self.lengths[(link.number, first, second)] = rect
+                locked = f"{link.number}:{first}:{second}" in marked.locked
                 painter.setPen(QColor(SCREEN.chosen if locked else SCREEN.quiet))
                 painter.drawText(rect, Qt.AlignmentFlag.AlignCenter, f"[{text}]" if locked else text)
         painter.restore()
 
     def paint_snap(self, painter: QPainter, snap: Snap, start: complex | None = None) -> None:
-        """The mark of what the mouse is taken to mean, and the line that is being drawn."""
+        """Paint the mark of a snap, and the line from ``start`` to it."""
         colour = QColor(SCREEN.chosen)
-        here = self.to(snap.at)
+        pixel = self.to(snap.at)
         painter.setBrush(Qt.BrushStyle.NoBrush)
         if start is not None:
             painter.setPen(QPen(colour, 1.4, Qt.PenStyle.DashLine))
-            painter.drawLine(self.to(start), here)
+            painter.drawLine(self.to(start), pixel)
         painter.setPen(QPen(colour, 2.0))
-        x, y = here.x(), here.y()
+        x, y = pixel.x(), pixel.y()
         if snap.mark == POINT:
-            painter.drawEllipse(here, 8.0, 8.0)
+            painter.drawEllipse(pixel, 8.0, 8.0)
         elif snap.mark == LINE:
             painter.drawLine(QPointF(x - 6, y - 6), QPointF(x + 6, y + 6))
             painter.drawLine(QPointF(x - 6, y + 6), QPointF(x + 6, y - 6))
@@ -411,14 +420,14 @@ class SketchPicture:
             painter.drawPolyline(QPolygonF([QPointF(x - 9, y - 9), QPointF(x - 9, y), QPointF(x, y)]))
             painter.drawRect(QRectF(x - 9, y - 9, 9, 9))
         elif snap.mark == ANGLE:
-            painter.drawEllipse(here, 3.0, 3.0)
+            painter.drawEllipse(pixel, 3.0, 3.0)
         elif snap.mark == GRID:
             painter.drawLine(QPointF(x - 5, y), QPointF(x + 5, y))
             painter.drawLine(QPointF(x, y - 5), QPointF(x, y + 5))
         parts = [snap.text] if snap.text else []
         if start is not None and snap.at != start:
-            way = snap.at - start
-            parts.insert(0, f"{abs(way):.4g} mm, {math.degrees(cmath.phase(way)):.4g}°")
+            direction = snap.at - start
+            parts.insert(0, f"{abs(direction):.4g} mm, {math.degrees(cmath.phase(direction)):.4g}°")
         elif snap.mark == GRID:
             parts.append(f"{snap.at.real:g}, {snap.at.imag:g}")
         if parts:

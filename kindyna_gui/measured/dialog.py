@@ -365,7 +365,7 @@ class MeasuredDialog(PutDialog):
             self.readings.addItem(f"{found.table.lines_text(rows)} ({len(rows)} rows)", rows)
         readings = self.readings.count() > 1
         self.readings.setVisible(readings)
-        self.readings.set_waits(readings)
+        self.readings.set_waiting(readings)
 
     def _choose_reading(self, index: int) -> None:
         rows, table = self.readings.itemData(index), self.answer.table

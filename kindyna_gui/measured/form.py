@@ -279,7 +279,7 @@ class ReadingForm(QWidget):
         self._fill("value_unit", [(unit, symbol(unit)) for unit in units])
         self._choose("value_unit", how.unit.name if how else self._choices.get("value_unit", ""))
         for name, box in self.boxes.items():
-            box.set_waits(how is not None and name in how.guessed_options)
+            box.set_waiting(how is not None and name in how.guessed_options)
 
     def ask_trust(self, how: ColumnLayout | None, contradicted: bool) -> None:
         """Ask which column makes the motion where they contradict each other; go on asking where one was chosen."""
@@ -289,7 +289,7 @@ class ReadingForm(QWidget):
         self._choose("trust", self._choices.get("trust", ""))
         for widget in (self._trust_label, self.boxes["trust"]):
             widget.setVisible(contradicted or bool(self._choices.get("trust")))
-        self.boxes["trust"].set_waits(contradicted and not self._choices.get("trust"))
+        self.boxes["trust"].set_waiting(contradicted and not self._choices.get("trust"))
 
     def forget(self) -> None:
         """Drop the corrections: all as detected."""

@@ -476,9 +476,9 @@ class SegmentCurveForm(QWidget):
         self._column.setSpacing(2)
         self._place = Rebuilt(session, player)
         self._column.addWidget(self._place)
-        self.redress()
+        self.update_style()
 
-    def redress(self) -> None:
+    def update_style(self) -> None:
         """One row always, so that choosing a segment moves nothing."""
         self.setMinimumHeight(row_height(self) + 5)
 

@@ -329,8 +329,8 @@ class MotionDiagram(CurvePlot):
         self._picture: tuple[object, ...] = ()
         self._rows: tuple[np.ndarray, ...] = ()
 
-    def redress(self) -> None:
-        super().redress()
+    def update_style(self) -> None:
+        super().update_style()
         self._picture = ()
 
     def _curve(self, z: float) -> pg.PlotCurveItem:

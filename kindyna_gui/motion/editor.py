@@ -232,7 +232,7 @@ class MotionEditor(MotionDiagram):
     def _forget(self) -> None:
         """What was being moved is void."""
         self._pull = self._from = self._last = self.label = self._shifted = None
-        self._session.release()
+        self._session.end_drag()
         self.hold(False)
         self.point_out()
 
@@ -255,7 +255,7 @@ class MotionEditor(MotionDiagram):
             self._session.end_gesture()
             self._from = self._last = self._session.design
             self._at, self._shifted = event.position(), 0.0
-            self._session.take_hold(self)
+            self._session.begin_drag(self)
             return
         if grip is None:
             self._turning = True
@@ -267,7 +267,7 @@ class MotionEditor(MotionDiagram):
         self._at = event.position()
         self._begin(grip, grip.join == 0 and self._angle_at(self._at) > 180.0)
         self._pull = Pull(self.motion, grip, self.scale_now())
-        self._session.take_hold(self)
+        self._session.begin_drag(self)
         self._show_label(None, None)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:

@@ -151,7 +151,7 @@ class MotionPage(QScrollArea):
         motion = motion_of(design)
         if motion is None:
             return
-        shown = self._shown = (motion, self._session.draft, index, design.assumed)
+        shown = self._shown = (motion, self._session.incomplete, index, design.assumed)
         if before is not None and before[0] is motion and before[1] is shown[1] and before[2:] == shown[2:]:
             return
         self.head.show_motion(design)

@@ -210,7 +210,7 @@ class LawsLegend(QWidget):
         lines = 1 + max((line for _, line in self._places()), default=0)
         self.setFixedHeight(round(lines * sized(self.LINE)) + 6)
 
-    def redress(self) -> None:
+    def update_style(self) -> None:
         """Theme or letters have changed."""
         self._fit()
         self.update()

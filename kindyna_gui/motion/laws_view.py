@@ -318,9 +318,9 @@ class LawsTable(QTableView):
         head.setSortIndicator(-1, Qt.SortOrder.AscendingOrder)
         self.setSortingEnabled(True)
         head.setSectionResizeMode(QHeaderView.ResizeMode.Fixed)
-        self.redress()
+        self.update_style()
 
-    def redress(self) -> None:
+    def update_style(self) -> None:
         """As high and wide as its letters want it."""
         self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 6)
         number = self.fontMetrics().horizontalAdvance("Velocity") + 12
@@ -522,7 +522,7 @@ class LawsView(View):
 
         self.session.refused.connect(listen)
         text = f"Change law of segment {index + 1} to {law_label(slug)}"
-        if self.session.draft is not None:
+        if self.session.incomplete is not None:
             done = self.session.edit(path, slug, text)
         else:  # nothing was typed that would have to stay
             done = self.session.put(edited(self.session.design, path, slug), text, path)

@@ -547,9 +547,9 @@ class SegmentsTable(CellTable):
         head.setSectionResizeMode(LAW, QHeaderView.ResizeMode.Stretch)
         model.modelReset.connect(self.fit_columns)
         model.dataChanged.connect(self.fit_columns)
-        self.redress()
+        self.update_style()
 
-    def redress(self) -> None:
+    def update_style(self) -> None:
         """As high and wide as its letters want it."""
         self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 6)
         self.verticalHeader().setFixedWidth(self.fontMetrics().horizontalAdvance("99") + 6)

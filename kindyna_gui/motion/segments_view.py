@@ -43,7 +43,7 @@ from kindyna_gui.documents.edits import SAMPLES, Refusal
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import closing_text, joins_of, misses, motion_waits, waiting_paths
 from kindyna_gui.forms.fields import Field, add_vary, in_tab_order
-from kindyna_gui.forms.form import DraftBar
+from kindyna_gui.forms.form import IncompleteBar
 from kindyna_gui.graph.marked_view import MarkedView
 from kindyna_gui.labels import reason, segment_of
 from kindyna_gui.look import coloured, icon
@@ -328,13 +328,13 @@ class SegmentsView(MarkedView):
         self.derivatives = DerivativePlots(self.diagram)
         self.curve = SegmentCurveForm(session, player)
         self.head = MotionHead(session)
-        self.draft = DraftBar()
+        self.incomplete_bar = IncompleteBar()
         self.message = QLabel(wordWrap=True)
         self.message.setMargin(6)
         coloured(self.message, SCREEN.limit)
         self.message.hide()
         self.bar = SegmentBar()
-        self.below = SegmentForm(self.curve, self.draft, self.head.troubles, self.message)
+        self.below = SegmentForm(self.curve, self.incomplete_bar, self.head.troubles, self.message)
         self._parted = False  # by the user
         self._act_refused = False
         self._forgotten = False  # the motion before the last edit is not to be seen
@@ -391,9 +391,9 @@ class SegmentsView(MarkedView):
         self.derivatives.angle_moved.connect(self._turn)
         self.derivatives.room_changed.connect(self._draw_derivatives)
         self.splitter.splitterMoved.connect(self._part)
-        self.draft.close_requested.connect(self.session.close_draft)
-        self.draft.drop_requested.connect(partial(self.session.drop_draft, motion_alone=True))
-        self.session.draft_changed.connect(self.invalidate)
+        self.incomplete_bar.close_requested.connect(self.session.close_motion)
+        self.incomplete_bar.drop_requested.connect(partial(self.session.drop_incomplete, motion_alone=True))
+        self.session.incomplete_changed.connect(self.invalidate)
         self.session.refused.connect(self._refused)
         self.session.accepted.connect(self._accepted)
         self.session.segment_chosen.connect(self._segment_chosen)
@@ -416,10 +416,10 @@ class SegmentsView(MarkedView):
         self._show_draft()
         if not self.head.fields:  # the first motion: only now it is known what its table needs
             self._sharing.start()
-        if self.session.held:
+        if self.session.drag_source:
             self._draw_diagram(study)
-            self.in_turn(self._show_tables)
-            self.in_turn(self._draw_derivatives)
+            self.refresh_in_turn(self._show_tables)
+            self.refresh_in_turn(self._draw_derivatives)
         else:
             self._show_tables()
             self._draw()
@@ -454,9 +454,11 @@ class SegmentsView(MarkedView):
         follows = require_motion_of_view(self.session.typed).follows is not None
         self.diagram.locked = waits or follows
         self.table.setEnabled(not follows)
-        self.draft.show_draft(misses(self.session) if waits else [], closing_text(self.session) if waits else "")
+        self.incomplete_bar.show_reasons(
+            misses(self.session) if waits else [], closing_text(self.session) if waits else ""
+        )
         if waits:
-            self.below.bring(self.draft)
+            self.below.bring(self.incomplete_bar)
 
     def follow(self, theta: float) -> None:
         self.diagram.set_angle(theta)

@@ -152,8 +152,8 @@ class Tag(QGraphicsItem):
     def set_colour(self, colour: str) -> None:
         self._text.setBrush(brush(colour))
 
-    def letter(self) -> None:
-        """Be written in the letters of now."""
+    def update_font(self) -> None:
+        """Use the font size that is set now."""
         self._text.setFont(font(self._pixels))
         self._lay()
 

@@ -254,7 +254,7 @@ class MadePage(QWidget):
         self.waves.setVisible(any(drive.cam is not None for drive in design.drives))
         self.bands.setEnabled(scatters(design))
 
-    def show_made(self, design: Design, made: ToleranceResult | None, sought: bool = False) -> None:
+    def show_result(self, design: Design, made: ToleranceResult | None, sought: bool = False) -> None:
         """What follows from them; None: nothing yet. sought: whether it is known which to tighten."""
         few = made is not None and made.share is not None and made.share.value < SHARE
         text = (

@@ -53,9 +53,9 @@ class CardsTable(QTableWidget):
         self.setAccessibleName("Cards compared")
         CopyKey(self)
         self.setToolTip("In parentheses how far a value lies from that of the design at hand")
-        self.redress()
+        self.update_style()
 
-    def redress(self) -> None:
+    def update_style(self) -> None:
         """As high and wide as its letters want it."""
         self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 6)
         self.resizeColumnsToContents()

@@ -98,7 +98,7 @@ class _Rows(QWidget):
 
     def _box(self, key: str, end: str, name: str, info: Info, enter: Any) -> NumberBox:
         box = NumberBox(info, unit_of(key))
-        box.as_kept = True  # as the plots have it
+        box.in_file_units = True  # as the plots have it
         box.setFixedWidth(BOX_WIDTH)
         box.setAccessibleName(name)
         box.setToolTip(name)

@@ -108,7 +108,7 @@ class StudyView(BackgroundView):
     found   what is shown; None before the first
     """
 
-    of_whole = True
+    is_design_wide = True
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
@@ -139,7 +139,7 @@ class StudyView(BackgroundView):
             self.pages.curves,
         )
         self.told = QLabel(wordWrap=True, alignment=Qt.AlignmentFlag.AlignTop)
-        self.redress()
+        self.update_style()
         self.tip = self.pages.tip
         self.share = QLabel(wordWrap=True)
         self.share.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
@@ -156,7 +156,7 @@ class StudyView(BackgroundView):
 
     # -- building -------------------------------------------------------------------------------------------
 
-    def redress(self) -> None:
+    def update_style(self) -> None:
         """What is told has its room, so that nothing moves under the mouse."""
         self.told.setFixedHeight(TOLD_LINES * self.fontMetrics().lineSpacing() + 2)
 
@@ -284,7 +284,7 @@ class StudyView(BackgroundView):
 
     def _ask_usual(self, path: str) -> None:
         if not self.asked:
-            self.asked = dict(suggested_figures(self.session.whole_study, path))
+            self.asked = dict(suggested_figures(self.session.full_study, path))
             self.shown = next(iter(self.asked), "")
 
     def _vary_word(self, path: str) -> None:
@@ -352,7 +352,7 @@ class StudyView(BackgroundView):
 
     @property
     def _whole(self) -> Design:
-        whole: Design = self.session.whole
+        whole: Design = self.session.full_design
         return whole
 
     def refresh(self, study: Study) -> None:
@@ -379,7 +379,7 @@ class StudyView(BackgroundView):
             self.pages.setCurrentWidget(self.map)
             self.map.show_message(NOTHING_ASKED if self.spans else WORDS_ONLY if self.words else EMPTY)
             self._say("")
-            self.in_turn(self._show_present)
+            self.refresh_in_turn(self._show_present)
             self._ask_share()
             return
         wanted = self._question()
@@ -394,7 +394,7 @@ class StudyView(BackgroundView):
             if self._drawn != self._drawing:
                 self._draw()
             self._place()
-        self.in_turn(self._show_present)
+        self.refresh_in_turn(self._show_present)
         self._ask_share()
 
     def _words_at(self, path: str) -> tuple[str, ...]:
@@ -503,7 +503,7 @@ class StudyView(BackgroundView):
 
     def _place(self) -> None:
         """The cross where the design stands."""
-        if self.session.held is self and self._refused:
+        if self.session.drag_source is self and self._refused:
             return
         self.pages.place(self._numbers())
 
@@ -513,11 +513,11 @@ class StudyView(BackgroundView):
             return
         found = self.found
         try:
-            if self.session.held is self and found is not None and set(self.asked) <= set(found.value):
+            if self.session.drag_source is self and found is not None and set(self.asked) <= set(found.value):
                 near = found.nearest(self._numbers())
                 self._values = {key: float(found.value[key][near]) for key in self.asked}
             else:
-                self._values, _ = current_figures(self.session.whole_study, tuple(self.asked))
+                self._values, _ = current_figures(self.session.full_study, tuple(self.asked))
         except (KindynaError, ValueError):
             self._values = {}
         self.asks.show_values(self._values)
@@ -549,12 +549,14 @@ class StudyView(BackgroundView):
     def _put_tolerances(self, rows: tuple[Tolerance, ...], path: str) -> None:
         whole = self._whole
         if rows != whole.tolerances:
-            self.session.put_whole(replace(whole, tolerances=rows), f"Tolerance of {in_sentence(name_of(whole, path))}")
+            self.session.put_full_design(
+                replace(whole, tolerances=rows), f"Tolerance of {in_sentence(name_of(whole, path))}"
+            )
             self.session.end_gesture()
 
     def _set_waves(self, waves: Waviness | None) -> None:
         if waves != self._whole.waviness:
-            self.session.put_whole(replace(self._whole, waviness=waves), "Waves of the profile")
+            self.session.put_full_design(replace(self._whole, waviness=waves), "Waves of the profile")
             self.session.end_gesture()
 
     def _ask_share(self) -> None:
@@ -587,7 +589,7 @@ class StudyView(BackgroundView):
         if not self.on_screen():
             self._share_of, self._stale = (), True
             return
-        if self.session.held is self:
+        if self.session.drag_source is self:
             self._soon_share.start()
             return
         self._shares.start(
@@ -613,7 +615,7 @@ class StudyView(BackgroundView):
 
     def _show_made(self, made: ToleranceResult | None, sought: bool = False) -> None:
         self._made = made
-        self.made.show_made(self._whole, made, sought)
+        self.made.show_result(self._whole, made, sought)
 
     # -- the best design ------------------------------------------------------------------------------------
 
@@ -683,7 +685,7 @@ class StudyView(BackgroundView):
             self.best.refuse("The design has changed elsewhere since; find the best once more.")
             return
         self.session.end_gesture()
-        self.session.put_whole(
+        self.session.put_full_design(
             replace(design, tolerances=self._whole.tolerances, waviness=self._whole.waviness),
             "Take over the best design",
         )
@@ -705,7 +707,7 @@ class StudyView(BackgroundView):
         except KindynaError as error:
             self.status_message.emit(reason(self._whole, error))
         else:
-            self.session.put_whole(made, "Take over a design of the front")
+            self.session.put_full_design(made, "Take over a design of the front")
             self.session.end_gesture()
 
     # -- studies of files -----------------------------------------------------------------------------------
@@ -742,7 +744,7 @@ class StudyView(BackgroundView):
     def _grab(self) -> None:
         self.player.play(False)
         self._before, self._refused = self._whole, ""
-        self.session.take_hold(self)
+        self.session.begin_drag(self)
         self.tip.hide()
 
     def _pull_to(self, x: float, y: float) -> None:
@@ -759,11 +761,11 @@ class StudyView(BackgroundView):
 
     def _release(self, here: bool) -> None:
         """Let go: where nothing can be built the cross goes back to the design; Escape takes the drag back."""
-        if self.session.held is not self:
+        if self.session.drag_source is not self:
             return
         if not here and self._before is not None:
-            self.session.put_whole(self._before, "Vary", next(iter(self.spans)))
-        self.session.release()
+            self.session.put_full_design(self._before, "Vary", next(iter(self.spans)))
+        self.session.end_drag()
         self._show_present()
         if self._refused:
             self.session.withdraw(next(iter(self.spans)))
@@ -805,7 +807,7 @@ class StudyView(BackgroundView):
         except KindynaError as error:
             self.session.refuse(path, reason(self.session.design, error))
             return
-        self.session.put_whole(made, label, path)
+        self.session.put_full_design(made, label, path)
 
     def _note_refusal(self, refusal: Refusal) -> None:
         self._refused = f"{refusal.reasons[0][1]}: {refusal.reasons[0][2]}" if refusal.reasons else "refused"
@@ -853,7 +855,7 @@ class StudyView(BackgroundView):
 
     def _reopen(self, design: Design) -> None:
         self.session.end_gesture()
-        self.session.put_whole(design, "Reopen a card")
+        self.session.put_full_design(design, "Reopen a card")
         self.session.end_gesture()
 
     def _save(self) -> None:

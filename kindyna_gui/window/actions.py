@@ -248,14 +248,14 @@ class DesignActions(QObject):
 
         replaces = keeps_motion and self._session.several  # one drive, which Undo brings back
         if replaces or self._window.documents.may_leave():
-            ask = gallery.mechanism_wanted if keeps_motion else gallery.new_mechanism_wanted
+            ask = gallery.ask_mechanism if keeps_motion else gallery.ask_new_mechanism
             choice = ask(self._window)
             if choice is not None:
                 motion = motion_of(self._session.design) if keeps_motion else None
                 if replaces:
-                    replace_chosen(self._session, choice.begun(motion), f"Choose {choice.called}")
+                    replace_chosen(self._session, choice.with_motion(motion), f"Choose {choice.step_name}")
                 else:
-                    self._window.documents.begin(choice.begun(motion), choice.called)
+                    self._window.documents.begin(choice.with_motion(motion), choice.step_name)
                     if not keeps_motion and motion_of(self._session.design) is not None:
                         self._window.focus_field("motion.stroke")  # what a designer says first
 
@@ -272,7 +272,7 @@ class DesignActions(QObject):
     def choose_circuit(self) -> None:
         """Ask which of its circuits the linkage is in."""
         from core.mechanism.drivers import circuits
-        from kindyna_gui.window.gallery import circuit_wanted
+        from kindyna_gui.window.gallery import ask_circuit
 
         self._window.documents.settle()
         design = self._session.design
@@ -284,7 +284,7 @@ class DesignActions(QObject):
         except KindynaError as error:
             self.status_message.emit(reason(design, error))
             return
-        wanted = None if found is None else circuit_wanted(self._window, found)
+        wanted = None if found is None else ask_circuit(self._window, found)
         if wanted is not None:
             self.change(lambda: wanted, "Choose another circuit")
 
@@ -318,15 +318,15 @@ class DesignActions(QObject):
 
     def scale(self) -> None:
         """Ask for a factor, and scale all lengths of all that the file has."""
-        from kindyna_gui.forms.request_form import scale_wanted
+        from kindyna_gui.forms.request_form import ask_scale
 
         self._window.documents.settle()
-        wanted = scale_wanted(self._window)
+        wanted = ask_scale(self._window)
         if wanted is not None:
             factor, masses = wanted
-            made = partial(rescaled, self._session.typed_whole, factor, masses=masses)
+            made = partial(rescaled, self._session.typed_full_design, factor, masses=masses)
             self._take(
-                self._session.lay_out_whole,
+                self._session.lay_out_full_design,
                 made,
                 f"Scale the design by {shortest(factor)}{'' if masses else ', masses kept'}",
             )
@@ -337,7 +337,7 @@ class DesignActions(QObject):
         """A linkage gets a shaft that turns as its driver does; where there is one, its fields come before the reader."""
         design = self._session.design
         if design.shaft is None:
-            self._session.put(give_shaft(design), "Give it a shaft")
+            self._session.put(give_shaft(design), "Add a shaft")
             self._session.end_gesture()
         self._window.focus_field("shaft.flywheel_inertia_kg_m2")
 
@@ -348,14 +348,14 @@ class DesignActions(QObject):
             self.status_message.emit("A crank turns at constant speed: there is no motion for a servo to make")
             return
         if design.drive.servo is None:
-            self._session.put(with_servo(design), "Give it a servo")
+            self._session.put(with_servo(design), "Add a servo")
             self._session.end_gesture()
         self._window.focus_field("servo.gear_ratio")
 
     def take_servo(self) -> None:
         """The servo is taken away."""
         if self._session.design.drive.servo is not None:
-            self._session.put(without_servo(self._session.design), "Take the servo away")
+            self._session.put(without_servo(self._session.design), "Remove the servo")
             self._session.end_gesture()
 
     def make_flexible(self) -> None:
@@ -364,29 +364,29 @@ class DesignActions(QObject):
 
         if self._elastic is None:
             try:
-                turned_shaft(self._session.whole_study, NO_SHAFT)
+                turned_shaft(self._session.full_study, NO_SHAFT)
                 design, study = self._session.design, self._session.study
                 changed = with_flexible_shaft(design, study.linkage, study.loading, study.omega)
             except KindynaError as error:
                 self.status_message.emit(reason(self._session.design, error))
                 return
-            whole = self._session.whole
+            whole = self._session.full_design
             marks = tuple(path for path in changed.assumed if path.startswith("shaft.") and path not in whole.assumed)
             made = replace(with_elastic(whole, changed.camshaft.elastic), assumed=(*whole.assumed, *marks))
-            self._session.put_whole(made, "Make the shaft flexible")
+            self._session.put_full_design(made, "Make the shaft flexible")
             self._session.end_gesture()
         self._window.show_view("stability")
         self._window.focus_field("shaft.stiffness_nm_per_rad")
 
     @property
     def _elastic(self) -> ElasticShaft | None:
-        design = self._session.whole
+        design = self._session.full_design
         return design.shaft.elastic if design.shaft is not None else None
 
     def make_rigid(self) -> None:
         """Take the elasticity out of the design."""
         if self._elastic is not None:
-            self._session.put_whole(with_elastic(self._session.whole, None), "Make the shaft rigid")
+            self._session.put_full_design(with_elastic(self._session.full_design, None), "Make the shaft rigid")
             self._session.end_gesture()
 
 

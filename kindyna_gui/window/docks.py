@@ -1,4 +1,7 @@
-"""VIEWS, docks."""
+"""The views of the window, the docks that show them, and the sizes of docks when the window is resized.
+
+``VIEWS`` has one row for each view: title, constructor, side of the window, menu entry, tip, keys, page of the help.
+"""
 
 from __future__ import annotations
 
@@ -23,16 +26,27 @@ from PySide6.QtWidgets import (
 from core.frozen import frozen
 from kindyna_gui.documents.session import Session
 from kindyna_gui.player import Player
-from kindyna_gui.view import View, in_sight
-
-# -- dock sizes ------------------------------------------------------------------------------------------
-
-# Qt squeezes docks when a window shrinks and gives what a growing one gains to the middle alone: a column of plots that
-# has once been narrow would stay so.
+from kindyna_gui.view import View, is_in_sight
 
 ACROSS, UPWARDS = Qt.Orientation.Horizontal, Qt.Orientation.Vertical
 Area = Qt.DockWidgetArea
-NEAR = 8  # pixels from tabs to what they belong to
+LEFT, RIGHT, TOP, BOTTOM = (
+    Area.LeftDockWidgetArea,
+    Area.RightDockWidgetArea,
+    Area.TopDockWidgetArea,
+    Area.BottomDockWidgetArea,
+)
+CENTRE = Area.NoDockWidgetArea  # no dock: a page in the middle of the window
+NEAR = 8  # largest gap between a tab bar and its dock [pixels]
+FORMS = frozenset({"parameters"})
+"""Docks that need no more width in a large window; pictures do."""
+_ANY_HEIGHT = (1 << 24) - 1  # Qt's QWIDGETSIZE_MAX
+_ANY = 0, _ANY_HEIGHT
+
+# -- sizes of docks when the window is resized -------------------------------------------------------------
+
+# When a window shrinks, Qt squeezes its docks; when it grows, Qt widens only the middle: a column of plots would stay
+# narrow for ever.
 
 
 def _grown(size: int, then: int, now: int) -> int:
@@ -45,10 +59,7 @@ def _same(size: int, then: int, now: int) -> int:
 
 @frozen
 class ResizeRule:
-    """How the docks of an area take part in another size of the window: their width, and their height.
-
-    Each takes a dock's size, and the window's at that time and now.
-    """
+    """Width and height of a side's docks after a resize, each from its size and the window's size then and now."""
 
     across: Callable[[int, int, int], int]
     upwards: Callable[[int, int, int], int]
@@ -56,24 +67,22 @@ class ResizeRule:
 
 RULES: Mapping[Area, ResizeRule] = MappingProxyType(
     {
-        Area.LeftDockWidgetArea: ResizeRule(_grown, _grown),
-        Area.RightDockWidgetArea: ResizeRule(_grown, _grown),
-        Area.TopDockWidgetArea: ResizeRule(_grown, _same),
-        Area.BottomDockWidgetArea: ResizeRule(_grown, _same),
+        LEFT: ResizeRule(_grown, _grown),
+        RIGHT: ResizeRule(_grown, _grown),
+        TOP: ResizeRule(_grown, _same),
+        BOTTOM: ResizeRule(_grown, _same),
     }
 )
-FORMS = frozenset({"parameters"})
-"""Docks that need no more width in a large window; a picture does."""
 
 
 class DockShares(QObject):
-    """Notes the sizes of docks whenever the user gives them others, and restores them after a resize of the window."""
+    """Notes the sizes of docks when the user changes them, and restores their proportions when the window is resized."""
 
     def __init__(self, window: QMainWindow, docks: Iterable[QDockWidget]) -> None:
         super().__init__(window)
         self._window, self._docks = window, tuple(docks)
         self._sizes: dict[str, QSize] = {}
-        self._noted, self._seen = QSize(), QSize()  # sizes of the window: at the note, and when last looked at
+        self._noted, self._seen = QSize(), QSize()  # sizes of the window: at the note, and at the last check
         self._echo = False
         self._late = QTimer(self, singleShot=True, interval=0)
         self._late.timeout.connect(self._settle)
@@ -88,23 +97,23 @@ class DockShares(QObject):
 
     @property
     def noted(self) -> tuple[Mapping[str, QSize], QSize]:
-        """The sizes of docks that the user last saw, by name, and that of the window at the time."""
-        if self._noted == self._window.size():  # tabs may have come since
-            self._sizes = {name: self._place(dock) for name, dock in self._front().items()}
+        """Sizes of docks that the user last saw, by name, and the size of the window at that time."""
+        if self._noted == self._window.size():  # tabs may have been added since
+            self._sizes = {name: self._size(dock) for name, dock in self._front().items()}
         return self._sizes, self._noted
 
     def take_up(self, sizes: Mapping[str, QSize], window: QSize) -> None:
-        """Docks are there that are to have these sizes in a window of this one, and others in one of another."""
+        """Take these sizes of docks, valid for a window of this size, as those to restore."""
         self._sizes, self._noted, self._seen = dict(sizes), window, QSize()
         self._echo = False
         self._late.start()
 
     def _front(self) -> dict[str, QDockWidget]:
-        """The docks in sight that stand in the window, by name."""
-        return {dock.objectName(): dock for dock in self._docks if not dock.isFloating() and in_sight(dock)}
+        """Visible docks that are not floating, by name."""
+        return {dock.objectName(): dock for dock in self._docks if not dock.isFloating() and is_in_sight(dock)}
 
     def _settle(self) -> None:
-        """All sizes are what they will be: restore them where the window has another size, else note them."""
+        """Restore the sizes of docks if the window's size has changed, else note them; called once Qt has laid them out."""
         if not self._window.isVisible():
             return
         front, size = self._front(), self._window.size()
@@ -113,20 +122,20 @@ class DockShares(QObject):
             grown = self._echo = False
         if grown:
             self._restore(front)
-            self._echo = True  # the docks report the sizes that they have just been given
+            self._echo = True  # the docks report the sizes that they have just received
             self._late.start()
         elif self._echo:
             self._echo = False
         else:
-            self._sizes = {name: self._place(dock) for name, dock in front.items()}
+            self._sizes = {name: self._size(dock) for name, dock in front.items()}
             self._noted = size
 
-    def _place(self, dock: QDockWidget) -> QSize:
-        """The size of a dock with the tabs above it of those that share its place, as ``resizeDocks`` counts it."""
+    def _size(self, dock: QDockWidget) -> QSize:
+        """Size of a dock including its tab bar, as ``resizeDocks`` counts it."""
         box = dock.geometry()
         bars = self._window.findChildren(QTabBar, options=Qt.FindChildOption.FindDirectChildrenOnly)
-        places = [bar.geometry() for bar in bars if bar.isVisible()]
-        above = [tabs for tabs in places if tabs.left() == box.left() and 0 < box.top() - tabs.bottom() < NEAR]
+        visible = [bar.geometry() for bar in bars if bar.isVisible()]
+        above = [tabs for tabs in visible if tabs.left() == box.left() and 0 < box.top() - tabs.bottom() < NEAR]
         return QSize(box.width(), box.bottom() + 1 - min([tabs.top() for tabs in above], default=box.top()))
 
     def _restore(self, front: Mapping[str, QDockWidget]) -> None:
@@ -141,19 +150,13 @@ class DockShares(QObject):
             self._window.resizeDocks(docks, upwards, UPWARDS)
 
 
-# -- docks -----------------------------------------------------------------------------------------------
-
-LEFT = Qt.DockWidgetArea.LeftDockWidgetArea
-RIGHT = Qt.DockWidgetArea.RightDockWidgetArea
-TOP = Qt.DockWidgetArea.TopDockWidgetArea
-BOTTOM = Qt.DockWidgetArea.BottomDockWidgetArea
-CENTRE = Qt.DockWidgetArea.NoDockWidgetArea  # no dock: a page in the middle of the window
+# -- rows of the views -----------------------------------------------------------------------------------
 
 Make = Callable[[Session, Player], View]
 
 
 def lazily(module: str, name: str, **more: Any) -> Make:
-    """Makes a view whose module is imported only then."""
+    """Return a function that makes a view; its module is imported at the first call."""
 
     def make(session: Session, player: Player) -> View:
         view: View = getattr(import_module(f"kindyna_gui.{module}"), name)(session, player, **more)
@@ -166,19 +169,27 @@ def lazily(module: str, name: str, **more: Any) -> Make:
 class ViewRow:
     """One view.
 
-    title        of its dock or page
-    make         what makes it
-    area         the side of the window that suits it, or the middle; where it stands in each task is in ``tasks.TASKS``
-    menu         its entry where ``menus.MENUS`` names it, with what that says of it, its keys, its icon
-    picture      whether it is a picture worth exporting
-    quantities   of a plot
-    of_cam       whether it shows nothing without a cam
-    help         the page of the help on it, and behind # the words to look for there
+    Attributes
+    ----------
+    title : str
+        Title of its dock or page.
+    area : Area
+        Default side of the window, or the middle; ``tasks.TASKS`` has its position in each task.
+    menu, tip, keys, icon : str
+        Its entry in a menu, where ``menus.MENUS`` lists it.
+    picture : bool
+        Whether it can be exported as a picture.
+    quantities : tuple of str
+        Quantities of a plot.
+    of_cam : bool
+        Whether it is empty without a cam.
+    help : str
+        Page of the help and, after #, the text to search there.
     """
 
     title: str
     make: Make
-    area: Qt.DockWidgetArea
+    area: Area
     menu: str = ""
     tip: str = ""
     keys: str | None = None
@@ -204,120 +215,118 @@ def _plot(
 VIEWS: Mapping[str, ViewRow] = MappingProxyType(
     {
         "mechanism": ViewRow("Mechanism", lazily("linkage.mechanism_view", "MechanismView"), CENTRE,
-            "&Mechanism", "The mechanism to scale", picture=True, help="tour#See it move"),
+            "&Mechanism", "Show the mechanism, drawn to scale", picture=True, help="tour#See it move"),
         "graph": ViewRow("Graph", lazily("graph.graph_view", "GraphView"), CENTRE,
-            "New &graph...", "Any channels over the cam angle, straight or polar", keys="Ctrl+G", icon="graph", picture=True,
+            "New &graph...", "Plot any channels over the cam angle, in straight or polar axes", keys="Ctrl+G", icon="graph", picture=True,
             help="graphs#draws channels of the design in plots"),
         "curves": ViewRow("Curves", lazily("graph.curves_view", "CurvesView"), CENTRE,
-            "&Curves", "Channels, tables and other designs on one graph: axes by unit, differences, values",
+            "&Curves", "Plot channels, tables and other designs on one graph, with differences and values",
             icon="graph", picture=True, help="graphs#Curves on one graph"),
         "space": ViewRow("Path in space", lazily("space_view", "SpaceView"), CENTRE,
-            "Path in &space", "The path of the part that the drives carry together, as a picture in space that turns", picture=True,
+            "Path in &space", "Show the path of the part that all drives move, in three dimensions", picture=True,
             help="camshaft#Path in space"),
         "laws": ViewRow("Laws", lazily("motion.laws_view", "LawsView"), CENTRE,
-            "&Law table", "Every motion law with its peaks, drawn over each other", keys="Ctrl+L", picture=True, help="laws#Motion laws"),
+            "&Law table", "Compare the motion laws: curves and peak values", keys="Ctrl+L", picture=True, help="laws#Motion laws"),
         "stability": ViewRow("Stability", lazily("stability_view", "StabilityView"), CENTRE,
-            "&Chart", "Tongues of instability of the flexible camshaft, and the wind-up there", keys="Ctrl+T", picture=True,
+            "&Chart", "Show the stability chart of the flexible camshaft: tongues of instability and wind-up", keys="Ctrl+T", picture=True,
             help="stability#What you see"),
-        "log": ViewRow("Log", lazily("window.log_view", "LogView"), CENTRE, "Lo&g", "What has failed in this program, and when",
+        "log": ViewRow("Log", lazily("window.log_view", "LogView"), CENTRE, "Lo&g", "Show the error log",
             help="tour#If something fails"),
         "parameters": ViewRow("Parameters", lazily("motion.inspector", "inspector"), RIGHT, help="tour#Change it"),
         "motion": ViewRow("Motion", lazily("motion.segments_view", "SegmentsView"), LEFT,
-            "&Motion table", "Segments of the motion: law, span, rise", keys="Ctrl+M", help="making#By mouse"),
+            "&Motion table", "Edit the segments of the motion: law, span, rise", keys="Ctrl+M", help="making#By mouse"),
         "drives": ViewRow("Drives", lazily("drives_view", "DrivesView"), LEFT,
-            "D&rives", "The drives on the shaft: add, copy, remove, rename, turn against each other, peak torques",
+            "D&rives", "Add, copy, remove, rename and phase the drives on the shaft; peak torques",
             help="camshaft#In the window"),
         "find": ViewRow("Find", lazily("find", "FindView"), LEFT,
-            "Fi&nd", "The base radius, roller, offset, pivot or span that just keeps your limits, with what it is traded for",
+            "Fi&nd", "Calculate the smallest base radius, roller, offset, pivot or span within your limits, and plot what it costs",
             keys="Ctrl+F", help="finding#Finding dimensions"),
         "study": ViewRow("Study", lazily("studies.study_view", "StudyView"), LEFT,
-            "St&udy", "Vary numbers of the design: curves over one, a live map over two, parallel coordinates of more; a board of designs",
+            "St&udy", "Vary values of the design: curves over one, a map over two, parallel coordinates over more; compare designs",
             picture=True, help="studies#In the window"),
         "centres": ViewRow("Centres", lazily("linkage.centres_view", "CentresView"), LEFT,
-            "&Instant centres", "Instant centres, angular velocities and points at the angle at hand",
+            "&Instant centres", "List instant centres, angular velocities and points at the current angle",
             help="linkages#Instant centres and velocities"),
         "circle": ViewRow("Circle diagram", lazily("linkage.centres_view", "CircleView"), LEFT,
-            "Circle &diagram", "Find the instant centres step by step, as the lecture does", help="linkages#Circle diagram"),
+            "Circle &diagram", "Construct the instant centres step by step, as in the lecture", help="linkages#Circle diagram"),
         "polygon": ViewRow("Polygons", lazily("linkage.centres_view", "PolygonView"), LEFT, picture=True,
             help="linkages#draws all velocities from one pole"),
         "stack": ViewRow("Motion and pressure angle", lazily("graph.plots_view", "StackView"), LEFT,
-            "Motion and pressure an&gle", "Displacement, velocity, acceleration, jerk and pressure angle under each other on one axis",
+            "Motion and pressure an&gle", "Plot displacement, velocity, acceleration, jerk and pressure angle on one axis",
             picture=True, help="tour#Plots, in the tasks"),
         "displacement": _plot("Displacement", ("displacement", "elastic_displacement"),
-            "&Displacement", "Displacement over the cam angle"),
-        "velocity": _plot("Velocity", ("velocity",), "&Velocity", "Velocity over the cam angle"),
+            "&Displacement", "Plot the displacement over the cam angle"),
+        "velocity": _plot("Velocity", ("velocity",), "&Velocity", "Plot the velocity over the cam angle"),
         "acceleration": _plot("Acceleration", ("acceleration", "elastic_acceleration"),
-            "&Acceleration", "Acceleration over the cam angle"),
-        "jerk": _plot("Jerk", ("jerk",), "&Jerk", "Jerk over the cam angle"),
+            "&Acceleration", "Plot the acceleration over the cam angle"),
+        "jerk": _plot("Jerk", ("jerk",), "&Jerk", "Plot the jerk over the cam angle"),
         "pressure_angle": _plot("Pressure angle", ("pressure_angle", "second_pressure_angle"),
-            "&Pressure angle", "Pressure angle over the cam angle", help="followers#Limits and checks"),
+            "&Pressure angle", "Plot the pressure angle over the cam angle", help="followers#Limits and checks"),
         "curvature": _plot("Curvature", ("pitch_curvature", "profile_curvature", "outer_curvature", "second_profile_curvature"),
-            "&Curvature", "Curvature of pitch curve and profile", of_cam=True, help="followers#Limits and checks"),
+            "&Curvature", "Plot the curvature of pitch curve and profile", of_cam=True, help="followers#Limits and checks"),
         "torque": _plot("Torque", ("drive_torque", "motor_torque", "linear_motor_torque"),
-            "&Torque", "Torque at the camshaft, with and without flywheel", help="tour#Plots, in the tasks"),
+            "&Torque", "Plot the torque at the camshaft, with and without flywheel", help="tour#Plots, in the tasks"),
         "camshaft_speed": _plot("Camshaft speed", ("camshaft_speed",),
-            "Camshaft &speed", "Speed over the cam angle, which the flywheel evens out", help="tour#Camshaft speed"),
+            "Camshaft &speed", "Plot the speed over the cam angle, evened out by the flywheel", help="tour#Camshaft speed"),
         "contact_force": _plot("Contact force", ("contact_force", "second_contact_force", "elastic_contact_force"),
-            "&Contact force", "Force between roller and cam", help="tour#Plots, in the tasks"),
+            "&Contact force", "Plot the force between follower and cam", help="tour#Plots, in the tasks"),
         "contact_pressure": _plot("Contact pressure", ("contact_pressure", "second_contact_pressure"),
-            "Contact &pressure", "Hertz pressure between follower and cam, with what its materials bear", of_cam=True,
+            "Contact &pressure", "Plot the Hertz pressure between follower and cam, and the allowable pressure", of_cam=True,
             help="followers#Contact pressure and rolling life"),
         "shaft_torque": ViewRow("Shaft torque", lazily("shaft", "ShaftTorqueView"), RIGHT,
-            "S&haft torque", "What the drives on the shaft ask of it together, with flywheel and balance cam", picture=True,
+            "Shaft tor&que", "Plot the total torque of all drives, with flywheel and balance cam", picture=True,
             help="camshaft#Shaft torque"),
         "shaft_figures": ViewRow("Shaft figures", lazily("shaft", "ShaftFiguresView"), RIGHT,
-            "Shaft fig&ures", "Mean, RMS, peak torque and power of each drive and of the shaft; its true speed", picture=True,
+            "Shaft fig&ures", "List mean, RMS and peak torque and power of each drive and of the shaft, and its true speed", picture=True,
             help="camshaft#Shaft figures"),
         "against_speed": ViewRow("Against speed", lazily("shaft", "AgainstSpeedView"), RIGHT,
-            "Agai&nst speed", "Torque of the shaft and fluctuation of its speed against the machine's speed", picture=True,
+            "Agai&nst speed", "Plot the torque of the shaft and its speed fluctuation against the machine's speed", picture=True,
             help="camshaft#Against speed"),
         "servo": ViewRow("Cam or servo", lazily("shaft", "ServoView"), CENTRE,
-            "Ca&m or servo", "Torque of cam and flywheel, and of a servo: working points of its motor, energy", picture=True,
+            "Ca&m or servo", "Compare a cam with flywheel and a servo: torque, operating points of the motor, energy", picture=True,
             help="controllers#The motor"),
         "findings": ViewRow("Findings", lazily("findings", "FindingsView"), BOTTOM, help="tour#also behind their number"),
         "certificate": ViewRow("Certificate", lazily("findings", "CertificateView"), BOTTOM,
             help="tour#what proves the figures"),
         "timing": ViewRow("Timing", lazily("timing_view", "TimingView"), BOTTOM,
-            "T&iming chart", "The motions of all drives over the machine angle, and what must come after what", picture=True,
+            "T&iming chart", "Show the motions of all drives over the machine angle, with sequence conditions", picture=True,
             help="timing#By mouse"),
         "contact": ViewRow("Keeping contact", lazily("graph.flywheel_view", "ContactView"), RIGHT,
-            "K&eeping contact", "Contact force over angle and speed, and the flight of a follower that leaves its cam", of_cam=True,
+            "&Keeping contact", "Map the contact force over angle and speed, and plot the lift-off of the follower", of_cam=True,
             help="finding#Keeping contact"),
         "vibration": ViewRow("Response spectrum", lazily("graph.flywheel_view", "VibrationView"), RIGHT,
-            "Resp&onse spectrum", "How an elastic follower vibrates in its dwells at the design's speed, and against speed",
+            "Resp&onse spectrum", "Plot the vibration of an elastic follower in its dwells, at the design speed and against speed",
             picture=True, of_cam=True, help="followers#Elastic follower"),
         "compare": ViewRow("What changed", lazily("compare", "CompareView"), BOTTOM,
-            "&What changed", "Inputs and results beside those of the pinned variant, worst first", help="tour#What changed"),
+            "&What changed", "Compare inputs and results with the pinned variant, largest change first", help="tour#What changed"),
         "explain": ViewRow("Explain", lazily("compare", "ExplainView"), RIGHT,
-            "&Explain a number", "Its equation, each letter with its value at the angle at hand and where that comes from",
+            "&Explain a number", "Show the equation of the selected value, and each symbol with its value and origin",
             help="tour#Explain a number"),
         "flywheel": ViewRow("Flywheel", lazily("graph.flywheel_view", "FlywheelView"), BOTTOM,
-            "&Flywheel", "Size of the flywheel for the wanted evenness of speed", help="tour#how large it must be"),
+            "&Flywheel", "Calculate the flywheel for the required evenness of speed", help="tour#how large it must be"),
     }
 )  # fmt: skip
 """Every view by the name that menus and ``show_view`` use."""
 
 PLAYER_BAR = lazily("window.player_bar", "PlayerBar")
 
-
-_ANY_HEIGHT = (1 << 24) - 1  # Qt's own
-_ANY = 0, _ANY_HEIGHT
+# -- docks -----------------------------------------------------------------------------------------------
 
 
 class Dock(QDockWidget):
-    """A dock whose view is made when it is first seen.
+    """A dock whose view is made when it is first visible.
 
-    seen   the view came into sight, or went out of it
+    Signal ``seen``: the view has become visible, or hidden.
     """
 
     seen = Signal()
 
     def __init__(self, name: str, row: ViewRow, make: Callable[[], View], window: QMainWindow) -> None:
-        super().__init__(row.title, window)  # without a window it would be one, and float until it is laid out
+        super().__init__(row.title, window)  # without a parent it would float until it is laid out
         self.setObjectName(name)
         self._make = make
         self._view: View | None = None
-        self._held = False
+        self._paused = False
         self._heights = _ANY
         self._blank = QWidget()
         self._no_title = QWidget()
@@ -330,11 +339,11 @@ class Dock(QDockWidget):
 
     @property
     def view(self) -> View | None:
-        """The view, None where it has not been seen yet."""
+        """The view; None while it has not been made."""
         return self._view
 
     def build(self) -> View:
-        """The view, made now where it is not there yet."""
+        """Return the view, made at the first call."""
         if self._view is None:
             self._view = self._make()
             if hasattr(self._view, "height_wanted"):
@@ -343,43 +352,43 @@ class Dock(QDockWidget):
             self._blank.deleteLater()
         return self._view
 
-    def _limit(self, least: int, whole: bool) -> None:
-        """The view needs at least this height, and no more where that is the whole of it."""
-        self._heights = (least, least if whole else _ANY_HEIGHT)
-        self._take_limit()
+    def _limit(self, least: int, is_all: bool) -> None:
+        """Note the least height of the view, and that it needs no more where this shows all of it."""
+        self._heights = (least, least if is_all else _ANY_HEIGHT)
+        self._apply_limit()
 
-    def _take_limit(self) -> None:
-        """A limit counts for a dock that stands alone at its place: what stands behind the same tabs may need more."""
+    def _apply_limit(self) -> None:
+        """Limit the height of a dock without tabs; docks in tabs with it may need more height."""
         window = self.parent()
         alone = isinstance(window, QMainWindow) and not self.isFloating() and not window.tabifiedDockWidgets(self)
         self.lift_limit(self._heights if alone else _ANY)
 
     def lift_limit(self, heights: tuple[int, int] = _ANY) -> None:
-        """No limit until it is known with what else the dock stands at its place."""
+        """Set the least and largest height of the view; without argument, remove both limits."""
         view = self._view
         if view is not None and (view.minimumHeight(), view.maximumHeight()) != heights:
             view.setMinimumHeight(heights[0])
             view.setMaximumHeight(heights[1])
 
     def wake(self) -> None:
-        """Make the view, or let it catch up, if something of the dock can be seen."""
-        self._take_limit()
-        if in_sight(self) and not self._held:
+        """Make or update the view if any part of the dock is visible."""
+        self._apply_limit()
+        if is_in_sight(self) and not self._paused:
             self.build().wake()
         self.seen.emit()
 
-    def hold(self, on: bool) -> None:
-        """Make no view while something else is to be seen first."""
-        self._held = on
+    def pause(self, on: bool) -> None:
+        """Make no view until called with False: the drawing is shown first."""
+        self._paused = on
         if not on:
             self._soon.start()
 
     def _visibility_changed(self, visible: bool) -> None:
-        # whether it stands in front is known once the tabs are laid out
+        # whether it is in front is known once the tabs are laid out
         self._soon.start()
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Qt would keep the title in the letters that it had when the dock was made."""
+        """Paint the title in the current font; Qt would keep the font from when the dock was made."""
         painter = QStylePainter(self)
         if self.isFloating():
             frame = QStyleOptionFrame()
@@ -393,7 +402,7 @@ class Dock(QDockWidget):
         painter.end()
 
     def show_title(self, on: bool) -> None:
-        """Behind a tab with the same words a title is a waste of height."""
+        """Show or hide the title; a tab with the same text makes it unnecessary."""
         hidden = self.titleBarWidget() is self._no_title
         if on and hidden:
             self.setTitleBarWidget(None)  # type: ignore[arg-type]

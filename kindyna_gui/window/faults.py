@@ -62,7 +62,7 @@ class Faults(QObject):
         self._event_end.timeout.connect(self._settle)
         self._session.stack.indexChanged.connect(self._step_taken)
         self._session.design_changed.connect(self._event_end.start)
-        self._session.draft_changed.connect(self._event_end.start)
+        self._session.incomplete_changed.connect(self._event_end.start)
         self._session.refused.connect(self._refused)
         window.menuBar().triggered.connect(self._chosen)
         self._in_thread.connect(self._report_from_thread)
@@ -113,7 +113,7 @@ class Faults(QObject):
     def _state(self) -> str:
         session, focus = self._session, QApplication.focusWidget()
         rows = {
-            "Design": f"{session.whole.name}, {session.path or 'without a file'}, step {session.stack.index()}",
+            "Design": f"{session.full_design.name}, {session.path or 'without a file'}, step {session.stack.index()}",
             "Angle": f"{self._window.player.theta:.9g} rad{', playing' if self._window.player.playing else ''}",
             "Focus": f"{type(focus).__name__} {focus.objectName() or focus.accessibleName()}"
             if focus is not None

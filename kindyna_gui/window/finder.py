@@ -123,7 +123,7 @@ def _plain(text: str) -> str:
 def _fields(window: Window) -> Iterator[Found]:
     """Every field of the drive at hand, then of the others on its shaft."""
     session = window.session
-    design, whole = session.typed, session.typed_whole
+    design, whole = session.typed, session.typed_full_design
     for table in design.tables:
         holder = session.holder(table)
         if table == "motion":
@@ -184,7 +184,7 @@ def _help(window: Window) -> Iterator[Found]:
 
 
 def _findings(window: Window) -> Iterator[Found]:
-    study = window.session.whole_study
+    study = window.session.full_study
     try:
         found = findings_of(study, tuple(window.stages_on_screen()))
     except KindynaError:

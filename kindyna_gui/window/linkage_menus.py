@@ -16,7 +16,7 @@ from core.errors import KindynaError
 from core.mechanism.drivers import driver_position, drivers, roller_points, with_driver, with_roller, without_roller
 from core.output.load_text import row_name
 from kindyna_gui.background import beside
-from kindyna_gui.forms.load_rows import put_held
+from kindyna_gui.forms.load_rows import put_attachment
 from kindyna_gui.forms.loads_page import WHAT, first_field, parts_of, reordered, what_of
 from kindyna_gui.labels import driver_text
 from kindyna_gui.player import TURN
@@ -112,7 +112,7 @@ def fill_drawing(window: Window, menu: QMenu) -> None:
     """The tools of Draw, and what is done with what is chosen; greyed where no linkage is there."""
     menu.menuAction().setEnabled(bool(window.session.typed.drive.links))
     from kindyna_gui.linkage.draw_tools import TOOLS
-    from kindyna_gui.linkage.drawing_deeds import DEEDS
+    from kindyna_gui.linkage.drawing_actions import ACTIONS
 
     for tool in TOOLS.values():
         action = menu.addAction(f"{tool.text}\t{tool.key}")
@@ -120,20 +120,20 @@ def fill_drawing(window: Window, menu: QMenu) -> None:
         action.triggered.connect(partial(_draw, window, tool.name))
     menu.addSeparator()
     view: Any = window.view("mechanism")
-    for deed in DEEDS:
-        action = menu.addAction(f"{deed.text}\t{deed.key}")
-        action.setStatusTip(deed.tip)
+    for row in ACTIONS:
+        action = menu.addAction(f"{row.text}\t{row.key}")
+        action.setStatusTip(row.tip)
         action.setEnabled(view is not None and view.draws)
-        action.triggered.connect(partial(_do, window, deed))
+        action.triggered.connect(partial(_do, window, row.name))
 
 
 def _draw(window: Window, tool: str, *_: object) -> None:
     window.draw(True, tool)
 
 
-def _do(window: Window, deed: Any, *_: object) -> None:
+def _do(window: Window, action: str, *_: object) -> None:
     view: Any = window.view("mechanism")
-    view.drawing.deeds[deed.name].trigger()
+    view.drawing.actions[action].trigger()
 
 
 def _linkage(window: Window, menu: QMenu) -> Design | None:
@@ -213,7 +213,7 @@ class LoadActions(QObject):
         others = [each.read(get(design, path)) for each in holds_of(design.drive, name) if each.key != key]
 
         def taken(held: Sequence[Target | None]) -> None:
-            if put_held(self._session, path, hold, held[0]):
+            if put_attachment(self._session, path, hold, held[0]):
                 self.open(path)
 
         self._ask(row_name(design, path), [hold], taken, beside=others)

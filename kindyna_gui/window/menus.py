@@ -1,4 +1,8 @@
-"""Menus."""
+"""The menu bar, the toolbar and the row of tasks.
+
+``MENUS`` has one row for each entry: its text, the slot of the window that it calls, its keys, tip and icon. Submenus
+whose entries depend on the design or on files are filled each time they open.
+"""
 
 from __future__ import annotations
 
@@ -23,17 +27,20 @@ from kindyna_gui.window.base import Window, title_of, why_absent
 from kindyna_gui.window.docks import VIEWS
 from kindyna_gui.window.tasks import TASKS
 
-# -- submenus --------------------------------------------------------------------------------------------
+Keys = QKeySequence.StandardKey
+SEPARATOR = None
+
+# -- submenus filled when they open ----------------------------------------------------------------------
 
 
 def fill_new(window: Window, menu: QMenu) -> None:
-    """A design of each kind, or a shaft of several drives."""
+    """Add an entry for each kind of design, and one for a shaft of several drives."""
     for slug, row in FOLLOWER_KINDS.items():
         action = menu.addAction(row.label)
-        action.setStatusTip(f"Begin a design of this kind: {row.label}")
+        action.setStatusTip(f"Begin a new design: {row.label}")
         action.triggered.connect(partial(_without_state, window.documents.new, slug))
     action = menu.addAction("Linkage by drawing")
-    action.setStatusTip("Begin with an empty sheet, on which links, pins and sliders are drawn with the mouse")
+    action.setStatusTip("Begin with an empty canvas and draw links, pins and sliders with the mouse")
     action.triggered.connect(partial(_without_state, new_drawing, window))
     for name, title, tip in MOTIONS:
         action = menu.addAction(title)
@@ -41,24 +48,24 @@ def fill_new(window: Window, menu: QMenu) -> None:
         action.triggered.connect(partial(_without_state, partial(new_motion, window), name))
     action = menu.addAction("Shaft of cams...")
     action.setStatusTip(
-        "Begin a shaft of several drives with one chosen by its picture; the list of drives adds others"
+        "Begin a shaft of several drives: choose the first from images, add others in the list of drives"
     )
     action.triggered.connect(partial(_without_state, new_shaft, window))
 
 
 MOTIONS = (
-    ("indexer", "Indexer...", "Begin with the steps of a table: stops, index angle, dwell, law"),
+    ("indexer", "Indexer...", "Begin with the motion of an indexing table: stops, index angle, dwell, law"),
     (
         "flying_shear",
         "Flying shear...",
-        "Begin with a carriage that runs with its material: length, synchronous window, return",
+        "Begin with the motion of a carriage that moves with its material: length, synchronous window, return",
     ),
 )
-"""Name in ``motion.begin_dialog.BEGINNINGS``, entry of the menu, and its sentence: the dialog is imported when it is opened."""
+"""Name in ``motion.laws_plot.BEGINNINGS``, entry of the menu and its tip."""
 
 
 def new_motion(window: Window, name: str) -> None:
-    """Ask for a motion to begin with."""
+    """Begin a design with the motion of a dialog, which is imported only here."""
     from kindyna_gui.motion.laws_plot import BEGINNINGS, beginning_wanted
 
     if window.documents.may_leave():
@@ -75,13 +82,13 @@ def new_shaft(window: Window) -> None:
 
 
 def new_drawing(window: Window) -> None:
-    """Begin with an empty sheet."""
+    """Begin with an empty canvas."""
     if window.documents.new_drawing():
         window.draw(True, "bar")
 
 
 def fill_recent(window: Window, menu: QMenu) -> None:
-    """Files opened or saved lately."""
+    """Add an entry for each file opened or saved recently."""
     for number, path in enumerate(window.settings.recent, 1):
         action = menu.addAction(f"&{number}  {_plain(path.name)}")
         action.setToolTip(str(path))
@@ -95,8 +102,8 @@ def fill_recent(window: Window, menu: QMenu) -> None:
 
 
 def fill_examples(window: Window, menu: QMenu) -> None:
-    """The examples that come with the program, by subject, each with its paper."""
-    from core.papers import PAPERS  # before the menu opens nobody asks for them
+    """Add the examples of the installation by subject, each with its paper."""
+    from core.papers import PAPERS  # needed only once the menu opens
 
     for subject, rows in subjects():
         menu.addSection(_plain(subject))
@@ -109,15 +116,17 @@ def fill_examples(window: Window, menu: QMenu) -> None:
 
 
 def fill_tutorials(window: Window, menu: QMenu) -> None:
-    """Lessons at the window."""
+    """Add an entry for each tutorial."""
     for name, title in lessons():
         action = menu.addAction(title)
-        action.setStatusTip("Step by step at this window: what to do, where, and on as soon as it is done")
+        action.setStatusTip(
+            "Step by step in this window: shows what to do and where, and continues when a step is done"
+        )
         action.triggered.connect(partial(_without_state, window.begin_tutorial, name))
 
 
 def fill_layouts(window: Window, menu: QMenu) -> None:
-    """The layouts of the follower, where its kind has any."""
+    """Add the layouts of the follower; the menu is hidden where its kind has none."""
     design = window.session.typed
     layout = getattr(design.drive.mechanism, "layout", None)
     menu.menuAction().setVisible(layout is not None)
@@ -128,22 +137,22 @@ def fill_layouts(window: Window, menu: QMenu) -> None:
         action = menu.addAction(f"&{letter}  {choice_tip(letter)}")
         action.setCheckable(True)
         action.setChecked(letter == layout)
-        action.setStatusTip(f"Layout {letter}: {choice_tip(letter)}; pivot and guide go to their sides")
+        action.setStatusTip(f"Layout {letter}: {choice_tip(letter)}; moves pivot and guide to their sides")
         group.addAction(action)
         action.triggered.connect(partial(_without_state, partial(choose_layout, window), letter))
 
 
 def choose_layout(window: Window, letter: str) -> None:
-    """Another layout of the follower, as its field chooses it."""
+    """Change the layout of the follower, as its field does."""
     window.session.edit("follower.layout", letter, f"Change layout to {letter}")
     window.session.end_gesture()
 
 
 def fill_exports(window: Window, menu: QMenu) -> None:
-    """Everything that can be written besides the design."""
+    """Add an entry for each kind of file that can be exported."""
     for row in window.exports.rows():
-        same = window.actions_by_key.get(f"exports.{row.act.__name__}")
-        keys = same.shortcut().toString(QKeySequence.SequenceFormat.NativeText) if same is not None else ""
+        in_bar = window.actions_by_key.get(f"exports.{row.act.__name__}")
+        keys = in_bar.shortcut().toString(QKeySequence.SequenceFormat.NativeText) if in_bar is not None else ""
         action = menu.addAction(f"{row.text}\t{keys}" if keys else row.text)
         action.setEnabled(not row.why_not)
         action.setStatusTip(row.why_not or row.tip)
@@ -151,20 +160,20 @@ def fill_exports(window: Window, menu: QMenu) -> None:
 
 
 def fill_pictures(window: Window, menu: QMenu) -> None:
-    """The pictures that are on the screen."""
+    """Add an entry for each picture on the screen."""
     for name, row in VIEWS.items():
         view = window.view(name)
         if row.picture and view is not None and view.on_screen():
             title = title_of(name, window.session.design)
             action = menu.addAction(f"{title}...")
             action.setEnabled(not view.no_picture)
-            action.setStatusTip(view.no_picture.replace("\n", " ") or f"Write the picture {title} as PNG or SVG")
+            action.setStatusTip(view.no_picture.replace("\n", " ") or f"Save the picture {title} as PNG or SVG")
             action.triggered.connect(partial(_without_state, window.export_picture, name))
     menu.menuAction().setEnabled(not menu.isEmpty())
 
 
 def fill_docks(window: Window, menu: QMenu) -> None:
-    """Every dock, checked where it is shown."""
+    """Add an entry for each dock, checked while the dock is shown."""
     for dock in window.docks.values():
         action = dock.toggleViewAction()
         why = why_absent(dock.objectName(), window.session.design)
@@ -174,27 +183,27 @@ def fill_docks(window: Window, menu: QMenu) -> None:
 
 
 def fill_named_layouts(window: Window, menu: QMenu) -> None:
-    """Layouts that the user has kept, and the way to keep one more, or one less."""
-    action = menu.addAction("&Keep this layout...")
-    action.setStatusTip("Keep docks, pages and task as they stand under a name, for this run and the next")
-    action.triggered.connect(lambda: window.keep_layout())
+    """Add the entry that saves the current layout, and for each saved layout those that restore and delete it."""
+    action = menu.addAction("&Save this layout...")
+    action.setStatusTip("Save docks, pages and task under a name, also for the next start")
+    action.triggered.connect(lambda: window.save_layout())
     names = window.settings.named_layouts
     if not names:
         return
     menu.addSeparator()
     for name in names:
         action = menu.addAction(_plain(name))
-        action.setStatusTip(f"Docks, pages and task as they were kept under the name {name}")
-        action.triggered.connect(partial(_without_state, window.take_layout, name))
+        action.setStatusTip(f"Restore docks, pages and task saved as {name}")
+        action.triggered.connect(partial(_without_state, window.restore_layout, name))
     menu.addSeparator()
     for name in names:
-        action = menu.addAction(_plain(f"Forget {name}"))
-        action.setStatusTip(f"Do without the layout {name}")
-        action.triggered.connect(partial(_without_state, window.forget_layout, name))
+        action = menu.addAction(_plain(f"Delete {name}"))
+        action.setStatusTip(f"Delete the layout {name}")
+        action.triggered.connect(partial(_without_state, window.delete_layout, name))
 
 
 def fill_layers(window: Window, menu: QMenu) -> None:
-    """What the drawing of the mechanism can show and hide."""
+    """Add an entry for each layer of the mechanism drawing."""
     view = window.view("mechanism")
     for action in view.layer_actions() if view is not None else ():
         menu.addAction(action)
@@ -202,7 +211,7 @@ def fill_layers(window: Window, menu: QMenu) -> None:
 
 
 def fill_colours(window: Window, menu: QMenu) -> None:
-    """The layers that colour the profile, where there is a cam."""
+    """Add the layers that colour the profile; the menu is hidden where there is no cam."""
     view = window.view("mechanism")
     for action in view.layer_actions() if view is not None else ():
         if action.actionGroup() is not None:
@@ -211,27 +220,33 @@ def fill_colours(window: Window, menu: QMenu) -> None:
 
 
 def _without_state(slot: object, argument: object, *_: object) -> None:
-    """Call a slot without the checked state that ``triggered`` brings."""
+    """Call a slot without the checked state that ``triggered`` passes."""
     assert callable(slot)
     slot(argument)
 
 
 def _plain(text: str) -> str:
-    """A text without keys of access."""
+    """Return a text in which & is no access key."""
     return text.replace("&", "&&")
 
 
-# -- menus -----------------------------------------------------------------------------------------------
-
-Keys = QKeySequence.StandardKey
+# -- rows of the menu bar --------------------------------------------------------------------------------
 
 
 @frozen
 class Item:
-    """One entry. slot: what of the window is called, ``documents.save``; with ``argument`` where there is one.
+    """One entry of a menu.
 
-    name   key of the action, the slot itself where empty
-    view   whose keys they are, by its name in ``VIEWS``: they act while the focus is in it; where empty, everywhere
+    Attributes
+    ----------
+    slot : str
+        Dotted path of the method called, from the window: ``documents.save``.
+    argument : Any
+        Its argument; None to call it without one.
+    name : str
+        Key of the action; empty: the slot and its argument.
+    view : str
+        View, by its name in ``VIEWS``, in which the keys act; empty: everywhere.
     """
 
     text: str
@@ -251,7 +266,7 @@ class Item:
 
 @frozen
 class Submenu:
-    """A menu whose entries depend on the state of things; ``fill`` makes them anew each time it opens."""
+    """A menu whose entries ``fill`` adds each time it opens."""
 
     text: str
     fill: Callable[[Window, QMenu], None]
@@ -259,7 +274,7 @@ class Submenu:
 
 
 def _later(module: str, name: str) -> Callable[[Window, QMenu], None]:
-    """Fills a menu from a module that is imported when it is first opened."""
+    """Return a function that fills a menu; its module is imported when the menu first opens."""
 
     def fill(window: Window, menu: QMenu) -> None:
         getattr(import_module(f"kindyna_gui.{module}"), name)(window, menu)
@@ -280,7 +295,6 @@ def _field(text: str, path: str, tip: str) -> Item:
     return Item(text, "focus_field", path, None, tip)
 
 
-SEPARATOR = None
 Entry = Item | Submenu | None
 
 MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
@@ -288,29 +302,29 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
         "&File",
         (
             Item("&New...", "designing.new_by_picture", None, Keys.New,
-                 "Begin with a follower, its face and the form of its cam, or with a linkage, chosen by its picture"),
+                 "Begin a new design: choose a follower with its face and cam form, or a linkage, from images"),
             Submenu("New of a &kind", fill_new, "new"),
             Item("&Open...", "documents.open_file", None, Keys.Open, "Open a design file", "open"),
             Submenu("Open &recent", fill_recent),
             Submenu("&Examples", fill_examples),
             SEPARATOR,
             Item("&Save", "documents.save", None, Keys.Save, "Save the design to its file", "save"),
-            Item("Re&load", "documents.reload", None, None, "Read the design's file again; Undo brings back what was here"),
+            Item("Re&load", "documents.reload", None, None, "Reload the file from disk (can be undone)"),
             Item("Save &as...", "documents.save_as", None, Keys.SaveAs, "Save the design to another file"),
             Item("Reco&ver unsaved work...", "recovery.offer_again", None, None,
-                 "What was unsaved when KINDYNA ended without being closed"),
+                 "Restore work that was unsaved when KINDYNA ended without being closed"),
             SEPARATOR,
             Item("Add this desi&gn to a shaft...", "add_to_shaft", None, None,
-                 "Make it the first of several drives on one shaft, or add it to a shaft; to a shaft at hand add the drives of a file"),
+                 "Put this design on a shaft with other drives"),
             Item("&Import measured motion...", "designing.import_measured", None, None,
                  "Fit a motion to a table of measured displacements, velocities or accelerations"),
             Item("I&mport linkage...", "designing.import_linkage", None, None,
-                 "A linkage of Pyslvs, PMKS+ or Linkage, as text, address or file; what cannot be carried over is listed"),
+                 "Import a linkage of Pyslvs, PMKS+ or Linkage from text, web address or file; parts that cannot be imported are listed"),
             Item("Import &controller table...", "designing.import_controller", None, None,
-                 "The table of a servo controller as the motion that the controller makes of it"),
+                 "Import the table of a servo controller as the motion that the controller makes of it"),
             Submenu("Expor&t", fill_exports, "exports"),
             Item("Re&port...", "exports.report", None, "Ctrl+P",
-                 "A report to hand on, as PDF or as HTML: inputs, drawings, curves, extremes, findings, certificate, equations"),
+                 "Write a report as PDF or HTML: inputs, drawings, curves, extremes, findings, certificate, equations"),
             SEPARATOR,
             Item("&Quit", "close", None, "Ctrl+Q", "Leave KINDYNA"),
         ),
@@ -318,24 +332,26 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
     (
         "&Edit",
         (
-            Item("&Undo", "session.stack.undo", None, Keys.Undo, "Take the last change back", "undo", name="undo"),
-            Item("&Redo", "session.stack.redo", None, Keys.Redo, "Make the change again", "redo", name="redo"),
+            Item("&Undo", "session.stack.undo", None, Keys.Undo, "Undo the last change", "undo", name="undo"),
+            Item("&Redo", "session.stack.redo", None, Keys.Redo, "Repeat the change that was undone", "redo", name="redo"),
             SEPARATOR,
-            Item("&Copy picture", "copy_picture", None, "Ctrl+Shift+C", "Of the view in focus, else of the drawing, to the clipboard"),
+            Item("&Copy picture", "copy_picture", None, "Ctrl+Shift+C", "Copy the selected view as a picture"),
             SEPARATOR,
             Item("&Pin this variant", "pin", None, "Ctrl+Shift+P",
-                 "Keep the design as it is: plots show it dashed, the drawing in grey, and a table what changes"),
-            Item("Pin what was &before", "pin_before", None, None, "Hold the design against what it was before the last step"),
-            Item("Pin a &file...", "pin_file", None, None, "Hold the design against another file"),
-            Item("Unp&in", "unpin", None, None, "Let the pinned variant go"),
+                 "Pin the current design: dashed in plots, grey in the drawing, listed in What changed"),
+            Item("Compare with the &last step", "pin_before", None, None,
+                 "Shows the design before the last change, dashed, in every plot"),
+            Item("Compare with another &file...", "pin_file", None, None, "Shows the design of another file, dashed, in every plot"),
+            Item("Unp&in", "unpin", None, None, "Stop comparing with the pinned variant"),
             _view("compare"),
             Item("&Explain a number", "explain_here", None, "Shift+F1", VIEWS["explain"].tip),
             SEPARATOR,
             Item("Find an&ything...", "find_anything", None, "Ctrl+K",
-                 "Commands, fields, channels, examples, help and findings by words or symbols; a value behind a field's name sets it"),
-            Item("&Scale the design...", "designing.scale", None, None, "All lengths by one factor, masses and inertias by choice"),
+                 "Search commands, fields, channels, examples, help and findings; a value after the name of a field sets it"),
+            Item("&Scale the design...", "designing.scale", None, None,
+                 "Multiply all lengths by one factor, and masses and inertias if you choose"),
             Item("Prefere&nces...", "prefer", None, "Ctrl+,",
-                 "Units on display, decimal sign, theme, letters, paper, author, company, logo"),
+                 "Units, decimal sign, theme, font size, paper size, author, company, logo"),
         ),
     ),
     (
@@ -343,33 +359,33 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
         (
             _view("motion"),
             _view("laws"),
-            Item("&Blend...", "designing.blend", None, "Ctrl+B", "A motion of curves that are chosen and joined smoothly"),
+            Item("&Blend...", "designing.blend", None, "Ctrl+B", "Build a motion from standard curves that join smoothly"),
             Item("Blend a se&quence...", "designing.blend_sequence", None, None,
-                 "Any curves of the table in a row, as many as you like, with what is set of each"),
+                 "Join any number of curves, each with its own settings"),
             Item("Motion &from a DXF curve...", "designing.motion_from_curve", None, None,
-                 "Roll the follower over a closed curve of lines and arcs: a tangent cam, a three-arc cam, a digitised one"),
+                 "Calculate the motion of a follower on a closed curve of lines and arcs: tangent cam, three-arc cam, digitised cam"),
             SEPARATOR,
-            _segment("&Insert segment", "insert", "Ctrl+I", "A dwell behind the chosen segment"),
-            Item("Insert befor&e", "designing.segment", "insert_before", None, "A dwell before the chosen segment", "insert",
+            _segment("&Insert segment", "insert", "Ctrl+I", "Insert a dwell after the selected segment"),
+            Item("Insert befor&e", "designing.segment", "insert_before", None, "Insert a dwell before the selected segment", "insert",
                  view="motion"),
-            _segment("S&plit segment", "split", "Ctrl+Shift+I", "Cut the chosen segment where the cam stands"),
-            _segment("D&uplicate segment", "duplicate", "Ctrl+Shift+D", "A copy behind the chosen segment"),
+            _segment("S&plit segment", "split", "Ctrl+Shift+I", "Split the segment at the current cam angle"),
+            _segment("D&uplicate segment", "duplicate", "Ctrl+Shift+D", "Insert a copy after the selected segment"),
             _segment("Mi&rror stroke", "mirror", "Ctrl+Shift+M", "Make the return the mirror image of the rise"),
-            _segment("&Delete segment", "delete", "Ctrl+D", "Take the chosen segment away"),
+            _segment("&Delete segment", "delete", "Ctrl+D", "Delete the selected segment"),
             SEPARATOR,
             Item("Se&gment from table...", "designing.segment_from_table", None, None,
-                 "The first two columns of a table as the curve of the chosen segment, stretched to its span and rise or as they are"),
+                 "Replace the selected segment by the first two columns of a table, fitted to its span and rise or unchanged"),
             Item("Segment from &clipboard", "designing.segment_from_clipboard", None, None,
-                 "The same of what was copied from a spreadsheet"),
+                 "Replace the selected segment by two columns copied from a spreadsheet"),
             Item("S&hift the motion by...", "designing.shift_motion", None, None,
-                 "Let it do the same later or earlier in the turn; so does drawing along the names above the diagram"),
-            Item("Save m&otion...", "designing.save_motion", None, None, "The motion in a file of its own"),
+                 "Shift the whole motion in cam angle; or drag the segment names"),
+            Item("Save m&otion...", "designing.save_motion", None, None, "Save the motion without the mechanism in a file"),
             Item("Motion from a desig&n or file...", "designing.take_motion", None, None,
-                 "The motion of a drive of another design, or of a file of a motion, in place of this one"),
+                 "Replace the motion by that of another design's drive, or of a motion file"),
             Item("Motion that follo&ws from files...", "designing.follow_files", None, None,
-                 "Of a table, the sum of several motions, or what a linkage's driver must do: read anew whenever they change"),
+                 "Motion from linked files: a table, a sum of motions, or the inverse of a linkage; updated when the files change"),
             SEPARATOR,
-            _field("&Start", "motion.start", "Where the follower stands at cam angle 0"),
+            _field("&Start", "motion.start", "Position of the follower at cam angle 0"),
             _field("S&troke", "motion.stroke", "Highest minus lowest position of the follower"),
         ),
     ),
@@ -377,20 +393,20 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
         "&Compo",
         (
             _view("mechanism"),
-            Item("Dra&w", "draw", None, "D", "Draw links, pins, sliders and loads with the mouse; D or Esc leaves", checkable=True,
+            Item("Dra&w", "draw", None, "D", "Draw links, pins, sliders and loads with the mouse; D or Esc ends drawing", checkable=True,
                  name="draw", view="mechanism"),
             Submenu("Drawi&ng", _later("window.linkage_menus", "fill_drawing"), "drawing"),
             Item("Underla&y...", "place_underlay", None, None,
-                 "A picture or a DXF under the drawing: place it, scale it by a known distance, and draw on its corners and centres"),
+                 "Place an image or a DXF under the drawing, scale it by a known distance, and draw on its corners and centres"),
             Item("Circ&uits...", "designing.choose_circuit", None, None,
-                 "The ways to put the linkage together, as pictures with the range of its driver, to choose from"),
+                 "Choose the circuit in which the linkage is assembled, from images with the range of the driver"),
             Item("&Save as signs", "designing.save_as_signs", None, None,
-                 "Tell by signs, instead of by the drawing, in which way the linkage is put together"),
+                 "Store the assembly as branch signs (+1/\u22121) instead of the drawn pose"),
             SEPARATOR,
             Item("C&hoose a mechanism...", "designing.choose_mechanism", None, None,
-                 "Followers with every face and form of cam, and linkages, as pictures to begin with; the motion is kept"),
+                 "Begin with another follower, cam form or linkage, chosen from images; the motion is kept"),
             SEPARATOR,
-            _field("&Follower", "follower", "Lengths of the follower"),
+            _field("&Follower", "follower", "Dimensions of the follower"),
             _field("&Cam", "cam", "Base circle and roller"),
             Submenu("&Layout", fill_layouts, "layouts"),
             Submenu("Driv&er", _later("window.linkage_menus", "fill_drivers"), "drivers"),
@@ -399,9 +415,9 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             SEPARATOR,
             _view("centres"),
             Item("Fit cen&tres", "fit_centres", None, None,
-                 "Show the instant centres of all links, and bring those outside the picture into it"),
+                 "Show the instant centres of all links, and zoom to them all"),
             Item("&Velocity polygon", "show_polygon", "velocities", None,
-                 "Velocities from one pole, V_P = V_A + V_PA, at the angle at hand"),
+                 "Draw the velocities from one pole, V_P = V_A + V_PA, at the current angle"),
             _view("circle"),
         ),
     ),
@@ -416,17 +432,17 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             SEPARATOR,
             _view("pressure_angle"),
             _view("curvature"),
-            _field("Li&mits", "limits", "Your own limits of pressure angle, radii of curvature and contact force"),
+            _field("Li&mits", "limits", "Your limits of pressure angle, radius of curvature and contact force"),
             _view("find"),
             _view("study"),
             Submenu("C&olour the profile", fill_colours, "colours"),
             Item("&Inspect a measured cam...", "designing.inspect_measured", None, None,
-                 "Lay a measured table of lift on the profile: deviations, the largest, in or out of tolerance"),
+                 "Compare a measured table of lift with the profile: deviations, the largest one, in or out of tolerance"),
             SEPARATOR,
-            Item("P&lay", "player.play", None, "F5", "Turn the cam", checkable=True, name="play"),
-            Item("Step &forward", "player.step", 1.0, "F7", "One degree forward"),
-            Item("Step &back", "player.step", -1.0, "F6", "One degree back"),
-            Item("&Reverse", "reverse", None, "F8", "Turn the other way round", checkable=True),
+            Item("P&lay", "player.play", None, "F5", "Play the motion: turns the cam", checkable=True, name="play"),
+            Item("Step &forward", "player.step", 1.0, "F7", "Turn one degree forward"),
+            Item("Step &back", "player.step", -1.0, "F6", "Turn one degree back"),
+            Item("&Reverse", "reverse", None, "F8", "Play backwards", checkable=True),
         ),
     ),
     (
@@ -435,14 +451,14 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             _view("drives"),
             _field("&Loads", "loads", "Masses, springs and forces"),
             Submenu("&Add to the loads", _later("window.linkage_menus", "fill_added"), "load rows"),
-            Submenu("Ta&ke from the loads", _later("window.linkage_menus", "fill_taken"), "taken load rows"),
-            Item("Fin&d closing spring", "show_search", "spring", None,
-                 "The least rate of the spring that keeps the follower on its cam up to the speed, with the preload it is traded for"),
+            Submenu("Remo&ve from the loads", _later("window.linkage_menus", "fill_taken"), "taken load rows"),
+            Item("Find closing sprin&g", "show_search", "spring", None,
+                 "Calculate the smallest spring rate that keeps the follower on the cam, and plot it against the preload"),
             SEPARATOR,
             _view("contact_force"),
             _view("contact"),
             Item("Force pol&ygon", "show_polygon", "body", None,
-                 "All forces on a body end to end at the angle at hand, or the force in a pin or guide over the turn"),
+                 "Draw all forces on one body at the current angle, or the force in a pin or guide over the turn"),
             _view("vibration"),
             _view("contact_pressure"),
             _view("torque"),
@@ -454,11 +470,11 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             _view("servo"),
             _view("camshaft_speed"),
             SEPARATOR,
-            Item("&Give it a shaft", "designing.give_shaft", None, None,
-                 "A shaft for a linkage: flywheel, motor and, under a cam, stability"),
-            Item("Gi&ve it a servo", "designing.give_servo", None, None,
-                 "A motor that makes the motion itself: its torque, speed and power stand beside those of the cam's shaft"),
-            Item("Take the servo a&way", "designing.take_servo", None, None, "The drive without its servo"),
+            Item("Add a s&haft", "designing.give_shaft", None, None,
+                 "Add a shaft to a linkage, with flywheel and motor; with a cam, stability is calculated too"),
+            Item("A&dd a servo", "designing.give_servo", None, None,
+                 "Add a motor that makes the motion itself; its torque, speed and power are compared with those of the cam's shaft"),
+            Item("R&emove the servo", "designing.take_servo", None, None, "Remove the servo from the drive"),
         ),
     ),
     (
@@ -466,10 +482,10 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
         (
             _view("stability"),
             Item("&Flexible shaft", "designing.make_flexible", None, None,
-                 "Give the camshaft a stiffness and an inertia, guessed from what it moves"),
-            Item("&Rigid shaft", "designing.make_rigid", None, None, "Take the camshaft's flexibility out of the design"),
-            Item("&Give it a shaft", "designing.give_shaft", None, None,
-                 "A shaft for a linkage: flywheel, motor and, under a cam, stability"),
+                 "Give the camshaft a stiffness and an inertia, estimated from its loads"),
+            Item("&Rigid shaft", "designing.make_rigid", None, None, "Calculate with a rigid camshaft again"),
+            Item("Add a s&haft", "designing.give_shaft", None, None,
+                 "Add a shaft to a linkage, with flywheel and motor; with a cam, stability is calculated too"),
             SEPARATOR,
             _field("Camshaft &data", "shaft", "Speed, sense of rotation, flywheel and motor of the camshaft"),
         ),
@@ -483,9 +499,9 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             SEPARATOR,
             Submenu("Export &picture", fill_pictures),
             Item("Export &numbers...", "exports.tables", None, "Ctrl+E",
-                 "Write profile, kinematics and dynamics as CSV tables", "export"),
+                 "Export profile, kinematics and dynamics as CSV tables", "export"),
             Item("Export pr&ofile...", "exports.profile", None, "Ctrl+Shift+E",
-                 "The cam's profile, or the path of a cutter, as DXF, SVG, CSV or G-code"),
+                 "Export the cam profile, or the path of a cutter, as DXF, SVG, CSV or G-code"),
         ),
     ),
     (
@@ -497,36 +513,36 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             Submenu("&Layers of the drawing", fill_layers),
             Submenu("&Named layouts", fill_named_layouts),
             SEPARATOR,
-            Item("&Fit drawing", "fit", None, "Ctrl+0", "Bring the whole mechanism into sight", "fit"),
-            Item("&Reset layout", "reset_layout", None, None, "Put all docks of this task back to where they were at first"),
+            Item("&Fit drawing", "fit", None, "Ctrl+0", "Zoom to the whole mechanism", "fit"),
+            Item("&Reset layout", "reset_layout", None, None, "Restore the first layout of this task"),
         ),
     ),
     (
         "&Help",
         (
-            Item("&Welcome", "show_welcome", None, None, "Examples by subject, with pictures; a new design; files opened lately"),
-            Item("Help on this fiel&d or view", "help_here", None, Keys.HelpContents, "On the field or the view that has the keys", "help"),
+            Item("&Welcome", "show_welcome", None, None, "Open the welcome page: examples by subject, new design, recent files"),
+            Item("Help on this fiel&d or view", "help_here", None, Keys.HelpContents, "Open the help of the current field or view", "help"),
             Item("Shortc&uts", "show_help", "shortcuts", None, "Every key of the window"),
             Submenu("Tutoria&l", fill_tutorials),
-            Item("&Tour", "show_help", "tour", None, "What is where, in five minutes"),
-            Item("&Making a motion", "show_help", "making", None, "The motion editor by mouse and keys; measured tables"),
-            Item("&Blended motions", "show_help", "blending", None, "Which curve follows which; the card picker twice"),
-            Item("T&iming of several drives", "show_help", "timing", None, "The timing chart by mouse, and what must come after what"),
-            Item("&Followers", "show_help", "followers", None, "Cam slider, translating and swinging follower"),
-            Item("Fi&nding dimensions", "show_help", "finding", None, "The dimension that just keeps its limits, or the best of them"),
-            Item("Studies of man&y designs", "show_help", "studies", None, "Tables of many designs, tolerances, the best of them"),
+            Item("&Tour", "show_help", "tour", None, "The window in five minutes"),
+            Item("&Making a motion", "show_help", "making", None, "The motion editor by mouse and keyboard; measured tables"),
+            Item("&Blended motions", "show_help", "blending", None, "Which curve may follow which; the card picker as an example"),
+            Item("T&iming of several drives", "show_help", "timing", None, "The timing chart by mouse; sequence conditions"),
+            Item("&Followers", "show_help", "followers", None, "Cam slider, translating and swinging followers"),
+            Item("Fi&nding dimensions", "show_help", "finding", None, "The smallest dimension within your limits, or the best one"),
+            Item("Studies of man&y designs", "show_help", "studies", None, "Tables of many designs, tolerances, the best design"),
             Item("Lin&kages", "show_help", "linkages", None, "Links, pins and guides; centres and velocities"),
-            Item("&Stability of the camshaft", "show_help", "stability", None, "Chart, verdicts, and Kim1990's claims against ours"),
-            Item("Figures of the &papers...", "show_papers", None, None, "What the four papers say and draw, and what comes out here"),
-            Item("T&he four papers", "show_help", "papers", None, "Kinds of verdict, and where print and truth part"),
+            Item("&Stability of the camshaft", "show_help", "stability", None, "Chart and verdicts; the claims of Kim (1990) checked"),
+            Item("Figures of the &papers...", "show_papers", None, None, "Figures and statements of the papers, compared with KINDYNA"),
+            Item("T&he four papers", "show_help", "papers", None, "The papers: claims checked, and misprints"),
             Item("C&ontrollers", "show_help", "controllers", None, "Electronic cams: what a servo controller makes of a table"),
             Item("Laws and con&ventions", "show_help", "laws", None, "Motion laws, signs, units, angles"),
-            Item("&Run time against error", "show_help", "speed", None, "Every kernel beside what could be taken in its place"),
-            Item("Ar&chitecture", "show_help", "architecture", None, "The floors of the program, and how a figure is proved"),
-            Item("What has chang&ed", "show_help", "changes", None, "What is new for a user"),
+            Item("&Run time against error", "show_help", "speed", None, "Speed and accuracy compared with alternatives"),
+            Item("Ar&chitecture", "show_help", "architecture", None, "The layers of the program, and how its results are checked"),
+            Item("What has chang&ed", "show_help", "changes", None, "What is new in each version"),
             SEPARATOR,
             _view("log"),
-            Item("&About KINDYNA", "about", None, None, "Version and origin"),
+            Item("&About KINDYNA", "about", None, None, "Version and origin of KINDYNA"),
         ),
     ),
 )  # fmt: skip
@@ -535,9 +551,9 @@ TOOLBAR = ("documents.open_file", "documents.save", None, "undo", "redo", None, 
 
 
 def build(window: Window) -> dict[str, QAction]:
-    """Fill the window's menu bar; the actions by their keys, those of whole menus by their texts.
+    """Fill the window's menu bar and return its actions by key; those of menus by their text.
 
-    The window must keep them all: once Python forgets a menu's action, it takes the menu for deleted.
+    The window must store them all: once Python drops a menu's action, PySide takes the menu for deleted.
     """
     actions: dict[str, QAction] = {}
     for title, entries in MENUS:
@@ -576,7 +592,7 @@ def _add_action(window: Window, menu: QMenu, item: Item) -> QAction:
 
 
 def add_view_keys(view: QWidget, name: str, actions: dict[str, QAction]) -> None:
-    """Give a view its own shortcuts; name: its name in ``VIEWS``."""
+    """Give a view, named as in ``VIEWS``, the shortcuts that act only in it."""
     rows = (row for _, entries in MENUS for row in entries if isinstance(row, Item) and row.view == name)
     view.addActions([actions[row.key] for row in rows])
 
@@ -589,14 +605,14 @@ def _add_submenu(window: Window, menu: QMenu, row: Submenu, actions: dict[str, Q
         clear_menu(submenu)
         row.fill(window, submenu)
 
-    # with the menu it stands in, so that an empty one can be greyed or left out
+    # also with the menu above it, so that an empty one can be greyed or hidden
     menu.aboutToShow.connect(refill)
     submenu.aboutToShow.connect(refill)
     actions[row.name or row.text] = submenu.menuAction()
 
 
 def build_toolbar(window: Window, actions: dict[str, QAction]) -> QToolBar:
-    """The toolbar: some of the menus' actions."""
+    """Build the toolbar from some of the menus' actions."""
     bar = tool_bar("Toolbar")
     bar.setObjectName("toolbar")
     for key in TOOLBAR:
@@ -608,11 +624,11 @@ def build_toolbar(window: Window, actions: dict[str, QAction]) -> QToolBar:
 
 
 def build_tasks(window: Window, actions: dict[str, QAction]) -> QToolBar:
-    """The row of tasks: the menu's entries as buttons, of which one is down."""
+    """Build the row of tasks: entries of the View menu as buttons, of which one is checked."""
     bar = tool_bar("Tasks")
     bar.setObjectName("tasks")
     bar.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextOnly)
-    bar.toggleViewAction().setVisible(False)  # else a task in which they are hidden would have no way out to be seen
+    bar.toggleViewAction().setVisible(False)  # hidden buttons would leave no visible path to another task
     group = QActionGroup(window)
     for name in TASKS:
         action = actions[f"show_task:{name}"]

@@ -35,7 +35,7 @@ def _path(window: Window, wanted: list[Any]) -> bool:
     """``[path, value]``: the value of a field of the whole file."""
     path, value = wanted
     try:
-        there = get(window.session.typed_whole, path)
+        there = get(window.session.typed_full_design, path)
     except KeyError:
         return False
     if isinstance(value, str) or isinstance(there, str) or there is None:
@@ -58,7 +58,7 @@ def _finding(window: Window, wanted: str) -> bool:
     """The code of a finding; with ``no`` before it, there is none of it."""
     code = wanted.removeprefix("no ")
     try:
-        found = findings_of(window.session.whole_study, tuple(window.stages_on_screen()))
+        found = findings_of(window.session.full_study, tuple(window.stages_on_screen()))
     except KindynaError:
         return False
     return any(each.code == code for each in found) == (code == wanted)
@@ -78,7 +78,7 @@ CONDITIONS: Mapping[str, Callable[[Window, Any], bool]] = MappingProxyType(
         "view": _view,
         "task": lambda window, wanted: bool(window.actions_by_key[f"show_task:{wanted}"].isChecked()),
         "playing": lambda window, wanted: window.player.playing is wanted,
-        "drives": lambda window, wanted: len(window.session.typed_whole.drives) == wanted,
+        "drives": lambda window, wanted: len(window.session.typed_full_design.drives) == wanted,
         "links": lambda window, wanted: len(window.session.typed.drive.links) == wanted,
         "points": lambda window, wanted: set(wanted) <= _points(window),
         "runs": lambda window, wanted: _runs(window) is wanted,
@@ -90,7 +90,7 @@ CONDITIONS: Mapping[str, Callable[[Window, Any], bool]] = MappingProxyType(
 def _runs(window: Window) -> bool:
     """Whether what is typed or drawn is a mechanism that moves."""
     try:
-        return window.session.draft is None and bool(window.session.study.linkage.bodies)
+        return window.session.incomplete is None and bool(window.session.study.linkage.bodies)
     except KindynaError:
         return False
 

@@ -247,7 +247,7 @@ def _bare(seen: list[QWidget]) -> Callable[[int], None]:
 def _pinned(window: MainWindow, edit: Callable[[int], None]) -> dict[str, Callable[[int], None]]:
     """The same edit beside a pinned variant, and without one, which is its yardstick."""
     pins, path = Pins.of(window.session), EDITS[0][1]
-    variant = put(window.session.whole, path, 1.01 * get(window.session.design, path))
+    variant = put(window.session.full_design, path, 1.01 * get(window.session.design, path))
 
     def pin(count: int) -> None:
         pins.pin(variant)

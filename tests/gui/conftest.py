@@ -83,7 +83,7 @@ def nothing_unheard() -> Iterator[None]:
 def close(users: Iterable[User]) -> None:
     """Close windows, and let them go with all that they have."""
     for user in users:
-        user.session.drop_draft()
+        user.session.drop_incomplete()
         user.session.stack.setClean()
         user.window.close()
         user.window.deleteLater()
@@ -190,7 +190,7 @@ def begin_anew(
     kept = f"{task} whole" if whole else task
     if kept in layouts:
         window.restoreState(layouts[kept])
-        window.centre.lay(TASKS[task].pages, TASKS[task].front)
+        window.centre.set_pages(TASKS[task].pages, TASKS[task].pages[-1])
     else:
         window.reset_layout()
         for dock in window.docks.values():
@@ -208,7 +208,7 @@ def end(user: User) -> None:
     assert QApplication.activePopupWidget() is None, "a menu was left behind"
     window.player.play(False)
     window.player.set_forward(True)
-    session.release()
+    session.end_drag()
     session.stages_on_screen = window.stages_on_screen
     for dock in window.docks.values():
         dock.hide()

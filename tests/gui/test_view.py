@@ -187,7 +187,7 @@ def test_while_the_mouse_draws_in_one_view_the_others_follow_in_turn(app: QAppli
     window.show()
     wait_for(lambda: all(view.up_to_date for view in views))
     settle()
-    session.take_hold(drawn.content)
+    session.begin_drag(drawn.content)
     for move in range(1, 7):
         session.edit(ROD, 845.0 + move, "draw")
         assert len(drawn.rods) == 1 + move
@@ -198,7 +198,7 @@ def test_while_the_mouse_draws_in_one_view_the_others_follow_in_turn(app: QAppli
     assert all(view.rods[-1] == 851.0 for view in views)
     assert [len(view.rods) for view in others] == [4, 4, 3]
     session.edit(ROD, 860.0, "draw")
-    session.release()
+    session.end_drag()
     settle()
     assert all(view.rods[-1] == 860.0 for view in views)
     window.close()

@@ -411,7 +411,7 @@ class Assembly(QGraphicsScene):
         """Take over the current fonts and remove all figures, so that they are drawn again in the current theme."""
         for item in self.items():
             if isinstance(item, Tag):
-                item.letter()
+                item.update_font()
         cells = self._cells
         self.figures, self.transfer = {}, None
         for cell in cells:

@@ -530,7 +530,7 @@ class MechanismScene(QGraphicsScene):
         """Take over the current fonts."""
         for item in self.items():
             if isinstance(item, Tag):
-                item.letter()
+                item.update_font()
         self.lay_labels()
 
     def _show_region(self, visible: QRectF, scale: float, sides: Mapping[str, int]) -> None:

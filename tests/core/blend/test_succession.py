@@ -67,7 +67,7 @@ def test_the_states_along_a_motion(capsys: pytest.CaptureFixture[str]) -> None:
 @pytest.mark.parametrize(
     ("words", "line"),
     [
-        (("blend", "--type", "DRD", "--stroke", "20"), "--start, --end: wanted for a motion"),
+        (("blend", "--type", "DRD", "--stroke", "20"), "--start, --end: required for a motion"),
         (("blend", "--table", "X7"), "'X7': unknown curve; allowed: C1 | C2"),
         ((*PICKER, "--out", "picker.pdf"), "'picker.pdf': file of a picture; allowed endings: .png, .svg"),
     ],

@@ -474,7 +474,7 @@ def test_only_a_slip_of_a_word_is_asked_about(tmp_path: Path) -> None:
             "'x': cam angle in degrees; allowed: 0 ... 360",
         ),
         (["measured", "t.csv", "--error", "-1"], "'-1': measuring error; allowed: >= 0"),
-        (["stability", LIFT_FILE], "stiffness_nm_per_rad, or take usual ones with --guess"),
+        (["stability", LIFT_FILE], "stiffness_nm_per_rad, or assume typical ones with --guess"),
     ],
 )
 def test_wrong_words_are_refused_in_one_line(tmp_path: Path, words: list[str | Path], phrase: str) -> None:

@@ -162,7 +162,7 @@ def test_circuits_are_listed_and_taken_as_drawn_or_by_signs(tmp_path: Path, core
     assert low < drawn.drawn.driver_deg < high
     assert f"within {low:.6g}...{high:.6g} deg" in core("check", tmp_path / "c.toml").stdout
     done = core("circuits", watt, "--take", "5")
-    assert (done.returncode, done.stderr) == (2, "circuit = 5: there is none of this number; allowed: 1 ... 4\n")
+    assert (done.returncode, done.stderr) == (2, "circuit = 5: no such circuit; allowed: 1 ... 4\n")
 
 
 def test_a_pose_has_ghosts_every_so_many_degrees(tmp_path: Path, core: Callable[..., Done]) -> None:

@@ -315,7 +315,7 @@ def test_claims_are_about_kims_cam_only(tmp_path: Path, capsys: pytest.CaptureFi
         (["--at", "0.85"], "a point of the chart; allowed: ETA,Q"),
         (["--at", "0.85,-1"], "inertia ratio Q"),
         (["--periods", "0"], "turns; allowed: above 0"),
-        (["--out", " "], "a folder is wanted"),
+        (["--out", " "], "empty; give the path of a folder"),
         (["--rpm", "-5"], "speed; allowed: above 0"),
     ],
 )

@@ -438,9 +438,9 @@ def test_where_nothing_serves_the_best_is_given_with_what_stands_against_it(tmp_
     limits = ("--limit", "pressure_angle_rise_deg=30", "--limit", "cam.base_radius_mm_max=20")
     code, text, faults = run(file(tmp_path), "base-radius", *limits, "--into", into)
     assert code == 2
-    assert "best that there is" in text
+    assert "the best value, which violates limits:" in text
     assert "cam.base_radius_mm = 20" in text  # the largest is the least steep
-    assert faults.startswith("no value serves; what stands against the best: pressure angle rise 4")
+    assert faults.startswith("no value satisfies every limit; the best one violates: pressure angle rise 4")
     assert "limit 30 deg" in faults
     assert not into.exists()
     data = found(file(tmp_path), "base-radius", "pressure_angle_rise_deg=30", "cam.base_radius_mm_max=20", code=2)
@@ -460,7 +460,10 @@ def test_what_stands_at_the_end_of_its_values_says_why(tmp_path: Path) -> None:
     )
     code, text, _ = run(design, "span")
     assert code == 0
-    assert "stands at the end, motion.segments[1].span_deg = 90 (beyond it: motion.segments[1].points[9].at_deg" in text
+    assert (
+        "at the end of its range, motion.segments[1].span_deg = 90 (beyond it: motion.segments[1].points[9].at_deg"
+        in text
+    )
 
 
 @pytest.mark.parametrize(

@@ -298,7 +298,7 @@ def test_a_table_becomes_a_file_of_the_motion_alone(tmp_path: Path, capsys: pyte
     table.write_bytes(kinematics(design, 180))
     read = ["measured", str(table), "--columns", "s=displacement_mm", "--speed", "20", "--into", str(made)]
     assert main([*read, "--as", "segment"]) == 2
-    assert "wanted: --segment N" in capsys.readouterr().err
+    assert "--as segment: give --segment N" in capsys.readouterr().err
     assert not made.exists()
     assert main(read) == 0  # a design is the default
     plain = made.read_bytes()

@@ -342,7 +342,7 @@ def test_rows_are_copied_moved_and_removed_and_name_each_other(tmp_path: Path) -
     assert [row["name"] for row in json.loads(said)["curves"]] == ["Velocity", "Y, t", "Jerk, transfer_lift"]
     assert found.faults.keys() == {graph.curves[2].key}
     code, _, faults = run("--setup", tmp_path / "a.graph.json")
-    assert (code, faults) == (2, "a.graph.json: has curves of a design at hand; name the design's file\n")
+    assert (code, faults) == (2, "a.graph.json: has curves of the current design; give the file of a design\n")
 
 
 def test_axes_by_unit_and_a_profile_over_itself(tmp_path: Path) -> None:

@@ -318,7 +318,7 @@ def test_the_file_is_the_same_again_and_needs_nothing_beside_it(
     [
         ("r.pdf", "needs kindyna --headless"),
         ("missing/r.html", "no such file or folder"),
-        ("file/r.html", "a file stands where"),
+        ("file/r.html", "there is a file instead of a folder"),
     ],
 )
 def test_what_cannot_be_written_is_told_in_one_line(

@@ -334,7 +334,7 @@ def test_report_summary_finding_and_search_name_one_flywheel(
     assert note["values"]["percent"] == 100.0 * figures["flywheel"]["fluctuation"]
     lines = [line.split() for line in report(study).splitlines()]
     assert [line[-2] for line in lines if line[:3] == ["Flywheel", "for", "2"]] == ["0.329825"]
-    assert [line[-2] for line in lines if line[:3] == ["Estimate", "of", "it,"]] == ["0.297343"]
+    assert [line[-2] for line in lines if line[:4] == ["Estimate", "of", "it", "by"]] == ["0.297343"]
     assert "a flywheel of 0.329825 kg·m² keeps it within the limit" in note["message"]
 
 
@@ -368,7 +368,7 @@ def test_a_motor_slope_that_nobody_gave_is_assumed_wherever_it_enters(
         assert any(line.startswith("Motor slope") and line.endswith("*") for line in lines) == assumed
         assert any(line.startswith("Flywheel for 2 %") and "motor slope *" in line for line in lines) == assumed
         assert main(["find", str(file), "flywheel"]) == 0
-        assert (f"it rests on {path} = 50, which is assumed" in capsys.readouterr().out) == assumed
+        assert (f"it depends on {path} = 50, which is assumed" in capsys.readouterr().out) == assumed
         assert main(["find", str(file), "flywheel", "--json"]) == 0
         assert json.loads(capsys.readouterr().out)["assumed"] == ({path: 50.0} if assumed else {})
 

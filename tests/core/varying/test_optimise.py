@@ -369,7 +369,7 @@ of = "abs"
     ] * 2
     (tmp_path / "study.toml").write_text(text + '[[limits]]\nquantity = "pressure_angle_deg"\nof = "max"\nmax = 5.0\n')
     assert main(["optimise", str(tmp_path / "study.toml"), "--into", str(tmp_path / "none.toml"), "--json"]) == 2
-    assert "no design keeps the limits" in capsys.readouterr().err
+    assert "no design satisfies the limits" in capsys.readouterr().err
     assert not (tmp_path / "none.toml").exists()
     far = text + '[[vary]]\nfield = "follower.pivot_x_mm"\nlow = 3000.0\nhigh = 3100.0\n'
     (tmp_path / "study.toml").write_text(far)

@@ -16,7 +16,7 @@ from core.study import Study, evaluations
 from kindyna_gui.compare import CompareView, ExplainView
 from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.places import example
-from kindyna_gui.view import NumberAtHand
+from kindyna_gui.view import ExplainableNumber
 
 BASE = "cam.base_radius_mm"
 
@@ -35,7 +35,7 @@ def test_two_base_radii_are_compared_in_every_plot_after_one_pin_and_one_edit(us
     plot = user.window.show_view("pressure_angle")
     assert isinstance(plot, PlotView)
     wait_for(lambda: plot.up_to_date)
-    assert "reference" in plot.plot.legend.text
+    assert "pinned variant" in plot.plot.legend.text
     rows = shown(user, "compare")
     inputs = [row for row in rows if row[1] == "input"]
     assert [row[2:] for row in inputs] == [("400", "420", "20")]
@@ -45,7 +45,7 @@ def test_two_base_radii_are_compared_in_every_plot_after_one_pin_and_one_edit(us
     user.choose("Edit", "Unpin")
     user.window.show_view("pressure_angle")
     wait_for(lambda: plot.up_to_date)
-    assert "reference" not in plot.plot.legend.text
+    assert "pinned variant" not in plot.plot.legend.text
 
 
 def test_a_number_that_was_found_leaves_room_for_the_names(user: User) -> None:
@@ -72,7 +72,7 @@ def test_a_file_is_pinned_and_saved_as_a_page(user: User, tmp_path: Path) -> Non
     project.save(user.design, tmp_path / "other.toml")
     user.session.edit(BASE, 430.0, "a")
     user.picks("design_to_open", tmp_path / "other.toml")
-    user.choose("Edit", "Pin a file...")
+    user.choose("Edit", "Compare with another file...")
     rows = shown(user, "compare")
     assert any(row[2:4] == ("400", "430") for row in rows)
     user.picks("comparison_to_save", tmp_path / "c.html")
@@ -84,7 +84,7 @@ def test_a_file_is_pinned_and_saved_as_a_page(user: User, tmp_path: Path) -> Non
 
 def test_what_was_before_the_last_step_is_pinned(user: User) -> None:
     user.session.edit(BASE, 425.0, "Change base radius")
-    user.choose("Edit", "Pin what was before")
+    user.choose("Edit", "Compare with the last step")
     rows = shown(user, "compare")
     assert any(row[2:4] == ("400", "425") for row in rows)
     view = user.window.show_view("compare")
@@ -96,7 +96,7 @@ def test_a_pinned_variant_without_an_answer_is_said_to_be_the_pinned_one(user: U
     """The curves of the design at hand stay; plot and table say that it is the variant, and why."""
     project.save(put(user.design, "follower.slider_arm_mm", 100.0), tmp_path / "short.toml")
     user.picks("design_to_open", tmp_path / "short.toml")
-    user.choose("Edit", "Pin a file...")
+    user.choose("Edit", "Compare with another file...")
     plot = user.window.show_view("pressure_angle")
     assert isinstance(plot, PlotView)
     wait_for(lambda: plot.up_to_date)
@@ -139,7 +139,7 @@ def test_a_right_click_on_the_torque_explains_it_at_the_angle_at_hand(user: User
 
 
 def test_a_letter_that_is_typed_leads_to_its_field(user: User, app: QApplication) -> None:
-    user.window.explain(NumberAtHand("phi_rad_s"))
+    user.window.explain(ExplainableNumber("phi_rad_s"))
     view = user.window.show_view("explain")
     assert isinstance(view, ExplainView)
     wait_for(lambda: view.up_to_date)
@@ -162,7 +162,7 @@ def test_a_pin_and_an_edit_compare_two_base_radii_in_every_plot_in_four_actions(
         view = user.window.show_view(name)
         assert isinstance(view, PlotView)
         wait_for(lambda view=view: view.up_to_date)  # type: ignore[misc]
-        assert "reference" in view.plot.legend.text
+        assert "pinned variant" in view.plot.legend.text
 
 
 @pytest.mark.stress
@@ -219,17 +219,17 @@ def test_the_peak_of_a_shaft_is_explained_at_its_machine_angle(open_user: Open) 
     wait_for(lambda: figures.up_to_date and not figures.busy)
     row = next(i for i, each in enumerate(figures.table.rows.rows) if each.cells[0] == "Shaft")
     figures.table.selectRow(row)
-    user.window.explain(figures.number_at_hand())
+    user.window.explain(figures.selected_number())
     view = user.window.show_view("explain")
     assert isinstance(view, ExplainView)
     wait_for(lambda: view.up_to_date)
-    wanted = explained(user.session.whole_study, "torque_nm")
+    wanted = explained(user.session.full_study, "torque_nm")
     assert view.head.text().startswith(wanted.headline(7))
     assert [each.cells[3] for each in view.table.rows.rows][:2] == ["Torque of Feed there", "Torque of Clamp there"]
 
 
 def test_every_number_of_the_design_can_be_chosen(user: User) -> None:
-    user.window.explain(NumberAtHand("drive_torque_nm"))
+    user.window.explain(ExplainableNumber("drive_torque_nm"))
     view = user.window.show_view("explain")
     assert isinstance(view, ExplainView)
     wait_for(lambda: view.up_to_date)

@@ -130,7 +130,7 @@ def test_a_fault_elsewhere_is_told_at_both_fields(session: Session) -> None:
 
 def test_a_value_without_answer_waits_where_the_answer_is_on_screen(session: Session) -> None:
     assert session.edit(ARM, 10.0, "unseen")
-    assert session.draft is None
+    assert session.incomplete is None
     session.stack.undo()
     session.stages_on_screen = lambda: ("motion", "linkage")
     assert session.edit(ARM, 10.0, "seen")
@@ -147,7 +147,7 @@ def test_what_is_put_in_place_whole_is_refused_where_it_has_no_answer(session: S
     session.stages_on_screen = lambda: ("motion", "linkage")
     assert not session.put(edited(session.design, ARM, 10.0), "an answer of another view", ARM)
     assert heard[0].at(ARM).startswith("The roller cannot reach the base circle")
-    assert (session.draft, steps(session)) == (None, [])
+    assert (session.incomplete, steps(session)) == (None, [])
 
 
 def test_only_stages_on_screen_are_computed(session: Session) -> None:

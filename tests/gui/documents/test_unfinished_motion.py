@@ -46,7 +46,7 @@ def test_a_rise_without_a_return_stays_beside_the_last_whole_motion(session: Ses
     whole = session.design
     assert session.edit("motion.segments[1].rise_mm", 40.0, "a rise")
     assert session.design is whole
-    assert session.draft is not None
+    assert session.incomplete is not None
     assert [s.rise for s in typed(session).segments] == [0.0, 40.0, 0.0, 0.0, 0.0]
     assert rise_gap(typed(session)) == 40.0
 
@@ -54,28 +54,28 @@ def test_a_rise_without_a_return_stays_beside_the_last_whole_motion(session: Ses
 def test_a_dwell_that_is_given_a_law_is_the_return_that_closes_it(session: Session) -> None:
     session.edit("motion.segments[3].law", "dwell", "no return")
     lay_out(session)
-    assert session.draft is not None
+    assert session.incomplete is not None
     assert session.edit("motion.segments[3].law", "cycloidal", "another law")
-    assert session.draft is None
+    assert session.incomplete is None
     assert [s.rise for s in session.design.drive.motion.segments] == [0.0, 40.0, 0.0, -40.0, 0.0]
 
 
 def test_undo_and_redo_go_through_it_step_by_step(session: Session) -> None:
     session.edit("motion.segments[3].law", "dwell", "no return")
-    states = [(session.design, session.draft)]
+    states = [(session.design, session.incomplete)]
     for path, value in (("law", "cycloidal"), ("rise_mm", 40.0), ("span_deg", 300.0)):
         session.edit(f"motion.segments[1].{path}", value, path)
         session.end_gesture()
-        states.append((session.design, session.draft))
+        states.append((session.design, session.incomplete))
     session.edit("follower.rod_mm", 846.0, "the rod")
-    states.append((session.design, session.draft))
+    states.append((session.design, session.incomplete))
     assert states[-1][1] is not None
     for state in reversed(states[:-1]):
         session.stack.undo()
-        assert (session.design, session.draft) == state
+        assert (session.design, session.incomplete) == state
     for state in states[1:]:
         session.stack.redo()
-        assert (session.design, session.draft) == state
+        assert (session.design, session.incomplete) == state
 
 
 def test_spans_that_make_no_turn_stay(session: Session) -> None:
@@ -86,14 +86,14 @@ def test_spans_that_make_no_turn_stay(session: Session) -> None:
     assert session.edit("motion.segments[2].span_deg", 5.0, "shorter")
     assert span_gap(typed(session)) == 56.5
     assert session.edit("motion.segments[1].span_deg", 243.5, "shorter")
-    assert session.draft is None
+    assert session.incomplete is None
     assert [s.span_deg for s in session.design.drive.motion.segments] == [35.0, 243.5, 5.0, 41.5, 35.0]
 
 
 def test_a_value_typed_anew_is_balanced_as_ever(session: Session) -> None:
     session.edit("motion.segments[1].span_deg", 300.0, "too long")
     session.edit("motion.segments[1].span_deg", 45.0, "right")
-    assert session.draft is None
+    assert session.incomplete is None
     assert [s.span_deg for s in session.design.drive.motion.segments] == [35.0, 45.0, 203.5, 41.5, 35.0]
 
 
@@ -101,16 +101,16 @@ def test_what_no_other_value_can_mend_is_refused(session: Session) -> None:
     heard: list[object] = []
     session.refused.connect(heard.append)
     assert not session.edit("motion.segments[1].span_deg", 400.0, "longer than a turn")
-    assert session.draft is None
+    assert session.incomplete is None
     assert len(heard) == 1
 
 
 def test_a_law_that_only_returns_waits_for_its_rise(session: Session) -> None:
     assert session.edit("motion.segments[3].law", "c6", "a return")
-    assert session.draft is not None
+    assert session.incomplete is not None
     assert session.edit("motion.segments[1].law", "c5", "a rise")
     assert session.edit("motion.segments[1].rise_mm", 40.0, "of 40")
-    assert session.draft is None
+    assert session.incomplete is None
     assert [s.rise for s in session.design.drive.motion.segments] == [0.0, 40.0, 0.0, -40.0, 0.0]
 
 
@@ -121,10 +121,10 @@ def test_a_whole_motion_without_an_answer_stays_until_it_has_one(session: Sessio
     session.edit("motion.segments[1].rise_mm", 2500.0, "too far for the rod")
     session.edit("motion.segments[3].law", "cycloidal", "a law")
     session.edit("motion.segments[3].rise_mm", -2500.0, "and back")
-    assert session.draft is not None
+    assert session.incomplete is not None
     assert "cannot reach the slider" in session.misfit.reasons[0][2]
     assert session.edit("follower.rod_mm", 900.0, "a longer rod")
-    assert session.draft is None
+    assert session.incomplete is None
     assert session.design.drive.motion.segments[1].rise == 2500.0
 
 
@@ -141,25 +141,25 @@ def test_other_values_change_beside_it(session: Session) -> None:
 
 def test_another_motion_takes_its_place_and_undo_brings_it_back(session: Session) -> None:
     session.edit("motion.segments[1].span_deg", 300.0, "too long")
-    draft = session.draft
+    draft = session.incomplete
     assert session.put(insert_segment(session.design, 2), "another motion")
-    assert session.draft is None
+    assert session.incomplete is None
     session.stack.undo()
-    assert session.draft == draft
+    assert session.incomplete == draft
 
 
 def test_another_design_leaves_it_behind_and_undo_brings_it_back(session: Session) -> None:
     session.edit("motion.segments[1].span_deg", 300.0, "too long")
-    draft = session.draft
+    draft = session.incomplete
     session.begin(load(example("card_picker")), "another")
-    assert session.draft is None
+    assert session.incomplete is None
     session.stack.undo()
-    assert session.draft == draft
+    assert session.incomplete == draft
 
 
 def test_views_hear_of_it(session: Session) -> None:
     heard: list[str] = []
-    session.draft_changed.connect(lambda: heard.append("draft"))
+    session.incomplete_changed.connect(lambda: heard.append("draft"))
     session.design_changed.connect(lambda: heard.append("design"))
     session.edit("motion.segments[1].span_deg", 300.0, "too long")
     session.edit("motion.segments[1].span_deg", 45.0, "right")
@@ -173,8 +173,8 @@ def test_views_hear_of_it(session: Session) -> None:
 def test_it_is_closed_by_a_return(session: Session) -> None:
     session.edit("motion.segments[3].law", "dwell", "no return")
     lay_out(session)
-    assert session.close_draft()
-    assert session.draft is None
+    assert session.close_motion()
+    assert session.incomplete is None
     assert faults(session.design) == []
     assert session.design.drive.motion.segments[1].rise == 40.0
     session.stack.undo()
@@ -183,12 +183,12 @@ def test_it_is_closed_by_a_return(session: Session) -> None:
 
 def test_it_is_dropped_and_undo_brings_it_back(session: Session) -> None:
     session.edit("motion.segments[1].span_deg", 300.0, "too long")
-    draft = session.draft
-    session.drop_draft()
-    assert (session.design, session.draft) == (AT_REST, None)
+    draft = session.incomplete
+    session.drop_incomplete()
+    assert (session.design, session.incomplete) == (AT_REST, None)
     assert session.stack.undoText() == "Drop what does not fit"
     session.stack.undo()
-    assert session.draft == draft
+    assert session.incomplete == draft
 
 
 # -- files and recovery -----------------------------------------------------------------------------------
@@ -202,7 +202,7 @@ def test_it_counts_as_unsaved_and_stays_out_of_the_file(session: Session, tmp_pa
     session.save(path, last_fitting=True)
     assert load(path) == AT_REST
     assert session.modified
-    assert session.draft is not None
+    assert session.incomplete is not None
     session.stack.undo()
     assert not session.modified
 
@@ -214,7 +214,7 @@ def test_its_state_goes_through_text_and_back(session: Session, app: object) -> 
     state = json.loads(json.dumps(session.state()))
     other = Session(LIFT)
     other.restore(state)
-    assert (other.design, other.draft) == (session.design, session.draft)
+    assert (other.design, other.incomplete) == (session.design, session.incomplete)
     assert other.typed == session.typed
     assert other.modified
     assert not other.stack.canUndo()
@@ -300,9 +300,9 @@ def test_a_rise_alone_is_marked_with_what_it_misses_and_what_would_close_it(user
     assert stroke(whole) == 0.0
     assert view.diagram.motion == whole, "drawings keep the last whole motion"
     assert view.model.faulty(1, RISE)
-    assert view.draft.isVisible()
-    assert view.draft.trouble.text() == "Segment 2, rise: the follower ends 40 mm above its start"
-    assert "-40 mm" in view.draft.remedy.text()
+    assert view.incomplete_bar.isVisible()
+    assert view.incomplete_bar.trouble.text() == "Segment 2, rise: the follower ends 40 mm above its start"
+    assert "-40 mm" in view.incomplete_bar.remedy.text()
     assert user.cell(view.model.rowCount() - 1, JOIN).startswith("Δs")
     assert user.number("motion.stroke_mm").value == 40.0
     assert user.window.isWindowModified()
@@ -311,25 +311,25 @@ def test_a_rise_alone_is_marked_with_what_it_misses_and_what_would_close_it(user
 def test_the_button_closes_it_and_undo_opens_it_again(user: User) -> None:
     rise_alone(user)
     view = user.motion()
-    QTest.mouseClick(view.draft.close_button, Qt.MouseButton.LeftButton)
+    QTest.mouseClick(view.incomplete_bar.close_button, Qt.MouseButton.LeftButton)
     assert faults(user.design) == []
     assert stroke(user.design.drive.motion) == 40.0
-    assert not view.draft.isVisible()
+    assert not view.incomplete_bar.isVisible()
     user.choose("Edit", "Undo Close the motion")
-    assert view.draft.isVisible()
+    assert view.incomplete_bar.isVisible()
     assert column(user, RISE)[1] == "40"
 
 
 def test_the_diagram_of_the_last_whole_motion_cannot_be_drawn_at(user: User) -> None:
     user.enter_cell(1, SPAN, "300")
-    view, draft = user.motion(), user.session.draft
+    view, draft = user.motion(), user.session.incomplete
     place = view.diagram.place_of_join(1).toPoint()
     QTest.mousePress(view.diagram.viewport(), Qt.MouseButton.LeftButton, pos=place)
     QTest.mouseMove(view.diagram.viewport(), place + QPoint(30, 0))
     QTest.mouseRelease(view.diagram.viewport(), Qt.MouseButton.LeftButton, pos=place + QPoint(30, 0))
     view.table.setFocus()
     user.press(Qt.Key.Key_Right, modifier=Qt.KeyboardModifier.AltModifier)
-    assert user.session.draft == draft
+    assert user.session.incomplete == draft
     assert user.steps == ["Change span of segment 2 to 300°"]
 
 
@@ -346,7 +346,7 @@ def test_segments_come_and_go_in_it(user: User) -> None:
     assert column(user, SPAN) == ["35", "300", "207", "41.5", "35"]
     user.enter_cell(1, SPAN, "41.5")
     assert user.design == LIFT
-    assert user.session.draft is None
+    assert user.session.incomplete is None
 
 
 def test_the_curve_of_a_segment_that_only_the_draft_has_is_edited(user: User) -> None:
@@ -376,7 +376,7 @@ def test_save_offers_to_close_it_or_to_save_the_last_whole_motion(
     user.choose("File", "Save")
     assert asked == ["What is typed does not fit together yet."]
     assert stroke(load(path).drive.motion) == height
-    assert (user.session.draft is not None) is left
+    assert (user.session.incomplete is not None) is left
     assert user.window.isWindowModified() is left
     assert column(user, RISE)[1] == "40"
 

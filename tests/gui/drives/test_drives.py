@@ -106,15 +106,15 @@ def test_one_drive_is_chosen_and_edited_and_the_file_keeps_all(unit: User) -> No
     assert session.shaft.cams_torque.size
     before = memory.computed.copy()
     unit.enter(ROD, "850")
-    assert session.whole.drives[2].mechanism.rod_mm == 850.0
-    assert session.whole.drives[:2] == whole.drives[:2]
+    assert session.full_design.drives[2].mechanism.rod_mm == 850.0
+    assert session.full_design.drives[:2] == whole.drives[:2]
     assert session.shaft.cams_torque.size
     spent = memory.computed - before
     assert spent["linkage"] == spent["dynamics"] == 1, "one drive is computed anew"
 
     click_drive(unit, 0)
     unit.choose("Edit", "Undo Change rod L2 to 850 mm")
-    assert session.whole == whole
+    assert session.full_design == whole
     assert session.chosen == 2, "what undo changes is shown"
     unit.choose("Edit", "Redo Change rod L2 to 850 mm")
     unit.enter("shaft.flywheel_inertia_kg_m2", "3000")
@@ -122,12 +122,12 @@ def test_one_drive_is_chosen_and_edited_and_the_file_keeps_all(unit: User) -> No
     assert session.path is not None
     assert not session.modified
     saved = load(session.path)
-    assert saved == session.whole
+    assert saved == session.full_design
     assert saved.drives[2].mechanism.rod_mm == 850.0
     assert saved.shaft.flywheel_inertia_kg_m2 == 3000.0
     assert saved.timing == whole.timing
     session.restore(session.state())
-    assert session.whole == saved
+    assert session.full_design == saved
     assert session.chosen == 2
 
 
@@ -142,16 +142,16 @@ def test_the_list_of_drives(unit: User) -> None:
     assert unit.design.name == "Clamp"
 
     view.buttons["copy"].click()
-    assert drive_names(session.whole) == ("Feed", "Clamp", "Clamp 2", "Lift", "Torque")
+    assert drive_names(session.full_design) == ("Feed", "Clamp", "Clamp 2", "Lift", "Torque")
     assert session.chosen == 2
     assert view.focus_field("drives[2].phase_deg")
     unit.type("200")
     unit.press(Qt.Key.Key_Return)
-    assert session.whole.drives[2].phase_deg == 200.0
+    assert session.full_design.drives[2].phase_deg == 200.0
     assert column(view, PHASE)[2] == "200°"
     view.table.setFocus()
     unit.press(Qt.Key.Key_Down, modifier=ALT)
-    assert drive_names(session.whole) == ("Feed", "Clamp", "Lift", "Clamp 2", "Torque")
+    assert drive_names(session.full_design) == ("Feed", "Clamp", "Lift", "Clamp 2", "Torque")
     assert session.chosen == 3
 
     view.table.setCurrentCell(3, NAME)
@@ -163,14 +163,14 @@ def test_the_list_of_drives(unit: User) -> None:
     QTest.keyClicks(editor, "Gripper")
     QTest.keyClick(editor, Qt.Key.Key_Return)
     settle()
-    assert drive_names(session.whole)[3] == "Gripper"
+    assert drive_names(session.full_design)[3] == "Gripper"
     assert unit.design.name == "Gripper"
 
     session.edit("drives[3].name", "Lift", "Rename")
-    assert drive_names(session.whole)[3] == "Gripper", "two drives of one name are refused"
+    assert drive_names(session.full_design)[3] == "Gripper", "two drives of one name are refused"
     view.table.setFocus()
     unit.press(Qt.Key.Key_Delete)
-    assert drive_names(session.whole) == ("Feed", "Clamp", "Lift", "Torque")
+    assert drive_names(session.full_design) == ("Feed", "Clamp", "Lift", "Torque")
     assert unit.steps == [
         "Copy Clamp",
         "Change phase to 200°",
@@ -181,7 +181,7 @@ def test_the_list_of_drives(unit: User) -> None:
     for _ in unit.steps:
         session.stack.undo()
     settle()
-    assert session.whole == load(UNIT)
+    assert session.full_design == load(UNIT)
     assert not session.modified
     assert column(view, NAME) == ["Feed", "Clamp", "Lift", "Torque"]
 
@@ -193,8 +193,8 @@ def test_what_was_before_is_never_another_drive(unit: User, deed: str) -> None:
     listed(unit).buttons[deed].click()
     settle()
     assert unit.session.before is None
-    unit.choose("Edit", "Pin what was before")
-    assert unit.window.status.currentMessage() == "Nothing was changed yet"
+    unit.choose("Edit", "Compare with the last step")
+    assert unit.window.status.currentMessage() == "The design has not been changed yet"
 
 
 def test_torques_that_wait_for_a_pause_are_not_of_the_design_before(unit: User) -> None:
@@ -238,7 +238,7 @@ def test_all_drives_stand_at_one_machine_angle(unit: User) -> None:
         for machine in (0.0, 100.0, 290.0):
             player.set_machine(radians(machine))
             settle()
-            for drive, figure in zip(unit.session.whole.drives, view.assembly.figures.values(), strict=True):
+            for drive, figure in zip(unit.session.full_design.drives, view.assembly.figures.values(), strict=True):
                 own = (machine - drive.phase_deg) % 360.0
                 cam = next(part.item for part in figure.parts if part.key == "cam")
                 seen = cam.mapToScene(1.0, 0.0) - cam.mapToScene(0.0, 0.0)
@@ -277,10 +277,10 @@ def test_the_cam_of_a_drive_is_turned_by_hand_among_the_others(unit: User, arran
     click_drive(unit, 1)
     QTest.mouseClick(view.strip.ways.widgetForAction(view.strip.arrangements[arrangement]), Qt.MouseButton.LeftButton)
     settle()
-    canvas, viewport, before = view.all_canvas, view.all_canvas.viewport(), unit.session.whole
+    canvas, viewport, before = view.all_canvas, view.all_canvas.viewport(), unit.session.full_design
     timed = before
-    unit.session.put_whole(replace(timed, timing=()), "No timing")
-    before, mark = unit.session.whole, direction(view, 1)
+    unit.session.put_full_design(replace(timed, timing=()), "No timing")
+    before, mark = unit.session.full_design, direction(view, 1)
 
     def turn(*angles: float) -> None:
         QTest.mousePress(viewport, Qt.MouseButton.LeftButton, pos=pixel(canvas, on_cam(view, 1, 20.0)))
@@ -294,37 +294,37 @@ def test_the_cam_of_a_drive_is_turned_by_hand_among_the_others(unit: User, arran
 
     turn(30.0, 40.0, 50.0)
     assert (direction(view, 1) - mark + 180.0) % 360.0 - 180.0 == pytest.approx(30.0, abs=3.0), "it goes with the hand"
-    turned = (unit.session.whole.drives[1].phase_deg - before.drives[1].phase_deg + 180.0) % 360.0 - 180.0
+    turned = (unit.session.full_design.drives[1].phase_deg - before.drives[1].phase_deg + 180.0) % 360.0 - 180.0
     assert abs(turned) == pytest.approx(30.0, abs=3.0)
     (beside,) = (each for each in unit.window.findChildren(BesideMouse) if each.isVisible())
-    assert f"Clamp phase {unit.session.whole.drives[1].phase_deg:g}°" in beside.text()
+    assert f"Clamp phase {unit.session.full_design.drives[1].phase_deg:g}°" in beside.text()
     let_go()
-    assert unit.session.whole.drives[1].phase_deg != before.drives[1].phase_deg
+    assert unit.session.full_design.drives[1].phase_deg != before.drives[1].phase_deg
     unit.session.stack.undo()
-    assert unit.session.whole == before, "one step"
+    assert unit.session.full_design == before, "one step"
 
     turn(60.0)
-    assert unit.session.whole != before
+    assert unit.session.full_design != before
     unit.press(Qt.Key.Key_Escape)
-    assert unit.session.whole == before
+    assert unit.session.full_design == before
     QTest.mouseMove(viewport, pixel(canvas, on_cam(view, 1, 90.0)))
-    assert unit.session.whole == before, "nothing is held"
+    assert unit.session.full_design == before, "nothing is held"
     let_go()
 
-    unit.session.put_whole(timed, "Timing")
+    unit.session.put_full_design(timed, "Timing")
     room = phase_room(timed, 1)
     turn(60.0, 110.0, 160.0, 210.0, 260.0, 310.0, 350.0)
-    moved = (unit.session.whole.drives[1].phase_deg - timed.drives[1].phase_deg + 180.0) % 360.0 - 180.0
+    moved = (unit.session.full_design.drives[1].phase_deg - timed.drives[1].phase_deg + 180.0) % 360.0 - 180.0
     assert moved == pytest.approx(room.low) or moved == pytest.approx(room.high), "as far as the timing lets it"
     assert "stops: " in beside.text()
     let_go()
-    unit.session.put_whole(before, "No timing")
+    unit.session.put_full_design(before, "No timing")
 
     turn(60.0)
     QTest.keyClicks(canvas, "200.25")
     QTest.keyClick(canvas, Qt.Key.Key_Return)
     let_go()
-    assert unit.session.whole.drives[1].phase_deg == 200.25
+    assert unit.session.full_design.drives[1].phase_deg == 200.25
 
     figure = view.assembly.figures[1]
     rim = figure.geometry.profile[7] * rect(1.0, radians(figure.geometry.cam_rotation[figure.index]))
@@ -366,11 +366,11 @@ def test_designs_come_together_on_a_shaft(unit: User, monkeypatch: pytest.Monkey
     session, view = unit.session, listed(unit)
     unit.picks("design_to_open", example("card_picker"))
     unit.choose("File", "Add this design to a shaft...")
-    assert len(session.whole.drives) == 5
-    assert session.whole.drives[4].mechanism == load(example("card_picker")).drive.mechanism
+    assert len(session.full_design.drives) == 5
+    assert session.full_design.drives[4].mechanism == load(example("card_picker")).drive.mechanism
     assert session.chosen == 4
     session.stack.undo()
-    assert session.whole == load(UNIT)
+    assert session.full_design == load(UNIT)
 
     menu = view.buttons["add"].menu()
     menu.aboutToShow.emit()
@@ -388,21 +388,21 @@ def test_designs_come_together_on_a_shaft(unit: User, monkeypatch: pytest.Monkey
     assert "follows from the torque" in form.findChild(QLabel).text()
     assert not session.edit("cam.base_radius_mm", 300.0, "Change"), "it follows from the drives"
     assert not session.edit("motion.segments[0].span_deg", 100.0, "Change"), "nor is a motion begun that is not whole"
-    assert session.draft is None
+    assert session.incomplete is None
     assert session.edit("balancer.base_radius_mm", 300.0, "Change base radius to 300 mm")
     assert session.design.drive.cam.base_radius_mm == 300.0
     view.buttons["remove"].click()
-    assert session.whole == load(UNIT)
+    assert session.full_design == load(UNIT)
 
     assert unit.window.documents.open_path(example("card_picker"))
-    single = session.whole
+    single = session.full_design
     monkeypatch.setattr(dialogs, "ask_on_shaft", lambda *_: OnShaft.NEW)
     unit.choose("File", "Add this design to a shaft...")
     assert session.several
-    assert drive_names(session.whole) == (single.name,)
+    assert drive_names(session.full_design) == (single.name,)
     assert unit.drawing().strip.isVisible()
     session.stack.undo()
-    assert session.whole == single
+    assert session.full_design == single
     settle()
     assert not unit.drawing().strip.isVisible()
 
@@ -423,8 +423,8 @@ def test_a_plot_of_all_drives_lies_over_the_machine_angle(unit: User) -> None:
     unit.window.player.set_machine(radians(90.0))
     assert isclose(view.plot_of_all.cursor_at, 90.0)
 
-    made = replace(unit.session.whole, waviness=Waviness(amplitude_mm=0.05, lobes_from=10, lobes_to=30))
-    unit.session.put_whole(made, "Waves")
+    made = replace(unit.session.full_design, waviness=Waviness(amplitude_mm=0.05, lobes_from=10, lobes_to=30))
+    unit.session.put_full_design(made, "Waves")
     view.bands.ask(True)
     wait_for(lambda: all(line.band is not None for line in view.plot_of_all.shown))
     for line in view.plot_of_all.shown:

@@ -22,7 +22,7 @@ def test_the_path_of_the_part_is_drawn_to_scale_and_turns_by_the_mouse(open_user
     user.choose("Graph", "Path in space")
     view = user.see("space")
     sheet = view.sheet
-    wanted = Study(user.session.whole, 3600).camshaft.transfer_path * 1e3
+    wanted = Study(user.session.full_design, 3600).camshaft.transfer_path * 1e3
     assert np.ptp(sheet.path, axis=0) == pytest.approx(np.ptp(wanted, axis=0), abs=1e-6)
     user.window.player.set_machine(np.deg2rad(90.0))
     settle()
@@ -58,7 +58,7 @@ def test_the_path_stands_beside_the_cams_and_the_part_runs_on_it(open_user: Open
     view = user.drawing()
     QTest.mouseClick(view.strip.ways.widgetForAction(view.strip.arrangements[BESIDE]), Qt.MouseButton.LeftButton)
     settle()
-    scene, path = view.assembly, Study(user.session.whole, 360).camshaft.transfer_path * 1e3
+    scene, path = view.assembly, Study(user.session.full_design, 360).camshaft.transfer_path * 1e3
     axes = np.array([[0.5**0.5, 0.5**0.5, 0.0], [-(6.0**-0.5), 6.0**-0.5, (2.0 / 3.0) ** 0.5]])
     places = []
     for degree in (0, 130):

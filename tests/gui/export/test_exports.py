@@ -145,7 +145,7 @@ def test_the_hand_over_is_one_archive_of_all_files(
         names = set(archive.namelist())
         listed = json.loads(archive.read("contents.json"))
         assert {each["name"] for each in listed["files"]} == names - {"contents.json"}
-        assert loads(archive.read("design.toml").decode()) == user.session.whole
+        assert loads(archive.read("design.toml").decode()) == user.session.full_design
     assert {"report.pdf", "drawing.pdf", "profile.dxf", "inspection.csv", "machine.html", "controller.json"} <= names
     assert user.window.status.currentMessage().startswith(f"Wrote {len(names) - 1} files into")
 
@@ -228,7 +228,7 @@ def test_the_tables_of_a_shaft_are_those_of_all_drives(same_window: Open, tmp_pa
         press(dialog, OK)
 
     with answering(act):
-        assert tables_wanted(user.window, tmp_path, user.session.whole_study) == TablesWanted(tmp_path, 3600)
+        assert tables_wanted(user.window, tmp_path, user.session.full_study) == TablesWanted(tmp_path, 3600)
 
 
 def test_without_a_folder_there_is_no_export(user: User, tmp_path: Path) -> None:

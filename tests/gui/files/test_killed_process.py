@@ -189,7 +189,7 @@ def watched(*arguments):
     def end():
         print(json.dumps(window.session.state()), flush=True)
         window.session.stack.setClean()
-        window.session.drop_draft()
+        window.session.drop_incomplete()
         window.session.stack.setClean()
         window.close()
     timer = QTimer(window, interval=10)

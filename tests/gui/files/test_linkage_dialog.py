@@ -27,7 +27,7 @@ def open_user(same_window: Open) -> Open:
 
 def test_a_pasted_expression_begins_a_design_with_the_input_chosen(open_user: Open) -> None:
     user = open_user()
-    before = user.session.whole
+    before = user.session.full_design
 
     def answer(dialog: LinkageDialog) -> None:
         assert not dialog.ok.isEnabled()
@@ -53,7 +53,7 @@ def test_a_pasted_expression_begins_a_design_with_the_input_chosen(open_user: Op
     assert set(linkage.by_number[linkage.driver.link].places) == {"P2", "P3"}
     assert linkage.by_number[1].places["P3"] == 600.0
     user.session.stack.undo()
-    assert user.session.whole == before
+    assert user.session.full_design == before
 
 
 def test_a_file_is_opened_and_named_after(open_user: Open, tmp_path: Path, monkeypatch) -> None:

@@ -10,7 +10,7 @@ from window_user import Open, User, settle, wait_for
 from core.design import edited
 from core.project import dumps, load
 from core.project.recovery import RecoveryFile, Unsaved
-from kindyna_gui.documents.edits import Draft
+from kindyna_gui.documents.edits import IncompleteDesign
 from kindyna_gui.files.recovery import recovery_folder
 from kindyna_gui.places import example
 
@@ -147,7 +147,7 @@ def test_several_the_latest_first(open_user: Open, mine: Path, left_behind: Left
 def test_an_untitled_design_with_an_unfinished_motion(open_user: Open, left_behind: LeftBehind) -> None:
     user: User = open_user()
     user.enter_cell(1, 3, "300")
-    draft = user.session.draft
+    draft = user.session.incomplete
     assert draft is not None, "the motion does not make a turn"
     state = user.session.state()
     wait_for(lambda: bool(kept()) and "span_deg = 300.0" in kept()[0].read_text())
@@ -161,8 +161,8 @@ def test_an_untitled_design_with_an_unfinished_motion(open_user: Open, left_behi
     assert ("Rod L2", "nothing", "845 mm") in seen, "it has no file: all its values"
     assert ("Segment 2", "nothing", "law modified-sine, span_deg 300, rise_mm -150") in seen
     assert user.session.state() == state
-    assert user.session.draft == draft
-    assert isinstance(user.session.draft, Draft)
+    assert user.session.incomplete == draft
+    assert isinstance(user.session.incomplete, IncompleteDesign)
 
 
 @pytest.mark.stress
@@ -171,7 +171,7 @@ def test_an_unfinished_motion_of_one_of_several_drives(open_user: Open) -> None:
     session = user.session
     assert session.choose_drive(2)
     assert session.edit("motion.segments[0].span_deg", 300.0, "Change span")
-    assert session.draft is not None, "the motion does not make a turn"
+    assert session.incomplete is not None, "the motion does not make a turn"
     state = session.state()
     wait_for(lambda: bool(kept()))
     text = kept()[0].read_text()

@@ -258,7 +258,7 @@ def test_nothing_is_sought_while_it_is_hidden_or_the_design_has_no_cam(open_user
     assert view.searches == before + 1, "once, for the design that is there"
     user.session.put(load(example("four_bar")), "Take the four-bar")
     wait_for(lambda: view.in_trouble)
-    assert view.not_here
+    assert view.is_unavailable
     assert not view.busy
     user.session.stack.undo()
     assert not rested(view).in_trouble

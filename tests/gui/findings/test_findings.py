@@ -152,7 +152,7 @@ def test_the_button_of_a_finding_leads_to_what_is_missing(open_user: Open) -> No
 @pytest.mark.stress
 def test_the_button_of_a_drive_s_finding_seeks_in_that_drive(open_user: Open) -> None:
     user = open_user(example("transfer_unit"))
-    user.session.put_whole(edited(user.session.whole, "drives[1].cam.base_radius_mm", 80.0), "Small")
+    user.session.put_full_design(edited(user.session.full_design, "drives[1].cam.base_radius_mm", 80.0), "Small")
     assert user.session.design.name != "Clamp"
     press(remedy(user, "pressure-angle"))
     found_by(user, "base-radius")

@@ -267,13 +267,15 @@ def test_what_has_no_answer_on_screen_waits(user: User) -> None:
     assert follower(user).roller_arm_mm == 651.081
     assert "make the roller arm" in user.field(ARM).trouble
     assert (
-        user.window.status.unfit.text() == user.parameters().draft.trouble.text() == "Does not fit yet: Roller arm Zl"
+        user.window.status.unfit.text()
+        == user.parameters().incomplete_bar.trouble.text()
+        == "Does not fit yet: Roller arm Zl"
     )
-    assert "Roller arm Zl: the roller cannot reach" in user.parameters().draft.trouble.toolTip()
+    assert "Roller arm Zl: the roller cannot reach" in user.parameters().incomplete_bar.trouble.toolTip()
     user.enter(ARM, "651.081")
     assert user.field(ARM).trouble == ""
     assert user.window.status.unfit.isHidden()
-    assert user.parameters().draft.isHidden()
+    assert user.parameters().incomplete_bar.isHidden()
 
 
 def test_a_radius_out_of_reach_is_told_with_the_radii_that_are_not(user: User) -> None:

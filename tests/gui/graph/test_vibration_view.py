@@ -47,7 +47,7 @@ def figures(view: VibrationView) -> list[tuple[str, ...]]:
 def test_the_spectrum_follows_what_is_typed_and_is_read_under_the_mouse(open_user: Open) -> None:
     user = open_user(example("rocker_cam"))
     view = see(user)
-    assert view.not_here, "rigid"
+    assert view.is_unavailable, "rigid"
     user.enter(STIFFNESS, "60")
     user.enter(RATIO, "0.03")
     rested(view)
@@ -108,13 +108,13 @@ def test_the_spectrum_follows_what_is_typed_and_is_read_under_the_mouse(open_use
     assert len(view.plot.lines) == 2
     assert view.plot.getAxis("left").labelText.startswith("Acceleration, ")
 
-    user.session.take_hold(user.window)
+    user.session.begin_drag(user.window)
     seen = set()
     for rate in (45.0, 55.0, 65.0):
         user.session.edit("loads.spring_rate_nm_per_rad", rate, "Spring rate")
         wait_for(lambda: view.up_to_date and not view.busy)
         seen.add(figures(view)[0][1])
-    user.session.release()
+    user.session.end_drag()
     assert len(seen) == 3, "while the mouse is down"
 
     user.window.docks["vibration"].hide()

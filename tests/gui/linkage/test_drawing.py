@@ -53,7 +53,7 @@ class Pen:
 
     @property
     def places(self) -> Mapping[str, complex]:
-        return self.user.drawing().drawing.sheet[1]
+        return self.user.drawing().drawing.layout[1]
 
     def at(self, where: complex | str) -> QPoint:
         return pixel(self.canvas, self.places[where] if isinstance(where, str) else where)
@@ -198,7 +198,7 @@ def test_a_four_bar_with_coupler_point_mass_and_load_in_25_actions(open_user: Op
     pen.click("C")
     pen.type("-120", "0")
     file = loads(FOUR_BAR)
-    assert pen.user.session.draft is None
+    assert pen.user.session.incomplete is None
     same(pen.design, file)
     runs_alike(pen.design, file)
     for entry, view in (("Driver torque", "torque"), ("Joint forces", "contact_force")):
@@ -381,7 +381,7 @@ def test_a_geared_five_bar_is_drawn(open_user: Open, typed: tuple[str, ...], row
     pen.drag("B", "C")
     pen.type("45")
     file = loads(GEARED + row + GEARED_LINKS)
-    assert pen.user.session.draft is None
+    assert pen.user.session.incomplete is None
     same(pen.design, file)
     runs_alike(pen.design, file)
     assert Study(pen.design, 90).turns == turns
@@ -487,7 +487,7 @@ def test_watt_ii_with_masses_and_a_load_is_drawn(open_user: Open) -> None:
     pen.click("D")
     pen.type("40", "-85.5")
     file = loads(WATT_II)
-    assert pen.user.session.draft is None
+    assert pen.user.session.incomplete is None
     same(pen.design, file)
     runs_alike(pen.design, file)
     assert Study(pen.design, 90).dynamics.driver == pytest.approx(Study(file, 90).dynamics.driver, abs=1e-9)
@@ -499,12 +499,12 @@ def test_what_is_no_mechanism_yet_is_saved_opened_and_undone(open_user: Open, tm
     pen.user.window.show_view("velocity")  # of an empty sheet there is none, and nothing fails
     pen.canvas.setFocus()
     strip = pen.user.drawing().drawing.bar.state
-    assert "empty sheet" in strip.text()
+    assert "canvas is empty" in strip.text()
     pen.key(Key.Key_G)
     pen.click(0j)
     pen.key(Key.Key_B)
     pen.drag("O1", 30j)
-    assert "it moves" in strip.text()
+    assert "linkage moves" in strip.text()
     pen.drag("A", 60 + 50j)
     assert strip.text() == "1 degree of freedom without a driver: B hangs loose: join it or ground it"
     pen.user.picks("design_to_save", tmp_path / "half.toml")
@@ -523,7 +523,7 @@ def test_what_is_no_mechanism_yet_is_saved_opened_and_undone(open_user: Open, tm
     again.key(Key.Key_B)
     again.drag("B", "O2")
     assert faults(again.design) == []
-    assert not other.session.unfinished
+    assert not other.session.is_incomplete_linkage
     again.key(Key.Key_Escape)
     again.key(Key.Key_Escape)
     assert not other.drawing().shows_sheet
@@ -665,7 +665,7 @@ def test_escape_takes_back_what_is_dragged_and_goes_on_drawing(open_user: Open) 
     settle()
     assert pen.design == before
     assert pen.user.window.player.theta == theta
-    assert not pen.user.session.held
+    assert not pen.user.session.drag_source
     assert pen.user.drawing().drawing.active, "only a second Escape leaves the drawing"
 
 

@@ -257,7 +257,7 @@ def test_what_a_linkage_lacks_is_said_in_a_sentence(same_window: Open) -> None:
     for name in ("motion", "flywheel"):
         view = user.window.show_view(name)
         wait_for(lambda view=view: view.up_to_date)  # type: ignore[misc]
-        assert view.not_here
+        assert view.is_unavailable
         assert view.no_picture.endswith(".")
 
 
@@ -419,7 +419,7 @@ def test_a_plot_with_nothing_to_show_says_so_in_the_menu_and_when_it_is_exported
 
 def test_the_flywheel_of_a_crank_shows_the_torque_of_the_driver(same_window: Open) -> None:
     user = same_window(example("watt_six_bar"))
-    user.choose("Stability", "Give it a shaft")
+    user.choose("Stability", "Add a shaft")
     view = user.see("flywheel")
     labels = [row.cells[0] for row in view.table.rows.rows]  # type: ignore[attr-defined]
     assert "Driver torque, highest" in labels

@@ -175,7 +175,7 @@ def test_a_dxf_is_scaled_by_two_clicks_moved_locked_and_drawn_upon(
     tracer.panel.close()
     user.drawing().draw(True, "ground")  # a fixed pivot set beside the bow's centre stands on it
     tracer.click(tracer.underlay.to_plane(4.0 + 1.0j), QPoint(6, 5))
-    assert user.drawing().drawing.sheet[1]["O1"] == pytest.approx(tracer.underlay.to_plane(4.0 + 1.0j), abs=1e-9)
+    assert user.drawing().drawing.layout[1]["O1"] == pytest.approx(tracer.underlay.to_plane(4.0 + 1.0j), abs=1e-9)
     assert len(user.steps) == len(steps) + 1  # the pivot alone is a step of the design
     kept = tmp_path / "mine.toml"
     user.session.save(kept)

@@ -44,7 +44,7 @@ def test_a_drawing_that_has_just_begun_has_no_forces_to_choose(open_user: Open) 
     user.choose("File", "New of a kind", "Linkage by drawing")
     user.window.status.count_findings()
     assert [view.choice.itemText(i) for i in range(view.choice.count())] == ["Velocities"]
-    assert user.window.status.findings.text() == "no answer"
+    assert user.window.status.findings.text() == "cannot be calculated"
 
 
 # -- the polygon ------------------------------------------------------------------------------------------

@@ -593,10 +593,10 @@ def test_what_does_not_fit_is_told_below_the_table(user: User) -> None:
     view.choose(1)
     view.act("duplicate")
     assert user.design == before
-    assert view.draft.isVisible()
-    assert view.draft.trouble.text().startswith("Rod L2: the rod does not reach")
+    assert view.incomplete_bar.isVisible()
+    assert view.incomplete_bar.trouble.text().startswith("Rod L2: the rod does not reach")
     user.session.edit("follower.guide_height_mm", 1300.0, "x")
-    assert not view.draft.isVisible()
+    assert not view.incomplete_bar.isVisible()
     assert user.field("follower.rod_mm").trouble == ""
     assert len(user.design.drive.motion.segments) == 6
     assert user.steps == ["x", "Duplicate segment 2", "x"]

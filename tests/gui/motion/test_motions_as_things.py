@@ -64,7 +64,7 @@ def test_the_motion_is_saved_by_itself_and_taken_from_a_file(user: User, tmp_pat
     before = user.design
     user.choose("Make", "Motion from a design or file...")
     assert user.design == before  # a cam cannot go on; the status line says so
-    assert "a disk cam is where it was" in user.window.statusBar().currentMessage()
+    assert "a disk cam repeats its motion" in user.window.statusBar().currentMessage()
 
 
 def test_the_motion_of_one_drive_of_several_is_taken(user: User) -> None:

@@ -220,10 +220,10 @@ def test_a_span_its_neighbour_cannot_give_stays_until_it_is_mended(user: User) -
     assert user.design == LIFT
     assert column(user, SPAN) == ["35", "300", "207", "41.5", "35"]
     assert view.model.faulty(1, SPAN)
-    assert "258.5° more than a turn" in view.draft.trouble.text()
+    assert "258.5° more than a turn" in view.incomplete_bar.trouble.text()
     user.enter_cell(1, SPAN, "45")
     assert spans(user) == [35.0, 45.0, 203.5, 41.5, 35.0]
-    assert not view.draft.isVisible()
+    assert not view.incomplete_bar.isVisible()
 
 
 def test_what_is_no_number_is_refused(user: User) -> None:

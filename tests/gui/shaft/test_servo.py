@@ -1,4 +1,4 @@
-"""Dyna > Give it a servo: its fields come, its torque is a curve beside the cam's, and both ways can be undone."""
+"""Dyna > Add a servo: its fields come, its torque is a curve beside the cam's, and both ways can be undone."""
 
 from pathlib import Path
 
@@ -23,21 +23,21 @@ def open_user(same_window: Open) -> Open:
 def test_a_servo_is_given_edited_and_taken_away(open_user: Open) -> None:
     user = open_user(example("rocker_cam"))
     before = user.design
-    user.choose("Dyna", "Give it a servo")
+    user.choose("Dyna", "Add a servo")
     assert user.design.drive.servo is not None
     assert "servo.gear_ratio" in user.design.assumed
     user.enter("servo.gear_ratio", "4")
     assert user.design.drive.servo.gear_ratio == 4.0
     assert {"servo_torque", "servo_speed", "servo_power"} <= {row.name for row in channels(user.design)}
-    user.choose("Dyna", "Take the servo away")
+    user.choose("Dyna", "Remove the servo")
     assert user.design == before
-    user.choose("Edit", "Undo Take the servo away")
+    user.choose("Edit", "Undo Remove the servo")
     assert user.design.drive.servo.gear_ratio == 4.0
 
 
 def test_a_crank_has_nothing_for_it_to_do(open_user: Open) -> None:
     user = open_user(example("four_bar"))
-    user.choose("Dyna", "Give it a servo")
+    user.choose("Dyna", "Add a servo")
     assert user.design.drive.servo is None
     assert "there is no motion for a servo to make" in user.window.status.currentMessage()
 
@@ -60,7 +60,7 @@ def test_cam_and_servo_stand_side_by_side_in_dyna(open_user: Open, tmp_path: Pat
     assert isinstance(view, ServoView)
     page = view.findChild(ReasonPage)
     assert "No servo" in page.label.text()
-    assert [each.text() for each in page.findChildren(QPushButton) if each.isVisible()] == ["Give it a servo"]
+    assert [each.text() for each in page.findChildren(QPushButton) if each.isVisible()] == ["Add a servo"]
     path = tmp_path / "rocker.toml"
     path.write_text(example("rocker_cam").read_text("utf-8") + MOTOR, "utf-8")
     user = open_user(path)

@@ -52,8 +52,8 @@ def test_torque_flywheel_and_stability_are_those_of_all_drives(unit: User, monke
     assert beside == pytest.approx(known, rel=2e-3), "shaft and motor, beside the cursor"
 
     assert [line.band for line in torque.drives.shown] == [None] * 4, "nobody has asked"
-    unit.session.put_whole(
-        replace(unit.session.whole, tolerances=(Tolerance("drives[2].cam.base_radius_mm", 5.0),)), "Tolerance"
+    unit.session.put_full_design(
+        replace(unit.session.full_design, tolerances=(Tolerance("drives[2].cam.base_radius_mm", 5.0),)), "Tolerance"
     )
     for bands in (shaft_bands, motor_bands):
         monkeypatch.setattr(core.varying, bands.__name__, partial(bands, machines=20))
@@ -72,7 +72,7 @@ def test_torque_flywheel_and_stability_are_those_of_all_drives(unit: User, monke
     wait_for(lambda: [line.label for line in torque.sums.shown if line.band is not None] == ["Shaft", "Motor"])
     assert 0.0 < float(np.ptp(torque.sums.shown[-1].band[1], axis=0).max()) * torque.sums.rung.size < shaft
     wider = (Tolerance("drives[2].cam.base_radius_mm", 10.0),)
-    unit.session.put_whole(replace(unit.session.whole, tolerances=wider), "Tolerance")
+    unit.session.put_full_design(replace(unit.session.full_design, tolerances=wider), "Tolerance")
     assert not wide(), "those of other tolerances are gone"
     wait_for(lambda: len(wide()) == 5)
     assert wide()[4] == pytest.approx(2.0 * shaft, rel=0.2)

@@ -135,7 +135,7 @@ def test_a_linkage_that_its_cam_drives_has_a_chart(open_user: Open, tmp_path: Pa
     assert isinstance(view, StabilityView)
     wait_for(lambda: view.up_to_date)
     assert view.in_trouble
-    user.choose("Stability", "Give it a shaft")
+    user.choose("Stability", "Add a shaft")
     user.choose("Stability", "Flexible shaft")
     wait_for(lambda: view.found is not None)
     assert not view.in_trouble

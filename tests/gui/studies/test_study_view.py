@@ -412,7 +412,7 @@ def test_the_share_of_machines_within_the_limits_stands_in_the_same_dock(user: U
 
 def get_pressure(view: StudyView) -> float:
     """What stands beside the name, more exactly."""
-    return current_figures(view.session.whole_study, [PRESSURE])[0][PRESSURE]
+    return current_figures(view.session.full_study, [PRESSURE])[0][PRESSURE]
 
 
 def test_a_study_is_saved_for_the_commands(open_user: Open, tmp_path: Path) -> None:

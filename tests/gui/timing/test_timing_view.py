@@ -77,18 +77,18 @@ def test_a_drag_is_one_step_and_the_other_drives_are_not_computed_anew(same_wind
     view, session = seen(user), user.session
     study = session.study
     draw(view, band(view, CLAMP, 180.0), -15.0)
-    assert session.whole.drives[CLAMP].phase_deg == 234.5, "it stops at what must be kept"
+    assert session.full_design.drives[CLAMP].phase_deg == 234.5, "it stops at what must be kept"
     assert user.steps == ["Turn Clamp to 234.5°"]
     assert session.study is study, "the feed, which is shown, has not moved"
-    assert not session.held
+    assert not session.drag_source
     place = view.canvas.chart.place(FEED, 3).toPoint()
     draw(view, place, -20.0)
-    assert events(session.whole)["Feed.return.1.end"] == pytest.approx(206.0, abs=0.5)
+    assert events(session.full_design)["Feed.return.1.end"] == pytest.approx(206.0, abs=0.5)
     assert len(user.steps) == 2
     assert session.study is not study
     session.stack.undo()
     session.stack.undo()
-    assert session.whole.drives[CLAMP].phase_deg == 238.0
+    assert session.full_design.drives[CLAMP].phase_deg == 238.0
     QTest.mouseClick(view.canvas, LEFT, NONE, band(view, LIFT, 180.0))
     settle()
     assert session.chosen == LIFT
@@ -104,7 +104,9 @@ def test_an_edit_that_leaves_the_timing_as_it_is_leaves_the_chart(same_window: O
     assert view.up_to_date
     assert view.canvas.chart is chart
     draw(view, band(view, CLAMP, 180.0), -2.0)
-    assert session.whole.drives[FEED].mechanism.arm_mm == 505.0, "what is drawn here is put into the design at hand"
+    assert session.full_design.drives[FEED].mechanism.arm_mm == 505.0, (
+        "what is drawn here is put into the design at hand"
+    )
     assert view.canvas.chart is not chart
     assert session.edit("shaft.speed_rpm", 25.0, "Change speed")
     settle()
@@ -119,7 +121,7 @@ def test_rows_are_added_changed_moved_and_removed(same_window: Open) -> None:
     rows = view.rows
     rows.buttons["add"].click()
     settle()
-    added = session.whole.timing[6]
+    added = session.full_design.timing[6]
     assert (added.first, added.second) == ("Feed.rise.1.end", "Lift.return.1.start"), (
         "what follows next on another drive"
     )
@@ -133,8 +135,8 @@ def test_rows_are_added_changed_moved_and_removed(same_window: Open) -> None:
     rows.least.selectAll()
     user.type("165")
     user.press(Qt.Key.Key_Return)
-    assert session.whole.timing[6].least_deg == 165.0
-    assert distances(session.whole)[6].spare_deg == pytest.approx(-4.5)
+    assert session.full_design.timing[6].least_deg == 165.0
+    assert distances(session.full_design)[6].spare_deg == pytest.approx(-4.5)
     assert rows.list.rows.rows[6].tip.startswith("4.5° too early")
     rows.least.selectAll()
     user.type("400")
@@ -145,9 +147,9 @@ def test_rows_are_added_changed_moved_and_removed(same_window: Open) -> None:
     assert not rows.least.refused
     assert rows.message.text() == ""
     rows.buttons["up"].click()
-    assert session.whole.timing[5].least_deg == 165.0
+    assert session.full_design.timing[5].least_deg == 165.0
     rows.buttons["remove"].click()
-    assert len(session.whole.timing) == 6
+    assert len(session.full_design.timing) == 6
     before = user.steps
     assert before[-4:] == [
         "Let Torque return 1 start follow Clamp return 1 end by 0°",
@@ -157,7 +159,7 @@ def test_rows_are_added_changed_moved_and_removed(same_window: Open) -> None:
     ]
     for _ in before:
         session.stack.undo()
-    assert len(session.whole.timing) == 6
+    assert len(session.full_design.timing) == 6
 
 
 def test_rows_that_contradict_each_other_are_named_under_the_list(same_window: Open) -> None:

@@ -308,7 +308,7 @@ def test_the_drives_of_a_transfer_unit_come_onto_a_new_shaft_with_the_values_tha
     more("Translating follower")()
     more("Translating follower")()
     hand.task("Dyna")
-    kinds = [drive.kind for drive in user.session.whole.drives]
+    kinds = [drive.kind for drive in user.session.full_design.drives]
     assert sorted(kinds) == sorted(drive.kind for drive in load(example("transfer_unit")).drives)
     view: Any = user.window.view("shaft_torque")
     wait_for(lambda: view is not None and view.on_screen() and view.up_to_date and not view.in_trouble)
@@ -327,11 +327,11 @@ def test_the_forbidden_speeds_of_a_shaft_just_made_elastic_are_read(open_user: O
     page: Any = user.window.view("stability")
     (button,) = [each for each in page.findChildren(QPushButton) if each.isVisible()]
     hand.click(button)
-    assert user.session.whole.camshaft.elastic is not None
+    assert user.session.full_design.camshaft.elastic is not None
     hand.tab("Speeds")
     wait_for(lambda: page.pages.speeds.isVisible() and "rpm" in page.pages.speeds.text())
     bands = user.session.shaft.flexible_shaft().bands
-    assert page.pages.speeds.text() == bands_table(bands, user.session.whole.camshaft.speed_rpm)
+    assert page.pages.speeds.text() == bands_table(bands, user.session.full_design.camshaft.speed_rpm)
     page.leave()
     assert hand.actions <= 6, hand.actions
 

@@ -121,13 +121,13 @@ class Hand:
         before = len(self.user.steps)
         self.click(view.take)
         assert len(self.user.steps) == before + 1
-        assert self.user.session.whole == found.machine
+        assert self.user.session.full_design == found.machine
         return found
 
 
 def sums(view: ShaftTorqueView) -> np.ndarray:
     """The torque of the whole shaft as it is drawn [N m]."""
-    line = 1 if view.session.whole.balancer is not None else 0
+    line = 1 if view.session.full_design.balancer is not None else 0
     return np.asarray(view.sums.lines[line][1][:-1] * view.sums.rung.size)
 
 
@@ -137,7 +137,7 @@ def test_the_transfer_unit_is_worked_through_with_the_mouse(open_user: Open) -> 
     hand, session, player = Hand(user), user.session, user.window.player
     size = user.window.size()
     hand.menu("File", "Examples", "Transfer unit")
-    assert session.whole == load(example("transfer_unit"))
+    assert session.full_design == load(example("transfer_unit"))
 
     # several drives drawn, and played by the space bar
     hand.task("Dyna")
@@ -151,7 +151,7 @@ def test_the_transfer_unit_is_worked_through_with_the_mouse(open_user: Open) -> 
     assert not player.playing
     settle()
     machine = degrees(player.machine)
-    for drive, figure in zip(session.whole.drives, drawing.assembly.figures.values(), strict=True):
+    for drive, figure in zip(session.full_design.drives, drawing.assembly.figures.values(), strict=True):
         cam = next(part.item for part in figure.parts if part.key == "cam")
         seen = cam.mapToScene(1.0, 0.0) - cam.mapToScene(0.0, 0.0)
         own = machine - drive.phase_deg
@@ -164,18 +164,18 @@ def test_the_transfer_unit_is_worked_through_with_the_mouse(open_user: Open) -> 
 
     # its timing drawn with the mouse: the torque of the whole follows
     torque = hand.view("shaft_torque", ShaftTorqueView)
-    assert np.allclose(sums(torque), Study(session.whole, 1800).camshaft.torque, atol=1e-9)
+    assert np.allclose(sums(torque), Study(session.full_design, 1800).camshaft.torque, atol=1e-9)
     before = sums(torque)
     timing = hand.view("timing", TimingView)
     chart = timing.canvas.chart
     place = QPointF(chart.x(180.0), chart.box(CLAMP).center().y()).toPoint()
     hand.draw(timing.canvas, place, round(-3.0 * chart.degree))
-    assert session.whole.drives[CLAMP].phase_deg == pytest.approx(235.0, abs=0.6)
+    assert session.full_design.drives[CLAMP].phase_deg == pytest.approx(235.0, abs=0.6)
     hand.draw(timing.canvas, chart.place(FEED, 3).toPoint(), round(-8.0 * chart.degree))
     assert len(user.steps) == 2
-    assert all(each.spare_deg >= 0.0 for each in distances(session.whole))
+    assert all(each.spare_deg >= 0.0 for each in distances(session.full_design))
     torque = hand.view("shaft_torque", ShaftTorqueView)
-    drawn = Study(session.whole, 1800)
+    drawn = Study(session.full_design, 1800)
     assert np.allclose(sums(torque), drawn.camshaft.torque, atol=1e-9)
     assert np.abs(sums(torque) - before).max() > 0.01 * np.abs(before).max()
 
@@ -186,12 +186,12 @@ def test_the_transfer_unit_is_worked_through_with_the_mouse(open_user: Open) -> 
     assert hand.take_over("flywheel").before["shaft.speed_fluctuation"] == pytest.approx(reached, rel=1e-6)
     speed = session.shaft.motor_range["speed"]
     assert (speed.high.value - speed.low.value) / session.shaft.omega == pytest.approx(
-        session.whole.camshaft.speed_fluctuation, rel=1e-6
+        session.full_design.camshaft.speed_fluctuation, rel=1e-6
     )
     peak = hand.take_over("phases").reached["peak_torque_nm"]
     assert abs(session.shaft.peak_torque.value) == pytest.approx(peak, rel=1e-9)
     assert peak < 0.95 * abs(drawn.camshaft.peak_torque.value)
-    assert all(each.spare_deg > -1e-9 for each in distances(session.whole))
+    assert all(each.spare_deg > -1e-9 for each in distances(session.full_design))
 
     # a balance cam as one more drive, with its profile and its findings
     hand.tab("Drives")
@@ -218,7 +218,7 @@ def test_the_transfer_unit_is_worked_through_with_the_mouse(open_user: Open) -> 
         for each in smallest_radii(session.shaft.balancer)
         if each.is_on_profile and not each.is_concave
     )
-    assert 1e3 * sharpest == pytest.approx(0.5 * session.whole.balancer.roller_radius_mm, rel=1e-6)
+    assert 1e3 * sharpest == pytest.approx(0.5 * session.full_design.balancer.roller_radius_mm, rel=1e-6)
     findings = user.see("findings")
     assert isinstance(findings, FindingsView)
     assert findings.findings == (), "its spring keeps the limit now"
@@ -233,7 +233,7 @@ def test_the_transfer_unit_is_worked_through_with_the_mouse(open_user: Open) -> 
     bands = session.shaft.flexible_shaft().bands
     wait_for(lambda: "rpm" in page.pages.speeds.text())
     assert page.pages.speeds.isVisible()
-    assert page.pages.speeds.text() == bands_table(bands, session.whole.camshaft.speed_rpm)
+    assert page.pages.speeds.text() == bands_table(bands, session.full_design.camshaft.speed_rpm)
     assert "1264" in page.pages.speeds.text()
     assert user.window.size() == size
     assert user.faults == []

@@ -68,7 +68,7 @@ def type_all(user: User, values: Values) -> list[bool]:
     waiting = []
     for number, (path, text) in enumerate(values.items(), 1):
         user.enter(path, text)
-        waiting.append(user.session.draft is not None)
+        waiting.append(user.session.incomplete is not None)
         boxes = {each: box(user, each) for each in values}
         assert {each: boxes[each].text() for each in list(values)[:number]} == dict(list(values.items())[:number])
         assert not any(each.refused for each in boxes.values())
@@ -101,11 +101,11 @@ def test_a_machine_of_another_size_is_typed(same_window: Open, name: str, values
     first = user.design
     waiting = type_all(user, values)
     assert sum(waiting) == waits
-    assert user.session.draft is None
+    assert user.session.incomplete is None
     assert user.design == with_values(first, values)
     assert len(user.steps) == len(values)
     undo_all(user, len(values))
-    assert (user.design, user.session.draft) == (first, None)
+    assert (user.design, user.session.incomplete) == (first, None)
     assert not user.session.modified
 
 
@@ -144,22 +144,22 @@ def darkest(image: Any) -> int:
 def test_what_is_impossible_by_itself_is_refused_beside_what_waits(same_window: Open) -> None:
     user = same_window()
     user.enter("follower.slider_arm_mm", "130.2")
-    draft, steps = user.session.draft, user.steps
+    draft, steps = user.session.incomplete, user.steps
     for text in ("-5", "8,5", "1e12"):
         user.enter("follower.rod_mm", text)
         assert (user.number("follower.rod_mm").text(), user.number("follower.rod_mm").refused) == (text, True)
-    assert (user.session.draft, user.steps) == (draft, steps)
+    assert (user.session.incomplete, user.steps) == (draft, steps)
 
 
 def test_the_button_drops_what_waits_and_undo_brings_it_back(same_window: Open) -> None:
     user = same_window()
     user.enter("follower.slider_arm_mm", "130.2")
-    draft = user.session.draft
-    user.parameters().draft.drop_button.click()
+    draft = user.session.incomplete
+    user.parameters().incomplete_bar.drop_button.click()
     settle()
-    assert (user.number("follower.slider_arm_mm").text(), user.session.draft) == ("1302.162", None)
+    assert (user.number("follower.slider_arm_mm").text(), user.session.incomplete) == ("1302.162", None)
     user.choose("Edit", "Undo Drop what does not fit")
-    assert (user.number("follower.slider_arm_mm").text(), user.session.draft) == ("130.2", draft)
+    assert (user.number("follower.slider_arm_mm").text(), user.session.incomplete) == ("130.2", draft)
 
 
 @pytest.mark.stress
@@ -168,13 +168,13 @@ def test_a_stroke_and_a_segment_wait_for_the_lengths(same_window: Open) -> None:
     user = same_window()
     user.enter("motion.stroke_mm", "5000")
     motion = user.motion()
-    assert user.session.draft is not None
+    assert user.session.incomplete is not None
     assert (user.cell(1, 4), stroke(motion.diagram.motion)) == ("-5000", 150.0)
-    assert motion.draft.isVisible()
+    assert motion.incomplete_bar.isVisible()
     user.enter_cell(1, SPAN, "45")
     user.enter("follower.rod_mm", "2000")
     user.enter("follower.slider_arm_mm", "1700")
-    assert user.session.draft is None
+    assert user.session.incomplete is None
     assert [s.span_deg for s in motion_of(user.design).segments] == [35.0, 45.0, 203.5, 41.5, 35.0]
     assert stroke(motion_of(user.design)) == 5000.0
 
@@ -188,7 +188,7 @@ def test_every_layout_is_chosen_from_the_papers_lift(same_window: Open, letter: 
     user = same_window()
     (entry,) = (text for text in user.entries("Compo", "Layout") if text[0] == letter)
     user.choose("Compo", "Layout", entry)
-    assert user.session.draft is None
+    assert user.session.incomplete is None
     assert user.design == in_layout(LIFT, letter)
     by_menu = user.design
     user.session.start(LIFT)
@@ -205,7 +205,7 @@ def test_a_layout_of_a_small_lift_keeps_its_size(app: object) -> None:
     session.stages_on_screen = lambda: STAGES
     for letter in (*LAYOUTS, *reversed(LAYOUTS)):
         assert session.edit("follower.layout", letter, letter)
-        assert session.draft is None, letter
+        assert session.incomplete is None, letter
         assert abs(get(session.design, "follower.guide_height_mm")) == 130.0
 
 
@@ -248,8 +248,8 @@ def type_in(session: Session, values: Values, order: Sequence[str]) -> int:
             assert session.choose_drive(own[0])
         assert session.edit(path if own is None else own[1], values[path], path)
         session.end_gesture()
-        waited += session.draft is not None
-        assert {each: get(session.typed_whole, each) for each in order[:number]} == {
+        waited += session.incomplete is not None
+        assert {each: get(session.typed_full_design, each) for each in order[:number]} == {
             each: values[each] for each in order[:number]
         }
     return waited
@@ -265,11 +265,11 @@ def test_every_example_is_typed_into_another_design_in_any_order(app: object, pa
     session.stages_on_screen = lambda: STAGES
     values = paths_apart(first, wanted)
     type_in(session, values, dice.sample(list(values), len(values)))
-    assert session.typed_whole == wanted
-    assert session.draft is None
+    assert session.typed_full_design == wanted
+    assert session.incomplete is None
     while session.stack.canUndo():
         session.stack.undo()
-    assert (session.whole, session.draft) == (first, None)
+    assert (session.full_design, session.incomplete) == (first, None)
 
 
 @pytest.mark.stress
@@ -282,14 +282,14 @@ def test_a_lift_in_another_layout_is_typed_in_any_order(app: object) -> None:
         session = Session(LIFT)
         session.stages_on_screen = lambda: STAGES
         assert type_in(session, values, order) > 3
-        assert (session.whole, session.draft) == (wanted, None)
+        assert (session.full_design, session.incomplete) == (wanted, None)
 
 
 def test_drives_wait_beside_each_other(app: object) -> None:
     """What waits in one drive stays while another is chosen and edited, and both hold once they fit."""
     session = Session(load(example("transfer_unit")))
     session.stages_on_screen = lambda: STAGES
-    first = session.whole
+    first = session.full_design
     lift = next(i for i, drive in enumerate(first.drives) if drive.kind == "cam-slider")
     other = next(i for i, drive in enumerate(first.drives) if drive.kind == "translating")
     assert session.choose_drive(lift)
@@ -299,7 +299,9 @@ def test_drives_wait_beside_each_other(app: object) -> None:
     assert session.misfit.reasons[0][1] == f"{first.drives[lift].name}: Roller arm Zl"
     assert session.edit("cam.base_radius_mm", 333.0, "base circle")
     assert session.edit("shaft.speed_rpm", 25.0, "speed")
-    assert (session.design.drive.cam.base_radius_mm, session.whole.shaft.speed_rpm) == (333.0, 25.0), "what fits holds"
+    assert (session.design.drive.cam.base_radius_mm, session.full_design.shaft.speed_rpm) == (333.0, 25.0), (
+        "what fits holds"
+    )
     assert session.edit("motion.segments[0].span_deg", 300.0, "span")
     assert session.typed.drive.motion.segments[0].span_deg == 300.0
     assert session.choose_drive(lift)
@@ -307,21 +309,24 @@ def test_drives_wait_beside_each_other(app: object) -> None:
     state = session.state()
     again = Session(LIFT)
     again.restore(json.loads(json.dumps(state)))
-    assert again.typed_whole == session.typed_whole
+    assert again.typed_full_design == session.typed_full_design
     assert again.state() == state
     assert session.edit("follower.roller_arm_mm", 651.0, "arm")
-    assert session.typed_whole.drives[other].motion.segments[0].span_deg == 300.0
+    assert session.typed_full_design.drives[other].motion.segments[0].span_deg == 300.0
     assert session.choose_drive(other)
     span = first.drives[other].motion.segments[0].span_deg
     assert session.edit("motion.segments[0].span_deg", span, "span")
-    assert session.draft is None
-    assert (get(session.whole, f"drives[{lift}].follower.roller_arm_mm"), session.whole.shaft.speed_rpm) == (
+    assert session.incomplete is None
+    assert (
+        get(session.full_design, f"drives[{lift}].follower.roller_arm_mm"),
+        session.full_design.shaft.speed_rpm,
+    ) == (
         651.0,
         25.0,
     )
     while session.stack.canUndo():
         session.stack.undo()
-    assert (session.whole, session.draft) == (first, None)
+    assert (session.full_design, session.incomplete) == (first, None)
 
 
 def test_an_answer_of_another_view_leaves_what_waits(app: object) -> None:
@@ -336,13 +341,13 @@ def test_an_answer_of_another_view_leaves_what_waits(app: object) -> None:
         65.1,
     )
     assert session.put(edited(session.design, "follower.roller_arm_mm", 660.0), "Move the roller")
-    assert session.draft is None, "the later of two counts"
+    assert session.incomplete is None, "the later of two counts"
 
 
 @pytest.mark.stress
 def test_a_tab_is_marked_for_its_own_drive(same_window: Open) -> None:
     user = same_window(example("transfer_unit"))
-    lift = next(i for i, drive in enumerate(user.session.whole.drives) if drive.kind == "cam-slider")
+    lift = next(i for i, drive in enumerate(user.session.full_design.drives) if drive.kind == "cam-slider")
     user.session.choose_drive(lift)
     settle()
     user.enter("follower.roller_arm_mm", "65.1")
@@ -394,7 +399,11 @@ def test_opening_another_file_leaves_nothing_waiting(same_window: Open) -> None:
     user.enter("follower.slider_arm_mm", "130.2")
     user.session.open(example("four_bar"))
     settle()
-    assert (user.session.draft, user.window.status.unfit.isHidden(), user.parameters().draft.isHidden()) == (
+    assert (
+        user.session.incomplete,
+        user.window.status.unfit.isHidden(),
+        user.parameters().incomplete_bar.isHidden(),
+    ) == (
         None,
         True,
         True,

@@ -19,7 +19,7 @@ def test_views_follow_from_kind_to_kind(open_user: Open, area: Qt.DockWidgetArea
     """Those of one side of the window, one after the other; where they stand in front of each other, those behind catch up."""
     user = open_user()
     for kind in KINDS:  # and back to the first by undo
-        user.session.put_whole(load(example(kind)), f"Take {kind}")
+        user.session.put_full_design(load(example(kind)), f"Take {kind}")
         user.session.end_gesture()
         for name in AREAS[area]:
             view = user.window.show_view(name)
@@ -28,11 +28,11 @@ def test_views_follow_from_kind_to_kind(open_user: Open, area: Qt.DockWidgetArea
             user.turn(75.0)
             assert view.up_to_date, f"{name} with {kind}"
             if view.in_trouble:
-                assert view.not_here, f"{name} with {kind}: a fault is shown where there is none"
+                assert view.is_unavailable, f"{name} with {kind}: a fault is shown where there is none"
             assert not view.grab().toImage().isNull()
     while user.session.stack.canUndo():
         user.session.stack.undo()
         settle()
     for name in AREAS[area]:
         user.window.view(name).pull()
-    assert user.session.whole == load(example(KINDS[0]))
+    assert user.session.full_design == load(example(KINDS[0]))

@@ -33,7 +33,7 @@ from kindyna_gui.help import PAGES, HelpWindow
 from kindyna_gui.inspection import InspectionDialog
 from kindyna_gui.places import example
 from kindyna_gui.profile_dialogs import ControllerDialog, ProfileDialog
-from kindyna_gui.requirements import WAYS
+from kindyna_gui.requirements import SUGGESTIONS
 from kindyna_gui.view import ReasonPage
 from kindyna_gui.window.docks import VIEWS
 from kindyna_gui.window.finder import Finder
@@ -164,7 +164,7 @@ def test_another_drive_is_set_under_its_name(same_window: Open) -> None:
     user = same_window(example("transfer_unit"))
     find(user, "lift base radius 410")
     user.press(Qt.Key.Key_Return)
-    drive = next(each for each in user.session.whole.drives if each.name == "Lift")
+    drive = next(each for each in user.session.full_design.drives if each.name == "Lift")
     assert drive.cam.base_radius_mm == 410.0
 
 
@@ -258,7 +258,7 @@ def click_copy(dialog: QDialog) -> list[str]:
 
 
 def test_a_dialog_copies_the_command_that_asks_for_the_same(user: User, tmp_path: Path) -> None:
-    window, design, study = user.window, user.design, user.session.whole_study
+    window, design, study = user.window, user.design, user.session.full_study
 
     def profile(dialog: ProfileDialog) -> None:
         dialog.form.choose("Points", "samples")
@@ -349,9 +349,9 @@ def test_empty_views_do_the_next_thing_by_a_button(same_window: Open) -> None:
 
 
 def test_every_way_is_an_entry_of_the_menus(user: User) -> None:
-    entries = {way.entry for ways in WAYS.values() for way in ways}
+    entries = {way.entry for ways in SUGGESTIONS.values() for way in ways}
     assert entries <= set(user.window.actions_by_key)
-    assert [sentence for sentence in WAYS if " > " in sentence] == []
+    assert [sentence for sentence in SUGGESTIONS if " > " in sentence] == []
 
 
 @pytest.mark.stress

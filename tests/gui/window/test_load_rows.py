@@ -1,4 +1,4 @@
-"""Dyna > Add to the loads, Take from the loads: masses, springs and forces of any design by mouse and keys."""
+"""Dyna > Add to the loads, Remove from the loads: masses, springs and forces of any design by mouse and keys."""
 
 from pathlib import Path
 from typing import Any
@@ -34,7 +34,7 @@ def test_a_four_bar_gets_a_mass_a_spring_and_a_load_by_the_menu(same_window: Ope
     assert get(design, "loads.springs[0].rate_n_per_mm") == 7.5
     assert (len(design.drive.loads.springs), len(design.drive.loads.process)) == (1, 1)
     assert len(design.drive.loads.masses) == len(before.drive.loads.masses) + 1
-    user.choose("Dyna", "Take from the loads", "Spring 1")
+    user.choose("Dyna", "Remove from the loads", "Spring 1")
     assert user.window.session.design.drive.loads.springs == ()
     for _ in range(5):
         user.window.session.stack.undo()
@@ -46,7 +46,7 @@ def test_a_follower_has_springs_and_friction_but_no_list_of_masses(same_window: 
     user = same_window(example("rocker_cam"))
     add(user, "Friction")
     assert user.window.session.design.drive.loads.pair_friction[0].pair == "pivot"
-    user.choose("Dyna", "Take from the loads", "Friction at pivot")
+    user.choose("Dyna", "Remove from the loads", "Friction at pivot")
 
 
 @pytest.mark.stress
@@ -134,7 +134,7 @@ def test_a_spring_without_length_and_a_damper_at_rest_are_named_as_they_are_type
     box.activated.emit(box.currentIndex())
     settle()
     assert (box.waits, box.currentText()) == (True, "O4 of frame"), "what was chosen stays, and is marked"
-    assert "both ends are on one link" in user.parameters().draft.trouble.toolTip()
+    assert "both ends are on one link" in user.parameters().incomplete_bar.trouble.toolTip()
     user.session.stack.undo()
     settle()
     assert (box.waits, box.currentText()) == (False, "O2 of link 2")
@@ -150,7 +150,7 @@ def test_a_table_that_is_not_closed_stays_as_typed_and_says_what_to_give(same_wi
     assert (user.number(field.spec.path).text(), user.design) == ("7", before)
     user.enter("loads.process[0].points[1].deg", "400")
     assert user.design == before
-    user.session.drop_draft()
+    user.session.drop_incomplete()
     page = user.parameters().loads
     when = page.whens["loads.process[0]"]
     assert when.box.currentData() == TABLE_WHEN

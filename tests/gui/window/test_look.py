@@ -26,7 +26,7 @@ from kindyna_gui.pictures.plots.plot import FixedPlot
 from kindyna_gui.places import example
 from kindyna_gui.saving import copy_picture
 from kindyna_gui.screenshots import rest
-from kindyna_gui.settings import as_kept
+from kindyna_gui.settings import in_file_units
 from kindyna_gui.view import View
 from kindyna_gui.window.preferences_dialog import PreferencesDialog
 
@@ -84,7 +84,7 @@ def bright(image: QImage) -> float:
 
 def texts_of_file(view: View) -> list[str]:
     """Every text of a view's picture as SVG, each with its place and its size."""
-    with as_kept():
+    with in_file_units():
         return re.findall(r"<text.*?</text>", view.picture(".svg").decode(), flags=re.DOTALL)
 
 
@@ -151,7 +151,7 @@ def test_pictures_stay_light(app: QApplication, same_window: Open, name: str, vi
     for each in views:
         view = user.window.show_view(each)
         rest(user.window)
-        with as_kept():
+        with in_file_units():
             image = QImage.fromData(view.picture(".png"))
         assert bright(image) > 0.6, each
         rest(user.window)

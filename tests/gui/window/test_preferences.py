@@ -96,7 +96,7 @@ def test_the_table_of_segments_follows(user: User) -> None:
 
 @pytest.mark.parametrize("switches", [50, stressed(1000)])
 def test_a_value_survives_many_switches_and_files_do_not_see_them(user: User, switches: int) -> None:
-    before = dumps(user.session.whole)
+    before = dumps(user.session.full_design)
     design = user.design
     tables = dict(tables_of(design, 36))
     boxes = [field.editor for form in user.parameters().forms.values() for field in form.fields.values()]
@@ -114,7 +114,7 @@ def test_a_value_survives_many_switches_and_files_do_not_see_them(user: User, sw
     assert [box.text() for box in numbers] != shown
     user.press(Qt.Key.Key_Tab) if QApplication.focusWidget() else None
     assert user.steps == []
-    assert dumps(user.session.whole) == before
+    assert dumps(user.session.full_design) == before
     again = dict(tables_of(design, 36))
     assert again.keys() == tables.keys()
     assert [name for name in tables if isinstance(tables[name], str) and tables[name] != again[name]] == []
@@ -127,7 +127,7 @@ def test_plots_and_texts_follow_and_files_are_written_as_kept(user: User, tmp_pa
     wait_for(lambda: view.plot.rung.symbol == "in")
     force = readable("N", 20_000.0)
     assert measure(20_000.0 / force.size, force.symbol) == "4496 lbf"
-    with settings.as_kept():
+    with settings.in_file_units():
         assert readable("N", 20_000.0).symbol == "kN"
     user.picks("picture_to_save", tmp_path / "curve.svg")
     user.choose("Graph", "Export picture", "Displacement...")
@@ -183,7 +183,7 @@ def test_preferences_are_kept_and_reset(user: User) -> None:
     drawing.deleteLater()
 
     def reset(dialog: PreferencesDialog) -> None:
-        assert dialog.wanted == found
+        assert dialog.preferences == found
         QTest.mouseClick(dialog.buttons.button(QDialogButtonBox.StandardButton.Reset), Qt.MouseButton.LeftButton)
 
     prefer(user, reset)
@@ -263,7 +263,7 @@ def test_no_metric_unit_is_left_in_a_window_in_inches(same_window: Open, name: s
     if name == "transfer_lift":
         user.window.designing.blend()
         dialog = user.window.findChild(BlendDialog)
-        wait_for(lambda: not dialog.answering and dialog.panel.table.rows.rows)
+        wait_for(lambda: not dialog.is_solving and dialog.panel.table.rows.rows)
         left["wizard"] = [text for text in texts_of(dialog) if METRIC.search(text)]
         assert any("in/°²" in text for text in texts_of(dialog))
         dialog.reject()

@@ -90,7 +90,7 @@ def test_tasks_are_buttons_under_the_menus_keys_and_entries(whole: User) -> None
 def test_every_dock_has_one_place_in_every_task() -> None:
     docks = {name for name, row in VIEWS.items() if row.area != CENTRE}
     for task in TASKS.values():
-        named = Counter(name for _, names in task.places for name in names)
+        named = Counter(name for _, names in task.all_docks for name in names)
         assert set(named) == docks
         assert set(named.values()) == {1}
 
@@ -430,11 +430,13 @@ def test_the_motion_table_shows_its_rows_in_every_task(open_user: Open, size: tu
         assert rows_in_sight(view) == view.model.rowCount() or name not in ("make", "study"), "four rows take four rows"
         user.enter_cell(1, SPAN, "300")
         rest(user)
-        assert view.draft.isVisible(), name
+        assert view.incomplete_bar.isVisible(), name
         assert view.table.verticalScrollBar().maximum() == 0, name
-        assert view.draft.close_button.visibleRegion().boundingRect().height() > 10, f"{name}: it can be reached"
+        assert view.incomplete_bar.close_button.visibleRegion().boundingRect().height() > 10, (
+            f"{name}: it can be reached"
+        )
         assert rows_in_sight(view) >= view.model.rowCount(), name
-        user.session.drop_draft()
+        user.session.drop_incomplete()
         rest(user)
 
 
@@ -465,9 +467,9 @@ def test_no_text_moves_what_is_under_the_mouse(open_user: Open, task: str) -> No
     user.press(Qt.Key.Key_Escape)
     user.enter_cell(3, SPAN, "300")
     rest(user)
-    assert view.draft.isVisible()
+    assert view.incomplete_bar.isVisible()
     assert where(view) == before, "the motion does not come back"
-    user.session.drop_draft()
+    user.session.drop_incomplete()
     user.enter("motion.stroke_mm", "-3")
     rest(user)
     assert view.head.fields["motion.stroke_mm"].message.isVisible()
@@ -574,7 +576,7 @@ def test_layouts_are_named_and_come_back_and_what_cannot_is_told_in_a_line(open_
         dialog.accept()
 
     with answering(QInputDialog, name):
-        user.choose("View", "Named layouts", "Keep this layout...")
+        user.choose("View", "Named layouts", "Save this layout...")
     user.choose("View", "Reset layout")
     assert not dock.isFloating()
     user.choose("View", "Dyna")
@@ -586,12 +588,12 @@ def test_layouts_are_named_and_come_back_and_what_cannot_is_told_in_a_line(open_
     kept = QSettings("KINDYNA", "KINDYNA")
     (key,) = (key for key in kept.allKeys() if key.startswith("layouts/") and key.endswith("/version"))
     user.choose("View", "Reset layout")
-    for value, said in ((999, "newer version"), (window.settings.VERSION, "broken")):
+    for value, said in ((999, "newer version"), (window.settings.VERSION, "damaged")):
         kept.setValue(key, value)
         kept.setValue(key.replace("version", "docks"), QByteArray(b"nonsense"))
         kept.sync()
         user.choose("View", "Named layouts", "Two screens / left")
         assert said in window.statusBar().currentMessage()
         assert not dock.isFloating()
-    user.choose("View", "Named layouts", "Forget Two screens / left")
+    user.choose("View", "Named layouts", "Delete Two screens / left")
     assert window.settings.named_layouts == []
