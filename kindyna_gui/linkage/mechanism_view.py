@@ -20,7 +20,7 @@ from core.numerics.lazy import postponing
 from core.study import Study
 from kindyna_gui.documents.pins import Pins
 from kindyna_gui.documents.session import Session
-from kindyna_gui.documents.texts import misses
+from kindyna_gui.documents.texts import misfit_sentences
 from kindyna_gui.drives import ON_SHAFT, ONE, DriveStrip, drive_rows
 from kindyna_gui.labels import allowed_text, no_number, reason, value_text
 from kindyna_gui.linkage.canvas import Canvas, Ghost, paint_ghost, rims_now
@@ -374,7 +374,7 @@ class MechanismView(View):
         """What does not fit together, so that the last machine that did is drawn; else cam, pressure or forces that are wanted, and
         why they are not drawn; empty where nothing is missing."""
         if self._pale:
-            return f"Drawn is the last machine that fits together. {misses(self.session)[0]}"
+            return f"Drawn is the last machine that fits together. {misfit_sentences(self.session)[0]}"
         text = ""
         try:
             _ = study.cam if "cam" in study.stages else None
