@@ -35,7 +35,7 @@ from core.requests import command_words
 from kindyna_gui import dialogs
 from kindyna_gui.background import beside
 from kindyna_gui.documents.edits import Refusal
-from kindyna_gui.documents.texts import misses, of_session, spelled
+from kindyna_gui.documents.texts import command_text, misfit_sentences, session_options
 from kindyna_gui.drives import replace_chosen
 from kindyna_gui.labels import reason
 from kindyna_gui.requirements import NO_CAM, NO_MOTION, NO_SHAFT, turned_shaft
@@ -161,11 +161,11 @@ class DesignActions(QObject):
         """The command that copies the motion of a file's drive, or shifts that of the design."""
         from core.commands.motions import MotionArguments
 
-        target = of_session(self._session)
+        target = session_options(self._session)
         into, into_drive = target["into"], target["drive"]
         source = {"design": into, "drive": into_drive} if path is None else {"design": path, "drive": drive}
         options = {**source, "shift_deg": shift_deg, "into": into, "into_drive": into_drive}
-        return spelled("motion", command_words(MotionArguments, options))
+        return command_text("motion", command_words(MotionArguments, options))
 
     def follow_files(self) -> None:
         """Ask for a table or designs and link the motion to them."""
@@ -207,7 +207,7 @@ class DesignActions(QObject):
             self._segment_from(QApplication.clipboard().text().encode(), "clipboard")
 
     def _segment_from(self, data: bytes, name: str, path: Path | None = None) -> None:
-        from core.measured.fitting import segment_from_table
+        from core.measured.segment_table import segment_from_table
         from core.measured.sheet import read_sheet
 
         session = self._session
@@ -222,8 +222,8 @@ class DesignActions(QObject):
             from core.commands.tables import MeasuredArguments
 
             options = {"as_is": choice[0], "joined": choice[1], "segment": index + 1}
-            return spelled(
-                "measured", command_words(MeasuredArguments, {"table": path, **options, **of_session(session)})
+            return command_text(
+                "measured", command_words(MeasuredArguments, {"table": path, **options, **session_options(session)})
             )
 
         choice = dialogs.segment_wanted(self._window, command if path is not None else None)
@@ -324,7 +324,9 @@ class DesignActions(QObject):
         finally:
             session.refused.disconnect(listen)
         session.end_gesture()
-        self.status_message.emit("; ".join((text, *misses(session))) if done else f"Refused: {'; '.join(reasons)}")
+        self.status_message.emit(
+            "; ".join((text, *misfit_sentences(session))) if done else f"Refused: {'; '.join(reasons)}"
+        )
 
     def scale(self) -> None:
         """Ask for a factor and scale all lengths of the design."""

@@ -17,7 +17,7 @@ from core.findings import ERROR, NOTE, WARNING, Finding
 from core.project.reading_faults import reason as why
 from core.study import findings_of
 from kindyna_gui.documents.session import Session
-from kindyna_gui.documents.texts import misses, waiting_text
+from kindyna_gui.documents.texts import misfit_sentences, waiting_text
 from kindyna_gui.labels import named_value, reason
 from kindyna_gui.look import coloured, sign, text_button
 from kindyna_gui.pictures.style import SCREEN
@@ -225,7 +225,7 @@ class StatusLine(QStatusBar):
 
     def _draft_changed(self) -> None:
         """Show the typed values that do not fit the others."""
-        rows = misses(self._session)
+        rows = misfit_sentences(self._session)
         self.unfit.setText(waiting_text(self._session))
         self.unfit.setToolTip("\n".join((*rows, "Click to show the field.")))
         self.unfit.setVisible(bool(rows))
