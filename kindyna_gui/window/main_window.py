@@ -256,7 +256,7 @@ class MainWindow(Window):
     def show_search(self, what: str) -> None:
         """Find, with this wanted where the design has it."""
         view: Any = self.show_view("find")
-        view.want(what)
+        view.search_for(what)
 
     def vary(self, path: str) -> None:
         """Study, with this number varied: where it is not in sight the task of that name."""
@@ -282,7 +282,7 @@ class MainWindow(Window):
             self.loads.give_masses()
         if remedy.find:
             view: Any = self.show_view("find")
-            view.want(remedy.find, afresh=True)
+            view.search_for(remedy.find, afresh=True)
 
     def can(self, entry: str) -> bool:
         """Whether an entry of the menus can be chosen for the design at hand; of a menu, whether it has one that can."""
