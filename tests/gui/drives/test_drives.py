@@ -429,7 +429,7 @@ def test_a_plot_of_all_drives_lies_over_the_machine_angle(unit: User) -> None:
 
     made = replace(unit.session.full_design, waviness=Waviness(amplitude_mm=0.05, lobes_from=10, lobes_to=30))
     unit.session.put_full_design(made, "Waves")
-    view.bands.ask(True)
+    view.bands.set_shown(True)
     wait_for(lambda: all(line.band is not None for line in view.plot_of_all.shown))
     for line in view.plot_of_all.shown:
         assert line.band is not None
@@ -440,7 +440,7 @@ def test_a_plot_of_all_drives_lies_over_the_machine_angle(unit: User) -> None:
         assert (high - low).max() > 1e-4 * size
     click_drive(unit, 0)
     assert view.plot_of_all.shown[2].band is not None, "another drive at hand changes nothing"
-    view.bands.ask(False)
+    view.bands.set_shown(False)
     view.all_drives.trigger()
     settle()
     assert view.plot.isVisible()
