@@ -25,7 +25,7 @@ from kindyna_gui import dialogs, export_dialogs, profile_dialogs
 from kindyna_gui.dialogs import OnShaft
 from kindyna_gui.drives import ON_SHAFT, SIDE_BY_SIDE
 from kindyna_gui.drives_view import NAME, PHASE, TORQUE, DrivesView
-from kindyna_gui.export_dialogs import TablesWanted
+from kindyna_gui.export_dialogs import TablesRequest
 from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.linkage.mechanism_view import MechanismView
 from kindyna_gui.pictures.drawing.assembly import DriveFigure
@@ -451,13 +451,13 @@ def test_tables_of_the_shaft_and_the_profile_of_the_chosen_drive(
     unit: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     out = tmp_path / "out"
-    monkeypatch.setattr(export_dialogs, "tables_wanted", lambda *_: TablesWanted(out, 72))
+    monkeypatch.setattr(export_dialogs, "ask_tables", lambda *_: TablesRequest(out, 72))
     unit.choose("File", "Export", "Tables...")
     wanted = as_texts(file_parts(Study(load(UNIT), 72)))
     assert {name: (out / name).read_text("utf-8") for name in wanted} == wanted
     assert unit.faults == []
     click_drive(unit, 2)
     asked: list[object] = []
-    monkeypatch.setattr(profile_dialogs, "profile_wanted", lambda _, design: asked.append(design))
+    monkeypatch.setattr(profile_dialogs, "ask_profile", lambda _, design: asked.append(design))
     unit.choose("File", "Export", "Profile...")
     assert asked == [replace(only(load(UNIT), 2), name="Transfer unit, drive Lift")]
