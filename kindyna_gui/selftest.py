@@ -108,7 +108,8 @@ def _turn(window: MainWindow) -> int:
     _must(len(shown) == FRAMES and away < 1e-9, "one turn does not end where it began")
     for view in window.findChildren(View):
         _must(
-            not view.in_trouble or view.not_here or not view.on_screen(), f"{type(view).__name__} has nothing to show"
+            not view.in_trouble or view.is_unavailable or not view.on_screen(),
+            f"{type(view).__name__} has nothing to show",
         )
     return len(shown)
 

@@ -26,14 +26,14 @@ from kindyna_gui.drives import swatch
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import reason
 from kindyna_gui.look import Note
-from kindyna_gui.pictures.plots.lines import closed
+from kindyna_gui.pictures.plots.lines import closed_band
 from kindyna_gui.pictures.plots.xy import MACHINE_ANGLE, MACHINE_TIP, CursorPlot, Line, XYPlot
 from kindyna_gui.pictures.style import BALANCE, BLUE, GREEN, SCREEN, VERMILION
 from kindyna_gui.pictures.units import digits, measure, readable
 from kindyna_gui.player import Player, obey
 from kindyna_gui.requirements import ALONE, NO_SERVO, NO_WHEEL, Unavailable, require_list, turned_shaft
 from kindyna_gui.settings import size_of
-from kindyna_gui.view import BackgroundView, NumberAtHand, View
+from kindyna_gui.view import BackgroundView, ExplainableNumber, View
 
 # -- servo view ------------------------------------------------------------------------------------------
 
@@ -130,7 +130,7 @@ POLL_MS = 25
 class AgainstSpeedView(BackgroundView):
     """Two plots, found beside the window while they can be seen."""
 
-    of_whole = True
+    is_design_wide = True
     stages = ("dynamics",)
     pause_ms = 250
 
@@ -187,8 +187,8 @@ class AgainstSpeedView(BackgroundView):
         else:
             self.fluctuation.show_message("The motor stalls at all of these speeds.")
 
-    def _rest(self) -> None:
-        super()._rest()
+    def _stop_work(self) -> None:
+        super()._stop_work()
         self.bar.hide()
 
 
@@ -222,7 +222,7 @@ def show_turn(plot: CursorPlot, title: str, unit: str, lines: Sequence[Line], fi
 
 def band_in(found: Band, name: str, unit: float = 1.0) -> tuple[np.ndarray, np.ndarray] | None:
     """Machine angles [deg] and percentiles of a drive by its name, empty of all, or of a quantity of the motor, in a unit."""
-    return closed(found[name] / unit) if name in found else None
+    return closed_band(found[name] / unit) if name in found else None
 
 
 ROOMY = 260  # pixels of height, from which on a plot stands above the table of figures
@@ -231,7 +231,7 @@ ROOMY = 260  # pixels of height, from which on a plot stands above the table of 
 class _TurnView(View):
     """Plots over the machine angle of all drives together; what takes longer than they comes once editing pauses."""
 
-    of_whole = True
+    is_design_wide = True
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
@@ -376,7 +376,7 @@ class ShaftFiguresView(_TurnView):
         """The speed where there is one, and where it does not hide rows of the table."""
         self.speed.setVisible(self._levelled and self.height() >= ROOMY)
 
-    def number_at_hand(self) -> NumberAtHand | None:
+    def selected_number(self) -> ExplainableNumber | None:
         return self.table.number
 
     def draw(self, shaft: Camshaft[Study]) -> None:
@@ -432,7 +432,7 @@ def _row(name: str, load: LoadCurve, omega: float, colour: str, column: str = ""
     power = measure(*_readable("W", ends.high.value * omega))
     mean = load.mean if abs(load.mean) > ROUNDING * abs(peak.value) else 0.0
     cells = name, _torque(mean), _torque(rms(load)), _torque(peak.value), _angle(peak.theta), power
-    return TableRow(cells, swatch(colour), number=NumberAtHand(column, peak.theta) if column else None)
+    return TableRow(cells, swatch(colour), number=ExplainableNumber(column, peak.theta) if column else None)
 
 
 def _readable(symbol: str, value: float) -> tuple[float, str]:

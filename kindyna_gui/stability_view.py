@@ -174,7 +174,7 @@ class StabilityView(View):
     drawn   the chart that is shown; None before the first
     """
 
-    of_whole = True
+    is_design_wide = True
     stages = ("stability",)
 
     def __init__(self, session: Session, player: Player) -> None:

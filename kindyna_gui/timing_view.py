@@ -269,7 +269,7 @@ PATH = "timing"
 class TimingView(View):
     """Chart and list over the session's whole shaft. Each drag, each typed value, each row is a step of the undo stack."""
 
-    of_whole = True
+    is_design_wide = True
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)

@@ -21,7 +21,7 @@ from kindyna_gui.pictures.plots.quantities import limits_on, rows_of
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import measure
 from kindyna_gui.saving import copy_picture
-from kindyna_gui.view import NumberAtHand, View, ViewHost
+from kindyna_gui.view import ExplainableNumber, View, ViewHost
 
 ReadoutLine = tuple[str, bool]
 """A line next to the mouse, and whether a limit is violated."""
@@ -100,7 +100,7 @@ def _explain(target: MouseTarget, view: View, host: ViewHost) -> MenuEntry | Non
     if not rows:
         return None
     label = rows[0].label
-    return f"Explain {label[:1].lower()}{label[1:]} here", lambda: host.explain(NumberAtHand(target.explain))
+    return f"Explain {label[:1].lower()}{label[1:]} here", lambda: host.explain(ExplainableNumber(target.explain))
 
 
 def _copy(target: MouseTarget, view: View, host: ViewHost) -> MenuEntry | None:

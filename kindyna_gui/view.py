@@ -1,4 +1,8 @@
-"""What every view shares."""
+"""Base classes of the views: when a view refreshes, and what it shows in place of a missing result.
+
+A view refreshes only while something of it can be seen. Where a stage has no solution it shows the reason, where the view
+itself fails it shows the fault.
+"""
 
 from __future__ import annotations
 
@@ -37,16 +41,16 @@ from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import soon
 from kindyna_gui.requirements import Suggestion, Unavailable, suggestions_for
-from kindyna_gui.settings import TOLD, is_default
+from kindyna_gui.settings import DISPLAY, is_default
 
-# -- view ------------------------------------------------------------------------------------------------
+# -- visibility ------------------------------------------------------------------------------------------
 
 
-def in_sight(widget: QWidget) -> bool:
-    """True where something of a widget can be seen.
+def is_in_sight(widget: QWidget) -> bool:
+    """Whether something of a widget can be seen.
 
-    A dock tabbed behind another answers isVisible() all the same; it stands beyond the edge of its window. Nor does
-    visibleRegion() help: it leaves out what the widget's own opaque children cover.
+    isVisible() is True also for a dock tabbed behind another, which Qt places beyond the edge of its window.
+    visibleRegion() leaves out what the widget's own opaque children cover.
     """
     if not widget.isVisible():
         return False
@@ -59,7 +63,10 @@ def in_sight(widget: QWidget) -> bool:
 
 
 def scroll_to(widget: QWidget | None) -> None:
-    """Bring what has got the keys into sight in all that scrolls around it, which Qt does only where they come from beside it."""
+    """Scroll a widget into sight in every scroll area around it.
+
+    Qt does this itself only where the focus comes from a widget of the same scroll area.
+    """
     around = None if widget is None or widget.isWindow() else widget.parentWidget()
     while widget is not None and around is not None and not around.isWindow():
         if isinstance(around, QScrollArea):
@@ -69,42 +76,51 @@ def scroll_to(widget: QWidget | None) -> None:
         around = around.parentWidget()
 
 
-class Turns(QObject):
-    """What need not keep pace while the mouse draws something, in the views of a session: one thing after another, what waits longest
-    first. After each of them a move of the mouse that has come meanwhile is taken up, so that none of its moves waits for all."""
+# -- queue of refreshes ----------------------------------------------------------------------------------
+
+
+class RefreshQueue(QObject):
+    """Queue of the refreshes that may lag behind a drag of the mouse, one queue for all views of a session.
+
+    The jobs run one at a time, the oldest first. Mouse moves that arrived meanwhile are handled after each job.
+    """
 
     @staticmethod
-    def of(session: Session) -> Turns:
-        return session.findChild(Turns) or Turns(session)
+    def of(session: Session) -> RefreshQueue:
+        """Return the queue of a session."""
+        return session.findChild(RefreshQueue) or RefreshQueue(session)
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
         self._waiting: dict[Callable[[], None], QObject] = {}
         self._next = QTimer(self, singleShot=True, interval=0)
-        self._next.timeout.connect(self._take)
+        self._next.timeout.connect(self._run_next)
 
-    def wait(self, owner: QObject, do: Callable[[], None]) -> None:
-        """Do this in its turn, unless its owner has gone by then; what waits already keeps its place."""
-        self._waiting.setdefault(do, owner)
+    def append(self, owner: QObject, job: Callable[[], None]) -> None:
+        """Append a job, which is skipped if its owner is deleted first; a job in the queue keeps its position."""
+        self._waiting.setdefault(job, owner)
         if not self._next.isActive():
             self._next.start()
 
-    def _take(self) -> None:
-        do, owner = next(iter(self._waiting.items()))
-        del self._waiting[do]
+    def _run_next(self) -> None:
+        job, owner = next(iter(self._waiting.items()))
+        del self._waiting[job]
         if self._waiting:
             self._next.start()
         if isValid(owner):
-            do()
+            job()
+
+
+# -- page in place of a view's content -------------------------------------------------------------------
 
 
 class ReasonPage(QScrollArea):
-    """A text in the middle, which can be rolled where it finds no room; below it buttons that do what helps.
+    """A centred text that scrolls where it is too long, with buttons for the remedies below it.
 
-    again    try again, where that may help
+    ``retry``: called by a button "Try again"; None: no such button.
     """
 
-    def __init__(self, again: Callable[[], None] | None = None) -> None:
+    def __init__(self, retry: Callable[[], None] | None = None) -> None:
         super().__init__(widgetResizable=True)
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
@@ -118,16 +134,16 @@ class ReasonPage(QScrollArea):
         self._buttons = QVBoxLayout()
         self._buttons.setSpacing(4)
         column.addLayout(self._buttons)
-        if again is not None:
-            self._add("Try again", again)
+        if retry is not None:
+            self._add("Try again", retry)
         column.addStretch(1)
         self.setWidget(paper)
         for widget in (self.viewport(), paper):
             widget.setAutoFillBackground(False)
 
-    def _add(self, text: str, act: Callable[[], None]) -> None:
+    def _add(self, text: str, action: Callable[[], None]) -> None:
         button = QPushButton(text)
-        button.clicked.connect(lambda: act())
+        button.clicked.connect(lambda: action())
         self._buttons.addWidget(button, 0, Qt.AlignmentFlag.AlignHCenter)
 
     def offer(self, suggestions: Sequence[Suggestion], host: ViewHost) -> None:
@@ -141,99 +157,108 @@ class ReasonPage(QScrollArea):
                 self._add(suggestion.text, partial(host.do, suggestion.entry))
 
 
+# -- what a view requires of its window ------------------------------------------------------------------
+
+
 @frozen
-class NumberAtHand:
-    """A number that can be explained: its column or figure of the summary, and where it stands: at this angle of the cam or crank, of the
-    machine where it is one of the whole shaft [rad]; None: at the angle at hand."""
+class ExplainableNumber:
+    """A number that can be explained.
+
+    ``name``: its column, or its key in the summary. ``theta``: cam or crank angle [rad], machine angle for a number of all
+    drives; None: the current angle.
+    """
 
     name: str
     theta: float | None = None
 
 
 class ViewHost(Protocol):
-    """What a view may ask of the window that shows it."""
+    """What a view can request from the window that shows it."""
 
     def show_message(self, text: str) -> None:
-        """What has been done, in the status line, for a while."""
+        """Show in the status line, for a while, what has been done."""
 
     def ask(self, text: str) -> None:
-        """What is to be done next, in the status line, until it is ``answered``."""
+        """Show in the status line what the user does next, until ``answered`` is called."""
 
     def answered(self, how: str) -> None:
-        """It is done, or given up."""
+        """Remove the request of ``ask``: it is done, or cancelled."""
 
     def focus_field(self, path: str) -> None:
-        """Bring the field of a path, or of a section, before the reader."""
+        """Show the field of a path, or of a section, and give it the focus."""
 
     def show_fields(self, section: str) -> None:
-        """Bring the page of a section of the parameters to the front, where they are in sight; the keys stay where they are."""
+        """Show the page of a section if the parameters are in sight; the focus does not change."""
 
     def open_design(self, path: Path) -> bool:
-        """Open the file of a design in place of the one at hand; False where the user would not, or it cannot be read."""
+        """Open a design file in place of the current design; False where the user cancels or it cannot be read."""
 
-    def explain(self, number: NumberAtHand) -> None:
-        """Show where a number comes from."""
+    def explain(self, number: ExplainableNumber) -> None:
+        """Show how a number is calculated."""
 
     def pin(self, design: Design | None = None) -> None:
-        """Keep a design as it is, that at hand where none is named, and hold what is changed against it."""
+        """Pin a design, by default the current one, to compare later changes with it."""
 
-    def mend(self, remedy: Remedy) -> None:
-        """Do what mends a finding."""
+    def apply_remedy(self, remedy: Remedy) -> None:
+        """Apply the remedy of a finding."""
 
     def can(self, entry: str) -> bool:
-        """Whether an entry of the menus can be chosen for the design at hand."""
+        """Whether a menu entry is enabled for the current design."""
 
     def do(self, entry: str) -> None:
-        """Choose an entry of the menus, by its key there; of a menu, open it under the mouse."""
+        """Trigger a menu entry by its key; a menu opens under the mouse."""
 
     def add_drive_by_picture(self) -> None:
-        """One drive more, chosen by its picture."""
+        """Add a drive that the user selects by its picture."""
 
     def add_load(self, name: str) -> None:
-        """A row more in one of the lists of the loads."""
+        """Add a row to one of the lists of loads."""
 
     def pick_load(self, path: str, key: str) -> None:
-        """Let a row of the loads hold on elsewhere, chosen in the drawing."""
+        """Let the user select in the drawing where a load is attached."""
 
     def show_search(self, what: str) -> None:
-        """Find, with this wanted where the design has it."""
+        """Open Find with this search selected, where the design has it."""
 
     def open_load(self, path: str) -> None:
-        """Bring the form of a row of the loads before the reader; empty: what belongs to no row."""
+        """Show the form of a load; empty: the fields that belong to no row."""
 
     def enable_segment_edits(self, able: dict[str, bool]) -> None:
-        """Which edits of a segment make sense now."""
+        """Enable the edits of a segment that are possible now."""
+
+
+# -- view ------------------------------------------------------------------------------------------------
 
 
 class View(QWidget):
-    """A widget over the session's study.
+    """A widget that shows results of the session's study.
 
-    Subclasses state ``stages``, the stages they read, and implement ``refresh`` (the design changed) and
-    ``follow`` (the cam angle changed). Neither is called while the view is hidden or tabbed behind another: it then
-    only remembers that it is out of date. Where a stage has no answer the view shows why in place of its content. Where it
-    fails itself it shows that there, passes the exception on, and rests until it is tried again or another design begins.
+    Subclasses name in ``stages`` the stages they read, and implement ``refresh`` (the design changed) and ``follow`` (the
+    cam angle changed). Neither is called while the view is hidden or tabbed behind another; the view then only notes that
+    it is out of date. Where a stage has no solution the view shows the reason in place of its content. Where the view
+    itself fails it shows the fault, raises the exception again, and waits for "Try again" or another design.
 
-    status_message (str): what has been done, for the status line
+    While the mouse drags something in one view, that view follows every move. All other views refresh through the
+    ``RefreshQueue``, as can parts of the first one (``refresh_in_turn``).
 
-    ``of_whole``: it shows something of all drives, so that it follows each step, though the drive at hand stays the same.
-    ``not_here``: this kind of design has nothing for the view, which shows a sentence instead.
-    ``pause_ms``: a view that is read rather than watched may wait until editing pauses that long; 0 follows each step.
-    While the mouse draws in one view, that keeps pace with it; every other follows in its turn (see ``Turns``), and so may parts of
-    this one (``in_turn``).
-    ``reading_ms``: nor need it show every angle while the cam turns, but one in so long, and the last; 0 shows each.
+    - status_message (str): what has been done, for the status line
+    - ``is_design_wide``: shows all drives, so it refreshes after each step of the design, not only of the selected drive
+    - ``is_unavailable``: this kind of design has nothing for the view, which shows a sentence instead
+    - ``pause_ms``: refresh once editing pauses that long; 0: after each step
+    - ``reading_ms``: shortest time between two angles shown while the cam turns; 0: every angle
     """
 
     status_message = Signal(str)
     stages: tuple[str, ...] = ()
     pause_ms: int = 0
     reading_ms: int = 0
-    of_whole: bool = False
+    is_design_wide: bool = False
 
     def __init__(self, session: Session, player: Player, content: QWidget | None = None) -> None:
         super().__init__()
         self.session, self.player = session, player
-        self._stale, self.not_here = True, False
-        self._shown: Study | None = None  # what the content, or the reason in its place, is of
+        self._stale, self.is_unavailable = True, False
+        self._shown: Study | None = None  # the study of the content, or of the reason in its place
         self._fault: ReasonPage | None = None
         self._trouble: ReasonPage | None = None
         self._content = content if content is not None else QWidget()
@@ -244,30 +269,31 @@ class View(QWidget):
         self._pause.timeout.connect(self._pull_if_seen)
         self._soon = QTimer(self, singleShot=True, interval=0)
         self._soon.timeout.connect(self._pull_if_seen)
-        self._turns = Turns.of(session)
+        self._queue = RefreshQueue.of(session)
         self._reading = QTimer(self, singleShot=True, interval=self.reading_ms)
         self._reading.timeout.connect(self._catch_up)
         self._followed = player.theta
         self._host: ViewHost | None = None
-        self._awaits = False  # something that it reads is being computed, or was given up
+        self._awaits = False  # a result that it reads is being calculated, or was cancelled
         session.pending.known.connect(self._read_again)
         session.started.connect(self._forget_fault)
         session.drive_chosen.connect(self._forget_fault)
-        (session.full_design_changed if self.of_whole else session.design_changed).connect(self.invalidate)
-        TOLD.changed.connect(self.invalidate)
+        (session.full_design_changed if self.is_design_wide else session.design_changed).connect(self.invalidate)
+        DISPLAY.changed.connect(self.invalidate)
         player.angle_changed.connect(self._angle_changed)
-        player.playing_changed.connect(self._cam_rests)
+        player.playing_changed.connect(self._show_last_angle)
 
     @property
     def content(self) -> QWidget:
-        """What the view shows when nothing is in the way, without the page of reasons."""
+        """The widget that shows the results, without the pages for reasons and faults."""
         return self._content
 
     def set_content_layout(self, layout: QLayout) -> None:
+        """Set the layout of the content."""
         self._content.setLayout(layout)
 
     def set_column(self, *rows: QWidget | QLayout, grows: QWidget, spacing: int = 0) -> None:
-        """The content: these one below the other up to its edges; ``grows`` gets the height that the others leave."""
+        """Fill the content with rows, without margins; ``grows`` takes the remaining height."""
         column = QVBoxLayout()
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(spacing)
@@ -281,7 +307,7 @@ class View(QWidget):
     # -- for subclasses -----------------------------------------------------------------------------------
 
     def belong_to(self, window: ViewHost) -> None:
-        """Lead to the window what the view asks of it."""
+        """Connect the view's requests to the window that shows it."""
         self._host = window
         self.status_message.connect(window.show_message)
 
@@ -292,99 +318,102 @@ class View(QWidget):
         """Show this cam angle [rad]."""
 
     def fit(self) -> None:
-        """Bring the whole picture into sight."""
+        """Zoom to show all of the drawing."""
 
-    def number_at_hand(self) -> NumberAtHand | None:
-        """What Shift+F1 explains here, and the entry of the context menu."""
+    def selected_number(self) -> ExplainableNumber | None:
+        """Return the number that Shift+F1 and the context menu explain."""
         return None
 
     @property
     def host(self) -> ViewHost | None:
-        """The window that shows it."""
+        """The window that shows the view."""
         return self._host
 
     def offer_explanation(self, widget: QWidget, text: str = "Explain this value") -> None:
-        """An entry of a widget's context menu that explains the number at hand."""
+        """Add an entry to a widget's context menu that explains the selected number."""
         widget.setContextMenuPolicy(Qt.ContextMenuPolicy.ActionsContextMenu)
         action = QAction(text, widget)
         action.triggered.connect(self._explain)
         widget.addAction(action)
 
     def _explain(self) -> None:
-        number = self.number_at_hand()
+        number = self.selected_number()
         if number is None:
-            self.status_message.emit("Nothing is computed here that could be explained")
+            self.status_message.emit("Select a computed value to explain it")
         elif self._host is not None:
             self._host.explain(number)
 
     def layer_actions(self) -> list[QAction]:
-        """Checkable actions that show and hide parts of the picture, for the menu View > Layers."""
+        """Return checkable actions that show and hide parts of the drawing, for the menu View > Layers."""
         return []
 
     @property
     def no_picture(self) -> str:
-        """Why there is nothing that could be exported as a picture, in a sentence; empty where there is."""
+        """Why the view cannot be exported as a picture, in a sentence; empty where it can."""
         if not self.in_trouble:
             return ""
-        shown = self._stack.currentWidget()
-        return (
-            shown.label.text() if shown is self._trouble else "This view has failed; Try again in it, or read the log."
-        )
+        page = self._stack.currentWidget()
+        return page.label.text() if page is self._trouble else "This view has failed. Press Try again, or see the log."
 
     def picture(self, ending: str) -> bytes:
-        """What is shown as a file: ``.png`` or ``.svg``."""
+        """Return the content as an image file, ``.png`` or ``.svg``."""
         from kindyna_gui.pictures.painter import png, svg
 
         return self.on_paper(self._content, svg if ending == ".svg" else png)
 
     def on_paper(self, part: QWidget, paint: Callable[[QWidget], bytes]) -> bytes:
-        """A part of the view as a file has it; the view itself is as before."""
+        """Paint a part of the view in the colours and units of files; the view itself does not change."""
         if is_default() and not SCREEN.is_dark:
             return paint(part)
         with on_paper(part):
             self.invalidate()
             self.pull()
-            made = paint(part)
+            content = paint(part)
         self.invalidate()
-        return made
+        return content
 
     def show_reason(self, error: KindynaError) -> None:
-        """Show in place of the content why there is none."""
-        self.not_here = isinstance(error, Unavailable)
+        """Show the reason for a missing result in place of the content."""
+        self.is_unavailable = isinstance(error, Unavailable)
         if self._trouble is None:
             self._trouble = ReasonPage()
             self._stack.addWidget(self._trouble)
-        self._trouble.label.setText(str(error) if self.not_here else reason(self.session.design, error))
+        self._trouble.label.setText(str(error) if self.is_unavailable else reason(self.session.design, error))
         if self._host is not None:
             self._trouble.offer(suggestions_for(str(error)), self._host)
         self._stack.setCurrentWidget(self._trouble)
 
-    def in_turn(self, do: Callable[[], None]) -> None:
-        """Do this part of ``refresh`` between two moves of the mouse."""
-        self._turns.wait(self, do)
+    def refresh_in_turn(self, job: Callable[[], None]) -> None:
+        """Run this part of ``refresh`` between two moves of the mouse."""
+        self._queue.append(self, job)
 
-    # -- when ---------------------------------------------------------------------------------------------
+    # -- time of a refresh ----------------------------------------------------------------------------------
 
     @property
-    def _waits_its_turn(self) -> bool:
-        """Whether the mouse draws something in another view than this."""
-        at = self.session.drag_source
-        return not (at is None or self.pause_ms or at is self or (isinstance(at, QWidget) and self.isAncestorOf(at)))
+    def _is_queued(self) -> bool:
+        """Whether the mouse drags something in another view."""
+        source = self.session.drag_source
+        return not (
+            source is None
+            or self.pause_ms
+            or source is self
+            or (isinstance(source, QWidget) and self.isAncestorOf(source))
+        )
 
     @property
     def up_to_date(self) -> bool:
-        """False also while a design is in place that the view does not show yet."""
+        """Whether the view shows the current study."""
         return not self._stale and self._shown is self.session.study
 
     def on_screen(self) -> bool:
-        """True where something of the view can be seen."""
-        return in_sight(self)
+        """Whether something of the view can be seen."""
+        return is_in_sight(self)
 
     def invalidate(self) -> None:
-        """The design changed: refresh now, or when editing pauses, if on screen; else when shown."""
+        """Refresh now, or once editing pauses, if the view is on screen; else when it is shown."""
         self._stale = True
-        if self._waits_its_turn:
-            self._turns.wait(self, self._take_turn)
+        if self._is_queued:
+            self._queue.append(self, self._refresh_from_queue)
         elif self.on_screen():
             if self.pause_ms:
                 self._pause.start()
@@ -392,10 +421,10 @@ class View(QWidget):
                 self.pull()
 
     def pull(self) -> None:
-        """Refresh if out of date."""
+        """Refresh if the view is out of date."""
         if not self._stale or self._fault is not None:
             return
-        self._stale, self.not_here = False, False
+        self._stale, self.is_unavailable = False, False
         self._soon.stop()
         self._shown = self.session.study
         try:
@@ -411,7 +440,7 @@ class View(QWidget):
             raise
 
     def _follow(self) -> None:
-        """Show the cam angle at hand."""
+        """Show the current cam angle."""
         self._followed = self.player.theta
         try:
             with postponing(self._later):
@@ -421,7 +450,7 @@ class View(QWidget):
             raise
 
     def _later(self, key: Hashable, compute: Callable[[], Any]) -> str:
-        """What is read may take long: it is computed beside the window, and shown once it is there."""
+        """Calculate a slow result in the background; the view refreshes once it is known."""
         state = self.session.pending.later(key, compute)
         self._awaits = self._awaits or bool(state)
         return state
@@ -432,10 +461,10 @@ class View(QWidget):
             self.invalidate()
 
     def _fail(self, error: Exception) -> None:
-        """Show in place of the content that the view has failed."""
+        """Show the fault in place of the content."""
         if self._fault is None:
             self._fault = ReasonPage(self._try_again)
-            self._fault.label.setText(f"This view has failed ({short(error)}). The rest of the window works on.")
+            self._fault.label.setText(f"This view has failed ({short(error)}). The rest of the window still works.")
             self._stack.addWidget(self._fault)
         self._stack.setCurrentWidget(self._fault)
 
@@ -451,27 +480,29 @@ class View(QWidget):
         self.pull()
 
     def settle(self) -> None:
-        """Do now what waits for a pause."""
-        self._cam_rests()
+        """Run now what waits for a pause in editing."""
+        self._show_last_angle()
 
     def leave(self) -> None:
-        """The window closes: nothing may be computed beside it any longer."""
+        """Stop all calculations in the background, because the window closes."""
 
     @property
     def busy(self) -> bool:
-        """Whether something shown is still being computed beside the window, or waits for the cam to rest."""
+        """Whether something shown is being calculated in the background, or waits for the cam to stop."""
         return self._reading.isActive() and self._followed != self.player.theta
 
     @property
     def in_trouble(self) -> bool:
-        """Whether the view shows why it has nothing to show."""
+        """Whether the view shows a reason or a fault in place of its content."""
         return self._stack.currentWidget() is not self._content
 
     def wake(self) -> None:
-        """The view may have come into sight: catch up once the events at hand are done, what is read rather than watched
-        after all others have been painted."""
-        if self._stale and self._waits_its_turn:
-            self._turns.wait(self, self._take_turn)
+        """Refresh a view that may have come into sight, once the current events are handled.
+
+        Views with a ``pause_ms`` refresh after all others are painted.
+        """
+        if self._stale and self._is_queued:
+            self._queue.append(self, self._refresh_from_queue)
         elif self.pause_ms and self._stale:
             soon(self, self._soon.start)
         else:
@@ -486,16 +517,16 @@ class View(QWidget):
                 self._reading.start()
             self._follow()
 
-    def _cam_rests(self) -> None:
+    def _show_last_angle(self) -> None:
         self._reading.stop()
         self._catch_up()
 
     def _catch_up(self) -> None:
-        """Show the angle at hand where it has been left out so far."""
+        """Show the current angle if it was skipped."""
         if self._followed != self.player.theta:
             self._angle_changed(self.player.theta)
 
-    def _take_turn(self) -> None:
+    def _refresh_from_queue(self) -> None:
         if self._stale and self.on_screen():
             self.pull()
 
@@ -522,22 +553,25 @@ class View(QWidget):
 
 
 class BackgroundView(View):
-    """``refresh`` starts the jobs. Another design, a reason for nothing, or a view that is hidden ends what is being computed."""
+    """A view whose ``refresh`` starts jobs in the background.
+
+    A change of the design, a reason in place of the content, and hiding the view stop the jobs.
+    """
 
     def __init__(self, session: Session, player: Player, poll_ms: int | None = None) -> None:
         super().__init__(session, player)
         self._work = Background(self) if poll_ms is None else Background(self, poll_ms)
 
-    def _rest(self) -> None:
-        """Nothing is being computed any longer."""
+    def _stop_work(self) -> None:
+        """Stop the calculation in the background."""
         self._work.stop()
 
     def invalidate(self) -> None:
-        self._rest()
+        self._stop_work()
         super().invalidate()
 
     def show_reason(self, error: KindynaError) -> None:
-        self._rest()
+        self._stop_work()
         super().show_reason(error)
 
     @property
@@ -556,5 +590,5 @@ class BackgroundView(View):
     def hideEvent(self, event: QHideEvent) -> None:
         super().hideEvent(event)
         if self._work.busy:
-            self._rest()
+            self._stop_work()
             self._stale = True

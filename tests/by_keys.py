@@ -12,7 +12,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
 from window_user import settle
 
-from kindyna_gui.view import in_sight
+from kindyna_gui.view import is_in_sight
 
 MOST = 400
 AROUND = 3  # pixels: frames around what has the keys stand outside of it
@@ -34,7 +34,7 @@ def stops(root: QWidget) -> Iterator[QWidget]:
             part = each
             while part.parentWidget() is not root:
                 part = part.parentWidget()
-            if in_sight(part):
+            if is_in_sight(part):
                 yield each
 
 
@@ -62,7 +62,7 @@ def go_round(root: QWidget, known: set[type]) -> Round:
             passed.wrong += [f"Tab does not come back to {way(each)} {each.accessibleName()}" for each in left]
             break
         passed.stops.append(at)
-        if not in_sight(at):
+        if not is_in_sight(at):
             passed.wrong.append(f"out of sight: {way(at)} {at.accessibleName()}")
         with_keys = looks(at) if type(at) not in known and at.isVisible() and len(passed.stops) > 1 else None
         QTest.keyClick(at, Qt.Key.Key_Tab)

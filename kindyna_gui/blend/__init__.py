@@ -1,1 +1,1 @@
-"""The blend wizard."""
+"""Make > Blend and Make > Blend a sequence: motions composed of elementary curves."""

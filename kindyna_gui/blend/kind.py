@@ -1,4 +1,4 @@
-"""The first two questions of the blend wizard."""
+"""Motion type and constant velocity of a blend, with icons of types and curves."""
 
 from __future__ import annotations
 
@@ -22,72 +22,70 @@ from kindyna_gui.pictures.style import SCREEN, of_theme
 
 TYPE_SIZE, CURVE_SIZE = QSize(96, 46), QSize(72, 26)
 QUANTITIES = ("displacement", "velocity", "acceleration")
-EDGE, GAP, WIDTH = 2.0, 4.0, 1.5  # around the curves, between them, of a line [pixels]
-_NONE = 1e-9
+MARGIN, GAP, LINE_WIDTH = 2.0, 4.0, 1.5  # [pixels]
+LEAST_HEIGHT = 1e-9  # of a curve that is not constant
 
 
 @of_theme
 def type_icon(motion_type: str) -> QIcon:
-    """The picture of a type of motion, its three curves below each other."""
-    return _icon(type_shape(motion_type), TYPE_SIZE, below=True)
+    """Icon of a motion type: its three curves, one below the other."""
+    return _icon(type_shape(motion_type), TYPE_SIZE, is_column=True)
 
 
 @of_theme
 def curve_icon(curve: str) -> QIcon:
-    """The picture of an elementary curve: displacement, velocity and acceleration side by side, as a row of a table has room."""
-    return _icon(curve_shape(curve), CURVE_SIZE, below=False)
+    """Icon of an elementary curve: displacement, velocity and acceleration side by side."""
+    return _icon(curve_shape(curve), CURVE_SIZE, is_column=False)
 
 
-def _icon(shape: np.ndarray, size: QSize, below: bool) -> QIcon:
-    made = QIcon()
+def _icon(shape: np.ndarray, size: QSize, is_column: bool) -> QIcon:
+    icon = QIcon()
     for ratio in (1, 2):
-        picture = QPixmap(size * ratio)
-        picture.setDevicePixelRatio(ratio)
-        picture.fill(Qt.GlobalColor.transparent)
-        painter = QPainter(picture)
+        pixmap = QPixmap(size * ratio)
+        pixmap.setDevicePixelRatio(ratio)
+        pixmap.fill(Qt.GlobalColor.transparent)
+        painter = QPainter(pixmap)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        width, height = size.width() - 2.0 * EDGE, size.height() - 2.0 * EDGE
+        width, height = size.width() - 2.0 * MARGIN, size.height() - 2.0 * MARGIN
         for k, quantity in enumerate(QUANTITIES):
-            if below:
+            if is_column:
                 part = (height - 2.0 * GAP) / 3.0
-                box = (EDGE, EDGE + k * (part + GAP), width, part)
+                box = (MARGIN, MARGIN + k * (part + GAP), width, part)
             else:
                 part = (width - 2.0 * GAP) / 3.0
-                box = (EDGE + k * (part + GAP), EDGE, part, height)
+                box = (MARGIN + k * (part + GAP), MARGIN, part, height)
             _draw(painter, shape[0], shape[k + 1], box, SCREEN.family(quantity))
         painter.end()
-        made.addPixmap(picture)
-    return made
+        icon.addPixmap(pixmap)
+    return icon
 
 
 def _draw(painter: QPainter, x: np.ndarray, y: np.ndarray, box: tuple[float, float, float, float], colour: str) -> None:
-    """One curve in its box (left, top, width, height), on a line at 0."""
+    """Draw a curve into its box (left, top, width, height), with a line at 0."""
     left, top, width, height = box
     low, high = min(0.0, float(y.min())), max(0.0, float(y.max()))
-    moves = high - low > _NONE
-    size, above = (high - low, high) if moves else (2.0, 1.0)  # what is 0 all along lies in the middle
+    size, above = (high - low, high) if high - low > LEAST_HEIGHT else (2.0, 1.0)  # a constant 0 is in the middle
     across = left + width * (x - x[0]) / (x[-1] - x[0])
     down = top + height * (above - y) / size
     zero = top + height * above / size
     painter.setPen(QPen(QColor(SCREEN.faint), 1.0))
     painter.drawLine(QPointF(left, zero), QPointF(left + width, zero))
-    painter.setPen(QPen(QColor(colour), WIDTH))
+    painter.setPen(QPen(QColor(colour), LINE_WIDTH))
     painter.drawPolyline(QPolygonF([QPointF(a, b) for a, b in zip(across.tolist(), down.tolist(), strict=True)]))
 
 
-# -- kind ------------------------------------------------------------------------------------------------
+# -- motion type and constant velocity -------------------------------------------------------------------
 
 TYPES: Mapping[str, str] = MappingProxyType(
     {"DRD": "Rise", "DRD-return": "Return", "DRRD": "Rise, return", "RRR": "No dwell"}
 )
-"""Type of motion -> what stands under its picture."""
+"""Motion type -> text below its icon."""
 
 
 class KindChoice(QWidget):
-    """Type of motion and constant velocity.
+    """Buttons for the motion type and for the strokes with a constant velocity.
 
-    type_chosen   another type
-    changed       another constant velocity
+    Signals: ``type_chosen`` when the type changes, ``changed`` when the constant velocity does.
     """
 
     type_chosen = Signal()
@@ -98,19 +96,19 @@ class KindChoice(QWidget):
         self.label = quiet()
         self.types: dict[str, QToolButton] = {}
         self.constants: dict[str, QRadioButton] = {}
-        head = QHBoxLayout()
-        head.addWidget(bold_label("Motion type"))
-        head.addSpacing(8)
-        head.addWidget(self.label, 1)
+        header = QHBoxLayout()
+        header.addWidget(bold_label("Motion type"))
+        header.addSpacing(8)
+        header.addWidget(self.label, 1)
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(6)
-        column.addLayout(head)
-        column.addLayout(self._pictures())
-        column.addLayout(self._strokes())
-        self.answer("DRRD", "none")
+        column.addLayout(header)
+        column.addLayout(self._type_row())
+        column.addLayout(self._constant_row())
+        self.set_choice("DRRD", "none")
 
-    def _pictures(self) -> QHBoxLayout:
+    def _type_row(self) -> QHBoxLayout:
         group = QButtonGroup(self)
         row = QHBoxLayout()
         row.setSpacing(4)
@@ -130,14 +128,14 @@ class KindChoice(QWidget):
             self.types[name] = button
         return row
 
-    def _strokes(self) -> QHBoxLayout:
+    def _constant_row(self) -> QHBoxLayout:
         group = QButtonGroup(self)
         row = QHBoxLayout()
         row.addWidget(bold_label("Constant velocity"))
         row.addSpacing(8)
         for name in CONSTANT_VELOCITY:
             button = QRadioButton(name.capitalize())
-            button.setToolTip("No stretch of constant velocity" if name == "none" else f"A stretch of it: {name}")
+            button.setToolTip("No constant velocity" if name == "none" else f"Constant velocity: {name}")
             button.clicked.connect(self.changed)
             group.addButton(button)
             row.addWidget(button)
@@ -147,15 +145,16 @@ class KindChoice(QWidget):
 
     @property
     def type(self) -> str:
+        """Key of the selected motion type."""
         return next(name for name, button in self.types.items() if button.isChecked())
 
     @property
     def constant(self) -> str:
-        """The constant that is chosen, by its name."""
+        """Key of the strokes with a constant velocity."""
         return next(name for name, button in self.constants.items() if button.isChecked())
 
-    def answer(self, motion_type: str, constant: str) -> None:
-        """Show these choices, without emitting a signal."""
+    def set_choice(self, motion_type: str, constant: str) -> None:
+        """Select type and constant velocity without emitting a signal."""
         self.types[motion_type].setChecked(True)
         self.constants[constant].setChecked(True)
         self._show_type()
@@ -165,10 +164,10 @@ class KindChoice(QWidget):
         self.type_chosen.emit()
 
     def _show_type(self) -> None:
-        """Only strokes that the motion has can have a constant velocity; a choice of the other stroke goes to the stroke there is."""
-        able, was = constants(self.type), self.constant
+        """Enable the strokes that the type has; a selected stroke that it does not have becomes one that it has."""
+        available, previous = constants(self.type), self.constant
         self.label.setText(MOTION_TYPES[self.type].label)
         for name, button in self.constants.items():
-            button.setEnabled(name in able)
-        if was not in able:
-            self.constants[next(name for name in able if name != "none")].setChecked(True)
+            button.setEnabled(name in available)
+        if previous not in available:
+            self.constants[next(name for name in available if name != "none")].setChecked(True)

@@ -1,4 +1,4 @@
-"""Its questions."""
+"""Form of the blend wizard, and its page *Which curve follows*."""
 
 from __future__ import annotations
 
@@ -49,9 +49,9 @@ from kindyna_gui.pictures.units import MINUS, nice_below
 from kindyna_gui.rebuilt import Rebuilt
 from kindyna_gui.settings import symbol_of
 
-# -- questions -------------------------------------------------------------------------------------------
+# -- form of the request ---------------------------------------------------------------------------------
 
-ANY_SEQUENCE = "chosen by the settings"
+ANY_SEQUENCE = "selected by the settings"
 GOAL_TEXTS: Mapping[str, str] = MappingProxyType(
     {
         "": "nothing",
@@ -64,10 +64,7 @@ assert set(GOAL_TEXTS) == {"", *GOALS}
 
 
 class Questions(QWidget):
-    """The form of a request.
-
-    changed   another answer, also while it is being typed
-    """
+    """Form of a request; ``changed`` is emitted with every change, also while the user types."""
 
     changed = Signal()
 
@@ -83,24 +80,24 @@ class Questions(QWidget):
         self.kind.changed.connect(self._emit_changed)
         self.kind.type_chosen.connect(self._type_chosen)
         column.addWidget(self.kind)
-        column.addLayout(self._sizes())
-        column.addLayout(self._settings_head())
+        column.addLayout(self._size_rows())
+        column.addLayout(self._settings_header())
         self.settings = SettingsArea(unit)
         self.settings.changed.connect(self._emit_changed)
         column.addWidget(self.settings, 1)
-        column.addLayout(self._choices())
+        column.addLayout(self._choice_rows())
         self.general = MessageLabel(SCREEN.limit)
         column.addWidget(self.general)
 
-    # -- building -------------------------------------------------------------------------------------------
+    # -- layout ------------------------------------------------------------------------------------------
 
-    def _sizes(self) -> QGridLayout:
+    def _size_rows(self) -> QGridLayout:
         length = Info("Stroke", "highest minus lowest position", 0.0, LONGEST_MM, open_low=True, step=1.0)
         angle = partial(Info, low=0.0, high=360.0, step=1.0)
         unit, degree = UNITS[self.unit], UNITS["deg"]
         self.stroke = LiveBox(length, unit)
         self.unequal = QCheckBox("Return stroke")
-        self.unequal.setToolTip("The return is as long as the rise unless this is ticked")
+        self.unequal.setToolTip("Give the return another stroke than the rise")
         self.back = LiveBox(replace(length, label="Return stroke"), unit)
         self.start = LiveBox(angle("From", "cam angle where the motion starts"), degree)
         self.end = LiveBox(angle("To", "cam angle where the motion ends"), degree)
@@ -128,20 +125,22 @@ class Questions(QWidget):
         self.unequal.toggled.connect(self._unequal_toggled)
         return grid
 
-    def _settings_head(self) -> QHBoxLayout:
+    def _settings_header(self) -> QHBoxLayout:
         row = QHBoxLayout()
         row.addWidget(bold_label("Settings"), 0, Qt.AlignmentFlag.AlignTop)
         row.addSpacing(8)
         self.count = QLabel(wordWrap=True)
         self.count.setAlignment(Qt.AlignmentFlag.AlignTop)
-        self.count.setFixedHeight(2 * self.count.fontMetrics().lineSpacing())  # so that nothing moves
+        self.count.setFixedHeight(
+            2 * self.count.fontMetrics().lineSpacing()
+        )  # room for two lines: the form keeps its layout
         row.addWidget(self.count, 1)
         return row
 
-    def _choices(self) -> QGridLayout:
+    def _choice_rows(self) -> QGridLayout:
         self.sequence, self.goal = WordBox(), WordBox()
-        self.sequence.setToolTip("Curves, and how many settings they take")
-        self.goal.setToolTip("What is made of the freedom that the settings leave")
+        self.sequence.setToolTip("Sequence of curves, and the number of settings it requires")
+        self.goal.setToolTip("If settings are left open, minimise this")
         for goal, text in GOAL_TEXTS.items():
             self.goal.addItem(text, goal)
         for box in (self.sequence, self.goal):
@@ -157,11 +156,13 @@ class Questions(QWidget):
             grid.addWidget(box, i, 1)
         return grid
 
-    # -- what is answered -----------------------------------------------------------------------------------
+    # -- request -----------------------------------------------------------------------------------------
 
     def request(self) -> WizardRequest:
-        """The answers; what is no number is left out, so call ``find_faults`` first. While start and end leave the curves no room, those
-        that did last: they say which sequences there are."""
+        """Return the request as typed; fields without a number are left out, so call ``find_faults`` first.
+
+        While start and end leave no room for curves, the last valid ones are used: they decide which sequences are possible.
+        """
         start, end = self.start.number, self.end.number
         if start is not None and end is not None and has_room(start, end):
             self._angles = start, end
@@ -175,16 +176,16 @@ class Questions(QWidget):
             start=self._angles[0],
             end=self._angles[1],
             given=self.settings.given,
-            points=self.settings.passed,
+            points=self.settings.precision_points,
             sequence=sequence,
             mirrored=mirrored,
             goal=self.goal.currentData(),
             unit=self.unit,
         )
 
-    def answer(self, request: WizardRequest) -> None:
-        """Show these answers, without emitting ``changed``."""
-        self.kind.answer(request.type, request.constant)
+    def set_request(self, request: WizardRequest) -> None:
+        """Fill the form with a request, without emitting ``changed``."""
+        self.kind.set_choice(request.type, request.constant)
         for box, value in (
             (self.stroke, request.stroke),
             (self.back, request.return_stroke or request.stroke),
@@ -195,17 +196,17 @@ class Questions(QWidget):
         blocked = self.unequal.blockSignals(True)
         self.unequal.setChecked(bool(request.return_stroke))
         self.unequal.blockSignals(blocked)
-        self.settings.answer(request)
+        self.settings.set_request(request)
         self._show_type()
         self._fill_sequences(request)
         self.choose_sequence(request.sequence, request.mirrored)
         self.goal.setCurrentIndex(self.goal.findData(request.goal))
         self.show_request()
 
-    # -- what follows ---------------------------------------------------------------------------------------
+    # -- sequences ---------------------------------------------------------------------------------------
 
     def show_request(self) -> None:
-        """Show what follows from the answers: which sequences and settings there are, how many settings are missing."""
+        """Show the sequences and settings that are possible, and how many settings are missing."""
         self._fill_sequences(self.request())
         self.settings.show_request(self.request())
         request = self.request()
@@ -215,46 +216,46 @@ class Questions(QWidget):
             self.stroke.set_step(min(nice_below(request.stroke / 20.0), 1.0))
 
     def _fill_sequences(self, request: WizardRequest) -> None:
-        """List the sequences of the motion; the one chosen stays, if it is still among them."""
+        """List the sequences of the motion; the selected one stays selected if it is still possible."""
         rows = open_candidates(request)
         symmetric = {str(row.sequence) for row in rows if row.family.mirrored}
         named = [(str(row.sequence), row.family.mirrored if str(row.sequence) in symmetric else None) for row in rows]
         texts = [ANY_SEQUENCE]
         for (name, mirrored), row in zip(named, rows, strict=True):
-            wants = f"{row.freedom or 'no'} setting{'' if row.freedom == 1 else 's'}"
-            texts.append(f"{name}{', return mirrored' if mirrored else ''}   {wants}")
+            required = f"{row.freedom or 'no'} setting{'' if row.freedom == 1 else 's'}"
+            texts.append(f"{name}{', return mirrored' if mirrored else ''}   {required}")
         if texts == [self.sequence.itemText(i) for i in range(self.sequence.count())]:
             return
-        kept = self.chosen_sequence
+        previous = self.chosen_sequence
         self._sequences = [(AUTOMATIC, None), *named]
         self.sequence.clear()
         self.sequence.addItems(texts)
-        self.choose_sequence(*kept)
+        self.choose_sequence(*previous)
 
     @property
     def chosen_sequence(self) -> tuple[str, bool | None]:
-        """The sequence and whether its return is mirrored, None where that is no question."""
+        """Selected sequence, and whether its return is mirrored (None where it has only one form)."""
         return self._sequences[max(self.sequence.currentIndex(), 0)]
 
     def take_sequence(self, name: str) -> None:
-        """Choose a sequence by its name, as if it were chosen in the list."""
-        self.choose_sequence(name, next((mirrored for each, mirrored in self._sequences if each == name), None))
+        """Select a sequence by its name, as the user does in the list."""
+        self.choose_sequence(name, next((mirrored for row, mirrored in self._sequences if row == name), None))
         self.changed.emit()
 
     def choose_sequence(self, name: str, mirrored: bool | None) -> None:
-        """Choose a sequence; one that the motion does not have leaves the choice to the settings."""
-        at = self._sequences.index((name, mirrored)) if (name, mirrored) in self._sequences else 0
-        self.sequence.setCurrentIndex(at)
+        """Select a sequence; for one that the motion does not have, the settings select."""
+        row = (name, mirrored)
+        self.sequence.setCurrentIndex(self._sequences.index(row) if row in self._sequences else 0)
 
-    # -- faults ---------------------------------------------------------------------------------------------
+    # -- faults ------------------------------------------------------------------------------------------
 
     def find_faults(self) -> bool:
-        """Show beside each field why its number is not allowed; True where one is not."""
+        """Show below each field why its number is not allowed; True if there is such a field."""
         self.general.show_message("")
         start, end = self.start.number, self.end.number
         crossed = start is not None and end is not None and not start <= end - LEAST_SPAN
-        behind = f"The end must lie behind the start, by {LEAST_SPAN:g}° at least" if crossed else ""
-        angles = self.start.fault() or self.end.fault() or behind
+        order = f"The end must be at least {LEAST_SPAN:g}° after the start" if crossed else ""
+        angles = self.start.fault() or self.end.fault() or order
         back = self.back.fault() if self.unequal.isChecked() and has_both(self.kind.type) else ""
         strokes = self.stroke.fault() or back
         for label, text in zip(self.size_faults, (strokes, angles), strict=True):
@@ -266,18 +267,18 @@ class Questions(QWidget):
         return bool(self.settings.find_faults() or strokes or angles)
 
     def show_error(self, error: BlendError) -> None:
-        """Show why there is no such motion, beside the field at fault."""
-        if not self.settings.blame(error):
+        """Show why there is no such motion, next to the field that causes it if it is known."""
+        if not self.settings.show_error(error):
             self.general.show_message(reason(error))
 
-    # -- what the user does ---------------------------------------------------------------------------------
+    # -- actions of the user -----------------------------------------------------------------------------
 
     def _emit_changed(self, *_: object) -> None:
         self.changed.emit()
 
     def _type_chosen(self) -> None:
         self._show_type()
-        if self.kind.type == "RRR":  # without a dwell there is no other place to start and end
+        if self.kind.type == "RRR":  # a motion without dwells takes the full turn
             self.start.set_number(0.0)
             self.end.set_number(360.0)
         self._emit_changed()
@@ -294,10 +295,10 @@ class Questions(QWidget):
         self._emit_changed()
 
 
-# -- succession ------------------------------------------------------------------------------------------
+# -- which curve follows ---------------------------------------------------------------------------------
 
 HEADINGS = ("Curve", "s", "v", "a")
-HINT = "Choose a step of the sequence, or a curve of the table: green curves may follow it."
+HINT = "Select a step of the sequence, or a curve of the table: green curves may follow it."
 
 
 def _signs(text: str) -> str:
@@ -309,9 +310,9 @@ def _ends(signs: tuple[int, int]) -> str:
 
 
 class SuccessionPage(QFrame):
-    """The curves of the planned sequence as buttons between their states; the table of all curves.
+    """The curves of the planned sequence as buttons between their end states, and a table of all curves.
 
-    curve   what the table shows the successors of
+    The table shows which curves may follow ``curve``.
     """
 
     def __init__(self) -> None:
@@ -322,10 +323,10 @@ class SuccessionPage(QFrame):
         self._type, self._sequence = "", CurveSequence((), ())
         self._stale = False
         self.chosen: tuple[str, ...] = ()
-        """The first curves of the sequence up to the chosen step, or the one curve that was chosen in the table."""
+        """First curves of the sequence up to the selected step, or the one curve selected in the table."""
         self.steps: list[QToolButton] = []
         self.motion = quiet()
-        self._place = Rebuilt()
+        self._sequence_area = Rebuilt()
         self.verdict = QLabel(wordWrap=True)
         self.verdict.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.table = RowsTable([*(TableHeading(text) for text in HEADINGS), TableHeading("May it follow?", wide=True)])
@@ -337,7 +338,7 @@ class SuccessionPage(QFrame):
         column.setContentsMargins(8, 6, 8, 6)
         column.setSpacing(4)
         column.addWidget(self.motion)
-        column.addWidget(self._place)
+        column.addWidget(self._sequence_area)
         column.addWidget(self.verdict)
         hint = quiet(HINT)
         hint.setWordWrap(True)
@@ -346,20 +347,20 @@ class SuccessionPage(QFrame):
 
     @property
     def curve(self) -> str:
-        """The last curve that is chosen; empty where none is."""
+        """The last selected curve; empty if none is selected."""
         return self.chosen[-1] if self.chosen else ""
 
     def show_sequence(self, motion_type: str, sequence: CurveSequence) -> None:
-        """Show the curves of a motion; the step that was chosen stays chosen where the motion begins with the same curves."""
+        """Show the curves of a motion; the selected step stays selected if the motion begins with the same curves."""
         if (motion_type, sequence) == (self._type, self._sequence):
             return
         self._type, self._sequence, self._stale = motion_type, sequence, True
-        kept = sequence.curves[: len(self.chosen)] == self.chosen and self.chosen
-        self.chosen = self.chosen if kept else sequence.curves[:1]
+        if sequence.curves[: len(self.chosen)] != self.chosen or not self.chosen:
+            self.chosen = sequence.curves[:1]
         self._refresh()
 
     def choose(self, curves: tuple[str, ...]) -> None:
-        """Show what may follow the last of these curves, and why others may not."""
+        """Show which curves may follow the last of these, and why the others may not."""
         self.chosen = curves
         self._refresh()
 
@@ -368,7 +369,7 @@ class SuccessionPage(QFrame):
         self._refresh()
 
     def _refresh(self) -> None:
-        """Nothing of it is made before it is seen."""
+        """Rebuild the page, once it is visible."""
         if not self.isVisible() or not self.chosen:
             return
         if self._stale:
@@ -376,14 +377,14 @@ class SuccessionPage(QFrame):
             self.motion.setText(
                 f"{MOTION_TYPES[self._type].label}: signs of velocity and acceleration where curves meet"
             )
-            self._place.replace(self._sequence_row())
-        place = len(self.chosen) - 1 if self._in_sequence else -1
+            self._sequence_area.replace(self._sequence_row())
+        step = len(self.chosen) - 1 if self._is_in_sequence else -1
         for i, button in enumerate(self.steps):
-            button.setChecked(i == place)
+            button.setChecked(i == step)
         self._show_table()
 
     @property
-    def _in_sequence(self) -> bool:
+    def _is_in_sequence(self) -> bool:
         return self._sequence.curves[: len(self.chosen)] == self.chosen
 
     def _sequence_row(self) -> QWidget:
@@ -402,7 +403,7 @@ class SuccessionPage(QFrame):
             button.setIconSize(CURVE_SIZE * 0.8)
             button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
             button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-            button.setToolTip(f"{name} ends {state_words(state)}: what may follow it")
+            button.setToolTip(f"Show which curves may follow {name}, which ends {state_words(state)}")
             button.clicked.connect(partial(self._step, i))
             group.addButton(button)
             self.steps.append(button)
@@ -423,16 +424,16 @@ class SuccessionPage(QFrame):
         self.choose((TABLE[index.row()].curve,))
 
     def _show_table(self) -> None:
-        kind = self._type if self._in_sequence else ""
-        rows, able = [], []
+        kind = self._type if self._is_in_sequence else ""
+        rows, followers = [], []
         for row in TABLE:
             verdict = succession_verdict(self.chosen, row.curve, kind)
-            able += [row.curve] if verdict.may_follow else []
+            followers += [row.curve] if verdict.may_follow else []
             cells = (row.curve, _ends(row.displacement), _ends(row.velocity), _ends(row.acceleration))
             colour = SCREEN.good if verdict.is_possible else SCREEN.ink if verdict.may_follow else SCREEN.quiet
             words = verdict.reason[0].upper() + verdict.reason[1:]
             rows.append(TableRow((*cells, words), icon=curve_icon(row.curve), tip=words, colour=colour))
         end = ELEMENTS[self.curve].end
         ends = f"<b>{self.curve}</b> ends {state_words(end)} ({_signs(state_text(end))})"
-        self.verdict.setText(f"{ends}. May follow: <b>{', '.join(able)}</b>")
+        self.verdict.setText(f"{ends}. May follow: <b>{', '.join(followers)}</b>")
         self.table.show_rows(rows)

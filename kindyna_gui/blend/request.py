@@ -1,4 +1,4 @@
-"""Its request and texts."""
+"""Request of the blend wizard, the settings it offers, and the texts that the wizard shows."""
 
 from __future__ import annotations
 
@@ -29,26 +29,33 @@ from kindyna_gui.labels import law_label
 from kindyna_gui.pictures.units import MINUS, brief, measure, number, readable, short
 from kindyna_gui.settings import size_of
 
-# -- request ---------------------------------------------------------------------------------------------
-
 POINT = "point"
-AUTOMATIC = ""
+AUTOMATIC = ""  # the settings select the sequence
+CONSTANT_LAWS = ("cv1", "cv2")  # constant velocity of a rise and of a return
+SAME = 1e-9  # a range narrower than this, relative to its ends, is one value
+DIGITS = 6  # of the ends of a range
+PENDING = "…"  # shown while a range is computed
+HEADINGS = ("Curve", "Height {u}", "Span °", "From °", "To °", "From {u}", "To {u}")
+
+# -- settings --------------------------------------------------------------------------------------------
 
 
 @frozen
 class Setting:
-    """One row of the table of settings.
+    """A setting of a blend.
 
-    symbol  its name in the text of its range
-    per     its unit, {u} being that of the motion
-    share   where in its feasible range a value begins when the setting is ticked
-    help    what it is
+    Attributes
+    ----------
+    symbol : name in the text of its feasible range
+    unit : symbol of its unit; {u} is the unit of the motion
+    share : initial value as a share of the feasible range
+    help : one line for its tip
     """
 
     name: str
     label: str
     symbol: str
-    per: str
+    unit: str
     share: float
     help: str
 
@@ -65,17 +72,31 @@ SETTINGS: Mapping[str, Setting] = MappingProxyType(
     {
         row.name: row
         for row in (
-            Setting("h1", "h1", "h1", "{u}", 0.1, "height of the first curve of the rise"),
-            Setting("h2", "h2", "h2", "{u}", 0.8, "height of the constant velocity of the rise"),
-            Setting("h3", "h3", "h3", "{u}", 0.1, "height of the last curve of the rise"),
-            Setting("vcv", "Vcv", "Vcv", "{u}/°", 0.4, "largest velocity of the rise, per degree of cam angle"),
-            Setting("h4", "h4", "h4", "{u}", 0.1, "height of the first curve of the return"),
-            Setting("h5", "h5", "h5", "{u}", 0.8, "height of the constant velocity of the return"),
-            Setting("h6", "h6", "h6", "{u}", 0.1, "height of the last curve of the return"),
-            Setting("vcv2", "Vcv2", "Vcv2", "{u}/°", 0.4, "largest velocity of the return, per degree of cam angle"),
-            Setting("length", "Length", "length", "°", 0.5, "cam angle that the constant velocity takes"),
+            Setting("h1", "Height (h1)", "h1", "{u}", 0.1, "height of the first curve of the rise"),
+            Setting("h2", "Height (h2)", "h2", "{u}", 0.8, "height of the constant velocity of the rise"),
+            Setting("h3", "Height (h3)", "h3", "{u}", 0.1, "height of the last curve of the rise"),
             Setting(
-                "length2", "Length 2", "length2", "°", 0.5, "cam angle that the constant velocity of the return takes"
+                "vcv", "Velocity (Vcv)", "Vcv", "{u}/°", 0.4, "largest velocity of the rise, per degree of cam angle"
+            ),
+            Setting("h4", "Height (h4)", "h4", "{u}", 0.1, "height of the first curve of the return"),
+            Setting("h5", "Height (h5)", "h5", "{u}", 0.8, "height of the constant velocity of the return"),
+            Setting("h6", "Height (h6)", "h6", "{u}", 0.1, "height of the last curve of the return"),
+            Setting(
+                "vcv2",
+                "Velocity (Vcv2)",
+                "Vcv2",
+                "{u}/°",
+                0.4,
+                "largest velocity of the return, per degree of cam angle",
+            ),
+            Setting("length", "Length", "length", "°", 0.5, "duration of the constant velocity in cam angle"),
+            Setting(
+                "length2",
+                "Length 2",
+                "length2",
+                "°",
+                0.5,
+                "duration of the constant velocity of the return in cam angle",
             ),
             Setting("peak", "Peak at", "peak", "°", 0.5, "cam angle of the highest point"),
             *(
@@ -88,7 +109,7 @@ SETTINGS: Mapping[str, Setting] = MappingProxyType(
                         f"span a{i}",
                         "°",
                         0.5,
-                        f"cam angle over which {curve} accelerates constantly",
+                        f"cam angle over which the acceleration of {curve} is constant",
                     ),
                     Setting(
                         f"a{i}",
@@ -96,27 +117,34 @@ SETTINGS: Mapping[str, Setting] = MappingProxyType(
                         f"a{i}",
                         "{u}/°²",
                         0.5,
-                        f"size of the constant acceleration of {curve}",
+                        f"magnitude of the constant acceleration of {curve}",
                     ),
                 )
             ),
-            Setting("acceleration", "Accel.", "a", "{u}/°²", 0.3, "largest acceleration, per degree² of cam angle"),
+            Setting(
+                "acceleration", "Acceleration", "a", "{u}/°²", 0.3, "largest acceleration, per degree² of cam angle"
+            ),
         )
     }
 )
-OF_A_RETURN = MappingProxyType(
+RETURN_NAMES = MappingProxyType(
     {"h4": "h1", "h5": "h2", "h6": "h3", "vcv2": "vcv", "flat4": "flat1", "flat6": "flat3", "a4": "a1", "a6": "a3"}
 )
-"""A return alone counts its curves from 1, as Yang does."""
+"""Settings of a return are renamed if the motion has no rise: Yang counts its curves from 1."""
+
+# -- request ---------------------------------------------------------------------------------------------
 
 
 @frozen
 class WizardRequest:
-    """The answers so far.
+    """Contents of the form.
 
-    given   settings and their values, in the order of ticking; points: (cam angle [deg], level above the lowest)
-    sequence, mirrored   one of the candidates; empty and None: the one that takes as many settings as are given
-    goal    what is minimised over whatever the settings leave free; empty: nothing
+    Attributes
+    ----------
+    given : settings and their values, in the order of ticking
+    points : cam angle [deg] and level above the lowest [mm or deg] of each precision point
+    sequence, mirrored : one of the candidates; empty and None for the one that requires as many settings as are given
+    goal : quantity to minimise if settings are left open; empty for none
     """
 
     type: str = "DRRD"
@@ -134,8 +162,7 @@ class WizardRequest:
 
     @property
     def solver_request(self) -> Request:
-        """The request as ``core.blend`` takes it."""
-        both = MOTION_TYPES[self.type].rise is not None and MOTION_TYPES[self.type].back is not None
+        """The same request for ``core.blend``."""
         return Request(
             type=self.type,
             stroke=self.stroke,
@@ -143,7 +170,7 @@ class WizardRequest:
             end=self.end,
             constant=self.constant,
             settings=dict(self.given),
-            return_stroke=self.return_stroke if both else 0.0,
+            return_stroke=self.return_stroke if has_both(self.type) else 0.0,
             points=self.points,
             sequence=self.sequence,
             mirrored=self.mirrored,
@@ -152,67 +179,72 @@ class WizardRequest:
 
     @property
     def count(self) -> int:
-        """Number of settings and points that take a freedom: the span of a constant acceleration brings its own."""
+        """Number of settings and points that use a degree of freedom; the span of a constant acceleration uses none."""
         return len([name for name, _ in self.given if name not in FLATS]) + len(self.points)
 
     @property
     def flats(self) -> tuple[tuple[str, float], ...]:
-        """The spans of constant acceleration among the settings."""
+        """Spans of constant acceleration among the settings."""
         return tuple((name, value) for name, value in self.given if name in FLATS)
 
 
 def constants(motion_type: str) -> tuple[str, ...]:
-    """The strokes of a motion that may have a constant velocity."""
+    """Strokes of a motion type that may have a constant velocity."""
     row = MOTION_TYPES[motion_type]
-    absent = {*(("rise", "both") if row.rise is None else ()), *(("return", "both") if row.back is None else ())}
-    return tuple(word for word in CONSTANT_VELOCITY if word not in absent)
+    missing = {*(("rise", "both") if row.rise is None else ()), *(("return", "both") if row.back is None else ())}
+    return tuple(strokes for strokes in CONSTANT_VELOCITY if strokes not in missing)
 
 
 def has_both(motion_type: str) -> bool:
-    """Whether a motion rises and returns."""
+    """Whether a motion type has a rise and a return."""
     row = MOTION_TYPES[motion_type]
     return row.rise is not None and row.back is not None
 
 
-# -- which settings, and how many -------------------------------------------------------------------------
+# -- settings of a sequence ------------------------------------------------------------------------------
 
 
-def names_of(candidate: BlendCandidate) -> frozenset[str]:
-    """The settings that mean something for a sequence; none where nothing of it is free."""
+def setting_names(candidate: BlendCandidate) -> frozenset[str]:
+    """Settings that apply to a sequence; none if it has no degree of freedom."""
     names = candidate.names if candidate.freedom else frozenset()
-    return frozenset(name if candidate.sequence.rise else OF_A_RETURN.get(name, name) for name in names)
+    return frozenset(name if candidate.sequence.rise else RETURN_NAMES.get(name, name) for name in names)
 
 
-def flats_of(candidate: BlendCandidate) -> frozenset[str]:
-    """The spans of a constant acceleration that a sequence may take."""
+def flat_names(candidate: BlendCandidate) -> frozenset[str]:
+    """Spans of constant acceleration that apply to a sequence."""
     names = [f"flat{height[-1]}" for height in flat_heights(candidate.sequence)] if candidate.freedom else []
-    return frozenset(name if candidate.sequence.rise else OF_A_RETURN.get(name, name) for name in names)
+    return frozenset(name if candidate.sequence.rise else RETURN_NAMES.get(name, name) for name in names)
 
 
 def open_candidates(request: WizardRequest) -> list[BlendCandidate]:
-    """The sequences of the motion, whatever is given; those that are alike in sequence and mirroring once."""
+    """All sequences of the motion, whatever settings are given."""
     free = replace(request, given=request.flats, points=(), sequence=AUTOMATIC, mirrored=None)
     return candidates(free.solver_request)
 
 
 def shown_names(request: WizardRequest) -> list[str]:
-    """The settings that can be ticked, in the order of the table: of the chosen sequence, or of any; no points beside a
-    constant acceleration."""
-    able, flat = (candidates(replace(request, given=given, points=()).solver_request) for given in ((), request.flats))
-    known = frozenset().union(
-        *(names_of(row) | flats_of(row) for row in able), *(names_of(row) for row in flat if request.flats)
+    """Settings that can be ticked, in the order of the table: of the selected sequence, or of any.
+
+    A constant acceleration excludes precision points.
+    """
+    free, flat = (candidates(replace(request, given=given, points=()).solver_request) for given in ((), request.flats))
+    names = frozenset().union(
+        *(setting_names(row) | flat_names(row) for row in free), *(setting_names(row) for row in flat if request.flats)
     )
     if request.flats:
-        known -= {POINT}
-    return [name for name in (*SETTINGS, POINT) if name in known]
+        names -= {POINT}
+    return [name for name in (*SETTINGS, POINT) if name in names]
 
 
 @frozen
 class SequencePlan:
-    """The sequence that a number of settings leads to.
+    """Sequence that the given settings lead to.
 
-    target   takes as many settings as are given, or is the first to take more; None: none takes so many
-    missing  how many settings are missing, below 0: too many
+    Attributes
+    ----------
+    target : the sequence that requires as many settings as are given, else the one with the fewest more; None where too
+        many are given
+    missing : number of settings still to be given; negative where too many are given
     """
 
     target: BlendCandidate | None
@@ -220,44 +252,39 @@ class SequencePlan:
 
 
 def plan(request: WizardRequest) -> SequencePlan:
-    """The sequence that takes the settings, and how many are missing; with a goal none is."""
+    """Find the sequence for the settings, and how many settings are missing; with a goal none is missing."""
     names = {name for name, _ in request.given if name not in FLATS} | ({POINT} if request.points else set())
-    rows = [row for row in candidates(request.solver_request) if names <= names_of(row) or not names]
-    able = sorted((row for row in rows if row.freedom >= request.count), key=lambda row: row.freedom)
-    if able:
-        return SequencePlan(able[0], 0 if request.goal else able[0].freedom - request.count)
+    rows = [row for row in candidates(request.solver_request) if names <= setting_names(row) or not names]
+    suitable = sorted((row for row in rows if row.freedom >= request.count), key=lambda row: row.freedom)
+    if suitable:
+        return SequencePlan(suitable[0], 0 if request.goal else suitable[0].freedom - request.count)
     most = max((row.freedom for row in rows), default=0)
     return SequencePlan(None, most - request.count)
 
 
-def ranged(request: WizardRequest) -> Request:
-    """The request whose feasible ranges are shown: while settings are missing, that of the planned sequence."""
-    wanted = plan(request)
-    if wanted.target is None or not wanted.missing or request.sequence:
+def range_request(request: WizardRequest) -> Request:
+    """Request whose feasible ranges are shown; while settings are missing, for the planned sequence."""
+    planned = plan(request)
+    target = planned.target
+    if target is None or not planned.missing or request.sequence:
         return request.solver_request
-    target = wanted.target
     return replace(request.solver_request, sequence=str(target.sequence), mirrored=target.family.mirrored or None)
 
 
 def count_text(request: WizardRequest) -> str:
-    """How many settings are given and needed, in a sentence."""
-    wanted, count = plan(request), request.count
-    if wanted.missing < 0:
-        most = count + wanted.missing
-        problem = f"No sequence takes {count} of these" if not most else f"{count} settings given, {most} can be met"
-        return f"{problem}: untick {_number(-wanted.missing)}"
+    """Sentence that says how many settings are given and required."""
+    planned, count = plan(request), request.count
+    missing, sequence = planned.missing, str(planned.target.sequence) if planned.target is not None else ""
+    if missing < 0:
+        most = count + missing
+        problem = f"{count} settings given, {most} possible" if most else "No sequence accepts these settings"
+        return f"{problem}: untick {_number(-missing)}"
     if request.goal:
-        return f"{_settings(count)} given; the rest is chosen for the least {request.goal}"
-    if not wanted.missing:
-        return f"{_sequence(wanted)} requires {_settings(count)}{': given' if count else '; tick any for other curves'}"
-    more = f"tick {_number(wanted.missing)}{' more' if count else ''}"
-    return (
-        f"{_sequence(wanted)} requires {_settings(count + wanted.missing)}, {count} given: {more}, or optimise the rest"
-    )
-
-
-def _sequence(wanted: SequencePlan) -> str:
-    return str(wanted.target.sequence) if wanted.target is not None else ""
+        return f"{_settings(count)} given; the rest is optimised for the least {request.goal}"
+    if not missing:
+        return f"{sequence} requires {_settings(count)}{': given' if count else '; tick any for other curves'}"
+    more = f"tick {_number(missing)}{' more' if count else ''}"
+    return f"{sequence} requires {_settings(count + missing)}, {count} given: {more}, or optimise the rest"
 
 
 def _settings(count: int) -> str:
@@ -268,61 +295,65 @@ def _number(count: int) -> str:
     return {1: "one", 2: "two", 3: "three", 4: "four"}.get(count, str(count))
 
 
-def words_of(request: WizardRequest) -> dict[str, Any]:
-    """The request as the command ``blend`` has it, by the names of its fields."""
-    asked = request.solver_request
+def command_options(request: WizardRequest) -> dict[str, Any]:
+    """Return the request as fields of the command ``blend``."""
+    solver_request = request.solver_request
     return {
-        "type": asked.type,
-        "stroke": asked.stroke,
-        "return_stroke": asked.return_stroke,
-        "start": asked.start,
-        "end": asked.end,
-        "constant_velocity": asked.constant,
-        "set": [f"{name}={value!r}" for name, value in asked.settings.items()],
-        "point": [f"{angle!r}={level!r}" for angle, level in asked.points],
-        "sequence": asked.sequence,
+        "type": solver_request.type,
+        "stroke": solver_request.stroke,
+        "return_stroke": solver_request.return_stroke,
+        "start": solver_request.start,
+        "end": solver_request.end,
+        "constant_velocity": solver_request.constant,
+        "set": [f"{name}={value!r}" for name, value in solver_request.settings.items()],
+        "point": [f"{angle!r}={level!r}" for angle, level in solver_request.points],
+        "sequence": solver_request.sequence,
         "best": request.goal or None,
-        "unit": asked.unit,
+        "unit": solver_request.unit,
     }
 
 
-CONSTANT = ("cv1", "cv2")
+# -- request of a motion ---------------------------------------------------------------------------------
 
 
 def first_request(motion: Motion, chosen: int) -> WizardRequest:
-    """The request that would lead to the motion about the chosen segment, or the next that moves: its stroke, its angles,
-    and where it is a blend its sequence and heights. For a motion without any rise: the default request."""
+    """Request that gives the motion around a segment, or around the next one that is no dwell.
+
+    It has the stroke and angles of that motion, and of a blend also the sequence and heights. A motion without any rise
+    gives the default request.
+    """
     moving = [not is_dwell(s) and s.rise != 0.0 for s in motion.segments]
     count = len(moving)
     at = next((i for k in range(count) if moving[i := (chosen + k) % count]), None)
     if at is None:
         return WizardRequest(unit=motion.unit)
-    run = _about(at, moving)
-    stroke = _about(
-        at, [on and s.rise * motion.segments[at].rise > 0.0 for on, s in zip(moving, motion.segments, strict=True)]
+    run = _run_around(at, moving)
+    stroke = _run_around(
+        at,
+        [moves and s.rise * motion.segments[at].rise > 0.0 for moves, s in zip(moving, motion.segments, strict=True)],
     )
     runs = [run, stroke] if list(_directions([motion.segments[i] for i in run])) in ([1], [-1], [1, -1]) else [stroke]
     requests = [_request_of(motion, part) for part in runs]
     return next((request for request, blended in requests if blended), requests[0][0])
 
 
-def _about(at: int, on: Sequence[bool]) -> list[int]:
-    """The run of segments about one, all of which are on."""
+def _run_around(at: int, selected: Sequence[bool]) -> list[int]:
+    """Return the indices of the selected segments next to each other that include ``at``."""
     first, last = at, at
-    while first > 0 and on[first - 1]:
+    while first > 0 and selected[first - 1]:
         first -= 1
-    while last + 1 < len(on) and on[last + 1]:
+    while last + 1 < len(selected) and selected[last + 1]:
         last += 1
     return list(range(first, last + 1))
 
 
 def _request_of(motion: Motion, run: Sequence[int]) -> tuple[WizardRequest, bool]:
-    """The request for a run of segments, and whether the run is a blend."""
+    """Return the request for a run of segments, and whether the run is a blend."""
     segments = [motion.segments[i] for i in run]
     begins = (*join_angles(motion), 360.0)
-    whole = len(run) == len(motion.segments)
+    is_full_turn = len(run) == len(motion.segments)
     kinds: dict[tuple[int, ...], str] = {(1,): "DRD", (-1,): "DRD-return"}
-    kind = kinds.get(tuple(_directions(segments)), "RRR" if whole else "DRRD")
+    kind = kinds.get(tuple(_directions(segments)), "RRR" if is_full_turn else "DRRD")
     rise, back = (abs(fsum(s.rise for s in segments if s.rise * direction > 0.0)) for direction in (1, -1))
     equal = abs(rise - back) <= 1e-9 or not (rise and back)
     request = WizardRequest(
@@ -339,24 +370,24 @@ def _request_of(motion: Motion, run: Sequence[int]) -> tuple[WizardRequest, bool
 
 
 def _directions(segments: Sequence[Segment]) -> Iterator[int]:
-    """1 up, -1 down, once for each stretch."""
-    before = 0
+    """Direction of each stroke: 1 up, -1 down."""
+    previous = 0
     for segment in segments:
         direction = 1 if segment.rise > 0.0 else -1
-        if direction != before:
+        if direction != previous:
             yield direction
-        before = direction
+        previous = direction
 
 
 def _constant(segments: Sequence[Segment]) -> str:
     laws = {s.curve.law for s in segments}
     return {(True, False): "rise", (False, True): "return", (True, True): "both"}.get(
-        (CONSTANT[0] in laws, CONSTANT[1] in laws), "none"
+        (CONSTANT_LAWS[0] in laws, CONSTANT_LAWS[1] in laws), "none"
     )
 
 
 def _as_blend(request: WizardRequest, segments: Sequence[Segment]) -> WizardRequest | None:
-    """With sequence and heights, where the segments are the curves of a sequence; else None."""
+    """Return the request with sequence and heights; None where the segments are not the curves of a sequence."""
     name = "-".join(s.curve.law.upper() for s in segments)
     rows = [row for row in candidates(replace(request, sequence=name).solver_request) if not row.family.mirrored]
     if not rows:
@@ -370,37 +401,35 @@ def _as_blend(request: WizardRequest, segments: Sequence[Segment]) -> WizardRequ
             given.append((first, part[0]))
         if len(part) > 2:
             given.append((last, part[-1]))
-    renamed = OF_A_RETURN if not rise else {}
-    kept = tuple((renamed.get(n, n), h) for n, h in given[: candidate.freedom])
-    plain = replace(request, given=(*kept, *_flats_of_segments(candidate, segments)))
+    renamed = RETURN_NAMES if not rise else {}
+    heights_given = tuple((renamed.get(n, n), h) for n, h in given[: candidate.freedom])
+    plain = replace(request, given=(*heights_given, *_constant_accelerations(candidate, segments)))
     target = plan(plain).target
     if target is not None and (target.sequence, target.family.mirrored) == (candidate.sequence, False):
         return plain
     return replace(plain, sequence=name, mirrored=False)
 
 
-def _flats_of_segments(candidate: BlendCandidate, segments: Sequence[Segment]) -> Iterator[tuple[str, float]]:
-    """The spans of constant acceleration in the curves of a sequence."""
+def _constant_accelerations(candidate: BlendCandidate, segments: Sequence[Segment]) -> Iterator[tuple[str, float]]:
+    """Yield name and span [deg] of the constant accelerations in the curves of a sequence."""
     spans = {
         s.curve.law.upper(): s.span_deg * s.curve.flat_fraction for s in segments if isinstance(s.curve, NamedCurve)
     }
-    renamed = OF_A_RETURN if not candidate.sequence.rise else {}
+    renamed = RETURN_NAMES if not candidate.sequence.rise else {}
     for height, curve in flat_heights(candidate.sequence).items():
         if spans[curve]:
             name = f"flat{height[-1]}"
             yield renamed.get(name, name), spans[curve]
 
 
-# -- texts -----------------------------------------------------------------------------------------------
-
-SAME = 1e-9  # a range narrower than this is one value
-DIGITS = 6
-UNASKED = "…"
+# -- texts of ranges -------------------------------------------------------------------------------------
 
 
-def rounded(value: float, inwards: bool, down: bool = False) -> float:
-    """A few digits; an end that is reached is rounded inwards, so that it can be typed, unless it misses a round number
-    by no more than rounding."""
+def rounded_end(value: float, inwards: bool, down: bool = False) -> float:
+    """Round the end of a range to a few digits.
+
+    Inwards for an end that is part of the range, so that it can be typed, unless it is a round number up to rounding errors.
+    """
     nearest = float(Context(prec=DIGITS, rounding=ROUND_HALF_EVEN).create_decimal(value))
     if not inwards or abs(nearest - value) <= SAME * abs(value):
         return nearest
@@ -411,61 +440,59 @@ def _text(value: float) -> str:
     return shortest(value).replace("-", MINUS)
 
 
-def is_one(ranges: Sequence[SettingRange]) -> bool:
-    """Whether the ranges hold a single value."""
+def is_single_value(ranges: Sequence[SettingRange]) -> bool:
+    """Whether the ranges contain a single value."""
     low, high = (ranges[0].low, ranges[-1].high) if ranges else (0.0, 1.0)
     return isfinite(high) and high - low <= SAME * max(abs(low), abs(high))
 
 
 def range_text(ranges: Sequence[SettingRange], name: str, size: float = 1.0) -> str:
-    """``0 < h1 ≤ 19``, in a unit of this size; a text of its own where the other settings leave no value, or a single one."""
+    """Text of a feasible range, such as ``0 < h1 ≤ 19``, in a unit of this size."""
     if not ranges:
-        return "nothing fits"
-    ranges = [replace(each, low=each.low / size, high=each.high / size) for each in ranges]
-    if is_one(ranges):
-        return f"= {_text(rounded(ranges[0].low, False))}, given by the rest"
+        return "no feasible value"
+    ranges = [replace(interval, low=interval.low / size, high=interval.high / size) for interval in ranges]
+    if is_single_value(ranges):
+        return f"= {_text(rounded_end(ranges[0].low, False))}, determined by the other settings"
     return " or ".join(_interval_text(interval, name) for interval in ranges)
 
 
 def _interval_text(interval: SettingRange, name: str) -> str:
     least = 0.0 if isfinite(interval.high) and abs(interval.low) <= SAME * abs(interval.high) else interval.low
-    low = rounded(least, not interval.low_open)
+    low = rounded_end(least, not interval.low_open)
     less, most = "<" if interval.low_open else "≤", "<" if interval.high_open else "≤"
     if not isfinite(interval.high):
         return f"{name} {'>' if interval.low_open else '≥'} {_text(low)}"
-    return f"{_text(low)} {less} {name} {most} {_text(rounded(interval.high, not interval.high_open, down=True))}"
+    return f"{_text(low)} {less} {name} {most} {_text(rounded_end(interval.high, not interval.high_open, down=True))}"
 
 
-def begin_of(ranges: Sequence[SettingRange], share: float) -> float | None:
-    """A round value inside the widest of the ranges, at about that share of it; None where there is none."""
+def initial_value(ranges: Sequence[SettingRange], share: float) -> float | None:
+    """Round value at about this share of the widest range; None without a range."""
     if not ranges:
         return None
-    if is_one(ranges):
-        return rounded(ranges[0].low, False)
+    if is_single_value(ranges):
+        return rounded_end(ranges[0].low, False)
     widest = max(ranges, key=lambda r: r.high - r.low)
     low, high = widest.low, widest.high
     if not isfinite(high):
-        return rounded(low * 3.0 if low > 0.0 else 1.0, False)
-    wanted = low + share * (high - low)
+        return rounded_end(low * 3.0 if low > 0.0 else 1.0, False)
+    target = low + share * (high - low)
     for digits in (1, 2, 3, 6):
-        value = float(Context(prec=digits, rounding=ROUND_HALF_EVEN).create_decimal(wanted))
+        value = float(Context(prec=digits, rounding=ROUND_HALF_EVEN).create_decimal(target))
         if low < value < high:
             return value
-    return wanted
+    return target
 
 
 def reason(error: Exception) -> str:
-    """Why there is no such motion; a small letter stays small, for h1 is a height and H1 a curve."""
+    """Text of an error with ≤ and ≥; its first letter stays small, for h1 is a height and H1 a curve."""
     return str(error).replace(">=", "≥").replace("<=", "≤")
 
 
-# -- the answer -------------------------------------------------------------------------------------------
-
-HEADINGS = ("Curve", "Height {u}", "Span °", "From °", "To °", "From {u}", "To {u}")
+# -- texts of a blended motion ---------------------------------------------------------------------------
 
 
 def table(blended: BlendResult) -> list[tuple[str, ...]]:
-    """Rows as Yang's Fig. 4 has them: curve, height, span, and where it starts and ends."""
+    """Rows of the table as in Yang's Fig. 4: curve, height, span, start and end."""
     size = size_of(UNITS[blended.request.unit].symbol)
     return [
         (
@@ -479,8 +506,8 @@ def table(blended: BlendResult) -> list[tuple[str, ...]]:
 
 
 def figures(blended: BlendResult, rpm: float) -> list[str]:
-    """Constant velocities and the largest acceleration, by cam angle and at the speed of the shaft."""
-    unit, rate = UNITS[blended.request.unit].symbol, 6.0 * rpm  # degrees of cam angle in a second
+    """Lines with the constant velocities and the largest acceleration, by cam angle and at the shaft's speed."""
+    unit, rate = UNITS[blended.request.unit].symbol, 6.0 * rpm  # [deg/s]
     rows = []
     for segment in blended.segments:
         if segment.curve.law in ("cv1", "cv2"):
@@ -508,14 +535,14 @@ def _at_speed(value: float, symbol: str) -> str:
 
 
 def effect(before: Motion, after: Motion, blended: BlendResult) -> str:
-    """What else of the motion is changed by the blend, in a sentence."""
+    """Sentence that says what else the blend changes in the motion."""
     if not any(s.rise and s not in blended.segments for s in after.segments):
-        return "These curves and the dwells about them make the whole turn."
+        return "The motion consists of these curves and the dwells before and after them."
     if not any(s.rise for s in before.segments):
-        return "Nothing else moves yet, so the same curves run backwards bring the follower back."
+        return "The motion has no return, so the same curves in reverse bring the follower back."
     changed = changed_segment(before, after, blended)
     if changed is None:
-        return "The rest of the motion stays."
+        return "The rest of the motion does not change."
     n, segment = changed
     height = brief(round(segment.rise, 6), UNITS[after.unit].symbol, 10)
-    return f"The rest stays, but segment {n}, {law_label(segment.curve.law)}, then rises by {height} to come back."
+    return f"Segment {n}, {law_label(segment.curve.law)}, then rises by {height} to close the motion; the rest does not change."

@@ -1,4 +1,4 @@
-"""Its settings."""
+"""Rows of settings in the blend wizard: number, feasible range and message of each."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ from core.blend import FLATS, LENGTHS, MAY_VANISH, SIZES, BlendError, SettingRan
 from core.design import UNITS, Info, Unit
 from core.design.fields import LARGEST
 from kindyna_gui.blend.request import (
+    PENDING,
     POINT,
     SETTINGS,
-    UNASKED,
     Setting,
     WizardRequest,
-    begin_of,
+    initial_value,
     plan,
     range_text,
     reason,
@@ -40,38 +40,37 @@ from kindyna_gui.pictures.units import nice_below
 from kindyna_gui.rebuilt import take_away
 from kindyna_gui.settings import size_of, symbol_of
 
-# -- fields ----------------------------------------------------------------------------------------------
+NO_NUMBER = "Enter a number, such as 12.5"
+CHECK, CURVE, BOX, UNIT, RANGE = range(5)  # columns of a row
+STEPS = 150.0  # of an arrow, from 0 to a typical value
+ANGLES = (*LENGTHS, "peak", *FLATS)
 
-NO_NUMBER = "A number is wanted, such as 12.5"
-CHECK, WHAT, BOX, UNIT, RANGE = range(5)  # columns of a row
+# -- fields ----------------------------------------------------------------------------------------------
 
 
 class LiveBox(NumberBox):
-    """A number box that emits a signal with every keystroke.
-
-    changed   the number has changed, or the text is no number any longer
-    """
+    """Number box that emits ``changed`` whenever its number changes while the user types."""
 
     changed = Signal()
     in_file_units = True
 
     def __init__(self, info: Info, unit: Unit, name: str = "") -> None:
         super().__init__(info, unit)
-        self._was: float | None = None
+        self._previous: float | None = None
         self.setAccessibleName(name or info.label)
-        self.entered.connect(self._take)
+        self.entered.connect(self._accept)
         self.withdrawn.connect(self._emit_changed)
         self.lineEdit().textEdited.connect(self._emit_changed)
 
     @property
     def number(self) -> float | None:
-        """The number in the box; None where its text is no number."""
-        return parsed(self.text(), self._unit, kept=True)
+        """The number in the box; None if its text is not a number."""
+        return parsed(self.text(), self._unit, in_file_units=True)
 
     def set_number(self, value: float) -> None:
         """Show a number without emitting ``changed``."""
         self.show_value(value)
-        self._was = value
+        self._previous = value
 
     def set_step(self, step: float) -> None:
         """Set the step of the arrows."""
@@ -81,26 +80,26 @@ class LiveBox(NumberBox):
             )
 
     def fault(self) -> str:
-        """Why the text is not allowed, whatever the other fields hold; empty where it is."""
+        """Why the text is not allowed, regardless of the other fields; empty if it is allowed."""
         value = self.number
         if value is None:
             return NO_NUMBER
         return "" if self._info.admits(value) else f"Allowed: {self._info.allowed(self._unit)}".replace(">=", "≥")
 
-    def _take(self, value: float) -> None:
+    def _accept(self, value: float) -> None:
         refused = self.refused
         self.show_value(value)
         self.set_refused(refused)
         self._emit_changed()
 
     def _emit_changed(self, *_: object) -> None:
-        if self.number != self._was:
-            self._was = self.number
+        if self.number != self._previous:
+            self._previous = self.number
             self.changed.emit()
 
 
 def quiet(text: str = "") -> QLabel:
-    """A text in the quiet colour, on whatever paper it stands."""
+    """Label in the quiet colour, readable on any background."""
     label = QLabel(text)
     coloured(label, SCREEN.quiet)
     label.setForegroundRole(QPalette.ColorRole.WindowText)
@@ -108,16 +107,16 @@ def quiet(text: str = "") -> QLabel:
 
 
 class RangedRow(QObject):
-    """A row of the wizard: number boxes, their feasible range, a message.
+    """Row with number boxes, their feasible range and a message.
 
-    changed   another number, or the row was ticked or unticked
+    ``changed`` is emitted when a number changes, or the row is ticked or unticked.
     """
 
     changed = Signal()
 
     def __init__(self, name: str, symbol: str, unit: Unit) -> None:
         super().__init__()
-        self.name, self.symbol, self.measured = name, symbol, unit
+        self.name, self.symbol, self.range_unit = name, symbol, unit
         self.ranges: Sequence[SettingRange] | None = None
         self.range = quiet()
         self.range.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
@@ -126,43 +125,45 @@ class RangedRow(QObject):
         self.message = MessageLabel(SCREEN.limit)
 
     def boxes(self) -> tuple[LiveBox, ...]:
-        """The editors of the row."""
+        """Number boxes of the row."""
         raise NotImplementedError
 
     @property
-    def used(self) -> bool:
+    def is_used(self) -> bool:
         """Whether the row counts as a setting."""
         return True
 
     def show_ranges(self, ranges: Sequence[SettingRange] | None) -> None:
-        """Show the feasible ranges of the value; None: they are not computed yet."""
+        """Show the feasible ranges of the value; None while they are computed."""
         self.ranges = ranges
-        known = range_text(ranges or (), self.symbol, size_of(self.measured.symbol)) if ranges or self.used else ""
-        text = UNASKED if ranges is None else known
+        if ranges is None:
+            text = PENDING
+        else:
+            text = range_text(ranges, self.symbol, size_of(self.range_unit.symbol)) if ranges or self.is_used else ""
         self.range.setText(text)
         self.range.setToolTip(text if ranges else "")
 
     def show_fault(self, text: str) -> None:
-        """Show what is wrong below the row; an empty text hides it."""
+        """Show an error below the row; an empty text hides it."""
         self.message.show_message(text)
         self.boxes()[-1].set_refused(bool(text))
 
 
 class SettingRow(RangedRow):
-    """The row of one setting, which counts while it is ticked."""
+    """Row of one setting, which counts while it is ticked."""
 
     def __init__(self, setting: Setting, unit: Unit) -> None:
         super().__init__(setting.name, setting.symbol, unit)
         info = Info(setting.label, setting.help, 0.0, open_low=setting.name not in MAY_VANISH)
-        self.share, self.usual, self.shown = setting.share, 1.0, False
+        self.share, self.typical, self.shown = setting.share, 1.0, False
         self.check = QCheckBox(setting.label)
         self.check.setToolTip(setting.help)
-        self.what = quiet()
+        self.curve = quiet()
         self.box = LiveBox(info, unit)
         self.unit = quiet(symbol_of(unit.symbol))
         self.box.setEnabled(False)
         self.box.lineEdit().clear()
-        self._valued = False
+        self._has_value = False
         self.check.toggled.connect(self._toggled)
         self.box.changed.connect(self.changed)
 
@@ -170,46 +171,47 @@ class SettingRow(RangedRow):
         return (self.box,)
 
     @property
-    def used(self) -> bool:
+    def is_used(self) -> bool:
         return self.check.isChecked()
 
     @property
     def value(self) -> float | None:
+        """The number of the setting; None if its text is not a number."""
         return self.box.number
 
     def add_to(self, grid: QGridLayout, row: int) -> None:
-        """Take the rows ``row`` and ``row + 1`` of a grid."""
-        for column, widget in enumerate((self.check, self.what, self.box, self.unit, self.range)):
+        """Fill the rows ``row`` and ``row + 1`` of a grid."""
+        for column, widget in enumerate((self.check, self.curve, self.box, self.unit, self.range)):
             grid.addWidget(widget, row, column)
-        grid.addWidget(self.message, row + 1, WHAT, 1, RANGE)
+        grid.addWidget(self.message, row + 1, CURVE, 1, RANGE)
 
-    def show(self, on: bool, what: str) -> None:
-        """Show or hide the row; what: which curve it is of."""
+    def show(self, on: bool, curve: str) -> None:
+        """Show or hide the row of a setting of this curve."""
         self.shown = on
-        self.what.setText(what)
-        for widget in (self.check, self.what, self.box, self.unit, self.range):
+        self.curve.setText(curve)
+        for widget in (self.check, self.curve, self.box, self.unit, self.range):
             widget.setVisible(on)
         if not on:
             self.message.show_message("")
 
     def give(self, value: float) -> None:
-        """Tick it with a value, without emitting ``changed``."""
-        self._valued = True
+        """Tick the row with a value, without emitting ``changed``."""
+        self._has_value = True
         self.box.set_number(value)
         blocked = self.check.blockSignals(True)
         self.check.setChecked(True)
         self.check.blockSignals(blocked)
         self.box.setEnabled(True)
 
-    def drop(self) -> None:
-        """Untick it, without emitting ``changed``."""
+    def untick(self) -> None:
+        """Untick the row, without emitting ``changed``."""
         blocked = self.check.blockSignals(True)
         self.check.setChecked(False)
         self.check.blockSignals(blocked)
-        self._rest()
+        self._clear()
 
-    def _rest(self) -> None:
-        """The value is not seen, but kept for the next ticking."""
+    def _clear(self) -> None:
+        """Hide the value; it comes back when the row is ticked again."""
         if self.box.number is not None:
             self.box.set_number(self.box.number)
         self.box.setEnabled(False)
@@ -218,24 +220,21 @@ class SettingRow(RangedRow):
 
     def _toggled(self, on: bool) -> None:
         if on:
-            begin = begin_of(self.ranges or (), self.share)
-            value = self.box.value if self._valued else None
+            value = self.box.value if self._has_value else None
             if value is None:
-                value = begin if begin is not None else self.usual
-            self.give(value)
+                value = initial_value(self.ranges or (), self.share)
+            self.give(self.typical if value is None else value)
             self.box.setFocus(Qt.FocusReason.OtherFocusReason)
             self.box.selectAll()
         else:
-            self._rest()
+            self._clear()
         self.changed.emit()
 
 
 class PrecisionPointRow(RangedRow):
-    """A precision point: at a cam angle, a level above the lowest.
+    """Row of a precision point: a cam angle, and the level above the lowest there.
 
-    removed   the user wants the point removed
-
-    paper: the widget that holds all of the row
+    ``removed`` is emitted when the user removes the point; ``paper`` is the widget that contains the row.
     """
 
     removed = Signal()
@@ -244,16 +243,16 @@ class PrecisionPointRow(RangedRow):
         super().__init__(POINT, "level", unit)
         self.at = LiveBox(Info("Angle", "cam angle of the point", 0.0, 360.0, step=1.0), UNITS["deg"])
         self.level = LiveBox(Info("Level", "displacement above the lowest level"), unit)
-        self.words = (quiet("At"), quiet("°  at the level"), quiet(symbol_of(unit.symbol)))
+        self.texts = (quiet("At"), quiet("°  at the level"), quiet(symbol_of(unit.symbol)))
         self.close = QToolButton(autoRaise=True)
         self.close.setIcon(icon("close"))
-        self.close.setToolTip("Take this point away")
-        self.close.setAccessibleName("Take this point away")
+        self.close.setToolTip("Remove this point")
+        self.close.setAccessibleName("Remove this point")
         self.close.clicked.connect(self.removed)
         for box in self.boxes():
             box.changed.connect(self.changed)
         self.paper = QWidget()
-        self.setParent(self.paper)  # goes with it
+        self.setParent(self.paper)  # deleted together
         grid = QGridLayout(self.paper)
         grid.setContentsMargins(0, 0, 0, 0)
         grid.setHorizontalSpacing(6)
@@ -267,21 +266,18 @@ class PrecisionPointRow(RangedRow):
         return self.at, self.level
 
     def widgets(self) -> tuple[QWidget, ...]:
-        """From left to right; the message stands below."""
-        first, second, third = self.words
+        """Widgets of the row from left to right, above its message."""
+        first, second, third = self.texts
         return first, self.at, second, self.level, third, self.range, self.close
 
 
-# -- settings --------------------------------------------------------------------------------------------
-
-STEPS = 150.0  # of an arrow, from nothing to what is usual
-ANGLES = (*LENGTHS, "peak", *FLATS)
+# -- all settings ----------------------------------------------------------------------------------------
 
 
 class SettingsArea(QScrollArea):
-    """Rows to tick and to fill in.
+    """Rows of all settings and precision points.
 
-    changed   another value, or a row was ticked or unticked
+    ``changed`` is emitted when a value changes, or a row is ticked or unticked.
     """
 
     changed = Signal()
@@ -292,7 +288,7 @@ class SettingsArea(QScrollArea):
         self.rows: dict[str, SettingRow] = {}
         self.points: list[PrecisionPointRow] = []
         self._order: list[str] = []  # settings in the order of ticking
-        self._frame = (0.0, 360.0, 1.0)  # start, end, stroke: where a point begins
+        self._frame = (0.0, 360.0, 1.0)  # start, end, stroke: for the initial values of a point
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         paper = QWidget()
@@ -316,7 +312,7 @@ class SettingsArea(QScrollArea):
         grid.setVerticalSpacing(2)
         grid.setColumnStretch(4, 1)
         for i, setting in enumerate(SETTINGS.values()):
-            symbol = setting.per.format(u=UNITS[self.unit].symbol)
+            symbol = setting.unit.format(u=UNITS[self.unit].symbol)
             row = SettingRow(setting, Unit(symbol, 1.0))
             row.setParent(self)
             row.add_to(grid, 2 * i)
@@ -328,29 +324,29 @@ class SettingsArea(QScrollArea):
         button = text_button("Precision point", flat=True)
         button.setIcon(icon("add"))
         button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
-        button.setToolTip("A level that the follower passes at a cam angle; each counts as a setting")
+        button.setToolTip("Add a level that the follower passes at a cam angle; each point counts as a setting")
         button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         button.clicked.connect(self._add)
         return button
 
-    # -- what is answered -----------------------------------------------------------------------------------
+    # -- values ------------------------------------------------------------------------------------------
 
     @property
     def given(self) -> tuple[tuple[str, float], ...]:
-        """Settings that are ticked and can be read, in the order of ticking."""
+        """Ticked settings whose text is a number, in the order of ticking."""
         values = [(name, self.rows[name].value) for name in self._order]
         return tuple((name, value) for name, value in values if value is not None)
 
     @property
-    def passed(self) -> tuple[tuple[float, float], ...]:
-        """The points that can be read: cam angle [deg], level."""
+    def precision_points(self) -> tuple[tuple[float, float], ...]:
+        """Cam angle [deg] and level of each point whose texts are numbers."""
         values = [(row.at.number, row.level.number) for row in self.points]
         return tuple((at, level) for at, level in values if at is not None and level is not None)
 
-    def answer(self, request: WizardRequest) -> None:
+    def set_request(self, request: WizardRequest) -> None:
         """Show the settings of a request, without emitting ``changed``."""
         for row in self.rows.values():
-            row.drop()
+            row.untick()
         for point in list(self.points):
             self._remove_point(point, quietly=True)
         self._order = [name for name, _ in request.given]
@@ -360,12 +356,12 @@ class SettingsArea(QScrollArea):
             self.put_point(at, value, quietly=True)
 
     def show_request(self, request: WizardRequest) -> None:
-        """Show the rows that apply to a request, and untick those that no longer do."""
+        """Show the rows that apply to a request, and untick the others."""
         names, target = shown_names(request), plan(request).target
         rise, back = (target.sequence.rise, target.sequence.back) if target is not None else ((), ())
         for row in self.rows.values():
-            if row.name not in names and row.used:
-                row.drop()
+            if row.name not in names and row.is_used:
+                row.untick()
                 self._order.remove(row.name)
             row.show(row.name in names, curve_of(row.name, rise, back))
         self.add_point.setVisible(POINT in names)
@@ -376,58 +372,58 @@ class SettingsArea(QScrollArea):
             self._set_steps(request)
 
     def _set_steps(self, request: WizardRequest) -> None:
-        """Arrows go in round steps of about a hundredth of what is usual; and where to begin while no range is known."""
+        """Set round steps of the arrows, about a hundredth of a typical value, and the initial values without a range."""
         self._frame = request.start, request.end, request.stroke
         stroke, span = request.stroke, request.end - request.start
-        usual = {"vcv": 1.5 * stroke / span, "vcv2": 1.5 * stroke / span, "acceleration": 12.0 * stroke / span**2,
+        typical = {"vcv": 1.5 * stroke / span, "vcv2": 1.5 * stroke / span, "acceleration": 12.0 * stroke / span**2,
                  **dict.fromkeys(LENGTHS, 0.5 * span), "peak": request.start + 0.5 * span,
                  **dict.fromkeys(FLATS, 0.1 * span), **dict.fromkeys(SIZES, 12.0 * stroke / span**2)}  # fmt: skip
         for row in self.rows.values():
-            size = usual.get(row.name, stroke)
+            size = typical.get(row.name, stroke)
             row.box.set_step(1.0 if row.name in ANGLES else nice_below(size / STEPS))
-            row.usual = round(size) if row.name in ANGLES else nice_below(size * row.share)
+            row.typical = round(size) if row.name in ANGLES else nice_below(size * row.share)
         for point in self.points:
             point.level.set_step(nice_below(stroke / STEPS))
 
-    # -- ranges and faults ----------------------------------------------------------------------------------
+    # -- ranges and faults -------------------------------------------------------------------------------
 
     def used_rows(self) -> list[RangedRow]:
-        """Settings that are ticked, and points."""
+        """Rows of the ticked settings, and of the points."""
         return [*(self.rows[name] for name in self._order), *self.points]
 
     def shown_rows(self) -> list[RangedRow]:
-        """Settings that can be ticked, and points."""
+        """Rows of the settings that can be ticked, and of the points."""
         return [*(row for row in self.rows.values() if row.shown), *self.points]
 
     def find_faults(self) -> bool:
-        """Show beside each field why its number is not allowed; True where one is not."""
+        """Show below each field why its number is not allowed; True if there is such a field."""
         texts = [next((text for box in row.boxes() if (text := box.fault())), "") for row in self.used_rows()]
         for row, text in zip(self.used_rows(), texts, strict=True):
             row.show_fault(text)
         return any(texts)
 
-    def blame(self, error: BlendError) -> bool:
-        """Show why there is no such motion beside the setting at fault; False where no row is at fault."""
-        row = self._blamed(error)
+    def show_error(self, error: BlendError) -> bool:
+        """Show why there is no such motion, below the setting that causes it; False if no row does."""
+        row = self._row_with_error(error)
         if row is None:
             return False
         row.show_fault(reason(error))
         self.ensureWidgetVisible(row.message, 0, 8)
         return True
 
-    def _blamed(self, error: BlendError) -> RangedRow | None:
+    def _row_with_error(self, error: BlendError) -> RangedRow | None:
         if error.setting == POINT:
             angles = [(f"point at {row.at.number:.9g} deg", row) for row in self.points if row.at.number is not None]
             return next((row for text, row in angles if str(error).startswith(text)), None)
         row = self.rows.get(error.setting)
-        return row if row is not None and row.used else None
+        return row if row is not None and row.is_used else None
 
-    # -- what the user does ---------------------------------------------------------------------------------
+    # -- actions of the user -----------------------------------------------------------------------------
 
     def _setting_changed(self, row: SettingRow) -> None:
-        if row.used and row.name not in self._order:
+        if row.is_used and row.name not in self._order:
             self._order.append(row.name)
-        elif not row.used and row.name in self._order:
+        elif not row.is_used and row.name in self._order:
             self._order.remove(row.name)
         self.changed.emit()
 
@@ -435,7 +431,7 @@ class SettingsArea(QScrollArea):
         self.put_point()
 
     def put_point(self, at: float | None = None, value: float | None = None, quietly: bool = False) -> None:
-        """Add a precision point, in the middle where no place is given; quietly: without emitting ``changed``."""
+        """Add a precision point, in the middle by default; quietly: without emitting ``changed``."""
         start, end, stroke = self._frame
         row = PrecisionPointRow(UNITS[self.unit])
         row.at.set_number(round(0.5 * (start + end)) if at is None else at)
@@ -450,7 +446,7 @@ class SettingsArea(QScrollArea):
             self.changed.emit()
 
     def has(self, row: RangedRow) -> bool:
-        """Whether a row is still there: points come and go."""
+        """Whether a row still exists; points can be removed."""
         return row in self.points or self.rows.get(row.name) is row
 
     def _remove_point(self, row: PrecisionPointRow, quietly: bool = False) -> None:
@@ -461,13 +457,20 @@ class SettingsArea(QScrollArea):
 
 
 def curve_of(name: str, rise: Sequence[str], back: Sequence[str]) -> str:
-    """Which curve of a sequence a setting is of; empty where it is of several, or of none."""
+    """Name of the curve that a setting belongs to; empty if it belongs to several, or to none."""
     if not rise:  # a return alone counts from 1
         rise, back = back, ()
-    places = {"h1": (rise, 0), "h2": (rise, 1), "h3": (rise, -1), "h4": (back, 0), "h5": (back, 1), "h6": (back, -1)}
-    if name in places:
-        curves, at = places[name]
-        return curves[at] if len(curves) >= (3 if at == 1 else 2) else ""
+    curve_of_height = {
+        "h1": (rise, 0),
+        "h2": (rise, 1),
+        "h3": (rise, -1),
+        "h4": (back, 0),
+        "h5": (back, 1),
+        "h6": (back, -1),
+    }
+    if name in curve_of_height:
+        curves, index = curve_of_height[name]
+        return curves[index] if len(curves) >= (3 if index == 1 else 2) else ""
     if name.startswith(("flat", "a")) and name[-1].isdigit():
         return curve_of(f"h{name[-1]}", rise, back)
     return {"vcv": "rise", "vcv2": "return"}.get(name, "") if rise and back else ""

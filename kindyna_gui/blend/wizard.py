@@ -1,4 +1,4 @@
-"""Blend wizard."""
+"""Make > Blend: choose type, settings and goal; the blended motion follows every keystroke."""
 
 from __future__ import annotations
 
@@ -25,18 +25,18 @@ from kindyna_gui.blend.questions import Questions, SuccessionPage
 from kindyna_gui.blend.request import (
     HEADINGS,
     WizardRequest,
+    command_options,
     effect,
     figures,
     first_request,
     has_both,
     plan,
-    ranged,
+    range_request,
     table,
-    words_of,
 )
 from kindyna_gui.blend.settings import PrecisionPointRow, RangedRow, quiet
 from kindyna_gui.documents.session import Session
-from kindyna_gui.documents.texts import add_copy_of, of_session, spelled
+from kindyna_gui.documents.texts import add_copy_of_line, command_text, session_options
 from kindyna_gui.forms.request_form import PutDialog
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import law_label, reason
@@ -47,16 +47,25 @@ from kindyna_gui.pictures.plots.curves import CurvePlot
 from kindyna_gui.pictures.style import SCREEN, TEXT, font
 from kindyna_gui.settings import symbol_of
 
-# -- answer ----------------------------------------------------------------------------------------------
-
 QUANTITIES = ("displacement", "velocity", "acceleration")
 SAMPLES = 720
-"""Cam angles of the curves, which change with every keystroke."""
-VEIL = 0.72  # of the paper over what no longer holds
+"""Cam angles of the plotted curves, few enough to draw them with every keystroke."""
+OPACITY = 0.72  # of the cover over a motion that no longer follows from the form
+PAUSE_MS = 250  # after a keystroke, before the optimum is searched for
+SLOW_MS = 150  # after which a range that is still being computed is no longer shown
+LAST = "The last feasible motion"
+SEARCHING = "Calculating …"
+FORM_WIDTH, TYPICAL_SIZE, LEAST_SIZE = 500, QSize(1180, 740), QSize(1040, 560)
+REPLACEMENTS: Mapping[str, Callable[[Design, BlendResult], Design]] = MappingProxyType(
+    {"turn": with_blend_as_motion, "range": with_blend_between}
+)
+"""Part of the motion that the blend replaces -> function that replaces it."""
+
+# -- result ----------------------------------------------------------------------------------------------
 
 
 class FadedCover(QWidget):
-    """Paper over a widget, thin enough to read what is under it, with a text on it."""
+    """Translucent cover over a widget, with a text."""
 
     def __init__(self, over: QWidget) -> None:
         super().__init__(over)
@@ -67,9 +76,10 @@ class FadedCover(QWidget):
 
     @property
     def text(self) -> str:
+        """Text on the cover; empty while it is hidden."""
         return self._text
 
-    def draw(self, text: str) -> None:
+    def show_text(self, text: str) -> None:
         """Cover the widget with this text; an empty text uncovers it."""
         self._text = text
         self.setGeometry(self._covered.rect())
@@ -84,9 +94,9 @@ class FadedCover(QWidget):
 
     def paintEvent(self, event: QPaintEvent) -> None:
         painter = QPainter(self)
-        paper = QColor(SCREEN.paper)
-        paper.setAlphaF(VEIL)
-        painter.fillRect(self.rect(), paper)
+        background = QColor(SCREEN.paper)
+        background.setAlphaF(OPACITY)
+        painter.fillRect(self.rect(), background)
         painter.setFont(font(TEXT))
         width, height = text_size(self._text, TEXT)
         box = QRect(0, 0, round(width) + 24, round(height) + 12)
@@ -98,8 +108,8 @@ class FadedCover(QWidget):
         painter.end()
 
 
-class AnswerPanel(QFrame):
-    """The sequence, its figures, its table, and the curves over the whole turn with those of the design dashed."""
+class BlendPanel(QFrame):
+    """Blended motion: sequence, figures, table, and curves over the full turn, with the current design dashed."""
 
     def __init__(self, unit: str) -> None:
         super().__init__()
@@ -117,7 +127,7 @@ class AnswerPanel(QFrame):
         for label in (self.headline, self.figures):
             label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         columns = [(i > 0, heading) for i, heading in enumerate(HEADINGS)]
-        # what names its unit is long: it takes the room it needs, the angles share the rest
+        # headings with a unit are long: they get the width they need, the angles share the rest
         self.table = RowsTable(
             [TableHeading(text.format(u=symbol), number=n, wide=n and "{u}" not in text) for n, text in columns]
         )
@@ -134,12 +144,14 @@ class AnswerPanel(QFrame):
             plot.setMinimumHeight(84)
             plot.show_cursor(False)
             column.addWidget(plot, 1)
-        self.veil = FadedCover(self)
+        self.cover = FadedCover(self)
         self._keep_height()
 
-    def show_answer(self, blended: BlendResult, design: Design | None, before: Study) -> None:
-        """The curves, and the motion of a design that has them, over that of the design before; None: that has no
-        place for them."""
+    def show_blend(self, blended: BlendResult, design: Design | None, before: Study) -> None:
+        """Show a blend, and the motion of the design with it over that of the design before.
+
+        None for the design: the blend cannot replace that part of the motion.
+        """
         self.headline.setText("–".join(blended.curves))
         self.figures.setText("\n".join(figures(blended, before.design.speed_rpm)))
         rows = table(blended)
@@ -148,15 +160,17 @@ class AnswerPanel(QFrame):
         if design is None:
             for plot in self.plots:
                 plot.show_message("")
-            self.plots[0].show_message("These curves have no place in the motion as it is")
+            self.plots[0].show_message(
+                "The selected range is not at rest at its ends. Replace the full turn, or change the cam angles."
+            )
         else:
             self._draw(design, before)
-        self.veil.draw("")
+        self.cover.show_text("")
 
-    def show_before(self, before: Study) -> None:
-        """Show the motion of the design in place, before there is an answer."""
+    def show_current(self, before: Study) -> None:
+        """Show the motion of the current design, before there is a blend."""
         self.headline.setText("No motion yet")
-        self.figures.setText("The design's motion as it is")
+        self.figures.setText("Showing the motion of the current design")
         self._draw(before.design, None)
 
     def _draw(self, design: Design, before: Study | None) -> None:
@@ -166,29 +180,23 @@ class AnswerPanel(QFrame):
             plot.set_curves(study, [rows[quantity]], before)
 
     def _keep_height(self) -> None:
-        """As many rows as there are, none of them scrolled."""
+        """Make the table as high as its rows, without scrolling."""
         rows = sum(self.table.rowHeight(i) for i in range(len(self.table.rows.rows)))
         self.table.setFixedHeight(self.table.horizontalHeader().sizeHint().height() + rows + 2)
 
 
 # -- wizard ----------------------------------------------------------------------------------------------
 
-PAUSE_MS = 250  # of typing, before the best is searched for
-SLOW_MS = 150  # after which a range that is still being computed is no longer shown as it was
-LAST = "The last motion that was feasible"
-QUESTIONS_WIDTH, USUAL, LEAST = 500, QSize(1180, 740), QSize(1040, 560)
-PLACES: Mapping[str, Callable[[Design, BlendResult], Design]] = MappingProxyType(
-    {"turn": with_blend_as_motion, "here": with_blend_between}
-)
-
 
 class BlendDialog(PutDialog):
-    """Asks for a blended motion and puts it into the design as one step.
+    """Dialog that blends a motion and puts it into the design as one step.
 
-    Every keystroke is answered at once; while there is no answer the last one stays, veiled.
+    The motion follows every keystroke; while there is none, the last one stays visible under a cover.
 
-    blended   the answer to the questions as they are; None while there is none
-    design    the design with it; None where it cannot be put in place
+    Attributes
+    ----------
+    blended : motion that follows from the form; None while there is none
+    design : the design with that motion; None if the motion cannot be put into it
     """
 
     help_page = "blending#What you may set"
@@ -196,131 +204,131 @@ class BlendDialog(PutDialog):
     def __init__(self, session: Session, parent: QWidget | None = None) -> None:
         super().__init__(session, "Blend a motion", parent)
         motion = require_motion(session.design)
-        self.blended: BlendResult | None = None  # the answer to the questions as they are
-        self.design: Design | None = None  # with it
+        self.blended: BlendResult | None = None
+        self.design: Design | None = None
         self.questions = Questions(motion.unit)
-        self.panel = AnswerPanel(motion.unit)
+        self.panel = BlendPanel(motion.unit)
         self.succession = SuccessionPage()
         self.ranking = RankingPanel()
-        self.answers, self.ranges = Background(self), Background(self)
+        self.solver, self.ranges = Background(self), Background(self)
         self._soon = QTimer(self, singleShot=True, interval=0)
         self._pause = QTimer(self, singleShot=True, interval=PAUSE_MS)
         self._slow = QTimer(self, singleShot=True, interval=SLOW_MS)
-        self._waiting: list[RangedRow] = []  # for their ranges
+        self._waiting: list[RangedRow] = []  # rows without their range
         self._requested_rows: tuple[RangedRow, ...] = ()
         self._lay_out()
-        add_copy_of(self.buttons, self._as_command)
+        add_copy_of_line(self.buttons, self._as_command)
         self._connect()
         request = first_request(motion, min(session.segment, len(motion.segments) - 1))
-        self.questions.answer(request)
-        others = [s for s in motion.segments if s.rise]
-        moving = sum(s.rise for s in others if s.rise > 0.0)
-        alone = not others or (has_both(request.type) and moving <= request.stroke + 1e-9)
-        self.places["turn" if alone else "here"].setChecked(True)
-        self.panel.show_before(session.study)
+        self.questions.set_request(request)
+        strokes = [s.rise for s in motion.segments if s.rise]
+        total_rise = sum(rise for rise in strokes if rise > 0.0)
+        is_all = not strokes or (has_both(request.type) and total_rise <= request.stroke + 1e-9)
+        self.replaced["turn" if is_all else "range"].setChecked(True)
+        self.panel.show_current(session.study)
         self.questions.kind.types[request.type].setFocus()
-        self.answer_request()
+        self.solve_request()
 
-    # -- building -------------------------------------------------------------------------------------------
+    # -- layout ------------------------------------------------------------------------------------------
 
     def _lay_out(self) -> None:
         questions = QVBoxLayout()
         questions.addWidget(self.questions, 1)
-        questions.addLayout(self._places())
+        questions.addLayout(self._replacement_row())
         self.pages = QTabWidget(documentMode=True)
         self.pages.addTab(self.panel, "&Motion")
         self.pages.addTab(self.succession, "Which curve &follows")
         self.pages.addTab(self.ranking, "In this &design")
-        self.frame(questions, QUESTIONS_WIDTH, self.pages, USUAL, LEAST)
+        self.frame(questions, FORM_WIDTH, self.pages, TYPICAL_SIZE, LEAST_SIZE)
 
-    def _places(self) -> QHBoxLayout:
+    def _replacement_row(self) -> QHBoxLayout:
         row = QHBoxLayout()
-        row.addWidget(bold_label("Place"))
+        row.addWidget(bold_label("Replace"))
         row.addSpacing(8)
-        self.places = {"turn": QRadioButton("the whole turn"), "here": QRadioButton()}
-        self.places["turn"].setToolTip("Dwell, these curves, dwell: nothing else is left of the motion")
-        self.places["here"].setToolTip("What the motion does between these cam angles makes way, the rest stays")
+        self.replaced = {"turn": QRadioButton("the full turn"), "range": QRadioButton()}
+        self.replaced["turn"].setToolTip("Replace the full motion: a dwell, these curves, a dwell")
+        self.replaced["range"].setToolTip("Replace the motion between these cam angles; the rest does not change")
         group = QButtonGroup(self)
-        for button in self.places.values():
+        for button in self.replaced.values():
             group.addButton(button)
             row.addWidget(button)
-            button.clicked.connect(self._place)
+            button.clicked.connect(self._put_into_design)
         row.addStretch(1)
         return row
 
     def _connect(self) -> None:
         self.questions.changed.connect(self._soon.start)
-        self._soon.timeout.connect(self.answer_request)
+        self._soon.timeout.connect(self.solve_request)
         self._pause.timeout.connect(self._start_best)
-        self._slow.timeout.connect(self._is_slow)
-        self.answers.result.connect(self._answered)
-        self.ranges.result.connect(self._ranged)
+        self._slow.timeout.connect(self._cover_old_results)
+        self.solver.result.connect(self._show_result)
+        self.ranges.result.connect(self._show_range)
         self.ranking.chosen.connect(self._choose_ranked)
 
     def _choose_ranked(self, name: str) -> None:
-        """A row of the ranking: another sequence is blended at once."""
+        """Blend the sequence of a row of the ranking."""
         if name in LAWS:
-            self.show_message(f"{law_label(name)} is a law, no blend: the table of laws puts it into the motion")
+            self.show_message(f"{law_label(name)} is a motion law, not a blend: use it from the table of laws")
         elif name != "-".join(self.blended.curves if self.blended is not None else ()):
             self.questions.take_sequence(name)
 
-    # -- requests -------------------------------------------------------------------------------------------
+    # -- calculation -------------------------------------------------------------------------------------
 
-    def answer_request(self) -> None:
-        """Begin to compute the answer to the questions as they are."""
+    def solve_request(self) -> None:
+        """Begin to compute the motion that follows from the form."""
         questions = self.questions
         self.stop()
         questions.show_request()
         request = questions.request()
-        self._name_places(request)
+        self._show_replaced(request)
         self.blended = self.design = None
         self.ranking.stop()
         self.put_button.setEnabled(False)
-        target, missing = plan(request).target, plan(request).missing
-        if target is not None:
-            self.succession.show_sequence(request.type, target.sequence)
+        planned = plan(request)
+        missing = planned.missing
+        if planned.target is not None:
+            self.succession.show_sequence(request.type, planned.target.sequence)
         if questions.find_faults():
-            self._veil(LAST)
+            self._cover(LAST)
             return
         self._waiting = questions.settings.shown_rows()
         self._slow.start()
         if request.goal and not missing:
-            self._pause.start()  # the ranges wait for it
+            self._pause.start()  # the ranges follow the optimum
             return
         self._start_ranges(request)
         if missing:
-            self._veil(f"{missing} more to set" if missing > 0 else f"{-missing} too many set")
+            self._cover(f"{missing} more to set" if missing > 0 else f"{-missing} too many set")
         else:
-            self.answers.start([(request, partial(blend, request.solver_request))])
+            self.solver.start([(request, partial(blend, request.solver_request))])
 
     @property
     def busy(self) -> bool:
         """Whether anything shown is still being computed."""
-        return self.answering or self.ranges.busy
+        return self.is_solving or self.ranges.busy
 
     @property
-    def answering(self) -> bool:
-        """Whether the motion is; ranges follow."""
-        return self._soon.isActive() or self._pause.isActive() or self.answers.busy
+    def is_solving(self) -> bool:
+        """Whether the motion is still being computed; the ranges follow later."""
+        return self._soon.isActive() or self._pause.isActive() or self.solver.busy
 
     def stop(self) -> None:
-        """Cancel what is being computed."""
+        """Cancel all running calculations."""
         for timer in (self._soon, self._pause, self._slow):
             timer.stop()
-        for each in (self.answers, self.ranges):
-            each.stop()
+        for calculation in (self.solver, self.ranges):
+            calculation.stop()
 
     def _start_best(self) -> None:
         request = self.questions.request()
-        self._veil(f"Looking for the least {request.goal}")
-        self.answers.start([(request, partial(best, request.solver_request, request.goal))])
+        self._cover(f"Calculating the least {request.goal} …")
+        self.solver.start([(request, partial(best, request.solver_request, request.goal))])
 
     def _start_ranges(self, request: WizardRequest) -> None:
-        """Ranges of the focused field first; then, while a setting is missing, those of rows not ticked yet."""
-        rows, solver_request = list(self._waiting), ranged(request)
-        wanted = plan(request).missing == 0
+        """Compute ranges: first of the focused row; then of the ticked rows, or of the others while a setting is missing."""
+        solver_request, is_complete = range_request(request), plan(request).missing == 0
         focused = self.focusWidget()
-        rows = sorted(rows, key=lambda row: (focused not in row.boxes(), row.used != wanted))
+        rows = sorted(self._waiting, key=lambda row: (focused not in row.boxes(), row.is_used != is_complete))
         jobs: list[Job] = []
         for row in rows:
             at = (row.at.number or 0.0,) if isinstance(row, PrecisionPointRow) else ()
@@ -328,96 +336,99 @@ class BlendDialog(PutDialog):
         self._requested_rows = tuple(self._waiting)
         self.ranges.start(jobs)
 
-    # -- answers --------------------------------------------------------------------------------------------
+    # -- results -----------------------------------------------------------------------------------------
 
-    def _ranged(self, number: int, result: object) -> None:
+    def _show_range(self, number: int, result: object) -> None:
         row = self._requested_rows[number]
         self._waiting.remove(row)
         if self.questions.settings.has(row):
             row.show_ranges(result if isinstance(result, list) else ())
 
-    def _is_slow(self) -> None:
-        """The ranges and the answer shown hold no longer, and the new ones are not computed yet."""
+    def _cover_old_results(self) -> None:
+        """Mark ranges and motion that are still being computed."""
         for row in filter(self.questions.settings.has, self._waiting):
             row.show_ranges(None)
-        if self.answers.busy:
-            self._veil("Looking for it")
+        if self.solver.busy:
+            self._cover(SEARCHING)
 
-    def _answered(self, request: WizardRequest, result: BlendResult | KindynaError) -> None:
+    def _show_result(self, request: WizardRequest, result: BlendResult | KindynaError) -> None:
         if request.goal:
             self._start_ranges(request)
         if isinstance(result, BlendResult):
             self.blended = result
-            self._place()
+            self._put_into_design()
             return
-        self._veil(LAST)
+        self._cover(LAST)
         if isinstance(result, BlendError):
             self.questions.show_error(result)
         else:
             self.questions.general.show_message(reason(self._session.design, result))
 
-    def _veil(self, text: str) -> None:
+    def _cover(self, text: str) -> None:
         self.show_message("")
-        self.panel.veil.draw(text)
+        self.panel.cover.show_text(text)
 
-    def _place(self, *_: object) -> None:
-        """Put the answer into a design that is not in place yet, and show it."""
+    def _put_into_design(self, *_: object) -> None:
+        """Show the design with the blended motion; the current design does not change yet."""
         self.design = None
         if self.blended is not None:
+            replace_motion = partial(REPLACEMENTS[self._replaced_part], self._session.design)
             try:
-                design = PLACES[self._where](self._session.design, self.blended)
+                design = replace_motion(self.blended)
             except KindynaError as error:
                 self.show_message(reason(self._session.design, error), wrong=True)
-                self.panel.show_answer(self.blended, None, self._session.study)
+                self.panel.show_blend(self.blended, None, self._session.study)
             else:
                 self._show(design, self.blended)
-            own, place = "-".join(self.blended.curves), partial(PLACES[self._where], self._session.design)
-            goal = self.questions.request().goal
-            self.ranking.offer(self._session.design, blend_candidates(self.blended, place, goal), own, "this blend")
+            compared = blend_candidates(self.blended, replace_motion, self.questions.request().goal)
+            self.ranking.offer(self._session.design, compared, "-".join(self.blended.curves), "this blend")
         self.put_button.setEnabled(self.design is not None)
 
     def _show(self, design: Design, blended: BlendResult) -> None:
         before = require_motion(self._session.design)
         wrong = reason(design, DesignError(faults(design)))
         self.show_message(wrong or effect(before, require_motion(design), blended), bool(wrong))
-        self.panel.show_answer(blended, design, self._session.study)
+        self.panel.show_blend(blended, design, self._session.study)
         self.design = None if wrong else design
 
     @property
-    def _where(self) -> str:
-        return next(name for name, button in self.places.items() if button.isChecked())
+    def _replaced_part(self) -> str:
+        return next(name for name, button in self.replaced.items() if button.isChecked())
 
-    def _name_places(self, request: WizardRequest) -> None:
-        """A rise or a return alone is no whole turn."""
-        self.places["here"].setText(f"{shortest(request.start)}° … {shortest(request.end)}° only, the rest stays")
-        self.places["turn"].setEnabled(has_both(request.type) and request.return_stroke in (0.0, request.stroke))
-        if not self.places["turn"].isEnabled():
-            self.places["here"].setChecked(True)
+    def _show_replaced(self, request: WizardRequest) -> None:
+        """Name the cam angles; a motion that does not return to its start cannot replace the full turn."""
+        self.replaced["range"].setText(f"only {shortest(request.start)}° … {shortest(request.end)}°")
+        self.replaced["turn"].setEnabled(has_both(request.type) and request.return_stroke in (0.0, request.stroke))
+        if not self.replaced["turn"].isEnabled():
+            self.replaced["range"].setChecked(True)
 
-    # -- the end --------------------------------------------------------------------------------------------
+    # -- command, and closing ----------------------------------------------------------------------------
 
     def _as_command(self) -> str:
         from core.commands.motions import BlendArguments
 
-        return spelled(
-            "blend", command_words(BlendArguments, {**words_of(self.questions.request()), **of_session(self._session)})
+        return command_text(
+            "blend",
+            command_words(
+                BlendArguments, {**command_options(self.questions.request()), **session_options(self._session)}
+            ),
         )
 
     def accept(self) -> None:
-        """Put the motion into the design, where there is one."""
+        """Put the motion into the design, if there is one."""
         if self.design is not None and self.blended is not None:
             self.put(self.design, f"Blend {'-'.join(self.blended.curves)}")
 
     def done(self, result: int) -> None:
         self.stop()
-        for each in (self.answers, self.ranges):
-            each.close()
+        for calculation in (self.solver, self.ranges):
+            calculation.close()
         self.ranking.close_work()
         super().done(result)
 
 
 def open_blend(session: Session, parent: QWidget) -> BlendDialog:
-    """Open the wizard over a window; it is deleted once closed."""
+    """Open the wizard over a window."""
     dialog = BlendDialog(session, parent)
     dialog.open_once()
     return dialog

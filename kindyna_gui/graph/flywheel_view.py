@@ -35,7 +35,7 @@ from kindyna_gui.pictures.style import BLUE, DASHED, ROUNDING, VERMILION, torque
 from kindyna_gui.pictures.units import DisplayUnit, digits, measure, readable, short, with_unit
 from kindyna_gui.player import Player
 from kindyna_gui.requirements import NO_ELASTIC, NO_FLIGHT, NO_WHEEL, RIGID_FOLLOWER, Unavailable, turned_shaft
-from kindyna_gui.view import BackgroundView, NumberAtHand, View
+from kindyna_gui.view import BackgroundView, ExplainableNumber, View
 
 # -- flywheel view ---------------------------------------------------------------------------------------
 
@@ -69,7 +69,7 @@ def _row(
     """floor: size below which the value is what rounding leaves of a zero; name: its column or figure, at theta where that has one."""
     value = 0.0 if abs(value) <= floor else value
     rung = readable(symbol, abs(value))
-    number = NumberAtHand(name, theta) if name else None
+    number = ExplainableNumber(name, theta) if name else None
     return TableRow((label, digits(value / rung.size, 5), rung.symbol), tip=tip, number=number)
 
 
@@ -80,7 +80,7 @@ DIGITS = 5  # of what the sizing shows, and puts into the design
 class FlywheelView(View):
     """The figures of the flywheel, and the button that fits one of the inertia needed."""
 
-    of_whole = True
+    is_design_wide = True
     stages = ("dynamics",)
     pause_ms = 200
 
@@ -97,7 +97,7 @@ class FlywheelView(View):
         row.addStretch(1)
         self.set_column(self.table, row, grows=self.table)
 
-    def number_at_hand(self) -> NumberAtHand | None:
+    def selected_number(self) -> ExplainableNumber | None:
         return self.table.number
 
     def refresh(self, study: Study) -> None:
@@ -153,10 +153,10 @@ class FlywheelView(View):
             TableRow(
                 ("Fluctuation reached", digits(100.0 * wheel.fluctuation, 4), "%"),
                 tip="(highest - lowest)/mean",
-                number=NumberAtHand("fluctuation"),
+                number=ExplainableNumber("fluctuation"),
             ),
-            TableRow(("Speed, lowest", digits(low, DIGITS), "rpm"), number=NumberAtHand("min_speed_rpm")),
-            TableRow(("Speed, highest", digits(high, DIGITS), "rpm"), number=NumberAtHand("max_speed_rpm")),
+            TableRow(("Speed, lowest", digits(low, DIGITS), "rpm"), number=ExplainableNumber("min_speed_rpm")),
+            TableRow(("Speed, highest", digits(high, DIGITS), "rpm"), number=ExplainableNumber("max_speed_rpm")),
         ]
 
     def _peaks(self, study: Study, floor: float) -> list[TableRow]:

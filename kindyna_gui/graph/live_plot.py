@@ -204,10 +204,10 @@ class LivePlot(_Turned, CurvePlot):
         self.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
         self.setToolTip(TIP)
         self.viewport().setMouseTracking(True)
-        self.keep_axes()
+        self.cache_axes()
         self.whole_action = QAction("Show all", self, checkable=True, enabled=False)
         self.whole_action.setToolTip("Let the axis reach to the peaks that are far off all the rest, or cut them off")
-        self.whole_action.toggled.connect(self.show_whole)
+        self.whole_action.toggled.connect(self.show_spikes)
         self.whole_button = QToolButton(self, autoRaise=True)
         self.whole_button.setDefaultAction(self.whole_action)
         self.whole_button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
@@ -218,9 +218,9 @@ class LivePlot(_Turned, CurvePlot):
         """The button in the upper right corner, where there are peaks far off all the rest."""
         if self.whole_button is None or self.whole_action is None:  # the plot is still being made
             return []
-        self.whole_action.setEnabled(self.spiked)
-        self.whole_button.setVisible(self.spiked)
-        if not self.spiked:
+        self.whole_action.setEnabled(self.has_spikes)
+        self.whole_button.setVisible(self.has_spikes)
+        if not self.has_spikes:
             return []
         size, corner = self.whole_button.sizeHint(), self.mapFromScene(self.getViewBox().sceneBoundingRect().topRight())
         self.whole_button.setGeometry(corner.x() - size.width() - 1, corner.y() + 1, size.width(), size.height())
@@ -236,7 +236,7 @@ class LivePlot(_Turned, CurvePlot):
     def mousePressEvent(self, event: QMouseEvent) -> None:
         if (
             event.button() == Qt.MouseButton.LeftButton
-            and self.cut_at(event.position())
+            and self.is_spike_at(event.position())
             and self.whole_action is not None
         ):
             self.whole_action.trigger()

@@ -28,7 +28,7 @@ from kindyna_gui.pictures.units import readable
 from kindyna_gui.player import Player, obey
 from kindyna_gui.requirements import Unavailable, suggestions_for
 from kindyna_gui.saving import save_numbers, save_picture
-from kindyna_gui.view import NumberAtHand
+from kindyna_gui.view import ExplainableNumber
 
 # -- drives plot -----------------------------------------------------------------------------------------
 
@@ -224,8 +224,8 @@ class PlotView(MarkedView):
         self.plot.set_angle(theta, self.session.at(theta) if self.rows else None)
         self.extremes.resume()
 
-    def number_at_hand(self) -> NumberAtHand | None:
-        return NumberAtHand(self.rows[0].slug) if self.rows else None
+    def selected_number(self) -> ExplainableNumber | None:
+        return ExplainableNumber(self.rows[0].slug) if self.rows else None
 
     def _turn(self, theta: float) -> None:
         self.player.play(False)
@@ -310,10 +310,10 @@ class StackView(MarkedView):
             plot.set_angle(theta, self.session.at(theta) if self._drawn[name] else None)
         self.extremes.resume()
 
-    def number_at_hand(self) -> NumberAtHand | None:
+    def selected_number(self) -> ExplainableNumber | None:
         chosen = next((name for name, plot in self.plots.items() if plot.underMouse()), "pressure_angle")
         rows = self._drawn.get(chosen)
-        return NumberAtHand(rows[0].slug) if rows else None
+        return ExplainableNumber(rows[0].slug) if rows else None
 
     def _turn(self, theta: float) -> None:
         self.player.play(False)

@@ -53,7 +53,7 @@ def joints_now(scene: MechanismScene | Assembly) -> dict[str, complex]:
     if geometry is None:
         return {}
     joints = joints_of(geometry.study.design)
-    if isinstance(scene, MechanismScene) and not scene.layer_wanted(MASSES):  # hidden masses are not dragged
+    if isinstance(scene, MechanismScene) and not scene.layer_selected(MASSES):  # hidden masses are not dragged
         joints = {name: drag for name, drag in joints.items() if not name.startswith(f"loads.{MASSES}")}
     return {name: position for name, position in geometry.handles(scene.index).items() if name in joints}
 

@@ -122,7 +122,7 @@ class MechanismMouseView(View):
         def run(to: complex) -> None:
             reach = geometry.samples // RUN_PARTS
             near = self.scene.index + np.arange(-reach, reach + 1)
-            near = near % geometry.samples if geometry.whole_turn else np.clip(near, 0, geometry.samples - 1)
+            near = near % geometry.samples if geometry.is_full_turn else np.clip(near, 0, geometry.samples - 1)
             theta = float(np.deg2rad(geometry.cam_angle[near[np.argmin(np.abs(track[near] - to))]]))
             self.player.set_theta(theta, self.player.turn)
 

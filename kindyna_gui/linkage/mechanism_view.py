@@ -17,25 +17,25 @@ from core.numerics.lazy import postponing
 from core.study import Study
 from kindyna_gui.documents.pins import Pins
 from kindyna_gui.documents.session import Session
-from kindyna_gui.documents.texts import misses
+from kindyna_gui.documents.texts import misfit_sentences
 from kindyna_gui.drives import ON_SHAFT, ONE, DriveStrip, drive_rows
 from kindyna_gui.labels import reason
 from kindyna_gui.linkage.canvas import Canvas, PinnedOutline, paint_pinned
 from kindyna_gui.linkage.mechanism_mouse import MechanismMouseView
 from kindyna_gui.look import Note, linked
-from kindyna_gui.pictures.drawing.assembly import OF_CHOSEN, OF_EACH, Assembly
+from kindyna_gui.pictures.drawing.assembly import DRIVE_LAYERS, SELECTED_LAYERS, Assembly
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.pictures.drawing.parts import (
-    COLOURS,
+    BODY_FORCE_LAYERS,
+    COLOUR_LAYERS,
     DIMENSIONS,
     EVERY_LAYER,
+    FORCE_LAYERS,
     MODULO,
-    OF_BODIES,
-    OF_FORCES,
-    OF_STEP,
+    STEP_LAYERS,
     TWIST,
-    goes_on,
-    layers_of,
+    available_layers,
+    has_advance,
 )
 from kindyna_gui.pictures.style import LIGHT, SCREEN
 from kindyna_gui.player import Player
@@ -58,7 +58,7 @@ class MechanismView(MechanismMouseView):
 
     drawing_switched = Signal(bool)
 
-    of_whole = True
+    is_design_wide = True
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
@@ -80,7 +80,7 @@ class MechanismView(MechanismMouseView):
         self._actions = {name: self._action(name, layer.label) for name, layer in EVERY_LAYER.items()}
         colours = QActionGroup(self)
         colours.setExclusionPolicy(QActionGroup.ExclusionPolicy.ExclusiveOptional)
-        for name in COLOURS:
+        for name in COLOUR_LAYERS:
             colours.addAction(self._actions[name])
         session.started.connect(self._request_fit)
         session.drive_chosen.connect(self._request_fit)
@@ -186,7 +186,7 @@ class MechanismView(MechanismMouseView):
         """Stages that are drawn; forces and the twist of the shaft are computed only if their layers are shown."""
         if self.shows_sheet:
             return ()
-        forces = ("dynamics",) if any(self._layer_states[name] for name in OF_FORCES) else ()
+        forces = ("dynamics",) if any(self._layer_states[name] for name in FORCE_LAYERS) else ()
         return ("linkage", "cam", *forces, *(("stability",) if self._layer_states[TWIST] else ()))
 
     # -- drives -------------------------------------------------------------------------------------------
@@ -228,7 +228,7 @@ class MechanismView(MechanismMouseView):
     @property
     def _layers_of_all(self) -> tuple[str, ...]:
         """Layers that are shown while all drives are drawn."""
-        return tuple(name for name in (*OF_EACH, *OF_CHOSEN) if self._layer_states[name])
+        return tuple(name for name in (*DRIVE_LAYERS, *SELECTED_LAYERS) if self._layer_states[name])
 
     def _show_all(self) -> None:
         self._pages.setCurrentWidget(self.all_canvas)
@@ -273,7 +273,9 @@ class MechanismView(MechanismMouseView):
         self._apply_layers()
         self._update_readout()
         self._show_missing_cam(study)
-        self.scene.show_step(self.session.step if set(OF_STEP) <= set(layers_of(study)) else None, draw=False)
+        self.scene.show_step(
+            self.session.step if set(STEP_LAYERS) <= set(available_layers(study)) else None, draw=False
+        )
         self.scene.update_study(self._in_turn(study), keep_labels=True, lay=not self._needs_fit)
         self.canvas.rest.start()
         if self._needs_fit:
@@ -293,7 +295,7 @@ class MechanismView(MechanismMouseView):
     @property
     def _turn(self) -> int:
         """Number of the turn that is drawn; 0 if all turns are equal, or the layer shows the first."""
-        return self.player.turn if goes_on(self.session.study) and not self._layer_states[MODULO] else 0
+        return self.player.turn if has_advance(self.session.study) and not self._layer_states[MODULO] else 0
 
     def _in_turn(self, study: Study) -> Study:
         """Study of the design in the current turn; if it has no solution, the first turn, with a note."""
@@ -317,14 +319,14 @@ class MechanismView(MechanismMouseView):
     def _what_is_missing(self, study: Study) -> str:
         """Text that says why the drawing is stale, or why cam, pressure, forces or underlay are not drawn; else empty."""
         if self.is_stale:
-            return f"Showing the last version that can be assembled. {misses(self.session)[0]}"
+            return f"Showing the last version that can be assembled. {misfit_sentences(self.session)[0]}"
         text = ""
         try:
             _ = study.cam if "cam" in study.stages else None
             text = why_no_pressure(study) if self._layer_states["stress_colours"] and "cam" in study.stages else ""
         except NoSolution as error:
             text = f"No cam: {reason(study.design, error)}"
-        if not text and any(self._layer_states[name] for name in OF_BODIES):
+        if not text and any(self._layer_states[name] for name in BODY_FORCE_LAYERS):
             try:
                 text = why_no_forces(study)
             except NoSolution as error:
@@ -409,7 +411,7 @@ class MechanismView(MechanismMouseView):
 
     def layer_actions(self) -> list[QAction]:
         """Return the actions that show or hide the layers of the current design."""
-        return [self._actions[name] for name in layers_of(self.session.study)]
+        return [self._actions[name] for name in available_layers(self.session.study)]
 
     def show_layer(self, name: str, shown: bool) -> None:
         """Show or hide one of ``EVERY_LAYER``."""
@@ -418,9 +420,9 @@ class MechanismView(MechanismMouseView):
 
     def _apply_layers(self) -> None:
         for name, shown in self._layer_states.items():
-            if self.scene.layer_wanted(name) != shown:
+            if self.scene.layer_selected(name) != shown:
                 self.scene.set_layer(name, shown)
-                if name in OF_FORCES:
+                if name in FORCE_LAYERS:
                     self._show_missing_cam(self.session.study)
                 if self.canvas.fitted and name in (*CHAINS, DIMENSIONS):  # these need room around the mechanism
                     self.canvas.fit(keep_labels=True)

@@ -26,7 +26,7 @@ from PySide6.QtWidgets import (
 from core.frozen import frozen
 from kindyna_gui.documents.session import Session
 from kindyna_gui.player import Player
-from kindyna_gui.view import View, in_sight
+from kindyna_gui.view import View, is_in_sight
 
 ACROSS, UPWARDS = Qt.Orientation.Horizontal, Qt.Orientation.Vertical
 Area = Qt.DockWidgetArea
@@ -110,7 +110,7 @@ class DockShares(QObject):
 
     def _front(self) -> dict[str, QDockWidget]:
         """Visible docks that are not floating, by name."""
-        return {dock.objectName(): dock for dock in self._docks if not dock.isFloating() and in_sight(dock)}
+        return {dock.objectName(): dock for dock in self._docks if not dock.isFloating() and is_in_sight(dock)}
 
     def _settle(self) -> None:
         """Restore the sizes of docks if the window's size has changed, else note them; called once Qt has laid them out."""
@@ -346,8 +346,8 @@ class Dock(QDockWidget):
         """Return the view, made at the first call."""
         if self._view is None:
             self._view = self._make()
-            if hasattr(self._view, "height_wanted"):
-                self._view.height_wanted.connect(self._limit)
+            if hasattr(self._view, "height_requested"):
+                self._view.height_requested.connect(self._limit)
             self.setWidget(self._view)
             self._blank.deleteLater()
         return self._view
@@ -373,7 +373,7 @@ class Dock(QDockWidget):
     def wake(self) -> None:
         """Make or update the view if any part of the dock is visible."""
         self._apply_limit()
-        if in_sight(self) and not self._paused:
+        if is_in_sight(self) and not self._paused:
             self.build().wake()
         self.seen.emit()
 

@@ -142,7 +142,7 @@ class AngleBox(TextKeys, QDoubleSpinBox):
 class PlayerBar(View):
     """What moves the cam by hand and by time; several drives by the angle of the machine that turns them."""
 
-    of_whole = True
+    is_design_wide = True
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)

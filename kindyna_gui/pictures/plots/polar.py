@@ -25,9 +25,9 @@ from core.motion.extremes import Extremes
 from core.study import Quantity, Study
 from kindyna_gui.pictures.items import text_size
 from kindyna_gui.pictures.plots.curves import NO_BANDS
-from kindyna_gui.pictures.plots.lines import closed, rings, shades_entry
-from kindyna_gui.pictures.plots.marks import Extreme, PolarMark, both_ends, lay_polar_marks, near, paint_title
-from kindyna_gui.pictures.plots.plot import Span, peak, spans, usual_range
+from kindyna_gui.pictures.plots.lines import band_entry, band_outlines, closed_band
+from kindyna_gui.pictures.plots.marks import Extreme, PolarMark, both_ends, box_near, lay_polar_marks, paint_title
+from kindyna_gui.pictures.plots.plot import Span, peak, spans, typical_range
 from kindyna_gui.pictures.plots.quantities import Curve, read_curves
 from kindyna_gui.pictures.shapes import outline
 from kindyna_gui.pictures.style import SCREEN, SMALL, TEXT, THIN, Theme, brush, font
@@ -86,14 +86,14 @@ class PolarPlot(QWidget):
         values = [*(curve.values for curve in self._curves), *(band[i] for _, band in shaded for i in (0, -1))]
         self.rung = readable(channels[0].unit.symbol, peak(values))
         shown = [v / self.rung.size for v in values]
-        sides = [usual_range(v) for v in shown]
+        sides = [typical_range(v) for v in shown]
         self._range = (min(0.0, *(side[0] for side in sides)), max(0.0, *(side[1] for side in sides)))
         self._scale()
         self._theta, self._whole = study.theta, study.theta.size == study.samples
         colours = [self._theme.quiet if curve.channel.approximates else curve.colour for curve in self._curves]
         self._rows = list(zip(channels, shown[: len(channels)], colours, strict=True))
         self._shaded = [
-            (*closed(band / self.rung.size, curve.gain / self.rung.size), curve.colour) for curve, band in shaded
+            (*closed_band(band / self.rung.size, curve.gain / self.rung.size), curve.colour) for curve, band in shaded
         ]
         self._spans, self.message, self._paths = spans(motion_of(study.design)), "", None
         self._ranges = self._marks = self._kept = None
@@ -239,7 +239,7 @@ class PolarPlot(QWidget):
                 mark.paint(painter, self._theme)
             names = [(row.label, self._theme.letters(colour)) for row, _, colour in self._rows]
             if self._shaded:
-                names.append((shades_entry(self._theme).name, self._theme.quiet))
+                names.append((band_entry(self._theme).name, self._theme.quiet))
             paint_title(painter, names, self.rung.symbol, self._theme.ink, self.width())
         else:
             painter.setFont(font(TEXT))
@@ -324,7 +324,7 @@ class PolarPlot(QWidget):
         return [
             (outline(self._places(values, np.deg2rad(angles))), brush(colour, strength))
             for x, ends, colour in self._shaded
-            for angles, values, strength in rings(x, ends)
+            for angles, values, strength in band_outlines(x, ends)
         ]
 
     def _places(self, values: np.ndarray, theta: np.ndarray | None = None) -> np.ndarray:
@@ -357,7 +357,7 @@ class PolarPlot(QWidget):
         made = []
         for value, text in zip(self._values, self.readings(), strict=True):
             width, height = text_size(text)
-            box = near(self._place_of(value), QSizeF(width + 6.0, height), left, taken, room)
+            box = box_near(self._place_of(value), QSizeF(width + 6.0, height), left, taken, room)
             taken.append(box)
             made.append((text, box))
         return made

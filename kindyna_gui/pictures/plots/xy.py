@@ -25,8 +25,8 @@ from kindyna_gui.pictures.plots.lines import (
     Cursor,
     Entry,
     Frame,
-    shades,
-    shades_entry,
+    band_entry,
+    band_items,
 )
 from kindyna_gui.pictures.plots.marks import Readout, place_readouts
 from kindyna_gui.pictures.plots.plot import LEAST_ACROSS, FixedPlot, Ticks, angle_ticks, value_ticks
@@ -176,7 +176,7 @@ class Line:
 
 @frozen(eq=False)
 class Dots:
-    """Single points: x and y (n,), one colour for all or one each, their diameter [pixels]; hollow: rings; behind: the
+    """Single points: x and y (n,), one colour for all or one each, their diameter [pixels]; hollow: band_outlines; behind: the
     curves."""
 
     x: np.ndarray
@@ -283,10 +283,10 @@ class XYPlot(FixedPlot):
             self._drawn.append(item)
         banded = [(line, *line.band) for line in lines if line.band is not None]
         for line, places, ends in banded:
-            for area in shades(places, ends, line.colour):
+            for area in band_items(places, ends, line.colour):
                 self._add(area, area.zValue())
         names = [Entry(line.colour, line.label) for line in lines if line.label]
-        self._name([*names, *([shades_entry(self._theme, shaded)] if banded and shaded else [])], note)
+        self._name([*names, *([band_entry(self._theme, shaded)] if banded and shaded else [])], note)
         self._read_lines([line for line in lines if line.read], rung)
         x, y = (np.concatenate([getattr(each, axis) for each in (*lines, *dots)]) for axis in "xy")
         self._alike = alike
@@ -486,7 +486,7 @@ class XYPlot(FixedPlot):
         whole = (low, high) == WHOLE_TURN
         across = angle_ticks(frame.width) if whole else value_ticks(low, high, frame.width, LEAST_ACROSS)
         upwards = value_ticks(frame.low, frame.high, frame.height)
-        self.rule(frame, *((self._ticks or (across, upwards)) if self._filled else ((), ())))
+        self.draw_axes(frame, *((self._ticks or (across, upwards)) if self._filled else ((), ())))
         self.name_below(self._titles[0] if self._filled and self._numbered else "")
         title = _fitting(self._titles[1], frame.height) if self._filled else ""
         self._axes["left"].show_title(title, self._title_colour)

@@ -32,14 +32,14 @@ def over(dialog: SequenceDialog, line: QLineEdit | LiveBox, text: str) -> None:
     line.selectAll()
     QTest.keyClicks(line, text)
     QApplication.processEvents()
-    wait_for(lambda: not dialog.answering)
+    wait_for(lambda: not dialog.is_solving)
 
 
 def give(dialog: SequenceDialog, **settings: str) -> None:
     """Tick and type these settings."""
     for name, text in settings.items():
         row = dialog.rows[name]
-        if not row.used:
+        if not row.is_used:
             QTest.mouseClick(row.check, Qt.MouseButton.LeftButton, pos=QPoint(8, row.check.height() // 2))
         over(dialog, row.box, text)
 
@@ -64,7 +64,7 @@ def test_curves_that_are_typed_and_set_become_the_motion(user: User, dialog: Seq
     over(dialog, dialog.start, "30")
     over(dialog, dialog.end, "200")
     assert dialog.curves.text().upper() == "C1-H2-P2"
-    assert dialog.count.text() == "C1-H2-P2 requires 3 settings: 3 more to set, or say what is to be least"
+    assert dialog.count.text() == "C1-H2-P2 requires 3 settings: 3 more to set, or select what to optimise"
     assert not dialog.put_button.isEnabled()
     give(dialog, rise1="10", return1="10", span1="50")
     assert dialog.count.text() == "C1-H2-P2 requires 3 settings"
@@ -77,7 +77,7 @@ def test_curves_that_are_typed_and_set_become_the_motion(user: User, dialog: Seq
     assert "1 too many set" in dialog.count.text()
     assert dialog.blended is None
     QTest.mouseClick(dialog.rows["span2"].check, Qt.MouseButton.LeftButton, pos=QPoint(8, 8))
-    wait_for(lambda: not dialog.answering and dialog.put_button.isEnabled())
+    wait_for(lambda: not dialog.is_solving and dialog.put_button.isEnabled())
     QTest.mouseClick(dialog.put_button, Qt.MouseButton.LeftButton)
     settle()
     made = [s for s in require_motion(user.design).segments if s.rise]
@@ -93,7 +93,7 @@ def test_what_is_left_open_is_made_least_and_curves_that_do_not_join_are_refused
     dialog.goal.setFocus()
     QTest.keyClick(dialog.goal, Qt.Key.Key_Down)
     dialog.goal.activated.emit(dialog.goal.currentIndex())
-    wait_for(lambda: not dialog.answering)
+    wait_for(lambda: not dialog.is_solving)
     request = SequenceRequest(("C1", "H2", "P2"), 0.0, 360.0, {"rise1": 10.0, "return1": 10.0})
     assert dialog.blended is not None
     assert dialog.blended.segments == best_of_sequence(request, "acceleration").segments

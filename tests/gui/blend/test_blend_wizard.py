@@ -24,14 +24,14 @@ from kindyna_gui.blend import wizard as blend_wizard
 from kindyna_gui.blend.questions import GOAL_TEXTS, Questions
 from kindyna_gui.blend.request import (
     WizardRequest,
-    begin_of,
     constants,
     count_text,
     first_request,
+    initial_value,
     open_candidates,
     plan,
+    range_request,
     range_text,
-    ranged,
     shown_names,
 )
 from kindyna_gui.blend.settings import NO_NUMBER, LiveBox, curve_of
@@ -56,7 +56,7 @@ class Wizard:
     def answered(self) -> None:
         """Wait for the motion; ranges may still be missing."""
         QApplication.processEvents()
-        wait_for(lambda: not self.dialog.answering)
+        wait_for(lambda: not self.dialog.is_solving)
 
     def ranged(self, *names: str) -> None:
         """Wait for the ranges of these settings."""
@@ -90,7 +90,7 @@ class Wizard:
     def give(self, **settings: str) -> None:
         """Tick and type these settings and wait for the motion."""
         for name, text in settings.items():
-            if not self.rows[name].used:
+            if not self.rows[name].is_used:
                 self.tick(name)
             self.type(self.rows[name].box, text)
         self.answered()
@@ -112,7 +112,7 @@ class Wizard:
 
     @property
     def veiled(self) -> str:
-        return self.dialog.panel.veil.text if self.dialog.panel.veil.isVisible() else ""
+        return self.dialog.panel.cover.text if self.dialog.panel.cover.isVisible() else ""
 
     @property
     def can_put(self) -> bool:
@@ -247,9 +247,12 @@ MORE = "tick one more, or optimise the rest"
         (WizardRequest(constant="rise", given=(("h1", 1.0), ("h4", 1.0))), "C1-CV1-H2-H3-C4 requires 3 settings, 2 given: " + MORE),
         (
             WizardRequest(constant="rise", given=tuple((n, 1.0) for n in ("h1", "h2", "h3", "h4"))),
-            "4 settings given, 3 can be met: untick one",
+            "4 settings given, 3 possible: untick one",
         ),
-        (WizardRequest(constant="rise", given=(("length", 150.0),), goal="jerk"), "1 setting given; the rest is chosen for the least jerk"),
+        (
+            WizardRequest(constant="rise", given=(("length", 150.0),), goal="jerk"),
+            "1 setting given; the rest is optimised for the least jerk",
+        ),
         (WizardRequest(constant="rise", given=(("h1", 1.0),), points=((90.0, 5.0),)), "C1-CV1-H2-P2 requires 2 settings: given"),
     ],
 )  # fmt: skip
@@ -277,8 +280,8 @@ def test_settings_that_mean_nothing_are_not_asked_for() -> None:
 
 def test_ranges_are_those_of_the_sequence_that_is_meant() -> None:
     asked = WizardRequest(constant="rise", given=(("h1", 1.0),))
-    assert ranged(asked).sequence == "C1-CV1-H2-P2"
-    assert ranged(replace(asked, given=(("h1", 1.0), ("h3", 1.0)))).sequence == ""
+    assert range_request(asked).sequence == "C1-CV1-H2-P2"
+    assert range_request(replace(asked, given=(("h1", 1.0), ("h3", 1.0)))).sequence == ""
     target = plan(asked).target
     assert target is not None
     assert (str(target.sequence), target.freedom) == ("C1-CV1-H2-P2", 2)
@@ -291,8 +294,8 @@ def test_ranges_as_text() -> None:
     assert range_text([SettingRange(0.0, 18.999999999999, True, False)], "h1") == "0 < h1 ≤ 19"
     assert range_text([SettingRange(0.0, 18.99999, True, False)], "h1") == "0 < h1 ≤ 18.9999"
     assert range_text([SettingRange(1.0, 2.0), SettingRange(3.0, 4.0)], "h1") == "1 ≤ h1 ≤ 2 or 3 ≤ h1 ≤ 4"
-    assert range_text([SettingRange(18.0, 18.0)], "h2") == "= 18, given by the rest"
-    assert range_text([], "h2") == "nothing fits"
+    assert range_text([SettingRange(18.0, 18.0)], "h2") == "= 18, determined by the other settings"
+    assert range_text([], "h2") == "no feasible value"
 
 
 @pytest.mark.parametrize("name", ["h3", "vcv", "length", "peak", "acceleration"])
@@ -306,12 +309,12 @@ def test_an_end_that_belongs_to_the_range_can_be_typed(name: str) -> None:
 
 
 def test_a_setting_begins_inside_of_its_range() -> None:
-    assert begin_of([SettingRange(0.0, 20.0, True, True)], 0.1) == 2.0
-    assert begin_of([SettingRange(0.0, 300.0, True, True)], 0.5) == pytest.approx(200.0, abs=50.0)
-    assert begin_of([SettingRange(151.9, 154.1)], 0.5) == 153.0
-    assert begin_of([SettingRange(5.0, 5.0)], 0.5) == 5.0
-    assert begin_of([SettingRange(0.01, np.inf, False, True)], 0.3) == pytest.approx(0.03)
-    assert begin_of([], 0.3) is None
+    assert initial_value([SettingRange(0.0, 20.0, True, True)], 0.1) == 2.0
+    assert initial_value([SettingRange(0.0, 300.0, True, True)], 0.5) == pytest.approx(200.0, abs=50.0)
+    assert initial_value([SettingRange(151.9, 154.1)], 0.5) == 153.0
+    assert initial_value([SettingRange(5.0, 5.0)], 0.5) == 5.0
+    assert initial_value([SettingRange(0.01, np.inf, False, True)], 0.3) == pytest.approx(0.03)
+    assert initial_value([], 0.3) is None
 
 
 def test_settings_are_named_after_their_curve() -> None:
@@ -374,8 +377,8 @@ def test_the_card_picker_is_designed_with_the_keys_alone(ask: Ask) -> None:
 
 def test_the_peak_at_250_degrees(ask: Ask) -> None:
     wizard = ask(PICKER)
-    assert wizard.rows["h1"].used
-    assert wizard.rows["h3"].used, "the motion in place is asked anew"
+    assert wizard.rows["h1"].is_used
+    assert wizard.rows["h3"].is_used, "the motion in place is asked anew"
     wizard.tick("h3")
     wizard.give(peak="250")
     assert [row[2] for row in wizard.table] == ["20.6323", "190.1190", "9.2487", "80.0000"]
@@ -445,7 +448,7 @@ def test_a_wish_that_cannot_be_met_says_what_could_be(ask: Ask) -> None:
     assert row.box.refused
     assert not wizard.rows["h1"].message.isVisible()
     assert not wizard.can_put
-    assert wizard.veiled == "The last motion that was feasible"
+    assert wizard.veiled == "The last feasible motion"
     assert wizard.table == before, "the last good answer stays"
     wizard.dialog.accept()
     assert wizard.session.design == PICKER
@@ -471,7 +474,7 @@ def test_what_is_no_number_or_out_of_range_is_told_beside_it(ask: Ask) -> None:
     assert questions.stroke.refused
     wizard.type(questions.stroke, "20")
     wizard.type(questions.end, "20")
-    assert questions.size_faults[1].text() == "The end must lie behind the start, by 0.001° at least"
+    assert questions.size_faults[1].text() == "The end must be at least 0.001° after the start"
     wizard.type(questions.end, "400")
     assert questions.size_faults[1].text() == "Allowed: 0 ... 360 °"
     for beyond_any_step in ("1e-200", "1e200"):
@@ -514,7 +517,7 @@ def test_missing_and_surplus_settings_are_counted(ask: Ask) -> None:
     assert wizard.can_put
     wizard.choose(wizard.questions.sequence, "C1-CV1-H2-P2   2 settings")
     wizard.give(length="100")
-    assert wizard.questions.count.text() == "3 settings given, 2 can be met: untick one"
+    assert wizard.questions.count.text() == "3 settings given, 2 possible: untick one"
     assert wizard.veiled == "1 too many set"
     wizard.choose(wizard.questions.sequence, "C1-CV1-H2-H3-C4   3 settings")
     assert wizard.curves == "C1–CV1–H2–H3–C4"
@@ -525,7 +528,7 @@ def test_the_curves_can_be_chosen(ask: Ask) -> None:
     wizard = ask()
     box = wizard.questions.sequence
     texts = [box.itemText(i) for i in range(box.count())]
-    assert texts[0] == "chosen by the settings"
+    assert texts[0] == "selected by the settings"
     assert texts[1:] == [
         "P1-P2   no settings",
         "C1-H2-P2   1 setting",
@@ -550,7 +553,7 @@ def test_what_is_left_is_chosen_by_a_goal(goal: str, ask: Ask) -> None:
     wizard.click(wizard.questions.kind.constants["rise"], QPoint(8, 8))
     wizard.give(length="150")
     wizard.choose(wizard.questions.goal, GOAL_TEXTS[goal])
-    assert wizard.questions.count.text() == f"1 setting given; the rest is chosen for the least {goal}"
+    assert wizard.questions.count.text() == f"1 setting given; the rest is optimised for the least {goal}"
     found = best(Request("DRD", 20.0, 30.0, 330.0, "rise", {"length": 150.0}), goal)
     assert [float(row[2]) for row in wizard.table] == pytest.approx([s.span_deg for s in found.segments], abs=6e-5)
     assert wizard.can_put
@@ -593,10 +596,10 @@ def test_the_type_says_what_can_be_asked(ask: Ask) -> None:
 def test_settings_that_no_longer_mean_anything_are_dropped(ask: Ask) -> None:
     wizard = ask(PICKER)
     wizard.give(peak="200")
-    assert wizard.rows["peak"].used
+    assert wizard.rows["peak"].is_used
     wizard.click(wizard.questions.kind.types["DRD"])
     wizard.answered()
-    assert not wizard.rows["peak"].used
+    assert not wizard.rows["peak"].is_used
     assert not wizard.rows["peak"].check.isVisible()
     assert [name for name, _ in wizard.questions.request().given] == ["h1", "h3"]
     assert wizard.curves == "C1–CV1–C2"
@@ -634,7 +637,7 @@ def test_the_return_may_differ(ask: Ask) -> None:
     wizard.type(questions.back, "15")
     wizard.answered()
     assert [row[1] for row in wizard.table] == ["20.0000", "15.0000"]
-    assert not wizard.dialog.places["turn"].isEnabled(), "it does not come back to where it starts"
+    assert not wizard.dialog.replaced["turn"].isEnabled(), "it does not come back to where it starts"
     wizard.click(questions.unequal, QPoint(8, 8))
     wizard.answered()
     assert [row[1] for row in wizard.table] == ["20.0000", "20.0000"]
@@ -670,7 +673,7 @@ def test_precision_points(ask: Ask) -> None:
 
 def test_labels_have_the_unit_of_the_motion(app: QApplication) -> None:
     questions = Questions("deg")
-    questions.answer(WizardRequest(constant="rise", given=(("h1", 1.0),), unit="deg"))
+    questions.set_request(WizardRequest(constant="rise", given=(("h1", 1.0),), unit="deg"))
     assert questions.request() == WizardRequest(constant="rise", given=(("h1", 1.0),), unit="deg")
     assert questions.settings.rows["vcv"].unit.text() == "°/°"
     assert questions.settings.rows["length"].unit.text() == "°"
@@ -687,7 +690,7 @@ def test_answers_are_read_back_as_they_are_shown(app: QApplication) -> None:
         WizardRequest("DRRD", "none", 20.0, 15.0, 0.0, 200.0),
         WizardRequest("DRD-return", "return", 20.0, 0.0, 0.0, 200.0, (("h3", 2.0),)),
     ):
-        questions.answer(asked)
+        questions.set_request(asked)
         assert questions.request() == asked
     questions.deleteLater()
 
@@ -698,10 +701,10 @@ def test_answers_are_read_back_as_they_are_shown(app: QApplication) -> None:
 def test_a_rise_takes_the_place_of_the_chosen_one(ask: Ask) -> None:
     wizard = ask(LIFT, 3)
     dialog = wizard.dialog
-    assert dialog.places["here"].isChecked()
-    assert not dialog.places["turn"].isEnabled(), "a rise alone is no whole motion"
-    assert dialog.places["here"].text() == "283.5° … 325° only, the rest stays"
-    assert dialog.message.text() == "The rest of the motion stays."
+    assert dialog.replaced["range"].isChecked()
+    assert not dialog.replaced["turn"].isEnabled(), "a rise alone is no whole motion"
+    assert dialog.replaced["range"].text() == "only 283.5° … 325°"
+    assert dialog.message.text() == "The rest of the motion does not change."
     motion = wizard.put()
     assert [s.curve.law for s in motion.segments] == ["dwell", "modified-sine", "dwell", "c5", "dwell"]
     assert motion.segments[:3] == LIFT.drive.motion.segments[:3]
@@ -714,7 +717,7 @@ def test_what_else_will_move_otherwise_is_told(ask: Ask) -> None:
     wizard = ask(LIFT, 3)
     wizard.type(wizard.questions.stroke, "120")
     wizard.answered()
-    told = "The rest stays, but segment 2, Modified sine, then rises by −120 mm to come back."
+    told = "Segment 2, Modified sine, then rises by −120 mm to close the motion; the rest does not change."
     assert wizard.dialog.message.text() == told
     assert [s.rise for s in wizard.put().segments] == [0.0, -120.0, 0.0, 120.0, 0.0]
 
@@ -726,7 +729,7 @@ def test_a_rise_into_a_standing_motion_comes_back(ask: Ask) -> None:
     wizard.answered()
     assert (
         wizard.dialog.message.text()
-        == "Nothing else moves yet, so the same curves run backwards bring the follower back."
+        == "The motion has no return, so the same curves in reverse bring the follower back."
     )
     motion = wizard.put()
     assert [s.curve.law for s in motion.segments] == ["dwell", "c5", "dwell", "c6", "dwell"]
@@ -767,11 +770,11 @@ def test_the_whole_turn_or_only_a_part(ask: Ask) -> None:
     wizard.type(wizard.questions.start, "100")
     wizard.type(wizard.questions.end, "200")
     wizard.answered()
-    assert wizard.dialog.message.text() == "The rest of the motion stays."
+    assert wizard.dialog.message.text() == "The rest of the motion does not change."
     assert wizard.dialog.design is not None
     assert len(wizard.dialog.design.drive.motion.segments) == 8
-    wizard.click(wizard.dialog.places["turn"], QPoint(8, 8))
-    assert wizard.dialog.message.text() == "These curves and the dwells about them make the whole turn."
+    wizard.click(wizard.dialog.replaced["turn"], QPoint(8, 8))
+    assert wizard.dialog.message.text() == "The motion consists of these curves and the dwells before and after them."
     assert [s.curve.law for s in wizard.put().segments] == ["dwell", "p1", "p2", "dwell"]
 
 
@@ -857,7 +860,7 @@ def test_a_point_that_is_taken_away_while_its_range_is_computed_is_forgotten(ask
     wizard.click(settings.add_point)
     wizard.type(settings.points[0].at, "90")
     wait_for(lambda: wizard.dialog.ranges.busy)
-    settings.answer(replace(wizard.questions.request(), points=()))
+    settings.set_request(replace(wizard.questions.request(), points=()))
     QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
     wait_for(lambda: not wizard.dialog.ranges.busy)
     assert settings.points == []

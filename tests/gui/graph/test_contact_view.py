@@ -64,4 +64,4 @@ def test_the_map_and_the_flight_are_shown(open_user: Open) -> None:
     user.session.put(load(example("groove")), "Take the groove")
     wait_for(lambda: view.in_trouble)
     user.session.put(load(example("four_bar")), "Take the four-bar")
-    wait_for(lambda: view.not_here)
+    wait_for(lambda: view.is_unavailable)

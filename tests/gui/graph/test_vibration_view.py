@@ -47,7 +47,7 @@ def figures(view: VibrationView) -> list[tuple[str, ...]]:
 def test_the_spectrum_follows_what_is_typed_and_is_read_under_the_mouse(open_user: Open) -> None:
     user = open_user(example("rocker_cam"))
     view = see(user)
-    assert view.not_here, "rigid"
+    assert view.is_unavailable, "rigid"
     user.enter(STIFFNESS, "60")
     user.enter(RATIO, "0.03")
     rested(view)

@@ -191,7 +191,7 @@ def test_a_cam_design_has_its_centres_listed_and_no_circle_diagram(user: User) -
     """The lift: cam and arm move alike at Q, on the line from the cam centre to the pivot."""
     view = user.window.show_view("circle")
     wait_for(lambda: view.up_to_date)
-    assert view.not_here
+    assert view.is_unavailable
     listed = centres(user)
     user.window.player.set_theta(math.radians(50.0))
     wait_for(lambda: "-284.42" in cells(listed, "centres")["arm, cam"][0].replace("\u2212", "-"))

@@ -257,7 +257,7 @@ def test_what_a_linkage_lacks_is_said_in_a_sentence(same_window: Open) -> None:
     for name in ("motion", "flywheel"):
         view = user.window.show_view(name)
         wait_for(lambda view=view: view.up_to_date)  # type: ignore[misc]
-        assert view.not_here
+        assert view.is_unavailable
         assert view.no_picture.endswith(".")
 
 

@@ -11,7 +11,7 @@ from core.find import blend_candidates, law_candidates, moving_segments, ranking
 from core.laws import LAWS
 from core.project import load
 from core.study.stages import evaluations
-from kindyna_gui.blend.wizard import PLACES, BlendDialog
+from kindyna_gui.blend.wizard import REPLACEMENTS, BlendDialog
 from kindyna_gui.labels import law_label
 from kindyna_gui.look import linked
 from kindyna_gui.motion.laws_plot import RankingPanel
@@ -159,7 +159,7 @@ def test_blends_are_ranked_in_the_wizard(open_user: Open) -> None:
     user.choose("Make", "Blend...")
     dialog = user.window.findChild(BlendDialog)
     assert isinstance(dialog, BlendDialog)
-    wait_for(lambda: not dialog.answering)
+    wait_for(lambda: not dialog.is_solving)
     before = evaluations["ranking"]
     assert not dialog.ranking.rows
     dialog.pages.setCurrentWidget(dialog.ranking)
@@ -167,8 +167,8 @@ def test_blends_are_ranked_in_the_wizard(open_user: Open) -> None:
     assert dialog.blended is not None
     own = "-".join(dialog.blended.curves)
     assert evaluations["ranking"] > before
-    where = next(name for name, button in dialog.places.items() if button.isChecked())
-    candidates = blend_candidates(dialog.blended, lambda other: PLACES[where](user.design, other))
+    where = next(name for name, button in dialog.replaced.items() if button.isChecked())
+    candidates = blend_candidates(dialog.blended, lambda other: REPLACEMENTS[where](user.design, other))
     figures = ranking_columns(user.design)
     wanted = ranking_row(own, candidates[own], figures).figures
     at = names(dialog.ranking).index(f"{own}  ◂ this blend")
@@ -176,13 +176,13 @@ def test_blends_are_ranked_in_the_wizard(open_user: Open) -> None:
         digits(value or 0.0, 4) for value in wanted
     ]
     pick(dialog.ranking, "C1-C2")
-    wait_for(lambda: not dialog.answering)
+    wait_for(lambda: not dialog.is_solving)
     assert dialog.questions.chosen_sequence[0] == "C1-C2"
     assert dialog.blended is None, "it takes a setting more, as the questions say"
     pick(dialog.ranking, own)
     wait_for(lambda: dialog.blended is not None and "-".join(dialog.blended.curves) == own)
     rested(dialog.ranking)
     pick(dialog.ranking, "cycloidal")
-    assert "is a law" in dialog.message.text()
+    assert "is a motion law" in dialog.message.text()
     assert dialog.questions.chosen_sequence[0] == own
     dialog.reject()

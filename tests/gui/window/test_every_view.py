@@ -28,7 +28,7 @@ def test_views_follow_from_kind_to_kind(open_user: Open, area: Qt.DockWidgetArea
             user.turn(75.0)
             assert view.up_to_date, f"{name} with {kind}"
             if view.in_trouble:
-                assert view.not_here, f"{name} with {kind}: a fault is shown where there is none"
+                assert view.is_unavailable, f"{name} with {kind}: a fault is shown where there is none"
             assert not view.grab().toImage().isNull()
     while user.session.stack.canUndo():
         user.session.stack.undo()

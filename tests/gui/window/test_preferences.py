@@ -183,7 +183,7 @@ def test_preferences_are_kept_and_reset(user: User) -> None:
     drawing.deleteLater()
 
     def reset(dialog: PreferencesDialog) -> None:
-        assert dialog.wanted == found
+        assert dialog.preferences == found
         QTest.mouseClick(dialog.buttons.button(QDialogButtonBox.StandardButton.Reset), Qt.MouseButton.LeftButton)
 
     prefer(user, reset)
@@ -263,7 +263,7 @@ def test_no_metric_unit_is_left_in_a_window_in_inches(same_window: Open, name: s
     if name == "transfer_lift":
         user.window.designing.blend()
         dialog = user.window.findChild(BlendDialog)
-        wait_for(lambda: not dialog.answering and dialog.panel.table.rows.rows)
+        wait_for(lambda: not dialog.is_solving and dialog.panel.table.rows.rows)
         left["wizard"] = [text for text in texts_of(dialog) if METRIC.search(text)]
         assert any("in/°²" in text for text in texts_of(dialog))
         dialog.reject()

@@ -161,7 +161,7 @@ def test_each_view_alone_computes_its_stages_and_no_others(alone: User, names: l
     for name in names:
         view = opened_alone(alone, name, design)
         # a cam has no linkage of its own for those that show linkages
-        wanted = set() if view.not_here else closure(view.stages)
+        wanted = set() if view.is_unavailable else closure(view.stages)
         assert computed() == wanted | BESIDE_STAGES.get(name, set()), name
 
 
@@ -174,7 +174,7 @@ def test_each_view_alone_computes_no_more_of_a_linkage(alone: User) -> None:
     design = load(example("four_bar_coupler_cam"))
     for name in LINKAGE_VIEWS:
         view = opened_alone(alone, name, design)
-        assert not view.not_here
+        assert not view.is_unavailable
         # the circle diagram is of centres alone, which are those of the linkage at any speed
         wanted = {"motion"} if name == "circle" else closure(view.stages)
         more = {"circle": {"centres"}, "centres": {"centres", "cam centres"}}
