@@ -11,7 +11,7 @@ from PySide6.QtGui import QColor, QMouseEvent, QPainterPath, QPen
 from core.frozen import frozen
 from core.varying import Survey
 from kindyna_gui.pictures.items import Outline, Tag, wrapped
-from kindyna_gui.pictures.plots.xy import REACH, Dots, Line, PulledPoint, Rule, XYPlot
+from kindyna_gui.pictures.plots.xy import REACH, Dots, DraggablePoint, Line, Rule, XYPlot
 from kindyna_gui.pictures.style import PURPLE, SCREEN, SMALL, rgb
 from kindyna_gui.pictures.units import short, ticks, with_unit
 
@@ -78,7 +78,7 @@ class Measured:
         return with_unit(short(value, LABEL_FIGURES + 1), self.unit)
 
 
-class SurveyPlot(PulledPoint, XYPlot):
+class SurveyPlot(DraggablePoint, XYPlot):
     """A plot in which the design stands as a cross, or, where the plot is over one number, as an upright line."""
 
     def __init__(self, upright: bool = False) -> None:
@@ -126,7 +126,7 @@ class SurveyPlot(PulledPoint, XYPlot):
         at = self._view.mapSceneToView(self.mapToScene(pixel.toPoint()))
         (low, high), (bottom, top) = self._view.viewRange()
         inside = low <= at.x() <= high and bottom <= at.y() <= top
-        if self._pulling:  # the mouse may leave the plot; the point stays at its edge
+        if self._is_dragging:  # the mouse may leave the plot; the point stays at its edge
             return min(max(at.x(), low), high), min(max(at.y(), bottom), top)
         return (at.x(), at.y()) if inside else None
 
@@ -138,10 +138,10 @@ class SurveyPlot(PulledPoint, XYPlot):
         shown = self._line if self._upright else self._cross
         return self.pixel(*self.own) if self.own is not None and shown.isVisible() else None
 
-    def _over_own(self, place: QPointF) -> bool:
+    def _is_over_point(self, place: QPointF) -> bool:
         own = self.own_pixel()
         if own is None or not self._upright:
-            return super()._over_own(place)
+            return super()._is_over_point(place)
         return abs(own.x() - place.x()) <= REACH
 
     # -- over one number -------------------------------------------------------------------------------------
