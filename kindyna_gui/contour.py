@@ -23,7 +23,7 @@ from core.requests import command_words, field_info
 from core.units import UNITS as SYMBOLS
 from kindyna_gui import dialogs
 from kindyna_gui.documents.session import Session
-from kindyna_gui.documents.texts import add_copy_of, of_session, spelled
+from kindyna_gui.documents.texts import add_copy_of_line, command_text, session_options
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.forms.request_form import PutDialog
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
@@ -169,7 +169,7 @@ class CurveDialog(PutDialog):
         )
         self.jumps.setMinimumWidth(TABLE_WIDTH)
         self._lay_out()
-        add_copy_of(self.buttons, self._as_command)
+        add_copy_of_line(self.buttons, self._as_command)
         self.unit.currentIndexChanged.connect(self.read_and_roll)
         for box in (*self.centre, self.gap):
             box.entered.connect(lambda value, box=box: self._take(box, value))
@@ -269,7 +269,7 @@ class CurveDialog(PutDialog):
     # -- the end --------------------------------------------------------------------------------------------
 
     def _as_command(self) -> str:
-        place = of_session(self._session)
+        place = session_options(self._session)
         x, y = (box.value or 0.0 for box in self.centre)
         asked = {
             "design": place["into"],
@@ -280,7 +280,7 @@ class CurveDialog(PutDialog):
             "centre": f"{x!r},{y!r}" if x or y else None,
             "gap_mm": GAP_MM if self.gap.value is None else self.gap.value,
         }
-        return spelled("motion-from", command_words(MotionFromArguments, asked))
+        return command_text("motion-from", command_words(MotionFromArguments, asked))
 
     def accept(self) -> None:
         """Put motion and base radius into the design, where the curve gives them."""

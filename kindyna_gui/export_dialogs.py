@@ -87,7 +87,7 @@ class TablesDialog(RequestDialog):
         super().__init__(parent, "Export tables", form, "Export", told)
         self.folder.textChanged.connect(lambda text: self.accept_button.setEnabled(bool(text.strip())))
 
-    def asked(self) -> tuple[str, list[str]]:
+    def command_options(self) -> tuple[str, list[str]]:
         return self.folder.text(), command_words(ExportArguments, self.form.values)
 
     def _browse(self) -> None:
@@ -101,7 +101,7 @@ class FilmDialog(RequestDialog):
 
     command, help_page = "animation", "tour#Export > Animation"
 
-    def asked(self) -> tuple[str, list[str]]:
+    def command_options(self) -> tuple[str, list[str]]:
         width, height = self.pixels.currentData()
         values = self.form.values
         return Film(**values).ending, [*command_words(Film, values), "--size", f"{width}x{height}"]
@@ -111,7 +111,7 @@ class FilmDialog(RequestDialog):
         for width, height in SIZES:
             self.pixels.addItem(f"{width} \u00d7 {height} pixels", (width, height))
         self.pixels.setCurrentIndex(SIZES.index((Film().width, Film().height)))
-        form = RequestForm(Film, first={"seconds": seconds}, above=[("Size", self.pixels)])
+        form = RequestForm(Film, initial={"seconds": seconds}, above=[("Size", self.pixels)])
         super().__init__(parent, "Export animation", form, "Save animation...", _frames_told)
 
 
@@ -283,7 +283,7 @@ class HandoverDialog(RequestDialog):
 
     command, help_page = "handover", "tour#Export > Hand-over"
 
-    def asked(self) -> tuple[str, list[str]]:
+    def command_options(self) -> tuple[str, list[str]]:
         request = self.request
         values = {each.name: getattr(request, each.name) for each in fields(HandoverRequest)}
         return ".zip", command_words(HandoverRequest, values)
@@ -292,7 +292,7 @@ class HandoverDialog(RequestDialog):
         self.controller, self.gcode = QComboBox(), QCheckBox("G-code of every cam too")
         fill_choices(self.controller, {"": "None", **{slug: row.label for slug, row in controllers().items()}})
         first, above = {"paper": kept_cover()["paper"]}, [("Controller", self.controller)]
-        form = RequestForm(HandoverRequest, first=first, above=above)
+        form = RequestForm(HandoverRequest, initial=first, above=above)
         form.rows.addRow("", self.gcode)
         super().__init__(parent, "Hand-over", form, "Save hand-over...", lambda values: TOLD)
 

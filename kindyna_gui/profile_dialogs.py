@@ -249,7 +249,7 @@ class DrawingDialog(ComputedDialog):
     def _values(self) -> dict[str, Any]:
         return {**self._head, **self.form.values}
 
-    def asked(self) -> tuple[str, list[str]]:
+    def command_options(self) -> tuple[str, list[str]]:
         return self.ending, command_words(DrawingRequest, self._values)
 
     def job(self) -> Callable[[], DrawingSheet]:
@@ -295,7 +295,7 @@ class ControllerDialog(ComputedDialog):
 
     command, ending, help_page = "ecam", ".csv", "controllers#Rows"
 
-    def asked(self) -> tuple[str, list[str]]:
+    def command_options(self) -> tuple[str, list[str]]:
         words = command_words(EcamRequest, {**self.form.values, "of": self.of.currentData()})
         return self.ending, ["--controller", self.controller.currentData(), *words]
 
@@ -398,13 +398,13 @@ class ControllerDialog(ComputedDialog):
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """A click on the curve takes a number of rows."""
         if event.type() == QEvent.Type.MouseButtonPress and isinstance(event, QMouseEvent):
-            if event.button() == Qt.MouseButton.LeftButton and self.made is not None and self.made.curve:
+            if event.button() == Qt.MouseButton.LeftButton and self.computed is not None and self.computed.curve:
                 self._take_rows(10.0 ** self.curve.across_at(event.position().toPoint()))
             return True
         return super().eventFilter(watched, event)
 
     def _take_rows(self, rows: float) -> None:
-        there = self.made.curve["rows"]
+        there = self.computed.curve["rows"]
         least, most = max(there[0], self.row.rows[0]), min(there[-1], self.row.rows[1])
         self.form.choose(ROWS, POINTS)
         for name in ("velocity_error", "acceleration_error"):

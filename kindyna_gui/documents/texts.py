@@ -78,21 +78,21 @@ def add_copy(
         design = session.path if session is not None and session.path is not None else UNSAVED
         return command_line(name, design if reads else None, *asked(), drive)
 
-    add_copy_of(buttons, line)
+    add_copy_of_line(buttons, line)
 
 
-def spelled(name: str, words: Sequence[str]) -> str:
+def command_text(name: str, words: Sequence[str]) -> str:
     """A command with these words."""
     return shlex.join(["kindyna", "--headless", name, *words])
 
 
-def of_session(session: Any) -> dict[str, Any]:
+def session_options(session: Any) -> dict[str, Any]:
     """The file of the design at hand, and which drive of a shaft it is, as commands name them."""
     return {"into": session.path or UNSAVED, "drive": session.design.name if session.several else ""}
 
 
-def add_copy_of(buttons: QDialogButtonBox, line: Callable[[], str]) -> None:
-    """The same button, of a command that is spelled otherwise."""
+def add_copy_of_line(buttons: QDialogButtonBox, line: Callable[[], str]) -> None:
+    """The same button, of a command that is command_text otherwise."""
     buttons.addButton(copy_button(line), QDialogButtonBox.ButtonRole.ActionRole)
 
 
@@ -119,7 +119,7 @@ WHOLE = "motion.segments"
 NO_MECHANISM = "Not a mechanism yet"
 
 
-def misses(session: Session) -> list[str]:
+def misfit_sentences(session: Session) -> list[str]:
     """A sentence for each thing that does not fit together, what the motion of the chosen drive lacks first; none where all does."""
     if session.incomplete is not None and session.is_incomplete_linkage:
         from core.mechanism.unfinished import mobility

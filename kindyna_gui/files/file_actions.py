@@ -17,7 +17,7 @@ from core.project.on_disk import OnDisk
 from kindyna_gui import dialogs
 from kindyna_gui.dialogs import OnConflict, SaveAnswer, Unfinished
 from kindyna_gui.documents.session import Session
-from kindyna_gui.documents.texts import closing_text, difference_text, misses
+from kindyna_gui.documents.texts import closing_text, difference_text, misfit_sentences
 from kindyna_gui.look import sign
 from kindyna_gui.settings import Settings
 
@@ -158,7 +158,7 @@ class Documents(QObject):
         session, answer = self._session, Unfinished.AS_TYPED
         while session.incomplete is not None and not session.is_incomplete_linkage:
             as_typed = not faults(session.typed_full_design)  # which no file may have
-            answer = dialogs.ask_unfinished(self._window, misses(session), closing_text(session), as_typed)
+            answer = dialogs.ask_unfinished(self._window, misfit_sentences(session), closing_text(session), as_typed)
             if answer is not Unfinished.CLOSE or not session.close_motion():
                 break
         self._last_fitting = answer is Unfinished.LAST_FITTING

@@ -51,7 +51,7 @@ def joints_now(scene: MechanismScene | Assembly) -> dict[str, complex]:
     if geometry is None:
         return {}
     wanted = joints_of(geometry.study.design)
-    if isinstance(scene, MechanismScene) and not scene.layer_wanted(MASSES):  # what is not seen is not taken
+    if isinstance(scene, MechanismScene) and not scene.layer_selected(MASSES):  # what is not seen is not taken
         wanted = {name: drag for name, drag in wanted.items() if not name.startswith(f"loads.{MASSES}")}
     return {name: place for name, place in geometry.handles(scene.index).items() if name in wanted}
 

@@ -146,7 +146,9 @@ class DrivesTouch:
         if number is None or number >= len(self._session.full_design.drives):
             return None
         figure = self._drawn.figures[number]
-        ahead = -figure.place.rotation_sign * figure.geometry.sense * (-1.0 if figure.mirrored else 1.0)
+        ahead = (
+            -figure.shaft_position.rotation_sign * figure.geometry.rotation_sign * (-1.0 if figure.mirrored else 1.0)
+        )
         last, turned = at - figure.corner, 0.0
 
         def run(to: complex) -> None:

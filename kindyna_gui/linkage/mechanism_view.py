@@ -20,26 +20,26 @@ from core.numerics.lazy import postponing
 from core.study import Study
 from kindyna_gui.documents.pins import Pins
 from kindyna_gui.documents.session import Session
-from kindyna_gui.documents.texts import misses
+from kindyna_gui.documents.texts import misfit_sentences
 from kindyna_gui.drives import ON_SHAFT, ONE, DriveStrip, drive_rows
 from kindyna_gui.labels import allowed_text, no_number, reason, value_text
 from kindyna_gui.linkage.canvas import Canvas, Ghost, paint_ghost, rims_now
 from kindyna_gui.linkage.picking import Picker, Taken, next_row, paint_row, rows_at
 from kindyna_gui.look import Note, linked
-from kindyna_gui.pictures.drawing.assembly import OF_CHOSEN, OF_EACH, Assembly
+from kindyna_gui.pictures.drawing.assembly import DRIVE_LAYERS, SELECTED_LAYERS, Assembly
 from kindyna_gui.pictures.drawing.geometry import MM
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.pictures.drawing.parts import (
-    COLOURS,
+    BODY_FORCE_LAYERS,
+    COLOUR_LAYERS,
     DIMENSIONS,
     EVERY_LAYER,
+    FORCE_LAYERS,
     MODULO,
-    OF_BODIES,
-    OF_FORCES,
-    OF_STEP,
+    STEP_LAYERS,
     TWIST,
-    goes_on,
-    layers_of,
+    available_layers,
+    has_advance,
 )
 from kindyna_gui.pictures.style import LIGHT, SCREEN
 from kindyna_gui.player import Player, obey
@@ -117,7 +117,7 @@ class MechanismView(View):
         self._actions = {name: self._action(name, layer.label) for name, layer in EVERY_LAYER.items()}
         one_of = QActionGroup(self)
         one_of.setExclusionPolicy(QActionGroup.ExclusionPolicy.ExclusiveOptional)
-        for name in COLOURS:
+        for name in COLOUR_LAYERS:
             one_of.addAction(self._actions[name])
         session.started.connect(self._another_design)
         session.drive_chosen.connect(self._another_design)
@@ -245,7 +245,7 @@ class MechanismView(View):
         """Forces, and the twist of the shaft, are computed only while they are drawn."""
         if self.shows_sheet:
             return ()
-        forces = ("dynamics",) if any(self._layers_wanted[name] for name in OF_FORCES) else ()
+        forces = ("dynamics",) if any(self._layers_wanted[name] for name in FORCE_LAYERS) else ()
         return ("linkage", "cam", *forces, *(("stability",) if self._layers_wanted[TWIST] else ()))
 
     # -- drives -------------------------------------------------------------------------------------------
@@ -283,7 +283,7 @@ class MechanismView(View):
     @property
     def _layers_of_all(self) -> tuple[str, ...]:
         """The layers that are shown while all drives are drawn."""
-        return tuple(name for name in (*OF_EACH, *OF_CHOSEN) if self._layers_wanted[name])
+        return tuple(name for name in (*DRIVE_LAYERS, *SELECTED_LAYERS) if self._layers_wanted[name])
 
     def _show_all(self) -> None:
         self._pages.setCurrentWidget(self.all_canvas)
@@ -329,7 +329,9 @@ class MechanismView(View):
         if self.held is not None:  # before it is painted
             self._answer(self.held)
         self._show_missing_cam(study)
-        self.scene.show_step(self.session.step if set(OF_STEP) <= set(layers_of(study)) else None, draw=False)
+        self.scene.show_step(
+            self.session.step if set(STEP_LAYERS) <= set(available_layers(study)) else None, draw=False
+        )
         self.scene.update_study(self._in_turn(study), keep_labels=True, lay=not self._fit_wanted)
         self.canvas.rest.start()
         if self._fit_wanted:
@@ -349,7 +351,7 @@ class MechanismView(View):
     @property
     def _turn(self) -> int:
         """Which turn is drawn: the first, where all are alike or wanted so."""
-        return self.player.turn if goes_on(self.session.study) and not self._layers_wanted[MODULO] else 0
+        return self.player.turn if has_advance(self.session.study) and not self._layers_wanted[MODULO] else 0
 
     def _in_turn(self, study: Study) -> Study:
         """The study of a design so many turns later; where its links do not meet any more that of the first turn, and a note."""
@@ -372,14 +374,14 @@ class MechanismView(View):
         """What does not fit together, so that the last machine that did is drawn; else cam, pressure or forces that are wanted, and
         why they are not drawn; empty where nothing is missing."""
         if self._pale:
-            return f"Drawn is the last machine that fits together. {misses(self.session)[0]}"
+            return f"Drawn is the last machine that fits together. {misfit_sentences(self.session)[0]}"
         text = ""
         try:
             _ = study.cam if "cam" in study.stages else None
             text = why_no_pressure(study) if self._layers_wanted["stress_colours"] and "cam" in study.stages else ""
         except NoSolution as error:
             text = f"No cam: {reason(study.design, error)}"
-        if not text and any(self._layers_wanted[name] for name in OF_BODIES):
+        if not text and any(self._layers_wanted[name] for name in BODY_FORCE_LAYERS):
             try:
                 text = why_no_forces(study)
             except NoSolution as error:
@@ -448,7 +450,7 @@ class MechanismView(View):
         def run(to: complex) -> None:
             reach = geometry.samples // RUN_PARTS
             near = self.scene.index + np.arange(-reach, reach + 1)
-            near = near % geometry.samples if geometry.whole_turn else np.clip(near, 0, geometry.samples - 1)
+            near = near % geometry.samples if geometry.is_full_turn else np.clip(near, 0, geometry.samples - 1)
             theta = float(np.deg2rad(geometry.cam_angle[near[np.argmin(np.abs(track[near] - to))]]))
             self.player.set_theta(theta, self.player.turn)
 
@@ -647,7 +649,7 @@ class MechanismView(View):
     # -- layers -------------------------------------------------------------------------------------------
 
     def layer_actions(self) -> list[QAction]:
-        return [self._actions[name] for name in layers_of(self.session.study)]
+        return [self._actions[name] for name in available_layers(self.session.study)]
 
     def show_layer(self, name: str, shown: bool) -> None:
         """Show or hide one of ``EVERY_LAYER``."""
@@ -656,9 +658,9 @@ class MechanismView(View):
 
     def _take_layers(self) -> None:
         for name, shown in self._layers_wanted.items():
-            if self.scene.layer_wanted(name) != shown:
+            if self.scene.layer_selected(name) != shown:
                 self.scene.set_layer(name, shown)
-                if name in OF_FORCES:
+                if name in FORCE_LAYERS:
                     self._show_missing_cam(self.session.study)
                 if self.canvas.fitted and name in (*CHAINS, DIMENSIONS):  # they need room beside or above the mechanism
                     self.canvas.fit(keep_labels=True)

@@ -60,7 +60,7 @@ from kindyna_gui.motion.segments_table import readable
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import Rebuilt
-from kindyna_gui.settings import TOLD, symbol_of
+from kindyna_gui.settings import DISPLAY, symbol_of
 
 # -- fields ----------------------------------------------------------------------------------------------
 
@@ -210,7 +210,7 @@ class PointsModel(QAbstractTableModel):
         session.refused.connect(self._refused)
         session.accepted.connect(self._accepted)
         session.restored.connect(self.withdraw)
-        TOLD.changed.connect(self._told)
+        DISPLAY.changed.connect(self._told)
 
     def _told(self) -> None:
         """Other units: heads and cells say so."""

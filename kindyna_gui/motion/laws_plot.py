@@ -79,12 +79,12 @@ class BeginDialog(RequestDialog):
         super().__init__(
             parent, f"New {row.title[:1].lower()}{row.title[1:]}", RequestForm(row.kind), "Begin", self._tell
         )
-        self.told.setFixedWidth(WIDTH)
-        self.told.setMinimumHeight(6 * self.fontMetrics().lineSpacing())
+        self.summary.setFixedWidth(WIDTH)
+        self.summary.setMinimumHeight(6 * self.fontMetrics().lineSpacing())
         self.form.changed.connect(self._allow)
         self._allow()
 
-    def asked(self) -> tuple[str, list[str]]:
+    def command_options(self) -> tuple[str, list[str]]:
         return f"{self.command}.toml", command_words(self.row.kind, self.form.values)
 
     def design(self) -> Design:

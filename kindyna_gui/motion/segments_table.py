@@ -48,7 +48,7 @@ from kindyna_gui.motion.editor import DIRECTIONS
 from kindyna_gui.motion.law_picker import LawBox, law_tip
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.rebuilt import soon
-from kindyna_gui.settings import TOLD, number_text, point, size_of, symbol_of
+from kindyna_gui.settings import DISPLAY, number_text, point, size_of, symbol_of
 
 # -- segments model --------------------------------------------------------------------------------------
 
@@ -147,7 +147,7 @@ class SegmentsModel(QAbstractTableModel):
         session.refused.connect(self._refused)
         session.accepted.connect(self._accepted)
         session.restored.connect(self.withdraw)
-        TOLD.changed.connect(self._told)
+        DISPLAY.changed.connect(self._told)
 
     def _told(self) -> None:
         """Other units: heads and cells say so."""

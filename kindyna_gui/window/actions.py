@@ -33,7 +33,7 @@ from core.requests import command_words
 from kindyna_gui import dialogs
 from kindyna_gui.background import beside
 from kindyna_gui.documents.edits import Refusal
-from kindyna_gui.documents.texts import misses, of_session, spelled
+from kindyna_gui.documents.texts import command_text, misfit_sentences, session_options
 from kindyna_gui.drives import replace_chosen
 from kindyna_gui.labels import reason
 from kindyna_gui.requirements import NO_CAM, NO_MOTION, NO_SHAFT, turned_shaft
@@ -157,10 +157,10 @@ class DesignActions(QObject):
         """The command that takes a motion into the design: of a file's drive, else its own."""
         from core.commands.motions import MotionArguments
 
-        here = of_session(self._session)
+        here = session_options(self._session)
         whose = {"design": here["into"], "drive": here["drive"]} if path is None else {"design": path, "drive": drive}
         taken = {**whose, "shift_deg": shift_deg, "into": here["into"], "into_drive": here["drive"]}
-        return spelled("motion", command_words(MotionArguments, taken))
+        return command_text("motion", command_words(MotionArguments, taken))
 
     def follow_files(self) -> None:
         """Ask for a table or designs, from which the motion follows from now on."""
@@ -202,7 +202,7 @@ class DesignActions(QObject):
             self._segment_from(QApplication.clipboard().text().encode(), "clipboard")
 
     def _segment_from(self, data: bytes, name: str, path: Path | None = None) -> None:
-        from core.measured.fitting import segment_from_table
+        from core.measured.segment_table import segment_from_table
         from core.measured.sheet import read_sheet
 
         session = self._session
@@ -217,7 +217,9 @@ class DesignActions(QObject):
             from core.commands.tables import MeasuredArguments
 
             how = {"as_is": taken[0], "joined": taken[1], "segment": index + 1}
-            return spelled("measured", command_words(MeasuredArguments, {"table": path, **how, **of_session(session)}))
+            return command_text(
+                "measured", command_words(MeasuredArguments, {"table": path, **how, **session_options(session)})
+            )
 
         wanted = dialogs.segment_wanted(self._window, command if path is not None else None)
         if wanted is not None:
@@ -248,14 +250,14 @@ class DesignActions(QObject):
 
         replaces = keeps_motion and self._session.several  # one drive, which Undo brings back
         if replaces or self._window.documents.may_leave():
-            ask = gallery.mechanism_wanted if keeps_motion else gallery.new_mechanism_wanted
+            ask = gallery.ask_mechanism if keeps_motion else gallery.ask_new_mechanism
             choice = ask(self._window)
             if choice is not None:
                 motion = motion_of(self._session.design) if keeps_motion else None
                 if replaces:
-                    replace_chosen(self._session, choice.begun(motion), f"Choose {choice.called}")
+                    replace_chosen(self._session, choice.with_motion(motion), f"Choose {choice.step_name}")
                 else:
-                    self._window.documents.begin(choice.begun(motion), choice.called)
+                    self._window.documents.begin(choice.with_motion(motion), choice.step_name)
                     if not keeps_motion and motion_of(self._session.design) is not None:
                         self._window.focus_field("motion.stroke")  # what a designer says first
 
@@ -272,7 +274,7 @@ class DesignActions(QObject):
     def choose_circuit(self) -> None:
         """Ask which of its circuits the linkage is in."""
         from core.mechanism.drivers import circuits
-        from kindyna_gui.window.gallery import circuit_wanted
+        from kindyna_gui.window.gallery import ask_circuit
 
         self._window.documents.settle()
         design = self._session.design
@@ -284,7 +286,7 @@ class DesignActions(QObject):
         except KindynaError as error:
             self.status_message.emit(reason(design, error))
             return
-        wanted = None if found is None else circuit_wanted(self._window, found)
+        wanted = None if found is None else ask_circuit(self._window, found)
         if wanted is not None:
             self.change(lambda: wanted, "Choose another circuit")
 
@@ -314,7 +316,9 @@ class DesignActions(QObject):
         finally:
             session.refused.disconnect(listen)
         session.end_gesture()
-        self.status_message.emit("; ".join((text, *misses(session))) if done else f"Refused: {'; '.join(reasons)}")
+        self.status_message.emit(
+            "; ".join((text, *misfit_sentences(session))) if done else f"Refused: {'; '.join(reasons)}"
+        )
 
     def scale(self) -> None:
         """Ask for a factor, and scale all lengths of all that the file has."""

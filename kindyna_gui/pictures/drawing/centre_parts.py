@@ -28,7 +28,7 @@ from kindyna_gui.pictures.drawing.free_space import TakenSpace
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.drawing.labels import ink
 from kindyna_gui.pictures.drawing.overlay import MARGIN
-from kindyna_gui.pictures.drawing.parts import GHOSTS
+from kindyna_gui.pictures.drawing.parts import GHOST_POSES
 from kindyna_gui.pictures.items import DrawnPart, Loop, Outline, Tag, Viewport
 from kindyna_gui.pictures.shapes import at, polyline
 from kindyna_gui.pictures.style import (
@@ -199,7 +199,7 @@ def coupler_paths(geometry: Geometry) -> Iterator[np.ndarray]:
 
 def _paths(geometry: Geometry) -> Iterator[tuple[str, np.ndarray, bool]]:
     """Every named point of the links: its name, its path (n,) [mm], and whether no pair holds its link on the frame."""
-    held = {j.pair.body for j in geometry.joints if j.fixed}
+    held = {j.pair.body for j in geometry.joints if j.is_fixed}
     pinned = {name for body in held | {FRAME} for name in geometry.bodies[body].points}
     seen: set[str] = set()
     for body in geometry.moving.values():
@@ -214,13 +214,13 @@ def coupler_curves(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """The path of every named point over the turn: of points on links that no pair holds on the frame boldly."""
     for name, track, free in _paths(geometry):
         pen = theme.pen(theme.seen(BLUE), OUTLINE) if free else theme.pen(theme.quiet, THIN, DOTTED)
-        item = Loop(track, pen) if geometry.whole_turn else Outline(polyline(track), pen)
+        item = Loop(track, pen) if geometry.is_full_turn else Outline(polyline(track), pen)
         yield DrawnPart(f"coupler.{name}", item, ("coupler",), Z_COUPLER if free else Z_WAYS)
 
 
 def ghost_poses(geometry: Geometry, theme: Theme, layer: str) -> Iterator[DrawnPart]:
     """Where the links stand every so many degrees of the turn, as thin lines between their points."""
-    turn = np.arange(0, 360, GHOSTS[layer])
+    turn = np.arange(0, 360, GHOST_POSES[layer])
     indices = sorted({geometry.nearest(float(theta)) for theta in np.deg2rad(turn)})
     path = QPainterPath()
     for body in geometry.moving.values():
@@ -504,7 +504,7 @@ _LAYERS: Mapping[str, Callable[[Construct, str], Iterator[DrawnPart]]] = Mapping
         "ratios": Construct._ratios,
         "chain": Construct._ratios,
         "coupler": Construct._coupler,
-        **dict.fromkeys(GHOSTS, Construct._poses),
+        **dict.fromkeys(GHOST_POSES, Construct._poses),
     }
 )
 

@@ -194,7 +194,7 @@ def test_what_was_before_is_never_another_drive(unit: User, deed: str) -> None:
     settle()
     assert unit.session.before is None
     unit.choose("Edit", "Compare with the last step")
-    assert unit.window.status.currentMessage() == "Nothing was changed yet"
+    assert unit.window.status.currentMessage() == "The design has not been changed yet"
 
 
 def test_torques_that_wait_for_a_pause_are_not_of_the_design_before(unit: User) -> None:
@@ -267,7 +267,7 @@ def on_cam(view: MechanismView, number: int, angle: float) -> complex:
 def direction(view: MechanismView, number: int) -> float:
     """Where the mark of the cam points, as it is seen [deg]."""
     figure = view.assembly.figures[number]
-    own = rect(1.0, radians(figure.geometry.turned[figure.index]))
+    own = rect(1.0, radians(figure.geometry.cam_rotation[figure.index]))
     return degrees(phase(-own.conjugate() if figure.mirrored else own))
 
 
@@ -327,7 +327,7 @@ def test_the_cam_of_a_drive_is_turned_by_hand_among_the_others(unit: User, arran
     assert unit.session.full_design.drives[1].phase_deg == 200.25
 
     figure = view.assembly.figures[1]
-    rim = figure.geometry.profile[7] * rect(1.0, radians(figure.geometry.turned[figure.index]))
+    rim = figure.geometry.profile[7] * rect(1.0, radians(figure.geometry.cam_rotation[figure.index]))
     rim = figure.corner + (-rim.conjugate() if figure.mirrored else rim)
     QTest.mouseMove(viewport, pixel(canvas, rim))
     settle()

@@ -64,14 +64,14 @@ def test_the_path_stands_beside_the_cams_and_the_part_runs_on_it(open_user: Open
     for degree in (0, 130):
         user.window.player.set_machine(np.deg2rad(degree))
         settle()
-        at = scene.carried.part.scenePos()
+        at = scene.transfer.part.scenePos()
         places.append(np.array([at.x(), at.y()]))
     assert places[1] - places[0] == pytest.approx(axes @ (path[130] - path[0]), abs=1e-6)
     assert np.abs(places[1] - places[0]).max() > 10.0
-    own = scene.carried.rect.translated(scene.carried.corner.real, scene.carried.corner.imag)
+    own = scene.transfer.rect.translated(scene.transfer.corner.real, scene.transfer.corner.imag)
     others = [f.rect.translated(f.corner.real, f.corner.imag) for f in scene.figures.values()]
     assert not any(own.intersects(other) for other in others)
     assert scene.fit_rect().contains(own)
     QTest.mouseClick(view.strip.ways.widgetForAction(view.strip.arrangements[ON_SHAFT]), Qt.MouseButton.LeftButton)
     settle()
-    assert scene.carried is None
+    assert scene.transfer is None

@@ -207,10 +207,10 @@ OK, CANCEL = QDialogButtonBox.StandardButton.Ok, QDialogButtonBox.StandardButton
 def test_folder_and_samples_are_asked(user: User, tmp_path: Path) -> None:
     def act(dialog: QWidget) -> None:
         assert isinstance(dialog, TablesDialog)
-        assert dialog.told.text().startswith("One row every 0.1°.")
+        assert dialog.summary.text().startswith("One row every 0.1°.")
         dialog.folder.setText(str(tmp_path))
         dialog.form.boxes["samples"].setValue(720)
-        assert dialog.told.text().startswith("One row every 0.5°.")
+        assert dialog.summary.text().startswith("One row every 0.5°.")
         press(dialog, OK)
 
     with answering(act):
@@ -224,7 +224,7 @@ def test_the_tables_of_a_shaft_are_those_of_all_drives(same_window: Open, tmp_pa
 
     def act(dialog: QWidget) -> None:
         assert isinstance(dialog, TablesDialog)
-        assert "shaft.csv" in dialog.told.text()
+        assert "shaft.csv" in dialog.summary.text()
         press(dialog, OK)
 
     with answering(act):
@@ -262,7 +262,7 @@ def test_frames_size_format_and_time_are_asked(user: User, tmp_path: Path, monke
         dialog.form.show_value("ending", ".webp")
         dialog.pixels.setCurrentIndex(0)
         dialog.form.show_value("frames", 36)
-        assert dialog.told.text() == "a frame every 10°, 12 frames per second"
+        assert dialog.summary.text() == "a frame every 10°, 12 frames per second"
         press(dialog, OK)
 
     with answering(act):

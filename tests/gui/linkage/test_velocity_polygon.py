@@ -44,7 +44,7 @@ def test_a_drawing_that_has_just_begun_has_no_forces_to_choose(open_user: Open) 
     user.choose("File", "New of a kind", "Linkage by drawing")
     user.window.status.count_findings()
     assert [view.choice.itemText(i) for i in range(view.choice.count())] == ["Velocities"]
-    assert user.window.status.findings.text() == "no answer"
+    assert user.window.status.findings.text() == "cannot be calculated"
 
 
 # -- the polygon ------------------------------------------------------------------------------------------
@@ -301,8 +301,8 @@ def test_numbers_of_centres_cover_neither_parts_nor_each_other(name: str, open_u
         dots = ink(scene.geometry, np.array([scene.index]), ())  # type: ignore[arg-type]
         for box in boxes:
             seen += 1
-            x = np.maximum(np.abs(dots.place[0].real * scale - box.center().x()) - box.width() / 2, 0.0)
-            y = np.maximum(np.abs(-dots.place[0].imag * scale - box.center().y()) - box.height() / 2, 0.0)
+            x = np.maximum(np.abs(dots.points[0].real * scale - box.center().x()) - box.width() / 2, 0.0)
+            y = np.maximum(np.abs(-dots.points[0].imag * scale - box.center().y()) - box.height() / 2, 0.0)
             covered += bool((np.hypot(x, y) < dots.radius * scale).any())
     assert seen >= 20
     assert covered <= 0.05 * seen

@@ -183,7 +183,7 @@ def test_preferences_are_kept_and_reset(user: User) -> None:
     drawing.deleteLater()
 
     def reset(dialog: PreferencesDialog) -> None:
-        assert dialog.wanted == found
+        assert dialog.preferences == found
         QTest.mouseClick(dialog.buttons.button(QDialogButtonBox.StandardButton.Reset), Qt.MouseButton.LeftButton)
 
     prefer(user, reset)
