@@ -11,7 +11,7 @@ from PySide6.QtGui import QColor, QMouseEvent, QPainterPath, QPen
 from core.frozen import frozen
 from core.varying import Survey
 from kindyna_gui.pictures.items import Outline, Tag, wrapped
-from kindyna_gui.pictures.plots.xy import REACH, Dots, Line, DraggablePoint, Rule, XYPlot
+from kindyna_gui.pictures.plots.xy import REACH, Dots, DraggablePoint, Line, Rule, XYPlot
 from kindyna_gui.pictures.style import PURPLE, SCREEN, SMALL, rgb
 from kindyna_gui.pictures.units import short, ticks, with_unit
 
