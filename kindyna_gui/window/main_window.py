@@ -261,7 +261,7 @@ class MainWindow(Window):
     def show_search(self, what: str) -> None:
         """Show Find, set to calculate this quantity if the design has it."""
         view: Any = self.show_view("find")
-        view.want(what)
+        view.search_for(what)
 
     def vary(self, path: str) -> None:
         """Vary a value in Study; if that view is not visible, change to its task."""
@@ -287,7 +287,7 @@ class MainWindow(Window):
             self.loads.give_masses()
         if remedy.find:
             view: Any = self.show_view("find")
-            view.want(remedy.find, afresh=True)
+            view.search_for(remedy.find, afresh=True)
 
     def can(self, entry: str) -> bool:
         """Whether an entry of the menus, or any entry of a submenu, can be chosen for the current design."""
@@ -470,7 +470,7 @@ class MainWindow(Window):
 
     def _place_drive(self) -> None:
         """Give the player the phase and rotation sign of the selected drive."""
-        place = self.session.place
+        place = self.session.shaft_position
         self.player.show_drive(place.phase, place.rotation_sign)
 
     def _show_refusal(self, refusal: Refusal) -> None:

@@ -23,7 +23,7 @@ from core.study import Study
 from core.study.stages import memory
 from kindyna_gui import dialogs, export_dialogs, profile_dialogs
 from kindyna_gui.dialogs import OnShaft
-from kindyna_gui.drives import BESIDE, ON_SHAFT
+from kindyna_gui.drives import ON_SHAFT, SIDE_BY_SIDE
 from kindyna_gui.drives_view import NAME, PHASE, TORQUE, DrivesView
 from kindyna_gui.export_dialogs import TablesWanted
 from kindyna_gui.graph.plots_view import PlotView
@@ -215,7 +215,7 @@ def test_a_drive_that_cannot_be_assembled_takes_no_other_with_it(unit: User, tmp
     (tmp_path / "broken.toml").write_text(text, "utf-8")
     assert unit.window.documents.open_path(tmp_path / "broken.toml")
     view = listed(unit)
-    assert column(view, TORQUE)[2] == "no answer"
+    assert column(view, TORQUE)[2] == "not calculated"
     assert view.table.item(2, NAME).toolTip() != ""
     assert all(text.endswith("N·m") for n, text in enumerate(column(view, TORQUE)) if n != 2)
     assert not unit.drawing().in_trouble
@@ -227,8 +227,8 @@ def test_a_drive_that_cannot_be_assembled_takes_no_other_with_it(unit: User, tmp
 
 def test_all_drives_stand_at_one_machine_angle(unit: User) -> None:
     view, player = unit.drawing(), unit.window.player
-    bar = view.strip.ways
-    for name in (BESIDE, ON_SHAFT):
+    bar = view.strip.arrangement_bar
+    for name in (SIDE_BY_SIDE, ON_SHAFT):
         button = bar.widgetForAction(view.strip.arrangements[name])
         assert isinstance(button, QToolButton)
         QTest.mouseClick(button, Qt.MouseButton.LeftButton)
@@ -248,8 +248,8 @@ def test_all_drives_stand_at_one_machine_angle(unit: User) -> None:
                 assert isclose(cos(radians(angle - wanted)), 1.0, abs_tol=1e-9), drive.name
         assert len(view.assembly.items()) == items, "items are moved, none is made"
         shafts = {figure.corner for figure in view.assembly.figures.values()}
-        assert len(shafts) == (4 if name == BESIDE else 1)
-        if name == BESIDE:
+        assert len(shafts) == (4 if name == SIDE_BY_SIDE else 1)
+        if name == SIDE_BY_SIDE:
             figure = view.assembly.figures[3]
             QTest.mouseClick(
                 view.all_canvas.viewport(), Qt.MouseButton.LeftButton, pos=pixel(view.all_canvas, figure.corner)
@@ -271,11 +271,13 @@ def direction(view: MechanismView, number: int) -> float:
     return degrees(phase(-own.conjugate() if figure.mirrored else own))
 
 
-@pytest.mark.parametrize("arrangement", spread([BESIDE, ON_SHAFT], 1))
+@pytest.mark.parametrize("arrangement", spread([SIDE_BY_SIDE, ON_SHAFT], 1))
 def test_the_cam_of_a_drive_is_turned_by_hand_among_the_others(unit: User, arrangement: str) -> None:
     view = unit.drawing()
     click_drive(unit, 1)
-    QTest.mouseClick(view.strip.ways.widgetForAction(view.strip.arrangements[arrangement]), Qt.MouseButton.LeftButton)
+    QTest.mouseClick(
+        view.strip.arrangement_bar.widgetForAction(view.strip.arrangements[arrangement]), Qt.MouseButton.LeftButton
+    )
     settle()
     canvas, viewport, before = view.all_canvas, view.all_canvas.viewport(), unit.session.full_design
     timed = before
@@ -339,7 +341,9 @@ def test_the_cam_of_a_drive_is_turned_by_hand_among_the_others(unit: User, arran
 
 def test_about_one_shaft_the_names_stand_in_a_row_and_on_no_cam(unit: User) -> None:
     view = unit.drawing()
-    QTest.mouseClick(view.strip.ways.widgetForAction(view.strip.arrangements[ON_SHAFT]), Qt.MouseButton.LeftButton)
+    QTest.mouseClick(
+        view.strip.arrangement_bar.widgetForAction(view.strip.arrangements[ON_SHAFT]), Qt.MouseButton.LeftButton
+    )
     settle()
     canvas, figures = view.all_canvas, list(view.assembly.figures.values())
 
