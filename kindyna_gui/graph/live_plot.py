@@ -16,7 +16,7 @@ from kindyna_gui.pictures.plots.curves import CurvePlot
 from kindyna_gui.pictures.plots.lines import Frame
 from kindyna_gui.pictures.plots.marks import TEXT_ROOM, Extreme
 from kindyna_gui.pictures.plots.polar import PolarPlot
-from kindyna_gui.pictures.plots.xy import UnderMouse
+from kindyna_gui.pictures.plots.xy import AngleMouse
 from kindyna_gui.pictures.style import SMALL, font
 from kindyna_gui.pictures.units import UNSEEN, measure
 from kindyna_gui.player import Player
@@ -149,14 +149,14 @@ REACH = 8.0  # pixels from a marked peak within which it is taken
 TIP = "Click or drag to set the cam angle; right click to export"
 
 
-class _Turned(UnderMouse):
+class _Turned(AngleMouse):
     """The angle where the mouse is, of curves that are there."""
 
     readings: Any
     angle_at: Any
     angle_moved: Any
 
-    def _go(self, event: QMouseEvent) -> None:
+    def _set_angle_at(self, event: QMouseEvent) -> None:
         if self.readings():
             self.angle_moved.emit(radians(self.angle_at(event.position())))
 

@@ -319,7 +319,7 @@ def test_a_click_on_a_limit_in_a_plot_opens_its_field(rocker: User) -> None:
     view = rocker.see("pressure_angle")
     assert isinstance(view, PlotView)
     for text, path in (
-        ("usual limit", "limits.pressure_angle_rise_deg"),
+        ("typical limit", "limits.pressure_angle_rise_deg"),
         ("limit of", "limits.pressure_angle_return_deg"),
     ):
         tag = next(each for each in limits(view.plot) if each.text.startswith(text))

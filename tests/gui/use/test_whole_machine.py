@@ -158,7 +158,7 @@ def test_the_button_drops_what_waits_and_undo_brings_it_back(same_window: Open) 
     user.parameters().incomplete_bar.drop_button.click()
     settle()
     assert (user.number("follower.slider_arm_mm").text(), user.session.incomplete) == ("1302.162", None)
-    user.choose("Edit", "Undo Drop what does not fit")
+    user.choose("Edit", "Undo Back to the last valid values")
     assert (user.number("follower.slider_arm_mm").text(), user.session.incomplete) == ("130.2", draft)
 
 
