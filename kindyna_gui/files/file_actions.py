@@ -41,7 +41,7 @@ class Documents(QObject):
     def __init__(self, session: Session, settings: Settings, window: QWidget) -> None:
         super().__init__(window)
         self._session, self._settings, self._window = session, settings, window
-        self._last_fitting = False  # what is being saved is the last design that fitted, not what is typed
+        self._saves_last_valid = False  # what is being saved is the last design that fitted, not what is typed
 
     @property
     def name(self) -> str:
@@ -161,7 +161,7 @@ class Documents(QObject):
             answer = dialogs.ask_unfinished(self._window, misfit_sentences(session), closing_text(session), as_typed)
             if answer is not Unfinished.CLOSE or not session.close_motion():
                 break
-        self._last_fitting = answer is Unfinished.LAST_FITTING
+        self._saves_last_valid = answer is Unfinished.LAST_FITTING
         return (
             session.incomplete is None
             or session.is_incomplete_linkage
@@ -206,7 +206,7 @@ class Documents(QObject):
 
     def _differences(self, path: Path) -> list[str]:
         """What differs between a file and the design, a line each."""
-        design = self._session.full_design if self._last_fitting else self._session.typed_full_design
+        design = self._session.full_design if self._saves_last_valid else self._session.typed_full_design
         try:
             on_disk = load(path)
         except KindynaError as error:
@@ -216,7 +216,7 @@ class Documents(QObject):
 
     def _save(self, path: Path) -> bool:
         try:
-            self._session.save(path, last_fitting=self._last_fitting)
+            self._session.save(path, last_valid=self._saves_last_valid)
         except KindynaError as error:
             self._show_error(f"{path.name} cannot be saved.", error)
             return False

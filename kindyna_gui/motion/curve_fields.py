@@ -162,7 +162,7 @@ class EndField(CurveField):
         box.entered.connect(self._enter)
         box.emptied.connect(self._leave_open)
         box.unreadable.connect(lambda: self.session.refuse(self.spec.path, "a number is wanted, or nothing"))
-        box.withdrawn.connect(lambda: self.session.take_back(self.spec.path))
+        box.withdrawn.connect(lambda: self.session.clear_refusal(self.spec.path))
         box.finished.connect(self.session.end_gesture)
         self.label.dragged.connect(box.stepBy)
         self.label.released.connect(self._label_released)

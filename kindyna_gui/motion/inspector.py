@@ -50,7 +50,7 @@ class LawField(SegmentField):
     def edit(self, value: Any, text: str) -> None:
         """The law that is there already is no edit: what was set of it would be lost."""
         if not self.obsolete and value == self.spec.read(self.session.typed):
-            self.session.take_back(self.spec.path)
+            self.session.clear_refusal(self.spec.path)
         else:
             super().edit(value, text)
 

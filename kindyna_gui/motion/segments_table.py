@@ -199,7 +199,7 @@ class SegmentsModel(QAbstractTableModel):
         self.error_changed.emit("")
         self._all_changed()
         for path in wrong:
-            self._session.take_back(path)
+            self._session.clear_refusal(path)
         return True
 
     # -- the table ----------------------------------------------------------------------------------------

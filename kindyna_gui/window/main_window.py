@@ -470,7 +470,7 @@ class MainWindow(Window):
 
     def _place_drive(self) -> None:
         """Give the player the phase and rotation sign of the selected drive."""
-        place = self.session.place
+        place = self.session.shaft_position
         self.player.show_drive(place.phase, place.rotation_sign)
 
     def _show_refusal(self, refusal: Refusal) -> None:

@@ -100,7 +100,7 @@ class StatusLine(QStatusBar):
         self.messageChanged.connect(self._offer)
         self.messageChanged.connect(self._show_long)
         session.pending.changed.connect(self._show_awaited)
-        session.mended.connect(self._mended)
+        session.corrected.connect(self._mended)
         session.restored.connect(self._mended)
         session.incomplete_changed.connect(self._draft_changed)
         session.restored.connect(self._draft_changed)  # names of values depend on the drive

@@ -31,7 +31,7 @@ from kindyna_gui.linkage.mechanism_view import MechanismView
 from kindyna_gui.pictures.drawing.assembly import DriveFigure
 from kindyna_gui.pictures.film import shoot
 from kindyna_gui.places import example
-from kindyna_gui.touch_targets import BesideMouse
+from kindyna_gui.touch_targets import MouseReadout
 
 UNIT = example("transfer_unit")
 ROD = "follower.rod_mm"
@@ -298,7 +298,7 @@ def test_the_cam_of_a_drive_is_turned_by_hand_among_the_others(unit: User, arran
     assert (direction(view, 1) - mark + 180.0) % 360.0 - 180.0 == pytest.approx(30.0, abs=3.0), "it goes with the hand"
     turned = (unit.session.full_design.drives[1].phase_deg - before.drives[1].phase_deg + 180.0) % 360.0 - 180.0
     assert abs(turned) == pytest.approx(30.0, abs=3.0)
-    (beside,) = (each for each in unit.window.findChildren(BesideMouse) if each.isVisible())
+    (beside,) = (each for each in unit.window.findChildren(MouseReadout) if each.isVisible())
     assert f"Clamp phase {unit.session.full_design.drives[1].phase_deg:g}°" in beside.text()
     let_go()
     assert unit.session.full_design.drives[1].phase_deg != before.drives[1].phase_deg

@@ -159,7 +159,7 @@ def test_the_transfer_unit_is_worked_through_with_the_mouse(open_user: Open) -> 
         off = (degrees(atan2(seen.y(), seen.x())) - wanted + 180.0) % 360.0 - 180.0
         assert abs(off) < 0.11, f"{drive.name}: drawn at the nearest of 1800 angles"
     slider = user.window.bar.slider
-    hand.click(slider, QPointF(slider.place_of(90.0), slider.height() / 2.0).toPoint())
+    hand.click(slider, QPointF(slider.position_of(90.0), slider.height() / 2.0).toPoint())
     assert degrees(player.machine) == pytest.approx(90.0, abs=1.0)
 
     # its timing drawn with the mouse: the torque of the whole follows
