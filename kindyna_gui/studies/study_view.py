@@ -216,7 +216,7 @@ class StudyView(BackgroundView):
         for plot in (self.map, *self.curves):
             plot.picked.connect(self._pick)
             plot.grabbed.connect(self._grab)
-            plot.pulled.connect(self._drag_to)
+            plot.dragged.connect(self._drag_to)
             plot.released.connect(self._release)
         self.parallel.brushed.connect(self._draw)
         self.parallel.picked.connect(self._pick_line)
