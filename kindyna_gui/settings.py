@@ -25,13 +25,13 @@ from core.units import Unit, unit_kind
 DIGITS = 10  # of a number that is shown in another unit than it is kept in
 
 
-class _Told(QObject):
+class _DisplayUnits(QObject):
     """changed: what is shown next is shown otherwise."""
 
     changed = Signal()
 
 
-TOLD = _Told()
+DISPLAY = _DisplayUnits()
 _units: dict[str, str] = {}
 _comma = False
 _letters = 1.0
@@ -46,7 +46,7 @@ def choose(units: Mapping[str, str], comma: bool) -> None:
         _units.clear()
         _units.update(known)
         _comma = comma
-        TOLD.changed.emit()
+        DISPLAY.changed.emit()
 
 
 def is_default() -> bool:
@@ -354,10 +354,14 @@ class Settings:
         version, task = stored_text(self._kept, f"{key}/version"), stored_text(self._kept, f"{key}/task")
         if version != str(self.VERSION):
             newer = number_from_one(version, 10**9) > self.VERSION
-            raise ValueError("of a newer version of KINDYNA" if newer else "of an older version, which had other docks")
+            raise ValueError(
+                "it is from a newer version of KINDYNA"
+                if newer
+                else "it is from an older version, which had other docks"
+            )
         layout = self._read_layout(key)
         if layout is None:
-            raise ValueError("broken")
+            raise ValueError("it is damaged")
         return task, layout
 
     def save_layout(self, task: str, layout: TaskLayout) -> None:

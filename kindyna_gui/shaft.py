@@ -26,7 +26,7 @@ from kindyna_gui.drives import swatch
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import reason
 from kindyna_gui.look import Note
-from kindyna_gui.pictures.plots.lines import closed
+from kindyna_gui.pictures.plots.lines import closed_band
 from kindyna_gui.pictures.plots.xy import MACHINE_ANGLE, MACHINE_TIP, CursorPlot, Line, XYPlot
 from kindyna_gui.pictures.style import BALANCE, BLUE, GREEN, SCREEN, VERMILION
 from kindyna_gui.pictures.units import digits, measure, readable
@@ -222,7 +222,7 @@ def show_turn(plot: CursorPlot, title: str, unit: str, lines: Sequence[Line], fi
 
 def band_in(found: Band, name: str, unit: float = 1.0) -> tuple[np.ndarray, np.ndarray] | None:
     """Machine angles [deg] and percentiles of a drive by its name, empty of all, or of a quantity of the motor, in a unit."""
-    return closed(found[name] / unit) if name in found else None
+    return closed_band(found[name] / unit) if name in found else None
 
 
 ROOMY = 260  # pixels of height, from which on a plot stands above the table of figures

@@ -19,7 +19,7 @@ from kindyna_gui.background import Background, Job
 from kindyna_gui.documents.session import Session
 from kindyna_gui.look import coloured
 from kindyna_gui.pictures.plots.stability_chart import ACROSS, UPWARDS, ChartPlot
-from kindyna_gui.pictures.plots.xy import PulledPoint
+from kindyna_gui.pictures.plots.xy import DraggablePoint
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.requirements import NO_SHAFT, RIGID_SHAFT, Unavailable, turned_shaft
@@ -39,7 +39,7 @@ from kindyna_gui.view import View
 # -- chart -----------------------------------------------------------------------------------------------
 
 
-class StabilityChart(PulledPoint, ChartPlot):
+class StabilityChart(DraggablePoint, ChartPlot):
     """The chart with its reactions; all points are (η, Q)."""
 
     def point_at(self, pixel: QPointF) -> tuple[float, float] | None:
@@ -253,7 +253,7 @@ class StabilityView(View):
         self.chart.picked.connect(self._pick)
         self.fields.entered.connect(self.look_at)
         self.fields.returned.connect(self.look_at_own)
-        self.chart.pulled.connect(self._pulled)
+        self.chart.dragged.connect(self._pulled)
         self.chart.released.connect(self._released)
         self.reading.changed.connect(self._rest)
         self.pages.lacking.connect(self._lacks)

@@ -41,7 +41,7 @@ from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import soon
 from kindyna_gui.requirements import Suggestion, Unavailable, suggestions_for
-from kindyna_gui.settings import TOLD, is_default
+from kindyna_gui.settings import DISPLAY, is_default
 
 # -- visibility ------------------------------------------------------------------------------------------
 
@@ -279,7 +279,7 @@ class View(QWidget):
         session.started.connect(self._forget_fault)
         session.drive_chosen.connect(self._forget_fault)
         (session.full_design_changed if self.is_design_wide else session.design_changed).connect(self.invalidate)
-        TOLD.changed.connect(self.invalidate)
+        DISPLAY.changed.connect(self.invalidate)
         player.angle_changed.connect(self._angle_changed)
         player.playing_changed.connect(self._show_last_angle)
 

@@ -53,11 +53,11 @@ EXCEPTIONS: dict[str, tuple[str, ...]] = {
     "centres, their constructions and velocities go by the numbers of links, which only listed links have": (
         "kindyna_gui.linkage.centres_view.CircleView.refresh",
         "kindyna_gui.linkage.centres_view.PolygonView._rows",
-        "kindyna_gui.pictures.drawing.parts.layers_of",
+        "kindyna_gui.pictures.drawing.parts.available_layers",
         "kindyna_gui.pictures.drawing.geometry.Geometry.__init__",
         "kindyna_gui.requirements.require_centres",
         "kindyna_gui.requirements.require_links",
-        "kindyna_gui.window.layouts.Layouts._suit_kinds",
+        "kindyna_gui.window.layouts.Layouts._show_kind_docks",
     ),
     "a menu or a group of the gallery belongs to one kind: the links of a linkage": (
         "kindyna_gui.window.linkage_menus._linkage",

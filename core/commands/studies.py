@@ -42,7 +42,8 @@ from core.varying import (
     write_table,
 )
 from core.varying.space import PARQUET, headings
-from core.varying.tolerances import MACHINES, PERCENTILES, SHARE, AllWaves
+from core.varying.tolerances import MACHINES, PERCENTILES, SHARE
+from core.varying.waves import AllWaves
 
 # -- the command ``optimise`` -----------------------------------------------------------------------------------
 

@@ -32,7 +32,7 @@ from core.measured import (
     with_measured_motion,
 )
 from core.measured.columns import LETTERS
-from core.measured.fitting import segment_from_table
+from core.measured.segment_table import segment_from_table
 from core.output.controllers.deviation import curve_csv, error_curve, facts, text
 from core.output.controllers.motion import motion_facts, motion_text, read_motion, with_controller_motion
 from core.output.controllers.rows import controller

@@ -59,6 +59,7 @@ from core.design.edits import (
     without_segment,
 )
 from core.design.fields import Info, info_of, unit_of
+from core.design.follower_kinds import FOLLOWER_KINDS, FollowerKind, kind_of
 from core.design.followers import (
     FORMS,
     Conjugate,
@@ -116,7 +117,6 @@ from core.design.loads import (
 from core.design.parts import (
     AT_REST,
     CURVES,
-    FOLLOWER_KINDS,
     JOINED,
     LAYOUTS,
     OUTPUT_LOADS,
@@ -130,7 +130,6 @@ from core.design.parts import (
     DiskCam,
     ElasticShaft,
     Follower,
-    FollowerKind,
     Follows,
     Loads,
     Motion,
@@ -160,7 +159,6 @@ from core.design.parts import (
     TurnLoads,
     curve_of,
     face_of,
-    kind_of,
 )
 from core.design.paths import (
     SI,

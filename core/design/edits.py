@@ -17,6 +17,7 @@ import numpy as np
 from core.design.camshaft import drive_at, only, rename_drive, turning_together, with_only
 from core.design.design import Design, Drive, with_drive
 from core.design.fields import unit_of, words_of
+from core.design.follower_kinds import FOLLOWER_KINDS
 from core.design.followers import (
     FACE,
     FORM,
@@ -29,7 +30,6 @@ from core.design.followers import (
 )
 from core.design.linkage import LinkageCam
 from core.design.parts import (
-    FOLLOWER_KINDS,
     SIDES,
     CamSlider,
     Curve,

@@ -12,12 +12,12 @@ from typing import Any
 from core.design.camshaft import RESERVED, drive_names, drive_of, events, named_event, only, path_of, slug
 from core.design.design import Design, Drive
 from core.design.fields import slots
+from core.design.follower_kinds import FOLLOWER_KINDS
 from core.design.followers import FORM, CamDetails, Conjugate, Open, Roller
 from core.design.linkage import LinkageCam
 from core.design.linkage_rules import DRIVE_RULES
 from core.design.load_rules import element_faults
 from core.design.parts import (
-    FOLLOWER_KINDS,
     JOINED,
     LINEAR,
     ROTARY,

@@ -21,10 +21,8 @@ from core.dynamics.checks import (
 from core.dynamics.elements import (
     BodyPoint,
     Element,
-    Friction,
     Inertia,
     Load,
-    Loading,
     Mass,
     OutputForce,
     OutputFriction,
@@ -39,6 +37,8 @@ from core.dynamics.forces import BEARING, CAM_FACE, JAMS, Forces, edge_forces, n
 from core.dynamics.friction import GuideReaction, guide_reaction, with_infinities
 from core.dynamics.loading import (
     LOADINGS,
+    Friction,
+    Loading,
     attachment_point,
     element_at,
     link_loading,

@@ -12,8 +12,10 @@ from typing import Any
 import numpy as np
 
 from core.cam import CamShape, form_row
-from core.dynamics.elements import Element, Friction, Load, Loading, MotionWindow, Rate, ScheduledForce, Spring, Torsion
+from core.dynamics.elements import Element, Load, Rate, ScheduledForce, Spring, Torsion
 from core.dynamics.forces import Forces
+from core.dynamics.loading import Friction, Loading
+from core.dynamics.schedules import MotionWindow
 from core.dynamics.walk import input_loads, input_of
 from core.findings import ERROR, NOTE, WARNING, Finding
 from core.frozen import frozen

@@ -9,8 +9,8 @@ from functools import lru_cache
 import numpy as np
 
 from core.cam import CamShape
-from core.dynamics.elements import Loading
 from core.dynamics.forces import newton_euler
+from core.dynamics.loading import Loading
 from core.frozen import frozen
 from core.mechanism.kinematics import Kinematics
 from core.motion import Angles, CompiledMotion

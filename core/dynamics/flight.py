@@ -12,9 +12,10 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from core.dynamics.checks import FlankChange, ForcesAt, sign_changes
-from core.dynamics.elements import Element, Friction, Load, Loading, Rate, ScheduledForce
+from core.dynamics.elements import Element, Load, Rate, ScheduledForce
 from core.dynamics.forces import JAMS, Forces, edge_forces, newton_euler, unit_friction
 from core.dynamics.friction import jam_factor_bound, magnitudes
+from core.dynamics.loading import Friction, Loading
 from core.errors import NoSolution
 from core.frozen import frozen
 from core.mechanism import Mechanism, driver_ranges_for, solve_mechanism

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from core.cam import OUTER, CamShape, Flank
-from core.dynamics.elements import Friction, Load, Loading, Rate
+from core.dynamics.elements import Load, Rate
 from core.dynamics.friction import (
     JAMMED,
     GuideReaction,
@@ -28,6 +28,7 @@ from core.dynamics.friction import (
     magnitudes,
     with_infinities,
 )
+from core.dynamics.loading import Friction, Loading
 from core.dynamics.walk import Walk, input_loads, input_of
 from core.frozen import frozen
 from core.mechanism.kinematics import FRAME, REVOLUTE, Kinematics

@@ -8,18 +8,9 @@ from types import MappingProxyType
 import numpy as np
 
 from core.cam import CamShape
-from core.dynamics.elements import (
-    Element,
-    Inertia,
-    Load,
-    Loading,
-    Mass,
-    OutputForce,
-    Rate,
-    SpringDamper,
-    combined_inertia,
-)
+from core.dynamics.elements import Element, Inertia, Load, Mass, OutputForce, Rate, SpringDamper, combined_inertia
 from core.dynamics.forces import BEARING, Forces
+from core.dynamics.loading import Loading
 from core.dynamics.walk import input_loads, input_of
 from core.frozen import frozen
 from core.mechanism.kinematics import CAM, FRAME, REVOLUTE, Kinematics

@@ -9,6 +9,8 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
+import numpy as np
+
 from core.design import (
     ELEMENT_LISTS,
     UNITS,
@@ -33,26 +35,22 @@ from core.design import (
 )
 from core.design.parts import SIDES
 from core.dynamics.elements import (
-    AngleWindow,
     BodyPoint,
     Element,
-    Friction,
     Inertia,
-    Loading,
     Mass,
-    MotionWindow,
     OutputForce,
     OutputFriction,
     PointForce,
-    Schedule,
     ScheduledForce,
-    ScheduleTable,
     Spring,
     Torsion,
     combined_inertia,
 )
+from core.dynamics.schedules import AngleWindow, MotionWindow, Schedule, ScheduleTable
 from core.errors import NoSolution
-from core.mechanism.kinematics import FRAME
+from core.frozen import frozen
+from core.mechanism.kinematics import FRAME, Kinematics
 from core.mechanism.mechanism import Mechanism, body_name
 from core.numerics.derivatives import heading, vector
 
@@ -281,3 +279,136 @@ def link_loading(loads: LinkageLoads) -> Loading:
         for i, f in enumerate(loads.forces, 1)
     )
     return Loading(tuple(masses), tuple(forces), contact_friction=_contact(loads))
+
+
+# -- loading of a mechanism -------------------------------------------------------------------------------------
+
+
+@frozen
+class Friction:
+    """Coulomb friction of a pair: μ|N| along the line of a sliding pair, the moment μ r |R| in a pin of radius r [m].
+
+    Attributes
+    ----------
+    length : length of a sliding pair [m], whose edges transmit N/2 ± M/length, M its couple; 0: N acts at one point
+    field : path of its row in the file
+    """
+
+    pair: str
+    coefficient: float
+    radius: float = 1.0
+    length: float = 0.0
+    field: str = "loads.friction"
+
+    @property
+    def is_guide(self) -> bool:
+        """Whether it is the friction of the follower's guide."""
+        return self.field == "loads.friction"
+
+
+@frozen
+class Loading:
+    """Forces on a mechanism: masses, other force elements, and friction of pairs.
+
+    Attributes
+    ----------
+    guide : name of the pair whose friction is the design's guide friction; empty without a guide
+    contact_friction : coefficient of a face that slides on the cam
+    """
+
+    masses: tuple[Mass, ...] = ()
+    others: tuple[Element, ...] = ()
+    frictions: tuple[Friction, ...] = ()
+    guide: str = ""
+    contact_friction: float = 0.0
+
+    @property
+    def named(self) -> Mapping[str, Element]:
+        """Name -> element whose power is a channel."""
+        return MappingProxyType({element.name: element for element in self.others if element.name})
+
+    @property
+    def switches(self) -> tuple[Schedule, ...]:
+        """Schedules of its process forces."""
+        return tuple(element.schedule for element in self.others if isinstance(element, ScheduledForce))
+
+    def cuts(self, program: Any) -> np.ndarray:
+        """Cam angles at which a force switches.
+
+        Parameters
+        ----------
+        program : CompiledMotion
+
+        Returns
+        -------
+        ndarray (m,) [rad]
+        """
+        angles = [schedule.cuts(program) for schedule in self.switches]
+        return np.concatenate(angles) if angles else np.zeros(0)
+
+    @property
+    def has_friction(self) -> bool:
+        """Whether pairs or the cam's face have friction, so that something might jam."""
+        return bool(self.frictions or self.contact_friction)
+
+    @property
+    def elements(self) -> tuple[Element, ...]:
+        """All active elements."""
+        return tuple(element for element in (*self.masses, *self.others) if element.is_active)
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether no element is active."""
+        return not self.elements
+
+    @property
+    def friction(self) -> float:
+        """Coefficient of the guide."""
+        return next((f.coefficient for f in self.frictions if f.pair == self.guide), 0.0)
+
+    @property
+    def frictionless(self) -> Loading:
+        """The same loading without friction."""
+        return Loading(self.masses, self.others, (), self.guide)
+
+    @property
+    def inertial(self) -> Loading:
+        """The masses alone, without their weight."""
+        return Loading(tuple(Mass(m.body, m.inertia) for m in self.masses), (), (), self.guide)
+
+    @property
+    def inertial_with_contact(self) -> Loading:
+        """The masses alone, with the friction of a face that slides on the cam."""
+        return replace(self.inertial, contact_friction=self.contact_friction)
+
+    def inertia(self, kinematics: Kinematics, orders: int = 3) -> np.ndarray:
+        """Inertia J(θ) of all bodies reduced to the camshaft, and J', J'': the kinetic energy is J θ̇²/2.
+
+        Parameters
+        ----------
+        kinematics : Kinematics
+            At n cam angles.
+        orders : int
+            Number of rows, 1 to 3.
+
+        Returns
+        -------
+        ndarray (orders, n) [kg m²]
+        """
+        zero = np.zeros((orders, kinematics.theta.shape[-1]))
+        return sum((mass.reduced_inertia(kinematics, orders) for mass in self.masses), zero)
+
+    def potential(self, kinematics: Kinematics) -> np.ndarray:
+        """V'(θ) and V'' of all elements: V' is the torque at standstill that they require from the cam.
+
+        Parameters
+        ----------
+        kinematics : Kinematics
+            At n cam angles.
+
+        Returns
+        -------
+        ndarray (2, n) [N m]
+        """
+        zero = np.zeros((2, kinematics.theta.shape[-1]))
+        return sum((element.potential(kinematics) for element in self.elements), zero)

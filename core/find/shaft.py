@@ -232,11 +232,6 @@ def _solution(
     )
 
 
-def _load(design: Design) -> LoadCurve:
-    """Load of the shaft, or of the single drive. Raises NoSolution."""
-    return Study(design).camshaft.load
-
-
 # -- gear of a servo ---------------------------------------------------------------------------------------
 
 RATIO, RMS = "servo.gear_ratio", "servo.rms_nm"
@@ -316,7 +311,7 @@ def _flywheel(design: Design, request: ShaftRequest) -> Solution:
     limit = request.high(FLUCTUATION, shaft.speed_fluctuation)
     if not limit > 0.0:
         raise KindynaError(f"limit {FLUCTUATION}_max = {limit:g}: outside its range; allowed: > 0")
-    load, of_motor = _load(design), motor_inertia(shaft)
+    load, of_motor = Study(design).camshaft.load, motor_inertia(shaft)
 
     def fluctuation(inertia: float) -> float:
         return fluctuation_with(load, shaft, inertia + of_motor)
@@ -360,7 +355,7 @@ def _least_inertia(load: LoadCurve, shaft: Shaft, limit: float) -> float:
 def with_least_flywheel(design: Design) -> tuple[Design, Mapping[str, float]]:
     """Return the design with its least flywheel, and the value by its path. Raises KindynaError where none suffices."""
     shaft = design.camshaft
-    needed = _least_inertia(_load(design), shaft, shaft.speed_fluctuation)
+    needed = _least_inertia(Study(design).camshaft.load, shaft, shaft.speed_fluctuation)
     return replace(design, shaft=replace(shaft, flywheel_inertia_kg_m2=needed)), {FLYWHEEL: needed}
 
 

@@ -9,16 +9,16 @@ from math import sqrt
 
 import numpy as np
 
-from core.design import Motion, Segment, SplinePoint, TableCurve, join_angles
+from core.design import Motion, Segment, SplinePoint, TableCurve
 from core.errors import KindynaError
 from core.frozen import frozen
-from core.laws.polynomial import quintics
-from core.measured.recognition import FAR, WELL, Stroke, fitted_together, recognise, tiers
+from core.measured.candidates import Stroke, tiers
+from core.measured.recognition import FAR, WELL, fitted_together, recognise
 from core.measured.rows import TurnRows
+from core.measured.segments import difference, quintic_segment, thin_knots, with_start_at_zero
 from core.measured.smoothing import End, smooth
 from core.measured.strokes import LEAST_STEPS, Rest, UnrolledRows, rests, unrolled
-from core.motion import Angles, program
-from core.motion.split import with_segment_split
+from core.motion import program
 
 MOST_THROUGH = 1000  # greatest number of exact rows without velocities through which a curve of least jerk passes
 SHORT = 0.1  # length of a dwell relative to its strokes, below which it may be the crest of a flat law
@@ -500,16 +500,6 @@ def _in_turn_of_rests(at: UnrolledRows, stroke: Stroke | None, rest: Rest, next_
 # -- segments ---------------------------------------------------------------------------------------------
 
 
-def difference(after: float, before: float) -> float:
-    """Difference after - before, without the rounding of binary numbers where both are decimals."""
-    result = after - before
-    return (
-        rounded + 0.0
-        if abs((rounded := round(result, 9)) - result) < 1e-15 * max(abs(after), abs(before), 1.0)
-        else result
-    )
-
-
 class _Assembly:
     """Assembly of the parts into segments, starting at cam angle 0."""
 
@@ -558,7 +548,7 @@ class _Assembly:
                     table_span += segment.span_deg
                 table_span = 0.0
         return Structure(
-            _from_zero(begin, self.parts[0].low, segments, self.unit),
+            with_start_at_zero(begin, self.parts[0].low, segments, self.unit),
             tuple(sorted(fits, key=lambda fit: fit.start_deg)),
             tuple(self.jumps),
             self.freedom,
@@ -602,7 +592,7 @@ class _Assembly:
                 self.jumps.append(AccelerationJump(angle % 360.0, *((0.0, jump) if state == 0 else (jump, 0.0))))
         self.freedom += curve.freedom
         self.smoothing = self.smoothing or curve.smoothing
-        return [_segment(curve.knots, curve.states, part.low, part.high)]
+        return [quintic_segment(curve.knots, curve.states, part.low, part.high)]
 
     def _row(self, angle: float) -> int | None:
         """Number of the row at a cam angle [deg]."""
@@ -642,9 +632,9 @@ class _Assembly:
                 after = float(states[2, cut + 1])
                 part[2, -1] = 2.0 * (states[1, cut + 1] - states[1, cut]) / h[cut] - states[2, cut]
                 self.jumps.append(AccelerationJump(float(x[cut + 1] % 360.0), float(part[2, -1]), after))
-            selected = _thinned(x[begin : cut + 2], part, self.at.rows)
+            selected = thin_knots(x[begin : cut + 2], part, self.at.rows)
             segments.append(
-                _segment(x[begin : cut + 2][selected], part.T[selected], float(part[0, 0]), float(part[0, -1]))
+                quintic_segment(x[begin : cut + 2][selected], part.T[selected], float(part[0, 0]), float(part[0, -1]))
             )
             self.freedom += 3.0 * selected.size
             begin = cut + 1
@@ -666,107 +656,6 @@ def _end_acceleration(part: _Part, start: bool) -> float:
     assert table is not None
     u = np.array([0.0 if start else 1.0])
     return float(table.at(u)[2][0]) * (part.high - part.low) / (part.end - part.start) ** 2
-
-
-def _segment(knots: np.ndarray, states: np.ndarray, low: float, high: float) -> Segment:
-    start = float(knots[0])
-    angles = [difference(angle, start) for angle in knots.tolist()]
-    heights = (states[:, 0] - low).tolist()
-    heights[0], heights[-1] = 0.0, difference(high, low)
-    points = tuple(
-        SplinePoint(*row) for row in zip(angles, heights, states[:, 1].tolist(), states[:, 2].tolist(), strict=True)
-    )
-    return Segment(angles[-1], heights[-1], TableCurve(points))
-
-
-def _quintic(knots: np.ndarray, states: np.ndarray, x: np.ndarray, order: int = 0) -> np.ndarray:
-    """Derivative s⁽ᵏ⁾ (n,) of the curve with states (m, 3) at knots (m,)."""
-    i = np.clip(np.searchsorted(knots, x, side="right") - 1, 0, knots.size - 2)
-    rows = quintics(np.diff(knots), states[:-1, :, None], states[1:, :, None])[:, :, 0]
-    w, result = x - knots[i], np.zeros(x.size)
-    for power in range(5, order - 1, -1):
-        result = result * w + float(np.prod(np.arange(power - order + 1, power + 1))) * rows[i, power]
-    return result
-
-
-def _thinned(x: np.ndarray, states: np.ndarray, rows: TurnRows) -> np.ndarray:
-    """Row numbers (k,), by successive halving, whose quintics fit all other rows."""
-    selected = np.unique(np.linspace(0, x.size - 1, min(x.size, 13)).astype(int))
-    while selected.size < x.size:
-        is_off = np.zeros(x.size, dtype=bool)
-        for order in range(3):
-            curve = _quintic(x[selected], states.T[selected], x, order)
-            is_off |= np.abs(curve - states[order]) > rows.errors[order]
-        is_off[selected] = False
-        if not is_off.any():
-            break
-        interval = np.unique(np.searchsorted(selected, np.flatnonzero(is_off)))
-        selected = np.union1d(selected, (selected[interval - 1] + selected[interval]) // 2)
-    return selected
-
-
-# -- cam angle 0 ------------------------------------------------------------------------------------------
-
-
-def _from_zero(begin: float, level: float, segments: list[Segment], unit: str) -> Motion:
-    """Motion of the segments from cam angle 0 on; the segment that contains it is split.
-
-    A law that is split becomes tables with the same curve.
-    """
-    motion = Motion(level, tuple(segments), unit)
-    cut = (-begin) % 360.0
-    if cut < 1e-9 or cut > 360.0 - 1e-9:
-        return motion
-    starts = np.array(join_angles(motion))
-    nearest = int(np.argmin(np.abs(starts - cut)))
-    if abs(starts[nearest] - cut) > 1e-9:
-        index = int(np.searchsorted(starts, cut)) - 1
-        segment = motion.segments[index]
-        law = segment.curve.law
-        if law == "dwell":
-            parts = (
-                Segment(difference(cut, float(starts[index])), 0.0),
-                Segment(difference(float(starts[index]) + segment.span_deg, cut), 0.0),
-            )
-            return Motion(
-                level + sum(s.rise for s in motion.segments[:index]),
-                (parts[1], *motion.segments[index + 1 :], *motion.segments[:index], parts[0]),
-                unit,
-            )
-        if not isinstance(segment.curve, TableCurve) and law not in ("constant-velocity", "cv1", "cv2"):
-            motion = replace(
-                motion, segments=tuple(_as_table(motion, i) if i == index else s for i, s in enumerate(motion.segments))
-            )
-        motion = with_segment_split(motion, index, cut)
-        nearest = index + 1
-    height = level + sum(s.rise for s in motion.segments[:nearest])
-    return Motion(height, (*motion.segments[nearest:], *motion.segments[:nearest]), unit)
-
-
-def _as_table(motion: Motion, index: int) -> Segment:
-    """Segment as a table whose quintics have its curve to 1e-9 of its acceleration."""
-    compiled, segment = program(motion), motion.segments[index]
-    start, span = join_angles(motion)[index], segment.span_deg
-    pieces = np.flatnonzero(compiled.segment == index)
-    joints = np.append(np.rad2deg(compiled.starts[pieces]), start + span)
-
-    def states(x: np.ndarray) -> np.ndarray:
-        piece = pieces[np.clip(np.searchsorted(joints, x, side="right") - 1, 0, pieces.size - 1)]
-        y = compiled.state(Angles(np.deg2rad(x), piece)).displacement
-        return np.array([y[k] * np.deg2rad(1.0) ** k for k in range(3)]) / motion.scale
-
-    x = np.unique(np.concatenate([np.linspace(a, b, 5) for a, b in pairwise(joints)]))
-    size = float(np.abs(states(x)[2]).max())
-    for _ in range(8):
-        y = states(x)
-        y[2, -1] = states(np.array([x[-1]]))[2, 0]
-        middle = 0.5 * (x[:-1] + x[1:])
-        is_off = np.abs(_quintic(x, y.T, middle, 2) - states(middle)[2]) > 1e-9 * size
-        if not is_off.any():
-            break
-        x = np.sort(np.append(x, middle[is_off]))
-    y = states(x)
-    return _segment(x, y.T, float(y[0, 0]), float(y[0, 0]) + segment.rise)
 
 
 __all__ = [

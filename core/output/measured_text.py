@@ -13,7 +13,8 @@ from core.measured import MeasuredColumn, MotionFit, SegmentFit, Worksheet
 from core.measured.columns import column_name
 from core.measured.event import Event, events, velocity_jumps
 from core.measured.fitting import EXACT, MOST, contradiction
-from core.measured.structure import DWELL, difference
+from core.measured.segments import difference
+from core.measured.structure import DWELL
 from core.output.lines import columns
 
 PLURALS = {"displacement": "displacements", "velocity": "velocities", "acceleration": "accelerations"}

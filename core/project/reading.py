@@ -6,61 +6,47 @@ import math
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import cache, partial
+from functools import partial
 from numbers import Real
-from typing import TYPE_CHECKING, Any, get_args
+from typing import TYPE_CHECKING, Any
 
 from core.design import (
     CURVES,
-    FOLLOWER_KINDS,
     MOTION,
     MOTION_SPEED,
     NO_LIMITS,
-    OUTPUT_LOADS,
     Balancer,
     Design,
     Drive,
     Driver,
-    FollowerKind,
-    Limits,
-    Linkage,
-    LinkageCam,
     LinkageLoads,
     Loads,
     Motion,
-    NamedCurve,
     NamedMotion,
     Origin,
     Output,
-    RollerCam,
     Segment,
-    Servo,
     Shaft,
     TimingRow,
     Tolerance,
     Waviness,
-    all_paths,
     blunders,
-    drive_at,
     entries,
     faults,
     only,
     part_faults,
     path_of,
-    row_at,
     with_guesses_marked,
 )
 from core.design.fields import LAW, FileEntry, inside_of_table, slots
-from core.design.followers import FACE, FORM, FORMS, Face, Form, Roller, Rolling
+from core.design.followers import FACE, FORM, FORMS, Roller, Rolling
 from core.design.rules import count_fault
-from core.design.topology import driver_pair, is_pin
 from core.errors import MISSING, DesignError, Fault
 from core.laws import find_law
 from core.project.reading_faults import (
     did_you_mean,
     hinted,
     missing,
-    nearest,
     require_few_entries,
     spelled,
     stem,
@@ -69,13 +55,24 @@ from core.project.reading_faults import (
 
 if TYPE_CHECKING:
     from core.project.origins import Loader
+from core.project.reading_faults import (
+    CHOSEN_KEYS,
+    KINDS,
+    Tables,
+    assumed_faults,
+    driver_unit,
+    face_word,
+    follower_kind,
+    format_faults,
+    is_alone,
+    kind_faults,
+    likely_unit,
+    name_faults,
+    table_classes,
+    under_other_faces,
+)
 
-FORMAT = 1
-Tables = Mapping[str, Any]
-
-_KINDS = ("follower", "linkage", "drives")  # one of these tables defines the kind
 _ONE_MECHANISM = "exactly one of [drives.follower] | [drives.linkage]"
-_ONE_KIND = "exactly one of [follower] | [linkage] | [[drives]], or [motion] alone"
 _HEADER = ("format", "name", "assumed")
 _TOLERANCES = ("tolerances", "waviness")
 _ALWAYS = {
@@ -138,18 +135,13 @@ def design_from_tables(table: Tables, load: Loader, *, chain: Sequence[str] = ()
 
 def _read(table: Tables, rules: Rules, new_reader: Callable[[str], Reader]) -> Design:
     """Design in the tables, with the defaults of an elastic shaft. Raises DesignError."""
-    all_faults = [*_format_faults(table), *_name_faults(table), *_kind_faults(table)]
-    kind = next((kind for kind in _KINDS if kind in table), MOTION if _is_alone(table) else "follower")
+    all_faults = [*format_faults(table), *name_faults(table), *kind_faults(table)]
+    kind = next((kind for kind in KINDS if kind in table), MOTION if is_alone(table) else "follower")
     design, design_faults = (_read_drives if kind == "drives" else _read_one_drive)(table, kind, rules, new_reader)
     design, tolerance_faults = _with_tolerances(table, design)
     if all_faults := [*all_faults, *design_faults, *([] if design_faults else tolerance_faults)]:
         raise DesignError(all_faults)
     return with_guesses_marked(design, table["shaft"]) if "shaft" in table else design
-
-
-def _is_alone(table: Tables) -> bool:
-    """Whether the file has a motion but nothing that belongs to a cam."""
-    return "motion" in table and "cam" not in table
 
 
 def _with_tolerances(table: Tables, design: Design) -> tuple[Design, list[Fault]]:
@@ -197,8 +189,8 @@ def _read_one_drive(
     table: Tables, kind: str, rules: Rules, new_reader: Callable[[str], Reader]
 ) -> tuple[Design, list[Fault]]:
     """The design of one drive, and its faults in the order of the file."""
-    reader = new_reader(_likely_unit(table))
-    key_faults, classes, parts = _read_drive(reader, table, kind, ("shaft",), [*_HEADER, *_KINDS, *_TOLERANCES])
+    reader = new_reader(likely_unit(table))
+    key_faults, classes, parts = _read_drive(reader, table, kind, ("shaft",), [*_HEADER, *KINDS, *_TOLERANCES])
     mechanism = Output(reader.unit) if kind == MOTION else parts[kind]
     drive = Drive(
         parts["motion"], mechanism, parts["cam"], parts["loads"], parts["limits"] or NO_LIMITS, servo=parts["servo"]
@@ -209,7 +201,7 @@ def _read_one_drive(
     )
     unknown = [name for name, part_class in classes.items() if part_class is None]
     unknown += [] if kind in table and kind != MOTION else ["linkage"]
-    key_faults += _assumed_faults(table, design, unknown)
+    key_faults += assumed_faults(table, design, unknown)
     tables = list(classes)  # in the order of the file, after its header
     return design, sorted(
         key_faults, key=lambda fault: next((i for i, t in enumerate(tables, 1) if fault.path.startswith(t)), 0)
@@ -223,20 +215,20 @@ def _read_drive(
 
     shared: tables of the shaft that are read here; header: other keys allowed in the same table.
     """
-    row, key_faults = _follower_kind(table) if kind == "follower" else (None, [])
-    face = _face_word(table, row)
+    row, key_faults = follower_kind(table) if kind == "follower" else (None, [])
+    face = face_word(table, row)
     if row:
         reader.unit = row.motion_unit
-        reader.other_faces = _under_other_faces(row, face or Rolling.face)
+        reader.other_faces = under_other_faces(row, face or Rolling.face)
     linked = _linked_motion(reader, table)
     if linked is not None and kind == MOTION:
         reader.unit = linked.unit
     classes = {
         name: part_class
-        for name, part_class in _classes(kind, row, face, reader.unit).items()
+        for name, part_class in table_classes(kind, row, face, reader.unit).items()
         if name != "shaft" or name in shared
     }
-    known = [*(key for key in header if key not in _KINDS), *classes]
+    known = [*(key for key in header if key not in KINDS), *classes]
     key_faults = [
         *(unknown_key(spelled(key), key, table[key], known) for key in table if key not in known and key not in header),
         *key_faults,
@@ -256,7 +248,7 @@ def _read_drive(
             reader.slides = part.face.slides if kind == "linkage" else face not in (None, Rolling.face)
         if name == "linkage":
             parts[name] = part = replace(part, motions=_motions(table.get("motions", {}), reader))
-            reader.unit = _driver_unit(part, table.get("motion"))
+            reader.unit = driver_unit(part, table.get("motion"))
     if linked is not None and linked.unit != reader.unit:
         problem = f"gives a motion in {linked.unit}, and this design's is in {reader.unit}"
         reader.faults.append(Fault(_origin_path(table), MISSING, problem, f"a motion in {reader.unit}"))
@@ -301,7 +293,7 @@ def _linked_motion(reader: Reader, table: Tables) -> Motion | None:
     for key in [key for key in ORIGINS if key in typed][1:]:
         reader.faults.append(Fault(f"motion.{key}", typed[key], f"cannot be combined with {path}", "one of them"))
     if origin.inverse is not None:
-        requested_reader = Reader(_likely_unit(table))
+        requested_reader = Reader(likely_unit(table))
         requested = requested_reader.part(Motion, rest, "motion")
         reader.faults += requested_reader.with_rules(part_faults(requested, "motion"), {})
     else:
@@ -328,7 +320,7 @@ def _read_drives(
 ) -> tuple[Design, list[Fault]]:
     """The design of a list of drives, and its faults in the order of the file."""
     list_faults = [
-        unknown_key(spelled(key), key, table[key], _SHAFT_KEYS) for key in table if key not in (*_SHAFT_KEYS, *_KINDS)
+        unknown_key(spelled(key), key, table[key], _SHAFT_KEYS) for key in table if key not in (*_SHAFT_KEYS, *KINDS)
     ]
     reader, rows = Reader(""), table[kind]
     shaft = reader.table(table, "shaft", Shaft, needed=True)
@@ -340,7 +332,7 @@ def _read_drives(
         if not isinstance(row, Mapping):
             reader.faults.append(Fault(f"{kind}[{i}]", row, "must be a table", f"[[{kind}]]"))
             continue
-        drive_reader = new_reader(_likely_unit(row))
+        drive_reader = new_reader(likely_unit(row))
         drive, key_faults, unclear = _read_listed_drive(row, drive_reader, shaft)
         drives.append(drive)
         alone = only(Design("", shaft, (drive,)), 0)
@@ -361,7 +353,7 @@ def _read_drives(
     known = (f for f in rules(design) if not (unread and f.path.startswith("timing")))
     shaft_faults = reader.with_rules((f for f in known if not _OF_A_DRIVE.fullmatch(f.path)), {})
     if not any(path.endswith(".name") for path in broken):
-        list_faults += _assumed_faults(table, design, unsure)
+        list_faults += assumed_faults(table, design, unsure)
     return design, [*list_faults, *shaft_faults]
 
 
@@ -370,7 +362,7 @@ _OF_A_DRIVE = re.compile(r"drives\[\d+\]\.(?!name$|phase_deg$|mirrored$|carries)
 
 def _read_listed_drive(row: Tables, reader: Reader, shaft: Shaft) -> tuple[Drive, list[Fault], list[str]]:
     """One drive of the list, with the faults of its keys, and the names of tables whose class is unknown."""
-    kinds = [kind for kind in _KINDS[:2] if kind in row]
+    kinds = [kind for kind in KINDS[:2] if kind in row]
     kind = kinds[0] if kinds else "follower"
     values: dict[str, Any] = {}
     for slot in slots(Drive):
@@ -382,12 +374,12 @@ def _read_listed_drive(row: Tables, reader: Reader, shaft: Shaft) -> tuple[Drive
     if values.get("mirrored") not in (True, False):
         values["mirrored"] = False
     reader.shaft_rpm = shaft.signed_rpm * (-1.0 if values["mirrored"] else 1.0)
-    key_faults, classes, parts = _read_drive(reader, row, kind, (), [*_DRIVE_KEYS, *_KINDS[:2]])
+    key_faults, classes, parts = _read_drive(reader, row, kind, (), [*_DRIVE_KEYS, *KINDS[:2]])
     key_faults += [
         Fault(key, row[key], f"cannot be combined with {kind}: a drive has one mechanism", _ONE_MECHANISM)
         for key in kinds[1:]
     ]
-    if not kinds and _is_alone(row):
+    if not kinds and is_alone(row):
         problem = "is without a mechanism, which a drive needs; a motion alone is a separate file"
         reader.faults = [fault for fault in reader.faults if fault.path != "cam"]
         key_faults.append(Fault(MOTION, MISSING, problem, f"{_ONE_MECHANISM} in addition"))
@@ -481,9 +473,9 @@ class Reader:
             values[spread.within].update(zip(spread.names, self.entry(spread, rows, path), strict=True))
         elif extra:
             known = [slot.key for slot in slots(kind, self.unit, inside_of_table(kind, table, possible=True))]
-            for key in sorted(extra - (_CHOSEN_KEYS.keys() if unsure else set()), key=str):
+            for key in sorted(extra - (CHOSEN_KEYS.keys() if unsure else set()), key=str):
                 at = f"{path}.{spelled(key)}"
-                word = _CHOSEN_KEYS.get(key) if path in ("cam", "follower") else None
+                word = CHOSEN_KEYS.get(key) if path in ("cam", "follower") else None
                 if word := word or self.other_faces.get(at):
                     self.faults.append(Fault(at, table[key], f"only with {word}", " | ".join(known)))
                 else:
@@ -627,174 +619,3 @@ class Reader:
                 if path != fault.path:
                     reported.add(path)  # one fault of a pair is enough
         return result
-
-
-# -- kind of the design -----------------------------------------------------------------------------------------
-
-
-def _choosing(word: str, kinds: Iterable[Any]) -> dict[str, str]:
-    """Words that allow a key, by the keys of some classes of parts."""
-    words: dict[str, dict[str, None]] = {}
-    for kind in kinds:
-        for slot in slots(kind):
-            words.setdefault(slot.key, {})[f'"{getattr(kind, word)}"'] = None
-    return {key: f"{word} = {' or '.join(choices)}" for key, choices in words.items()}
-
-
-_CHOSEN_KEYS = _choosing(FACE, get_args(Face)) | _choosing(FORM, get_args(Form))
-"""Words that allow a key of a face or a form."""
-
-
-def _face_word(table: Tables, row: FollowerKind | None) -> str | None:
-    """Word of a follower's face; None where it is unknown."""
-    follower = table.get("follower")
-    word = follower.get(FACE, Rolling.face) if isinstance(follower, Mapping) else Rolling.face
-    return word if row is not None and isinstance(word, str) and word in row.faces else None
-
-
-def _classes(kind: str, row: FollowerKind | None, face: str | None, unit: str) -> dict[str, type | None]:
-    """Class of each table of the file; None where the kind of follower or its face is unknown.
-
-    unit: that of a motion without a mechanism.
-    """
-    if kind == MOTION:
-        return {"motion": Motion, "shaft": Shaft, "loads": OUTPUT_LOADS[unit], "servo": Servo}
-    if kind == "linkage":
-        return {
-            "motion": Motion,
-            "motions": Motion,
-            "linkage": Linkage,
-            "cam": LinkageCam,
-            "shaft": Shaft,
-            "loads": LinkageLoads,
-            "limits": Limits,
-            "servo": Servo,
-        }
-
-    follower, cam, loads = row.under(face or Rolling.face) if row else (None, RollerCam, None)
-    cam_class = cam if face or not row else None
-    return {
-        "motion": Motion,
-        "follower": follower,
-        "cam": cam_class,
-        "shaft": Shaft,
-        "loads": loads,
-        "limits": Limits,
-        "servo": Servo,
-    }
-
-
-def _under_other_faces(row: FollowerKind, face: str) -> dict[str, str]:
-    """Words of the faces that allow an entry, by the paths of entries that a follower has with other faces only."""
-    words_by_path: dict[str, list[str]] = {}
-    current_kinds: tuple[Any, ...] = row.under(face)
-    for word in (word for word in row.faces if word != face):
-        kinds: tuple[Any, ...] = row.under(word)
-        for name, kind, current in zip(("follower", "cam", "loads"), kinds, current_kinds, strict=True):
-            for key in {slot.key for slot in slots(kind)} - {slot.key for slot in slots(current)}:
-                words_by_path.setdefault(f"{name}.{key}", []).append(f'"{word}"')
-    return {path: f"{FACE} = {' or '.join(words)}" for path, words in words_by_path.items()}
-
-
-def _follower_kind(table: Tables) -> tuple[FollowerKind | None, list[Fault]]:
-    """Row of the follower's kind, or of the most similar one where it is misspelled."""
-    follower = table.get("follower")
-    if not isinstance(follower, Mapping):
-        return None, []  # a fault of the table itself
-    kinds = " | ".join(FOLLOWER_KINDS)
-    if "kind" not in follower:
-        return None, [missing("follower.kind", kinds)]
-    kind = follower["kind"]
-    if not isinstance(kind, str):
-        return None, [Fault("follower.kind", kind, "must be text", kinds)]
-    if kind in FOLLOWER_KINDS:
-        return FOLLOWER_KINDS[kind], []
-    meant = nearest(kind, tuple(FOLLOWER_KINDS))
-    return FOLLOWER_KINDS[meant] if meant else None, [hinted(Fault("follower.kind", kind, "unknown word", kinds))]
-
-
-def _likely_unit(table: Tables) -> str:
-    """Unit of the motion where the follower does not define it."""
-    motion = table.get("motion")
-    return "deg" if isinstance(motion, Mapping) and {"start_deg", "advance_deg"} & motion.keys() else "mm"
-
-
-def _driver_unit(linkage: Linkage, motion: Any) -> str:
-    """Unit deg of a rotating driver, mm of a sliding one; that of the motion where the pair is unknown."""
-    pair = driver_pair(linkage) if linkage.driver.link in linkage.by_number else None
-    if pair is None:
-        return "mm" if isinstance(motion, Mapping) and "start_mm" in motion else "deg"
-    return "deg" if is_pin(pair) else "mm"
-
-
-# -- header of the file -----------------------------------------------------------------------------------------
-
-
-def _format_faults(table: Tables) -> Iterator[Fault]:
-    if "format" not in table:
-        yield missing("format", str(FORMAT))
-    elif type(table["format"]) is not int or table["format"] != FORMAT:
-        yield Fault("format", table["format"], "unknown format", str(FORMAT))
-
-
-def _name_faults(table: Tables) -> Iterator[Fault]:
-    if "name" not in table:
-        yield missing("name", "any text")
-    elif not isinstance(table["name"], str):
-        yield Fault("name", table["name"], "must be text", "any text")
-    elif not table["name"].strip():
-        yield Fault("name", table["name"], "empty", "any text")
-
-
-def _kind_faults(table: Tables) -> Iterator[Fault]:
-    kinds = [kind for kind in _KINDS if kind in table]
-    if not kinds and not _is_alone(table):
-        yield missing("follower", _ONE_KIND)
-    for key in kinds[1:]:
-        yield Fault(key, table[key], f"cannot be combined with {kinds[0]}: a design is of one kind", _ONE_KIND)
-
-
-def _assumed_faults(table: Tables, design: Design, unsure: Sequence[str]) -> Iterator[Fault]:
-    """Faults of assumed paths that lead to no entry.
-
-    Allowed are entries of other laws of a segment, which an edit may have left, and paths in tables of unknown class (`unsure`).
-    """
-    assumed = table.get("assumed", ())
-    if not isinstance(assumed, list | tuple):
-        yield Fault("assumed", assumed, "must be a list of field paths")
-        return
-    known = dict.fromkeys(all_paths(design)) if assumed else {}
-    for i, path in enumerate(assumed):
-        if not isinstance(path, str):
-            yield Fault(f"assumed[{i}]", path, "must be a field path, as text")
-        elif path not in known and not path.startswith(tuple(unsure)) and not _of_another_law(design, path):
-            remedy = "; leave it out here too" if _exists(table, path) else did_you_mean(path, known)
-            yield Fault(f"assumed[{i}]", path, f"no such entry in this design{remedy}")
-
-
-def _exists(table: Any, path: str) -> bool:
-    """Whether the file has an entry at a path, valid or not."""
-    for step in path.split("."):
-        if not isinstance(table, Mapping) or step not in table:
-            return False
-        table = table[step]
-    return True
-
-
-def _of_another_law(design: Design, path: str) -> bool:
-    if design.listed:
-        drive = drive_at(path)
-        return drive is not None and drive[0] < len(design.drives) and _of_another_law(only(design, drive[0]), drive[1])
-    name, number, inside = row_at(path, "motion.segments")
-    if not name or design.drive.motion is None or number >= len(design.drive.motion.segments):
-        return False
-    return re.sub(r"\[\d+\]", "", inside) in _curve_entries()
-
-
-@cache
-def _curve_entries() -> frozenset[str]:
-    """Entries of all kinds of curves: `crossover`, `start`, `start.velocity`, `points.value`."""
-    kinds: tuple[Any, ...] = (NamedCurve, *CURVES.values())
-    entries = [slot for kind in kinds for slot in slots(kind)]
-    inner = (f"{slot.key}.{part.key}" for slot in entries if slot.placing.kind for part in slots(slot.placing.kind))
-    return frozenset((*(slot.key for slot in entries), *inner))

@@ -5,20 +5,48 @@ from __future__ import annotations
 import re
 import tomllib
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import lru_cache
+from functools import cache, lru_cache
 from itertools import islice
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any, get_args
 
 from core.bounds import DIGITS, FIELD, NESTING
-from core.design import Design, all_paths, drive_at, get, split_unit
+from core.design import (
+    CURVES,
+    FOLLOWER_KINDS,
+    MOTION,
+    OUTPUT_LOADS,
+    Design,
+    FollowerKind,
+    Limits,
+    Linkage,
+    LinkageCam,
+    LinkageLoads,
+    Motion,
+    NamedCurve,
+    RollerCam,
+    Servo,
+    Shaft,
+    all_paths,
+    drive_at,
+    get,
+    only,
+    row_at,
+    split_unit,
+)
+from core.design.fields import slots
+from core.design.followers import FACE, FORM, Face, Form, Rolling
 from core.design.rules import MOST_KEYS, count_fault
+from core.design.topology import driver_pair, is_pin
 from core.errors import MISSING, DesignError, Fault, KindynaError
 from core.frozen import frozen
 from core.process import resources
+
+if TYPE_CHECKING:
+    pass
 
 # -- examples ---------------------------------------------------------------------------------------------------
 
@@ -257,3 +285,187 @@ def reasons_of(design: Design) -> Iterator[tuple[str, str]]:
         text = reason(design, path)
         if text:
             yield path, text
+
+
+# -- kind of the design -----------------------------------------------------------------------------------------
+
+FORMAT = 1
+Tables = Mapping[str, Any]
+KINDS = ("follower", "linkage", "drives")  # one of these tables defines the kind
+_ONE_KIND = "exactly one of [follower] | [linkage] | [[drives]], or [motion] alone"
+
+
+def is_alone(table: Tables) -> bool:
+    """Whether the file has a motion but nothing that belongs to a cam."""
+    return "motion" in table and "cam" not in table
+
+
+def _choosing(word: str, kinds: Iterable[Any]) -> dict[str, str]:
+    """Words that allow a key, by the keys of some classes of parts."""
+    words: dict[str, dict[str, None]] = {}
+    for kind in kinds:
+        for slot in slots(kind):
+            words.setdefault(slot.key, {})[f'"{getattr(kind, word)}"'] = None
+    return {key: f"{word} = {' or '.join(choices)}" for key, choices in words.items()}
+
+
+CHOSEN_KEYS = _choosing(FACE, get_args(Face)) | _choosing(FORM, get_args(Form))
+"""Words that allow a key of a face or a form."""
+
+
+def face_word(table: Tables, row: FollowerKind | None) -> str | None:
+    """Word of a follower's face; None where it is unknown."""
+    follower = table.get("follower")
+    word = follower.get(FACE, Rolling.face) if isinstance(follower, Mapping) else Rolling.face
+    return word if row is not None and isinstance(word, str) and word in row.faces else None
+
+
+def table_classes(kind: str, row: FollowerKind | None, face: str | None, unit: str) -> dict[str, type | None]:
+    """Class of each table of the file; None where the kind of follower or its face is unknown.
+
+    unit: that of a motion without a mechanism.
+    """
+    if kind == MOTION:
+        return {"motion": Motion, "shaft": Shaft, "loads": OUTPUT_LOADS[unit], "servo": Servo}
+    if kind == "linkage":
+        return {
+            "motion": Motion,
+            "motions": Motion,
+            "linkage": Linkage,
+            "cam": LinkageCam,
+            "shaft": Shaft,
+            "loads": LinkageLoads,
+            "limits": Limits,
+            "servo": Servo,
+        }
+
+    follower, cam, loads = row.under(face or Rolling.face) if row else (None, RollerCam, None)
+    cam_class = cam if face or not row else None
+    return {
+        "motion": Motion,
+        "follower": follower,
+        "cam": cam_class,
+        "shaft": Shaft,
+        "loads": loads,
+        "limits": Limits,
+        "servo": Servo,
+    }
+
+
+def under_other_faces(row: FollowerKind, face: str) -> dict[str, str]:
+    """Words of the faces that allow an entry, by the paths of entries that a follower has with other faces only."""
+    words_by_path: dict[str, list[str]] = {}
+    current_kinds: tuple[Any, ...] = row.under(face)
+    for word in (word for word in row.faces if word != face):
+        kinds: tuple[Any, ...] = row.under(word)
+        for name, kind, current in zip(("follower", "cam", "loads"), kinds, current_kinds, strict=True):
+            for key in {slot.key for slot in slots(kind)} - {slot.key for slot in slots(current)}:
+                words_by_path.setdefault(f"{name}.{key}", []).append(f'"{word}"')
+    return {path: f"{FACE} = {' or '.join(words)}" for path, words in words_by_path.items()}
+
+
+def follower_kind(table: Tables) -> tuple[FollowerKind | None, list[Fault]]:
+    """Row of the follower's kind, or of the most similar one where it is misspelled."""
+    follower = table.get("follower")
+    if not isinstance(follower, Mapping):
+        return None, []  # a fault of the table itself
+    kinds = " | ".join(FOLLOWER_KINDS)
+    if "kind" not in follower:
+        return None, [missing("follower.kind", kinds)]
+    kind = follower["kind"]
+    if not isinstance(kind, str):
+        return None, [Fault("follower.kind", kind, "must be text", kinds)]
+    if kind in FOLLOWER_KINDS:
+        return FOLLOWER_KINDS[kind], []
+    meant = nearest(kind, tuple(FOLLOWER_KINDS))
+    return FOLLOWER_KINDS[meant] if meant else None, [hinted(Fault("follower.kind", kind, "unknown word", kinds))]
+
+
+def likely_unit(table: Tables) -> str:
+    """Unit of the motion where the follower does not define it."""
+    motion = table.get("motion")
+    return "deg" if isinstance(motion, Mapping) and {"start_deg", "advance_deg"} & motion.keys() else "mm"
+
+
+def driver_unit(linkage: Linkage, motion: Any) -> str:
+    """Unit deg of a rotating driver, mm of a sliding one; that of the motion where the pair is unknown."""
+    pair = driver_pair(linkage) if linkage.driver.link in linkage.by_number else None
+    if pair is None:
+        return "mm" if isinstance(motion, Mapping) and "start_mm" in motion else "deg"
+    return "deg" if is_pin(pair) else "mm"
+
+
+# -- header of the file -----------------------------------------------------------------------------------------
+
+
+def format_faults(table: Tables) -> Iterator[Fault]:
+    """Faults of the format number."""
+    if "format" not in table:
+        yield missing("format", str(FORMAT))
+    elif type(table["format"]) is not int or table["format"] != FORMAT:
+        yield Fault("format", table["format"], "unknown format", str(FORMAT))
+
+
+def name_faults(table: Tables) -> Iterator[Fault]:
+    """Faults of the name."""
+    if "name" not in table:
+        yield missing("name", "any text")
+    elif not isinstance(table["name"], str):
+        yield Fault("name", table["name"], "must be text", "any text")
+    elif not table["name"].strip():
+        yield Fault("name", table["name"], "empty", "any text")
+
+
+def kind_faults(table: Tables) -> Iterator[Fault]:
+    """Faults of the tables that define the kind of the design."""
+    kinds = [kind for kind in KINDS if kind in table]
+    if not kinds and not is_alone(table):
+        yield missing("follower", _ONE_KIND)
+    for key in kinds[1:]:
+        yield Fault(key, table[key], f"cannot be combined with {kinds[0]}: a design is of one kind", _ONE_KIND)
+
+
+def assumed_faults(table: Tables, design: Design, unsure: Sequence[str]) -> Iterator[Fault]:
+    """Faults of assumed paths that lead to no entry.
+
+    Allowed are entries of other laws of a segment, which an edit may have left, and paths in tables of unknown class (`unsure`).
+    """
+    assumed = table.get("assumed", ())
+    if not isinstance(assumed, list | tuple):
+        yield Fault("assumed", assumed, "must be a list of field paths")
+        return
+    known = dict.fromkeys(all_paths(design)) if assumed else {}
+    for i, path in enumerate(assumed):
+        if not isinstance(path, str):
+            yield Fault(f"assumed[{i}]", path, "must be a field path, as text")
+        elif path not in known and not path.startswith(tuple(unsure)) and not _of_another_law(design, path):
+            remedy = "; leave it out here too" if _exists(table, path) else did_you_mean(path, known)
+            yield Fault(f"assumed[{i}]", path, f"no such entry in this design{remedy}")
+
+
+def _exists(table: Any, path: str) -> bool:
+    """Whether the file has an entry at a path, valid or not."""
+    for step in path.split("."):
+        if not isinstance(table, Mapping) or step not in table:
+            return False
+        table = table[step]
+    return True
+
+
+def _of_another_law(design: Design, path: str) -> bool:
+    if design.listed:
+        drive = drive_at(path)
+        return drive is not None and drive[0] < len(design.drives) and _of_another_law(only(design, drive[0]), drive[1])
+    name, number, inside = row_at(path, "motion.segments")
+    if not name or design.drive.motion is None or number >= len(design.drive.motion.segments):
+        return False
+    return re.sub(r"\[\d+\]", "", inside) in _curve_entries()
+
+
+@cache
+def _curve_entries() -> frozenset[str]:
+    """Entries of all kinds of curves: `crossover`, `start`, `start.velocity`, `points.value`."""
+    kinds: tuple[Any, ...] = (NamedCurve, *CURVES.values())
+    entries = [slot for kind in kinds for slot in slots(kind)]
+    inner = (f"{slot.key}.{part.key}" for slot in entries if slot.placing.kind for part in slots(slot.placing.kind))
+    return frozenset((*(slot.key for slot in entries), *inner))

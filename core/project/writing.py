@@ -22,7 +22,7 @@ from core.design.design import MOTIONS
 from core.design.edits import is_dwell
 from core.design.fields import FileEntry, Info, slots
 from core.design.paths import in_order
-from core.project.reading import FORMAT
+from core.project.reading_faults import FORMAT
 
 _SILENT = (
     repr(LinkageLoads()),

@@ -48,7 +48,8 @@ from core.varying.surveys import (
     whole_numbers,
     with_values,
 )
-from core.varying.tolerances import Corner, Scatter, Share, TightenedTolerances, tolerance_study, waves_of
+from core.varying.tolerances import Corner, Scatter, Share, TightenedTolerances, tolerance_study
+from core.varying.waves import waves_of
 
 __all__ = [
     "READY", "Binding", "BlockOfDesigns", "Corner", "Goal", "Limits", "Optimum", "Question", "Run", "Scatter", "Share",

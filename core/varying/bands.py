@@ -23,7 +23,8 @@ from core.study.quantity_requests import TORQUE, quantity_request, request_colum
 from core.varying.request import Goal, StudyFile, StudyLimit, StudyQuantity, VariedField, study_of
 from core.varying.space import with_words
 from core.varying.surveys import PART, SEED, can_be_varied, request_keys, typical_limit
-from core.varying.tolerances import DRIVE_TORQUE, MACHINES, PERCENTILES, AllWaves, Scatter
+from core.varying.tolerances import MACHINES, PERCENTILES, Scatter
+from core.varying.waves import DRIVE_TORQUE, AllWaves
 
 # -- tolerance bands --------------------------------------------------------------------------------------------
 

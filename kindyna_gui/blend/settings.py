@@ -65,7 +65,7 @@ class LiveBox(NumberBox):
     @property
     def number(self) -> float | None:
         """The number in the box; None if its text is not a number."""
-        return parsed(self.text(), self._unit, kept=True)
+        return parsed(self.text(), self._unit, in_file_units=True)
 
     def set_number(self, value: float) -> None:
         """Show a number without emitting ``changed``."""

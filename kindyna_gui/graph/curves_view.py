@@ -70,7 +70,7 @@ from kindyna_gui.graph.live_graph import LiveGraph
 from kindyna_gui.look import SteadyText, text_button
 from kindyna_gui.pictures.plots.graph import LETTERS
 from kindyna_gui.pictures.plots.graph import Bands as Shaded
-from kindyna_gui.pictures.plots.lines import closed
+from kindyna_gui.pictures.plots.lines import closed_band
 from kindyna_gui.pictures.units import readable, short, with_unit
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import clear_menu
@@ -308,7 +308,7 @@ class CurvesView(View):
         found, made = self.bands.read(list(wanted.values())), {}
         for i, row in wanted.items():
             if row.slug in found:
-                x, band = closed(found[row.slug], gain_per_turn(self.session.study, row.name) / row.unit.factor)
+                x, band = closed_band(found[row.slug], gain_per_turn(self.session.study, row.name) / row.unit.factor)
                 each = self.found.series[i]
                 made[i] = (
                     x * conversion_factor("°", each.x_unit),

@@ -83,7 +83,7 @@ class Panel(QWidget):
         """Whether the button is there; the names of the curves stay clear of it."""
         self.close_button.setVisible(on)
         if isinstance(self.plot, LivePlot):  # a polar one always does
-            self.plot.keep_corner(float(self.close_button.sizeHint().width()) if on else 0.0)
+            self.plot.reserve_corner(float(self.close_button.sizeHint().width()) if on else 0.0)
 
     def name_angle(self, study: Study) -> None:
         """Cam angle or driver angle, also where no curve is drawn."""

@@ -16,7 +16,7 @@ from kindyna_gui.pictures.plots.curves import CurvePlot
 from kindyna_gui.pictures.plots.lines import Frame
 from kindyna_gui.pictures.plots.marks import TEXT_ROOM, Extreme
 from kindyna_gui.pictures.plots.polar import PolarPlot
-from kindyna_gui.pictures.plots.xy import UnderMouse
+from kindyna_gui.pictures.plots.xy import AngleMouse
 from kindyna_gui.pictures.style import SMALL, font
 from kindyna_gui.pictures.units import UNSEEN, measure
 from kindyna_gui.player import Player
@@ -24,7 +24,7 @@ from kindyna_gui.view import View
 
 if TYPE_CHECKING:
     from core.find import Trade
-    from kindyna_gui.touch_targets import BesideMouse
+    from kindyna_gui.touch_targets import MouseReadout
 
 
 # -- peak drag -------------------------------------------------------------------------------------------
@@ -44,7 +44,7 @@ class PeakDrag:
         self._trade: Trade | None = None
         self._work: object = None
         self._unit, self._typed = "", ""
-        self._beside: BesideMouse | None = None
+        self._beside: MouseReadout | None = None
         self.lines: list[tuple[str, bool]] = []
 
     def can_take(self, name: str) -> bool:
@@ -90,16 +90,16 @@ class PeakDrag:
         return done
 
     def _answer(self, why_not: str = "") -> None:
-        from kindyna_gui.touch_targets import answers
+        from kindyna_gui.touch_targets import readout_lines
 
         assert self._trade is not None
         stages = tuple(self._session.stages_on_screen())
-        self.lines = answers(self._session.study, self._trade.path, stages)
+        self.lines = readout_lines(self._session.study, self._trade.path, stages)
         self.lines += [(why_not, True)] if why_not else []
 
     def key(self, event: QKeyEvent) -> bool:
         """Escape takes the drag back; a number that is typed meanwhile is the peak that Return gives; False: the key is another's."""
-        from kindyna_gui.touch_targets import typed_on
+        from kindyna_gui.touch_targets import extended_input
 
         held = self._trade
         if held is None:
@@ -116,7 +116,7 @@ class PeakDrag:
                 self.drop()
             self._typed = ""
         else:
-            typed = typed_on(self._typed, event)
+            typed = extended_input(self._typed, event)
             if typed is None:
                 return False
             self._typed = typed
@@ -135,12 +135,12 @@ class PeakDrag:
 
     def tell(self, on_screen: QPoint) -> None:
         """What answers, beside the mouse."""
-        from kindyna_gui.touch_targets import BesideMouse
+        from kindyna_gui.touch_targets import MouseReadout
 
         if self._beside is None:
-            self._beside = BesideMouse(self._view)
+            self._beside = MouseReadout(self._view)
         typed = [(f"{self._typed}_", False)] if self._typed else []
-        self._beside.tell([*typed, *self.lines] if self.active else [], on_screen)
+        self._beside.show_lines([*typed, *self.lines] if self.active else [], on_screen)
 
 
 # -- live plot -------------------------------------------------------------------------------------------
@@ -149,14 +149,14 @@ REACH = 8.0  # pixels from a marked peak within which it is taken
 TIP = "Click or drag to set the cam angle; right click to export"
 
 
-class _Turned(UnderMouse):
+class _Turned(AngleMouse):
     """The angle where the mouse is, of curves that are there."""
 
     readings: Any
     angle_at: Any
     angle_moved: Any
 
-    def _go(self, event: QMouseEvent) -> None:
+    def _set_angle_at(self, event: QMouseEvent) -> None:
         if self.readings():
             self.angle_moved.emit(radians(self.angle_at(event.position())))
 
@@ -204,10 +204,10 @@ class LivePlot(_Turned, CurvePlot):
         self.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
         self.setToolTip(TIP)
         self.viewport().setMouseTracking(True)
-        self.keep_axes()
+        self.cache_axes()
         self.whole_action = QAction("Show all", self, checkable=True, enabled=False)
         self.whole_action.setToolTip("Let the axis reach to the peaks that are far off all the rest, or cut them off")
-        self.whole_action.toggled.connect(self.show_whole)
+        self.whole_action.toggled.connect(self.show_spikes)
         self.whole_button = QToolButton(self, autoRaise=True)
         self.whole_button.setDefaultAction(self.whole_action)
         self.whole_button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
@@ -218,9 +218,9 @@ class LivePlot(_Turned, CurvePlot):
         """The button in the upper right corner, where there are peaks far off all the rest."""
         if self.whole_button is None or self.whole_action is None:  # the plot is still being made
             return []
-        self.whole_action.setEnabled(self.spiked)
-        self.whole_button.setVisible(self.spiked)
-        if not self.spiked:
+        self.whole_action.setEnabled(self.has_spikes)
+        self.whole_button.setVisible(self.has_spikes)
+        if not self.has_spikes:
             return []
         size, corner = self.whole_button.sizeHint(), self.mapFromScene(self.getViewBox().sceneBoundingRect().topRight())
         self.whole_button.setGeometry(corner.x() - size.width() - 1, corner.y() + 1, size.width(), size.height())
@@ -236,7 +236,7 @@ class LivePlot(_Turned, CurvePlot):
     def mousePressEvent(self, event: QMouseEvent) -> None:
         if (
             event.button() == Qt.MouseButton.LeftButton
-            and self.cut_at(event.position())
+            and self.is_spike_at(event.position())
             and self.whole_action is not None
         ):
             self.whole_action.trigger()

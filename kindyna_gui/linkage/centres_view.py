@@ -21,7 +21,7 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import reason
 from kindyna_gui.look import Note, SteadyText
-from kindyna_gui.pictures.drawing.centre_parts import Diagram, construction_text
+from kindyna_gui.pictures.drawing.centre_parts import CircleDiagram, construction_text
 from kindyna_gui.pictures.drawing.polygons import (
     PolygonDiagram,
     PolygonSheet,
@@ -262,7 +262,7 @@ class CircleView(View):
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
-        self.diagram = Diagram()
+        self.diagram = CircleDiagram()
         self.text = QLabel(wordWrap=True)
         self.text.setMinimumSize(1, 1)
         self.text.setContentsMargins(8, 0, 8, 0)
@@ -411,7 +411,7 @@ class PolygonView(View):
 
     def _velocities(self, study: Study, _: str) -> Callable[[Study], PolygonDiagram]:
         self._polygon = velocity_polygon(study.linkage)
-        self.sheet.frame_for(velocity_box(self._polygon, study.omega))
+        self.sheet.set_box(velocity_box(self._polygon, study.omega))
         return lambda at_angle: velocity_diagram(velocity_polygon(at_angle.linkage), at_angle.omega, self._steps)
 
     # -- step by step ---------------------------------------------------------------------------------------
@@ -443,13 +443,13 @@ class PolygonView(View):
 
     def _forces_on(self, study: Study, body: str) -> Callable[[Study], PolygonDiagram]:
         rows = study.free_bodies.get(body, ())
-        self.sheet.frame_for(force_box(rows))
+        self.sheet.set_box(force_box(rows))
         largest = max((float(np.abs(row.force[np.isfinite(row.force)]).max(initial=0.0)) for row in rows), default=0.0)
         return lambda at_angle: force_diagram(at_angle.free_bodies.get(body, ()), largest)
 
     def _force_in(self, study: Study, name: str) -> Callable[[Study], PolygonDiagram]:
         turn = study.dynamics.pairs[name]
-        self.sheet.frame_for(pair_box(turn))
+        self.sheet.set_box(pair_box(turn))
         return lambda at_angle: pair_diagram(name, complex(at_angle.dynamics.pairs[name][0]), turn)
 
     def follow(self, theta: float) -> None:

@@ -61,7 +61,7 @@ from kindyna_gui.motion.segments_table import readable
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import Rebuilt
-from kindyna_gui.settings import TOLD, symbol_of
+from kindyna_gui.settings import DISPLAY, symbol_of
 
 PER_DEGREE = {"value": "", "velocity": "/°", "acceleration": "/°²", "jerk": "/°³"}
 STEP_AT_0 = {"at_deg": 1.0, "value": 1.0, "velocity": 0.1, "acceleration": 0.01, "jerk": 0.001}
@@ -168,7 +168,7 @@ class EndField(CurveField):
         box.unreadable.connect(
             lambda: self.session.refuse(self.spec.path, "not a number; enter a number, or nothing to leave it open")
         )
-        box.withdrawn.connect(lambda: self.session.take_back(self.spec.path))
+        box.withdrawn.connect(lambda: self.session.clear_refusal(self.spec.path))
         box.finished.connect(self.session.end_gesture)
         self.label.dragged.connect(box.stepBy)
         self.label.released.connect(self._label_released)
@@ -207,7 +207,7 @@ class PointsModel(QAbstractTableModel):
         session.refused.connect(self._refused)
         session.accepted.connect(self._accepted)
         session.restored.connect(self.withdraw)
-        TOLD.changed.connect(self._update_units)
+        DISPLAY.changed.connect(self._update_units)
 
     def _update_units(self) -> None:
         """Show headings and cells in other units."""

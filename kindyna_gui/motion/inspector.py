@@ -22,7 +22,7 @@ from kindyna_gui.motion.segments_table import COLUMNS, LAW
 from kindyna_gui.motion.segments_view import SegmentBar, perform
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import Rebuilt
-from kindyna_gui.settings import TOLD
+from kindyna_gui.settings import DISPLAY
 
 SPACING = 6  # pixels between a name and its field
 
@@ -50,7 +50,7 @@ class LawField(SegmentField):
     def edit(self, value: Any, text: str) -> None:
         """Change the law; the same law again is no edit, which would reset its settings."""
         if not self.obsolete and value == self.spec.read(self.session.typed):
-            self.session.take_back(self.spec.path)
+            self.session.clear_refusal(self.spec.path)
         else:
             super().edit(value, text)
 
@@ -123,7 +123,7 @@ class MotionPage(QScrollArea):
         self.segment.activated.connect(session.choose_segment)
         self.bar.action_requested.connect(self._act)
         session.segment_chosen.connect(self._show_soon)
-        TOLD.changed.connect(self._show_anew)
+        DISPLAY.changed.connect(self._show_anew)
 
     @property
     def in_trouble(self) -> bool:

@@ -100,12 +100,12 @@ class NewMotionDialog(RequestDialog):
         super().__init__(
             parent, f"New {row.title[:1].lower()}{row.title[1:]}", RequestForm(row.kind), "Begin", self._message
         )
-        self.told.setFixedWidth(TEXT_WIDTH)
-        self.told.setMinimumHeight(6 * self.fontMetrics().lineSpacing())
+        self.summary.setFixedWidth(TEXT_WIDTH)
+        self.summary.setMinimumHeight(6 * self.fontMetrics().lineSpacing())
         self.form.changed.connect(self._enable_button)
         self._enable_button()
 
-    def asked(self) -> tuple[str, list[str]]:
+    def command_options(self) -> tuple[str, list[str]]:
         return f"{self.command}.toml", command_words(self.row.kind, self.form.values)
 
     def design(self) -> Design:

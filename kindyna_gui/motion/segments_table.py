@@ -48,7 +48,7 @@ from kindyna_gui.motion.editor import DIRECTIONS
 from kindyna_gui.motion.law_picker import LawBox, law_tip
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.rebuilt import soon
-from kindyna_gui.settings import TOLD, number_text, point, size_of, symbol_of
+from kindyna_gui.settings import DISPLAY, number_text, point, size_of, symbol_of
 
 Index = QModelIndex | QPersistentModelIndex
 LAW, FROM, TO, SPAN, RISE, JOIN = range(6)
@@ -164,7 +164,7 @@ class SegmentsModel(QAbstractTableModel):
         session.refused.connect(self._refused)
         session.accepted.connect(self._accepted)
         session.restored.connect(self.withdraw)
-        TOLD.changed.connect(self._update_units)
+        DISPLAY.changed.connect(self._update_units)
 
     def _update_units(self) -> None:
         """Show headings and cells in other units."""
@@ -218,7 +218,7 @@ class SegmentsModel(QAbstractTableModel):
         self.error_changed.emit("")
         self._all_changed()
         for path in wrong:
-            self._session.take_back(path)
+            self._session.clear_refusal(path)
         return True
 
     # -- interface of the Qt model -----------------------------------------------------------------------

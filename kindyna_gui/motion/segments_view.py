@@ -41,7 +41,7 @@ from core.motion.split import LEAST_CUT, copy_segment, split_segment
 from core.study import Quantity, Study
 from kindyna_gui.documents.edits import SAMPLES, Refusal
 from kindyna_gui.documents.session import Session
-from kindyna_gui.documents.texts import closing_text, joins_of, misses, motion_waits, waiting_paths
+from kindyna_gui.documents.texts import closing_text, joins_of, misfit_sentences, motion_waits, waiting_paths
 from kindyna_gui.forms.fields import Field, add_vary, in_tab_order
 from kindyna_gui.forms.form import IncompleteBar
 from kindyna_gui.graph.marked_view import MarkedView
@@ -453,7 +453,7 @@ class SegmentsView(MarkedView):
         self.diagram.locked = waits or follows
         self.table.setEnabled(not follows)
         self.incomplete_bar.show_reasons(
-            misses(self.session) if waits else [], closing_text(self.session) if waits else ""
+            misfit_sentences(self.session) if waits else [], closing_text(self.session) if waits else ""
         )
         if waits:
             self.form.reveal(self.incomplete_bar)

@@ -161,7 +161,7 @@ class Swap:
             item.setTickPen(self.pen(item.tickPen()))
             item.setTextPen(self.pen(item.textPen()))
             if isinstance(item, Axis):
-                item.title_anew(self.text)
+                item.redraw_title(self.text)
         elif isinstance(item, pg.ScatterPlotItem):
             for name, put, change in (("pen", item.setPen, self.pen), ("brush", item.setBrush, self.brush)):
                 put([change(each) for each in (getattr(spot, name)() for spot in item.points())])

@@ -1,1 +1,1 @@
-"""The window: menus, docks, player bar, help, and the views on the program itself: findings, certificate, log."""
+"""Menus, docks, tasks, player bar, dialogs and pages of the main window."""

@@ -1,4 +1,4 @@
-"""What its parts may ask of it; titles."""
+"""The interface of the window that its parts use, the pages in its middle, and the titles of docks and entries."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from kindyna_gui.view import View
 from kindyna_gui.window.docks import PLAYER_BAR, VIEWS, Dock, DockShares
 from kindyna_gui.window.status_line import StatusLine
 
-# -- centre ----------------------------------------------------------------------------------------------
+# -- pages in the middle ---------------------------------------------------------------------------------
 
 
 class TabPage(QWidget):
-    """The place of a view behind a tab; the view is made when it first comes to the front."""
+    """A page that makes its view when it first comes to the front."""
 
     def __init__(self, name: str, make: Callable[[str], View]) -> None:
         super().__init__()
@@ -35,7 +35,7 @@ class TabPage(QWidget):
         self._column.setContentsMargins(0, 0, 0, 0)
 
     def build(self) -> View:
-        """The view, made now where it is not there yet."""
+        """Return the view, made at the first call."""
         if self.view is None:
             self.view = self._make(self.name)
             self._column.addWidget(self.view)
@@ -44,7 +44,7 @@ class TabPage(QWidget):
 
 
 class CentralPages(QWidget):
-    """Pages are made when they are first shown; all but the mechanism can be closed."""
+    """Pages in tabs above the player bar; all but the mechanism can be closed."""
 
     def __init__(self, session: Session, player: Player, make: Callable[[str], View]) -> None:
         super().__init__()
@@ -63,20 +63,20 @@ class CentralPages(QWidget):
         layout.addWidget(self.bar)
 
     def begin(self) -> None:
-        """Show the first page, which stays."""
+        """Show the mechanism, whose page has no button to close it."""
         self.show_page("mechanism")
         for side in (QTabBar.ButtonPosition.LeftSide, QTabBar.ButtonPosition.RightSide):
             self.tabs.tabBar().setTabButton(0, side, None)
 
     def page(self, name: str) -> View | None:
-        """A page by its name in ``VIEWS``; None where it has not been seen yet."""
+        """Return the view of a page by its name in ``VIEWS``; None while it has not been made."""
         page = self._pages.get(name)
         return page.view if page is not None else None
 
     def show_page(self, name: str) -> View:
-        """Bring a page to the front, made now where it is not there yet."""
+        """Bring a page to the front and return its view."""
         page = self._add(name)
-        view = page.build()  # before it is shown, so that it has its size at once
+        view = page.build()  # before it is shown, so that it has its size from the start
         self.tabs.setCurrentWidget(page)
         return view
 
@@ -95,67 +95,67 @@ class CentralPages(QWidget):
 
     @property
     def open_pages(self) -> tuple[tuple[str, ...], str]:
-        """The names of the pages that are open, in their order, and of the one in front."""
+        """Names of the open pages, in their order, and of the page in front."""
         pages = [self.tabs.widget(index) for index in range(self.tabs.count())]
         front = self.tabs.currentWidget()
         names = tuple(page.name for page in pages if isinstance(page, TabPage))
         return names, front.name if isinstance(front, TabPage) else ""
 
-    def lay(self, names: Sequence[str], front: str) -> None:
-        """Open these pages and no others, this one in front; nothing else comes to the front on the way."""
+    def set_pages(self, names: Sequence[str], front: str) -> None:
+        """Open these pages and close all others, without showing any but the one in front."""
         for name in names:
             self._add(name)
         page = self._pages.get(front)
         if page is not None and self.tabs.indexOf(page) >= 0:
             page.build()
             self.tabs.setCurrentWidget(page)
-        for name, other in self._pages.items():
-            if name not in names and name != "mechanism" and self.tabs.indexOf(other) >= 0:
-                self.tabs.removeTab(self.tabs.indexOf(other))
-        self.tabs.updateGeometry()  # at once: else the width that a page needed, which has gone, would widen the window
+        for name, page in self._pages.items():
+            if name not in names and name != "mechanism" and self.tabs.indexOf(page) >= 0:
+                self.tabs.removeTab(self.tabs.indexOf(page))
+        self.tabs.updateGeometry()  # at once: else the width of a page just removed would widen the window
         column = self.layout()
-        assert column is not None, "made with one"
+        assert column is not None, "set in __init__"
         column.activate()
 
     @property
     def current(self) -> View | None:
-        """The page in front."""
+        """View of the page in front."""
         page = self.tabs.currentWidget()
         return page.view if isinstance(page, TabPage) else None
 
     def views(self) -> Iterator[View]:
-        """Every page there is, and the bar."""
+        """Yield the views of all pages, and the player bar."""
         yield from (page.view for page in self._pages.values() if page.view is not None)
         yield self.bar
 
 
-# -- base ------------------------------------------------------------------------------------------------
+# -- the window as its parts see it ----------------------------------------------------------------------
 
 
 class DesignEdits(Protocol):
-    """Edits that begin in a menu; status_message: what has been done, or why not."""
+    """Edits chosen in menus; signal ``status_message`` says what was done, or why not."""
 
     status_message: Any
 
     def new_by_picture(self) -> None:
-        """Begin with a mechanism chosen by its picture."""
+        """Begin with a mechanism chosen from images."""
 
     def change(self, make: Callable[[], Design], text: str) -> None:
-        """Another design in one step; where it cannot be made or is refused, the status line shows why."""
+        """Replace the design in one undo step; if it cannot be made or is refused, the status line shows why."""
 
     def lay_out(self, make: Callable[[], Design], text: str) -> None:
-        """The same, made from what is typed; it need not fit together."""
+        """Replace the typed design in one undo step; the new one may be incomplete."""
 
 
 class LoadEdits(Protocol):
-    """Rows of the loads, asked for in the drawing."""
+    """Edits of the loads' rows."""
 
     def add(self, name: str) -> None:
-        """A row more in one of the lists of the loads."""
+        """Add a row to one of the lists of the loads."""
 
 
 class Window(QMainWindow):
-    """One session and one player, the views of them, and what menus do with them."""
+    """One session and one player, their views, and the slots of the menus."""
 
     session: Session
     player: Player
@@ -171,55 +171,55 @@ class Window(QMainWindow):
 
     @property
     def loads(self) -> LoadEdits:
-        """What adds rows to the loads."""
+        """Edits of the loads' rows."""
         raise NotImplementedError
 
     def view(self, name: str) -> View | None:
-        """A view by its name in ``VIEWS``; None where it has not been seen yet."""
+        """Return a view by its name in ``VIEWS``; None while it has not been made."""
         raise NotImplementedError
 
     def show_task(self, name: str) -> None:
-        """Show one of ``TASKS`` as it was left."""
+        """Show one of ``TASKS`` in the layout last used."""
         raise NotImplementedError
 
     def stages_on_screen(self) -> tuple[str, ...]:
-        """The stages that views on screen read."""
+        """Return the stages that views on screen read."""
         raise NotImplementedError
 
     def show_view(self, name: str) -> View:
-        """Bring a view to the front, made now where it is not there yet."""
+        """Bring a view to the front and return it."""
         raise NotImplementedError
 
     def focus_field(self, path: str) -> None:
-        """Bring the field of a path, or of a section, before the reader."""
+        """Show and focus the field of a path, or the fields of a section."""
         raise NotImplementedError
 
     def draw(self, on: bool, tool: str = "choose") -> None:
-        """Begin to draw the linkage with the mouse, or leave it."""
+        """Switch drawing with the mouse on or off."""
         raise NotImplementedError
 
     def export_picture(self, name: str) -> None:
-        """Ask for a file and write the picture of a view there."""
+        """Ask for a file and save the picture of a view in it."""
         raise NotImplementedError
 
-    def keep_layout(self) -> None:
-        """Ask for a name, and keep the layout at hand under it."""
+    def save_layout(self) -> None:
+        """Ask for a name and save the current layout under it."""
         raise NotImplementedError
 
-    def take_layout(self, name: str) -> None:
-        """A layout that was kept under a name."""
+    def restore_layout(self, name: str) -> None:
+        """Restore a saved layout."""
         raise NotImplementedError
 
-    def forget_layout(self, name: str) -> None:
-        """Do without a layout that was kept under a name."""
+    def delete_layout(self, name: str) -> None:
+        """Delete a saved layout."""
         raise NotImplementedError
 
     def begin_tutorial(self, name: str) -> None:
-        """A lesson at this window, step by step."""
+        """Begin a tutorial in this window."""
         raise NotImplementedError
 
     def show_help(self, name: str, words: str = "") -> None:
-        """A page of the help, at these words."""
+        """Show a page of the help, scrolled to these words."""
         raise NotImplementedError
 
 
@@ -227,13 +227,13 @@ class Window(QMainWindow):
 
 
 def title_of(name: str, design: Design) -> str:
-    """What a view of ``VIEWS`` is called while this design is in place."""
+    """Return the title of a view of ``VIEWS`` for a design."""
     row = VIEWS[name]
     return title_for(design, row.quantities[0], row.title) if row.quantities else row.title
 
 
 def why_absent(name: str, design: Design) -> str:
-    """Why this design has nothing for a view of ``VIEWS``; empty where it has."""
+    """Return why a view of ``VIEWS`` is empty for a design; empty text where it is not."""
     return NO_CAM if VIEWS[name].of_cam and design.drive.cam is None else ""
 
 
@@ -243,7 +243,7 @@ class Titles(QObject):
     def __init__(self, window: Window) -> None:
         super().__init__(window)
         self._window, self._session = window, window.session
-        self._entries: dict[str, tuple[str, str]] = {}  # of the menus: text and tip of a design with a cam
+        self._entries: dict[str, tuple[str, str]] = {}  # text and tip of menu entries as in MENUS
         self._soon = QTimer(self, singleShot=True, interval=0)
         self._soon.timeout.connect(self._show_or_hide)
         self._session.file_changed.connect(self.name_window)
@@ -253,14 +253,14 @@ class Titles(QObject):
         self.name_steps()
 
     def name_window(self) -> None:
-        """The file, and whether it is saved, in the title of the window."""
+        """Show the name of the file, and whether it is saved, in the title of the window."""
         self._window.setWindowTitle(f"{self._window.documents.name}[*] \u2013 KINDYNA")
         self._window.setWindowModified(self._session.modified)
         self._window.setWindowFilePath(str(self._session.path or ""))
 
     def name_docks(self) -> None:
-        """Titles of docks and pages as the design calls their quantities."""
-        if self._session.drag_source:  # by the mouse nothing becomes another kind of design
+        """Update titles of docks and pages to the design's names of quantities."""
+        if self._session.drag_source:  # a drag with the mouse never changes the kind of design
             return
         for name, dock in self._window.docks.items():
             title = title_of(name, self._session.design)
@@ -269,19 +269,26 @@ class Titles(QObject):
             self._name_entry(name, title)
 
     def _name_entry(self, name: str, title: str) -> None:
-        """The entry of a menu is called as what it shows now, and greyed where that is nothing, with the reason."""
+        """Give a menu entry the title of its view; disable it, with the reason, where the view is empty."""
         action = self._window.actions_by_key.get(f"show_view:{name}")
         if action is None:
             return
-        usual, tip = self._entries.setdefault(name, (action.text(), action.statusTip()))
-        why, own = why_absent(name, self._session.design), title == VIEWS[name].title
-        action.setText(usual if own else title)
-        action.setStatusTip(why or (tip if own else f"{title} over the {self._session.study.angle_name}"))
+        text, tip = self._entries.setdefault(name, (action.text(), action.statusTip()))
+        why, is_default = why_absent(name, self._session.design), title == VIEWS[name].title
+        action.setText(text if is_default else title)
+        action.setStatusTip(
+            why
+            or (
+                tip
+                if is_default
+                else f"Plot the {title[:1].lower()}{title[1:]} over the {self._session.study.angle_name}"
+            )
+        )
         action.setToolTip(action.statusTip())
         action.setEnabled(not why)
 
     def name_steps(self) -> None:
-        """What Undo and Redo would take back, in their entries."""
+        """Name the steps that Undo and Redo would change in their entries."""
         stack = self._session.stack
         for key, able, text in (
             ("undo", stack.canUndo(), stack.undoText()),
@@ -293,7 +300,7 @@ class Titles(QObject):
             action.setToolTip(f"{word} {text}".rstrip())
 
     def docks_moved(self) -> None:
-        """Docks with tabs need no title of their own; which have is known once they are laid out."""
+        """Update which docks show a title, once they are laid out: a dock in tabs needs none."""
         self._soon.start()
 
     def _show_or_hide(self) -> None:

@@ -1,4 +1,8 @@
-"""Gallery, circuits."""
+"""Dialogs that choose a mechanism, or a circuit of a linkage, from images.
+
+The gallery has a group for each kind of follower, with one image for each face and form of cam, and one for the linkages
+among the examples.
+"""
 
 from __future__ import annotations
 
@@ -43,30 +47,40 @@ from kindyna_gui.places import FIRST_EXAMPLE, example, single_examples
 from kindyna_gui.requirements import lists_links
 from kindyna_gui.window.base import Window
 
-# -- gallery ---------------------------------------------------------------------------------------------
-
-THUMBS = (
-    QSize(200, 140),
-    QSize(168, 118),
-    QSize(136, 96),
-)  # the smaller ones where the screen has no room for all of the others
+THUMBS = (QSize(200, 140), QSize(168, 118), QSize(136, 96))  # sizes of images, the smaller ones for small screens
 MOST_COLUMNS = 6
-BESIDE, BELOW = (
-    QSize(14, 30),
-    QSize(230, 146),
-)  # room for gaps and captions; of the dialog for list, margins and buttons
+CAPTION = QSize(14, 30)  # room for the gap and the caption of an image
+MARGINS = QSize(230, 146)  # room of the dialog for list, margins and buttons
 LIST_WIDTH, LINE_HEIGHT = 170, 28
+SHARP, LESS_MM = "efgh", 10.0
+"""Layouts whose cam would be sharp under the roller of the lift example, and by how much the roller is smaller there; the
+base circle is larger by as much, so that the pitch curve does not change."""
 
 ROLLER, OPEN, LINKAGES = "roller", "open", "Linkages"
 RISE, DWELL = "the rise", "the dwell below"
 ORDERS: Mapping[str, Callable[[Design], Design]] = MappingProxyType({RISE: lambda design: design, DWELL: dwell_first})
 """What the motion of a new design can begin with."""
 
+# -- what can be chosen ----------------------------------------------------------------------------------
+
 
 @frozen
 class GalleryChoice:
-    """One picture: its caption, what it is, and the design that it begins; title: what it is called outside its group;
-    keeps_motion: it can go with the motion that was there before; ordered: its own motion can begin with one of ``ORDERS``."""
+    """One image of the gallery.
+
+    Attributes
+    ----------
+    name, tip : str
+        Caption and tip.
+    design : Callable
+        Makes the design that the choice begins.
+    title : str
+        Name outside its group; empty: the caption.
+    keeps_motion : bool
+        Whether the motion of the current design can be kept.
+    ordered : bool
+        Whether its own motion can begin with one of ``ORDERS``.
+    """
 
     name: str
     tip: str
@@ -76,22 +90,21 @@ class GalleryChoice:
     ordered: bool = False
 
     @property
-    def called(self) -> str:
-        """The name of the step that takes it."""
+    def step_name(self) -> str:
+        """Name in the undo step."""
         return self.title or self.name
 
-    def begun(self, motion: Motion | None) -> Design:
-        """The design, with the motion that is there where it suits."""
+    def with_motion(self, motion: Motion | None) -> Design:
+        """Return the design, with this motion where it can be kept."""
         return with_motion_kept(self.design(), motion) if self.keeps_motion else self.design()
 
-    def beginning_with(self, order: str) -> GalleryChoice:
-        """The same with its own motion in this order, where it has any."""
+    def with_order(self, order: str) -> GalleryChoice:
+        """Return the choice with its own motion in this order, where it can be ordered."""
         return replace(self, design=lambda: ORDERS[order](self.design())) if self.ordered else self
 
 
 def kinds() -> Iterator[tuple[str, list[GalleryChoice]]]:
-    """Every kind of follower with every face, and with every form of a cam under a roller; those that have layouts, first
-    with these."""
+    """Yield each kind of follower with its choices: layouts, faces, and forms of a cam with a roller."""
     for kind, row in FOLLOWER_KINDS.items():
         letters = layouts() if any(field.name == "layout" for field in fields(row.follower)) else []
         words = [("follower.face", word) for word in row.faces if not (letters and word == ROLLER)]
@@ -112,23 +125,18 @@ def _variant(kind: str, path: str, word: str) -> GalleryChoice:
     )
 
 
-SHARP, LESS_MM = "efgh", 10.0
-"""Layouts in which the lift's own roller would leave its cam sharper than usual, and by how much it is smaller there on a base circle that
-is larger by as much: the pitch curve stays."""
-
-
 def layout_design(letter: str) -> Design:
-    """The lift in another layout. The guide's place is assumed."""
+    """Return the lift example in another layout; the position of the guide is assumed."""
     lift = load(example(FIRST_EXAMPLE))
-    made = in_layout(lift, letter)
+    design = in_layout(lift, letter)
     if letter in SHARP:
         for path, change in (("cam.base_radius_mm", LESS_MM), ("cam.roller_radius_mm", -LESS_MM)):
-            made = edited(made, path, get(made, path) + change)
-    return lift if made == lift else replace(made, name=f"Cam slider, layout {letter}")
+            design = edited(design, path, get(design, path) + change)
+    return lift if design == lift else replace(design, name=f"Cam slider, layout {letter}")
 
 
 def layouts() -> list[GalleryChoice]:
-    """One choice for each layout of a cam slider."""
+    """Return a choice for each layout of a cam slider."""
     return [
         GalleryChoice(
             f"Layout {letter}",
@@ -142,7 +150,7 @@ def layouts() -> list[GalleryChoice]:
 
 @cache
 def presets() -> tuple[GalleryChoice, ...]:
-    """The linkages among the examples; read once, for a gallery is opened again and again."""
+    """Return a choice for each linkage among the examples; read once, as a gallery is opened often."""
     designs = ((name, path, load(path)) for name, path in single_examples())
     return tuple(
         GalleryChoice(name, design.name, partial(_loaded, path))
@@ -152,7 +160,7 @@ def presets() -> tuple[GalleryChoice, ...]:
 
 
 def groups() -> Iterator[tuple[str, Sequence[GalleryChoice]]]:
-    """All choices, by the group that they stand in."""
+    """Yield all groups with their choices."""
     yield from kinds()
     yield LINKAGES, presets()
 
@@ -162,8 +170,11 @@ def _loaded(path: Path) -> Design:
     return design
 
 
+# -- the dialog ------------------------------------------------------------------------------------------
+
+
 class Pictures(QListWidget):
-    """Pictures with captions, side by side; they are painted one after the other once the dialog is on the screen."""
+    """Images with captions, painted one by one once the dialog is on the screen."""
 
     def __init__(self, choices: Sequence[GalleryChoice], thumb: QSize = THUMBS[0]) -> None:
         super().__init__()
@@ -172,7 +183,7 @@ class Pictures(QListWidget):
         self.setResizeMode(QListWidget.ResizeMode.Adjust)
         self.setMovement(QListWidget.Movement.Static)
         self.setIconSize(thumb)
-        self.setGridSize(thumb + BESIDE)
+        self.setGridSize(thumb + CAPTION)
         self.setWordWrap(True)
         self.setUniformItemSizes(True)
         self.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
@@ -185,19 +196,19 @@ class Pictures(QListWidget):
         self._next = 0
 
     def paint_next(self) -> bool:
-        """Paint one more picture; False where all are painted."""
+        """Paint the next image; False where all are painted."""
         if self._next >= len(self.choices):
             return False
-        at, self._next = self._next, self._next + 1
+        index, self._next = self._next, self._next + 1
         size = (self._thumb.width(), self._thumb.height())
-        image = thumbnail(self.choices[at].design(), *size, self.devicePixelRatioF())
-        self.item(at).setIcon(QIcon(QPixmap.fromImage(image)))
+        image = thumbnail(self.choices[index].design(), *size, self.devicePixelRatioF())
+        self.item(index).setIcon(QIcon(QPixmap.fromImage(image)))
         return True
 
 
 @frozen
 class GalleryLayout:
-    """How the pictures of a group are laid out: their size, how many stand beside each other, and in how many rows at most."""
+    """Size of the images of a group, and the numbers of columns and rows."""
 
     thumb: QSize
     columns: int
@@ -205,14 +216,16 @@ class GalleryLayout:
 
     @property
     def size(self) -> QSize:
-        """Of the dialog that shows a group whole."""
-        grid = self.thumb + BESIDE
-        return QSize(self.columns * grid.width(), self.rows * grid.height()) + BELOW
+        """Size of a dialog that shows all images of the group [pixels]."""
+        grid = self.thumb + CAPTION
+        return QSize(self.columns * grid.width(), self.rows * grid.height()) + MARGINS
 
 
 def plan(room: QSize, most: int) -> GalleryLayout:
-    """The largest pictures of which a group of so many can be seen whole in a room [pixels], in as few columns as that takes;
-    else the small ones, in as many columns as there are."""
+    """Return the layout with the largest images of which ``most`` fit into a room [pixels], in the fewest columns.
+
+    Where not even the small ones fit, these in as many columns as fit.
+    """
     best = GalleryLayout(THUMBS[-1], 1, most)
     for thumb in THUMBS:
         for columns in range(4, MOST_COLUMNS + 1):
@@ -226,23 +239,31 @@ def plan(room: QSize, most: int) -> GalleryLayout:
 
 
 class Gallery(QDialog):
-    """Groups on the left, the pictures of the chosen one beside them; a double click or Enter on a picture begins with it.
-    room: of the screen, where None [pixels]; first: the group that is shown at first; offers: the design begins with a motion of its
-    own, whose order can be chosen."""
+    """Groups on the left, the images of the selected group on the right; a double click or Enter begins with an image.
 
-    def __init__(self, parent: QWidget, room: QSize | None = None, first: str = "", offers: bool = False) -> None:
+    Parameters
+    ----------
+    room : QSize, optional
+        Room on the screen [pixels]; by default the screen's.
+    first : str
+        Group shown at first.
+    asks_order : bool
+        Whether the user chooses what the motion of the new design begins with.
+    """
+
+    def __init__(self, parent: QWidget, room: QSize | None = None, first: str = "", asks_order: bool = False) -> None:
         super().__init__(parent)
         give_help(self, "tour#begins with another follower")
         self.setWindowTitle("Choose a mechanism")
         room = self.screen().availableGeometry().size() - QSize(20, 40) if room is None else room
-        found = dict(groups())
-        laid = plan(room, max(len(choices) for choices in found.values()))
-        self.groups = {title: Pictures(choices, laid.thumb) for title, choices in found.items()}
+        choices_by_group = dict(groups())
+        layout = plan(room, max(len(choices) for choices in choices_by_group.values()))
+        self.groups = {title: Pictures(choices, layout.thumb) for title, choices in choices_by_group.items()}
         self.chosen: GalleryChoice | None = None
-        self.resize(laid.size.boundedTo(room))
+        self.resize(layout.size.boundedTo(room))
         hint = QLabel(
-            "The design begins with the lengths of the picture; it has no file until it is saved. "
-            "Undo brings the design before back."
+            "The new design has the dimensions of the image, and no file until it is saved. "
+            "Undo returns to the previous design."
         )
         coloured(hint, SCREEN.quiet)
         self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
@@ -262,14 +283,14 @@ class Gallery(QDialog):
             pictures.currentRowChanged.connect(partial(self._choose, pictures))
             pictures.itemActivated.connect(lambda _: self.accept())
         self.names.currentRowChanged.connect(self._show)
-        beside = QHBoxLayout()
-        beside.addWidget(self.names)
-        beside.addWidget(self._stack, 1)
+        middle = QHBoxLayout()
+        middle.addWidget(self.names)
+        middle.addWidget(self._stack, 1)
         column = QVBoxLayout(self)
-        column.addLayout(beside, 1)
+        column.addLayout(middle, 1)
         self.orders = {order: QRadioButton(order) for order in ORDERS}
         self._order = QWidget()
-        self._order.setVisible(offers)
+        self._order.setVisible(asks_order)
         row = QHBoxLayout(self._order)
         row.setContentsMargins(0, 0, 0, 0)
         row.addWidget(QLabel("The motion begins with"))
@@ -285,12 +306,12 @@ class Gallery(QDialog):
         self.show_group(first if first in self.groups else next(iter(self.groups)))
 
     def show_group(self, title: str) -> None:
-        """Show the pictures of a group."""
+        """Show the images of a group."""
         self.names.setCurrentRow(list(self.groups).index(title))
 
     @property
     def shown(self) -> Pictures:
-        """The pictures that are seen."""
+        """Images of the selected group."""
         return list(self.groups.values())[self._stack.currentIndex()]
 
     def _show(self, row: int) -> None:
@@ -303,35 +324,33 @@ class Gallery(QDialog):
             self._soon.stop()
 
     def _choose(self, pictures: Pictures, row: int) -> None:
-        """The picture that is chosen among those that are seen."""
+        """Take the selected image of the group as the choice."""
         self.chosen = pictures.choices[row] if row >= 0 else None
         self.ok.setEnabled(self.chosen is not None)
         self._order.setEnabled(self.chosen is None or self.chosen.ordered)
 
     @property
-    def wanted(self) -> GalleryChoice | None:
-        """What is chosen, with its motion in the order that is."""
+    def choice(self) -> GalleryChoice | None:
+        """Selected choice, its motion in the selected order; None where no image is selected."""
         order = next(order for order, button in self.orders.items() if button.isChecked())
-        return None if self.chosen is None else self.chosen.beginning_with(order)
+        return None if self.chosen is None else self.chosen.with_order(order)
 
 
-def mechanism_wanted(window: Window, offers: bool = False) -> GalleryChoice | None:
-    """Ask for a mechanism, beginning with the group of the one that is there; None where the user thinks better of it.
-    offers: with what its motion begins is asked, too."""
+def ask_mechanism(window: Window, asks_order: bool = False) -> GalleryChoice | None:
+    """Ask for a mechanism, showing the group of the current one first; None where the user cancels."""
     row = FOLLOWER_KINDS.get(window.session.design.drive.kind)
-    dialog = Gallery(window, first=row.label if row else LINKAGES, offers=offers)
-    accepted = dialog.exec() == QDialog.DialogCode.Accepted
-    wanted = dialog.wanted if accepted else None
+    dialog = Gallery(window, first=row.label if row else LINKAGES, asks_order=asks_order)
+    choice = dialog.choice if dialog.exec() == QDialog.DialogCode.Accepted else None
     dialog.deleteLater()
-    return wanted
+    return choice
 
 
-def new_mechanism_wanted(window: Window) -> GalleryChoice | None:
-    """The same for a design that begins, whose motion can begin with its rise or its dwell."""
-    return mechanism_wanted(window, offers=True)
+def ask_new_mechanism(window: Window) -> GalleryChoice | None:
+    """Ask for the mechanism of a new design, and whether its motion begins with the rise or the dwell."""
+    return ask_mechanism(window, asks_order=True)
 
 
-# -- the circuits of a linkage as pictures, of which one is chosen ---------------------------------------
+# -- circuits of a linkage -------------------------------------------------------------------------------
 
 
 def _choice(number: int, circuit: Circuit) -> GalleryChoice:
@@ -339,23 +358,23 @@ def _choice(number: int, circuit: Circuit) -> GalleryChoice:
     turns = driver_turns(circuit.design.drive.linkage)
     low, high = np.rad2deg(ends) if turns else 1e3 * ends
     span = f"driver {low:.4g} ... {high:.4g} {'°' if turns else 'mm'}"
-    own = " (as it is now)" if circuit.is_current else ""
-    return GalleryChoice(f"{number}: {span}{own}", f"Circuit {number}: {span}{own}", lambda: circuit.design)
+    current = " (current)" if circuit.is_current else ""
+    return GalleryChoice(f"{number}: {span}{current}", f"Circuit {number}: {span}{current}", lambda: circuit.design)
 
 
 class CircuitsDialog(QDialog):
-    """A picture of each circuit with the range of its driver; chosen: the circuit whose picture was double clicked or taken."""
+    """An image of each circuit with the range of its driver."""
 
-    def __init__(self, parent: QWidget, found: Sequence[Circuit]) -> None:
+    def __init__(self, parent: QWidget, circuits: Sequence[Circuit]) -> None:
         super().__init__(parent)
         give_help(self, "linkages#Circuits")
         self.setWindowTitle("Circuits of the linkage")
-        self._found = found
-        self.pictures = Pictures([_choice(i, circuit) for i, circuit in enumerate(found, 1)], THUMBS[0])
+        self._circuits = circuits
+        self.pictures = Pictures([_choice(i, circuit) for i, circuit in enumerate(circuits, 1)], THUMBS[0])
         self.pictures.setAccessibleName("Circuits")
         while self.pictures.paint_next():
             pass
-        hint = QLabel("The ways to put these links together; the driver takes none of them into another.")
+        hint = QLabel("Ways to assemble these links. The driver cannot move the linkage from one circuit into another.")
         coloured(hint, SCREEN.quiet)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
         buttons.accepted.connect(self.accept)
@@ -366,21 +385,21 @@ class CircuitsDialog(QDialog):
         column.addWidget(self.pictures, 1)
         column.addWidget(hint)
         column.addWidget(buttons)
-        columns = min(len(found), MOST_COLUMNS - 2)
-        rows = -(-len(found) // max(columns, 1))
-        grid = THUMBS[0] + BESIDE
-        self.resize(max(columns, 2) * grid.width() + 60, min(rows, 3) * grid.height() + BELOW.height())
-        self.pictures.setCurrentRow(next((i for i, circuit in enumerate(found) if circuit.is_current), 0))
+        columns = min(len(circuits), MOST_COLUMNS - 2)
+        rows = -(-len(circuits) // max(columns, 1))
+        grid = THUMBS[0] + CAPTION
+        self.resize(max(columns, 2) * grid.width() + 60, min(rows, 3) * grid.height() + MARGINS.height())
+        self.pictures.setCurrentRow(next((i for i, circuit in enumerate(circuits) if circuit.is_current), 0))
 
     @property
     def chosen(self) -> Circuit:
-        """The circuit whose picture is marked."""
-        return self._found[self.pictures.currentRow()]
+        """Circuit of the selected image."""
+        return self._circuits[self.pictures.currentRow()]
 
 
-def circuit_wanted(parent: QWidget, found: Sequence[Circuit]) -> Design | None:
-    """Ask for a circuit; None where the user stays with the one that is there."""
-    dialog = CircuitsDialog(parent, found)
+def ask_circuit(parent: QWidget, circuits: Sequence[Circuit]) -> Design | None:
+    """Ask for a circuit; None where the user cancels or selects the current one."""
+    dialog = CircuitsDialog(parent, circuits)
     accepted = dialog.exec() == QDialog.DialogCode.Accepted
     chosen = dialog.chosen
     dialog.deleteLater()

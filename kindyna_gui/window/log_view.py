@@ -1,4 +1,4 @@
-"""The log of the program's faults, as a page of the window."""
+"""The error log as a page of the window."""
 
 from __future__ import annotations
 
@@ -14,9 +14,7 @@ from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.view import View
 
-EMPTY = (
-    "Nothing has failed. What fails is written here with the time, what was done before, and the place in the program."
-)
+EMPTY = "No errors. An error is logged here with its time, the actions before it, and the place in the program."
 
 
 class LogView(View):
@@ -34,14 +32,14 @@ class LogView(View):
         self.copy = QPushButton("Copy all")
         self.copy.clicked.connect(lambda: QApplication.clipboard().setText(self.text.toPlainText()))
         self.report = QPushButton("Copy for a report")
-        self.report.setToolTip("Versions, system and log: what somebody who is asked for help wants to know")
+        self.report.setToolTip("Copy versions, system and log, to send with a report of the error")
         self.report.clicked.connect(lambda: QApplication.clipboard().setText(report_text()))
-        head = QHBoxLayout()
-        head.setContentsMargins(8, 4, 8, 2)
-        head.addWidget(self.file, 1)
-        head.addWidget(self.copy)
-        head.addWidget(self.report)
-        self.set_column(head, self.text, grows=self.text)
+        header = QHBoxLayout()
+        header.setContentsMargins(8, 4, 8, 2)
+        header.addWidget(self.file, 1)
+        header.addWidget(self.copy)
+        header.addWidget(self.report)
+        self.set_column(header, self.text, grows=self.text)
 
     def refresh(self, study: Study) -> None:
         self.file.setText(str(log_file()))

@@ -1,4 +1,7 @@
-"""The window: menus above, the mechanism in the middle, docks around it."""
+"""The main window: menus above, the mechanism in the middle, docks around it.
+
+Builds the parts, connects them to the session and the player, and has the slots that the menus call.
+"""
 
 from __future__ import annotations
 
@@ -50,19 +53,19 @@ if TYPE_CHECKING:
     from kindyna_gui.window.linkage_menus import LoadActions
     from kindyna_gui.window.welcome import Welcome
 
-LARGEST = QSize(1920, 1080)  # at first; on a larger screen a user may want to see something else too
-_FRAME = 40  # pixels a desktop takes for the window's own frame
+LARGEST = QSize(1920, 1080)  # first size on a larger screen, which leaves room for other programs
+_FRAME = 40  # height of the desktop's frame around the window [pixels]
 
 
 def first_size(room: QSize) -> QSize:
-    """The size of a window that nobody has sized yet, on a screen with this room."""
+    """Return the first size of the window on a screen with this room."""
     return QSize(room.width(), room.height() - _FRAME).boundedTo(LARGEST)
 
 
 class MainWindow(Window):
-    """The window over one session and one player, which end with it.
+    """The window of one session and one player, which it owns.
 
-    furnished   the first picture is on the screen, and the docks are there
+    Signal ``furnished``: the drawing is on the screen and the docks are open.
     """
 
     furnished = Signal()
@@ -71,9 +74,11 @@ class MainWindow(Window):
         super().__init__()
         self.session, self.player, self.settings = session, player, settings
         for owned in (session, player):
-            owned.setParent(self)  # else what is connected to them would keep the window for ever
+            owned.setParent(self)  # else their connections would keep the window alive
         session.full_design_changed.connect(self._place_drive)
-        session.design_changed.connect(self._design_changed)  # before the views, which read the player's angle
+        session.design_changed.connect(
+            self._design_changed
+        )  # connected before the views, which read the player's angle
         self._design_changed()
         self.documents = Documents(session, settings, self)
         self.recovery = Recovery(session, self.documents, self)
@@ -131,7 +136,7 @@ class MainWindow(Window):
 
     @cached_property
     def loads(self) -> LoadActions:
-        """What adds rows to the loads; imported when a view or a menu asks for it."""
+        """Edits of the loads' rows; imported at the first use."""
         from kindyna_gui.window.linkage_menus import LoadActions
 
         return LoadActions(self)
@@ -152,8 +157,8 @@ class MainWindow(Window):
         session.stages_on_screen = self.stages_on_screen
         session.started.connect(partial(setattr, self, "_begun", True))
         session.drive_chosen.connect(partial(setattr, self, "_begun", True))
-        session.full_design_changed.connect(self._suit_design)
-        session.file_changed.connect(self._suit_design)
+        session.full_design_changed.connect(self._follow_new_design)
+        session.file_changed.connect(self._follow_new_design)
         session.stack.indexChanged.connect(self._steps_changed)
         session.stack.cleanChanged.connect(self._steps_changed)
         session.refused.connect(self._show_refusal)
@@ -177,12 +182,12 @@ class MainWindow(Window):
     # -- views --------------------------------------------------------------------------------------------
 
     def view(self, name: str) -> View | None:
-        """A view by its name in ``VIEWS``; None where it has not been seen yet."""
+        """Return a view by its name in ``VIEWS``; None while it has not been made."""
         dock = self.docks.get(name)
         return dock.view if dock is not None else self.centre.page(name)
 
     def show_view(self, name: str) -> View:
-        """Bring a view to the front, made now where it is not there yet."""
+        """Bring a view to the front and return it."""
         if VIEWS[name].area == CENTRE:
             return self.centre.show_page(name)
         dock = self.docks[name]
@@ -193,12 +198,12 @@ class MainWindow(Window):
         return view
 
     def explain(self, number: ExplainableNumber) -> None:
-        """Show where a number comes from, at its own angle, else at the angle at hand."""
+        """Explain a number, at its own angle or else at the current angle."""
         view: Any = self.show_view("explain")
         view.explain(number)
 
     def explain_here(self) -> None:
-        """Show where the number comes from that is chosen where the focus is; where none is, the last one that was explained."""
+        """Explain the number selected in the view with the focus; else show the last explanation."""
         view = self._view_in_focus()
         number = None if view is None else view.selected_number()
         if number is None:
@@ -207,24 +212,24 @@ class MainWindow(Window):
             self.explain(number)
 
     def _view_in_focus(self) -> View | None:
-        at = QApplication.focusWidget()
-        return next((view for view in self._views() if at is not None and view.isAncestorOf(at)), None)
+        focus = QApplication.focusWidget()
+        return next((view for view in self._views() if focus is not None and view.isAncestorOf(focus)), None)
 
     def copy_picture(self) -> None:
-        """Of the view that the focus is in, else of the one in the middle, to the clipboard."""
+        """Copy the view with the focus, else the page in the middle, to the clipboard."""
         if (view := self._view_in_focus() or self.centre.current) is not None:
             copy_picture(view)
 
     def pin(self, design: Design | None = None) -> None:
-        """Keep a design as it is, that at hand where none is named: what is changed then is held against it."""
+        """Pin a design, by default the current one: later changes are compared with it."""
         row = Pins.of(self.session).pin(self.session.full_design if design is None else design)
         self.show_message(f"Pinned as {row.name}; plots show it dashed, the drawing in grey")
 
     def pin_before(self) -> None:
-        """Hold the design against what it was before the last step."""
+        """Compare the design with the one before the last step."""
         design = self.session.before
         if design is None:
-            self.show_message("Nothing was changed yet")
+            self.show_message("The design has not been changed yet")
             return
         if self.session.several:
             design = with_only(self.session.full_design, self.session.chosen, design)
@@ -232,7 +237,7 @@ class MainWindow(Window):
         self.show_message(f"Pinned {row.name}; plots show it dashed, the drawing in grey")
 
     def pin_file(self) -> None:
-        """Hold the design against another file."""
+        """Compare the design with another file."""
         path = dialogs.design_to_open(self, self.settings.folder)
         if path is None:
             return
@@ -245,21 +250,21 @@ class MainWindow(Window):
         self.show_message(f"Pinned {path.name}; plots show it dashed, the drawing in grey")
 
     def unpin(self) -> None:
-        """Let the variant in front go."""
+        """Stop comparing with the pinned variant."""
         Pins.of(self.session).unpin()
 
     def show_polygon(self, kind: str) -> None:
-        """The polygon of velocities, or of the forces on a body."""
+        """Show the polygon of velocities, or of the forces on a body."""
         view: Any = self.show_view("polygon")
         view.choose(kind)
 
     def show_search(self, what: str) -> None:
-        """Find, with this wanted where the design has it."""
+        """Show Find, set to calculate this quantity if the design has it."""
         view: Any = self.show_view("find")
-        view.want(what)
+        view.search_for(what)
 
     def vary(self, path: str) -> None:
-        """Study, with this number varied: where it is not in sight the task of that name."""
+        """Vary a value in Study; if that view is not visible, change to its task."""
         view: Any = self.docks["study"].build()
         view.vary(path)
         if not view.on_screen():
@@ -267,7 +272,7 @@ class MainWindow(Window):
             self.show_view("study")
 
     def open_design(self, path: Path) -> bool:
-        """Open the file of a design in place of the one at hand, an example without its file; False where it stays."""
+        """Open a design, an example without its file; False if the current design stays."""
         before = self.session.document
         if path.is_relative_to(resources()):
             self.documents.open_example(path)
@@ -276,16 +281,16 @@ class MainWindow(Window):
         return self.session.document != before
 
     def apply_remedy(self, remedy: Remedy) -> None:
-        """Do what mends a finding: seek the value under the limits of the design, or lead to the field."""
+        """Carry out the remedy of a finding: show its field, and calculate its value if Find can."""
         self.focus_field(remedy.field)
         if remedy.masses:
             self.loads.give_masses()
         if remedy.find:
             view: Any = self.show_view("find")
-            view.want(remedy.find, afresh=True)
+            view.search_for(remedy.find, afresh=True)
 
     def can(self, entry: str) -> bool:
-        """Whether an entry of the menus can be chosen for the design at hand; of a menu, whether it has one that can."""
+        """Whether an entry of the menus, or any entry of a submenu, can be chosen for the current design."""
         menu = self._menu_of(entry)
         if menu is None:
             return self.actions_by_key[entry].isEnabled()
@@ -295,7 +300,7 @@ class MainWindow(Window):
         )
 
     def do(self, entry: str) -> None:
-        """Choose an entry of the menus, by its key there; of a menu, open it under the mouse."""
+        """Trigger an entry of the menus by its key; open a submenu at the mouse."""
         menu = self._menu_of(entry)
         if menu is None:
             self.actions_by_key[entry].trigger()
@@ -307,27 +312,27 @@ class MainWindow(Window):
         return menu if isinstance(menu, QMenu) else None
 
     def show_message(self, text: str) -> None:
-        """A word in the status line."""
+        """Show a message in the status line for a while."""
         self.status.show_message(text)
 
     def ask(self, text: str) -> None:
-        """A request in the status line, which stays until it is answered."""
+        """Show in the status line what to do next, until ``answered``."""
         self.status.ask(text)
 
     def answered(self, how: str) -> None:
-        """What was asked in the status line has been done, or given up."""
+        """End a request in the status line that was done or cancelled."""
         self.status.answered(how)
 
     def add_load(self, name: str) -> None:
-        """Add a row of this kind to the loads, by the mouse where it needs places."""
+        """Add a row of this kind to the loads; points are picked with the mouse."""
         self.loads.add(name)
 
     def pick_load(self, path: str, key: str) -> None:
-        """Choose a place of a row of the loads with the mouse."""
+        """Pick a new attachment of a load with the mouse."""
         self.loads.pick(path, key)
 
     def open_load(self, path: str) -> None:
-        """Bring the form of a row of the loads before the reader."""
+        """Show the form of a row of the loads."""
         self.loads.open(path)
 
     def _views(self) -> Iterator[View]:
@@ -335,50 +340,54 @@ class MainWindow(Window):
         yield from self.centre.views()
 
     def stages_on_screen(self) -> tuple[str, ...]:
-        """The stages that views on screen read, in the order they need each other; with the motion, from which all are computed.
-        While something is held with the mouse they are those of when it was taken: each of its moves asks for them."""
+        """Return the stages that views on screen read, in the order of computation, always with the motion.
+
+        During a drag they are those of its beginning: each move of the mouse reads them.
+        """
         session = self.session
         if session.drag_source is not None and session.stages_of_drag is not None:
             return session.stages_of_drag
-        wanted = {stage for view in self._views() if view.on_screen() for stage in view.stages}
-        if wanted:
-            wanted.add("motion")
-        session.stages_of_drag = tuple(stage for stage in session.study.stages if stage in wanted)
+        needed = {stage for view in self._views() if view.on_screen() for stage in view.stages}
+        if needed:
+            needed.add("motion")
+        session.stages_of_drag = tuple(stage for stage in session.study.stages if stage in needed)
         return session.stages_of_drag
 
     def focus_field(self, path: str) -> None:
-        """Bring the field of a path, or of a section, before the reader; of a drive that is not shown, the drive too."""
-        own = drive_at(path)
-        if own is not None:
-            if not self.session.choose_drive(own[0]):
+        """Show and focus the field of a path, or the fields of a section; selects the drive that has it."""
+        in_drive = drive_at(path)
+        if in_drive is not None:
+            if not self.session.choose_drive(in_drive[0]):
                 return
-            path = own[1]
-        head = path.partition(".")[0].partition("[")[0]
+            path = in_drive[1]
+        section = path.partition(".")[0].partition("[")[0]
         editor = self.view("motion")
-        elsewhere = head in ("timing", "drives") or (head == "motion" and editor is not None and editor.on_screen())
-        view: Any = self.show_view(head if elsewhere else "parameters")
-        if not view.focus_field(path) and head == "motion" and view is not editor:
-            view = self.show_view("motion")  # rows of a table, which the inspector has not
+        has_view = section in ("timing", "drives") or (
+            section == "motion" and editor is not None and editor.on_screen()
+        )
+        view: Any = self.show_view(section if has_view else "parameters")
+        if not view.focus_field(path) and section == "motion" and view is not editor:
+            view = self.show_view("motion")  # rows of a table, which the inspector does not have
             view.focus_field(path)
 
     def show_fields(self, section: str) -> None:
-        """Bring the page of a section of the parameters to the front, where they are in sight; the keys stay where they are."""
+        """Show a section of the parameters if they are visible, without moving the focus."""
         parameters: Any = self.view("parameters")
         if parameters is not None and parameters.on_screen():
             parameters.show_section(section)
 
     def fit(self) -> None:
-        """Bring the whole of the picture in the middle into sight."""
+        """Zoom the page in the middle to all it shows."""
         if self.centre.current is not None:
             self.centre.current.fit()
 
     def draw(self, on: bool, tool: str = "choose") -> None:
-        """Begin to draw the linkage with the mouse, or leave it."""
+        """Switch drawing with the mouse on or off."""
         view: Any = self.show_view("mechanism")
         self._drawing_switched(view.draw(on, tool) and on)
 
     def place_underlay(self) -> None:
-        """Show what places a picture under the drawing."""
+        """Show the bar that places an image under the drawing."""
         view: Any = self.show_view("mechanism")
         view.place_underlay()
 
@@ -386,7 +395,7 @@ class MainWindow(Window):
         self.actions_by_key["draw"].setChecked(on)
 
     def fit_centres(self) -> None:
-        """Bring the instant centres of a linkage into the drawing, however far away they are."""
+        """Zoom the drawing to all instant centres of the linkage."""
         view: Any = self.show_view("mechanism")
         if any(action.objectName() == "layer:centres" for action in view.layer_actions()):
             view.fit_centres()
@@ -394,25 +403,25 @@ class MainWindow(Window):
             self.show_view("centres")
 
     def _layers(self) -> dict[str, bool]:
-        """What the drawing of the mechanism shows, by layer."""
+        """Layers of the mechanism drawing, and whether each is shown."""
         view = self.view("mechanism")
         rows = view.layer_actions() if view is not None else []
         return {action.objectName().partition(":")[2]: action.isChecked() for action in rows}
 
     def add_drive_by_picture(self) -> None:
-        """One drive more, chosen by its picture."""
+        """Add a drive chosen from images."""
         from kindyna_gui.window import shafts
 
         shafts.add_by_picture(self)
 
     def add_to_shaft(self) -> None:
-        """Put the design on a shaft of several, or the drives of a file on this one."""
+        """Put the design on a shaft with other drives."""
         from kindyna_gui.window import shafts
 
         shafts.add_to_shaft(self)
 
     def export_picture(self, name: str) -> None:
-        """Ask for a file and write the picture of a view there."""
+        """Ask for a file and save the picture of a view in it."""
         view = self.view(name)
         if view is not None:
             save_picture(view, name)
@@ -420,7 +429,7 @@ class MainWindow(Window):
     # -- tasks --------------------------------------------------------------------------------------------
 
     def show_task(self, name: str) -> None:
-        """Show one of ``TASKS`` as it was left, with the keys at its large view."""
+        """Show one of ``TASKS`` in the layout last used, with the focus in its main view."""
         self.layouts.show(name)
         self.actions_by_key[f"show_task:{name}"].setChecked(True)
         parameters: Any = self.view("parameters")
@@ -437,18 +446,18 @@ class MainWindow(Window):
         self.task_layers.show(name)
         self._docks_moved()
 
-    def _suit_design(self) -> None:
-        """Another design has begun, and is in place."""
+    def _follow_new_design(self) -> None:
+        """Adapt the layout to a design that has just been opened."""
         if self._begun:
             self._begun = False
-            self.layouts.suit()
+            self.layouts.follow_design()
 
     # -- the design ---------------------------------------------------------------------------------------
 
     def enable_segment_edits(self, able: dict[str, bool]) -> None:
-        """Which edits of the chosen segment are possible now, by their names."""
-        for name, on in able.items():
-            self.actions_by_key[f"designing.segment:{name}"].setEnabled(on)
+        """Enable the edits of the selected segment that are possible, by name."""
+        for name, can in able.items():
+            self.actions_by_key[f"designing.segment:{name}"].setEnabled(can)
 
     def _design_changed(self) -> None:
         study = self.session.study
@@ -457,11 +466,11 @@ class MainWindow(Window):
         try:
             self.player.set_ranges(study.turn_ranges)
         except KindynaError:
-            self.player.set_ranges(())  # no position at all, which the views show
+            self.player.set_ranges(())  # the linkage has no position, which the views show
 
     def _place_drive(self) -> None:
-        """The angle of the drive that is shown follows from the machine's."""
-        place = self.session.place
+        """Give the player the phase and rotation sign of the selected drive."""
+        place = self.session.shaft_position
         self.player.show_drive(place.phase, place.rotation_sign)
 
     def _show_refusal(self, refusal: Refusal) -> None:
@@ -478,7 +487,7 @@ class MainWindow(Window):
     # -- help ---------------------------------------------------------------------------------------------
 
     def find_anything(self) -> None:
-        """A line for words, over the window."""
+        """Open the search line over the window."""
         if self._finder is None:
             from kindyna_gui.window.finder import Finder
 
@@ -486,31 +495,28 @@ class MainWindow(Window):
         self._finder.open()
 
     def prefer(self) -> None:
-        """Ask what the user prefers, and follow it."""
-        from kindyna_gui.window.preferences_dialog import preferences_wanted
+        """Ask for preferences, save them and apply them."""
+        from kindyna_gui.window.preferences_dialog import ask_preferences
 
-        wanted = preferences_wanted(self, preferences.read())
-        if wanted is not None:
-            preferences.write(wanted)
-            self._follow(wanted)
-
-    def _follow(self, wanted: preferences.Preferences) -> None:
-        app = QApplication.instance()
-        assert isinstance(app, QApplication)
-        wear(wanted, app)
+        chosen = ask_preferences(self, preferences.read())
+        if chosen is not None:
+            preferences.write(chosen)
+            app = QApplication.instance()
+            assert isinstance(app, QApplication)
+            wear(chosen, app)
 
     def _desktop_changed(self, scheme: Qt.ColorScheme) -> None:
-        """The desktop has turned light or dark."""
-        wanted, app = preferences.read(), QApplication.instance()
-        if wanted.theme == "system" and isinstance(app, QApplication):
-            wear(wanted, app, scheme)
+        """Follow the desktop, which has changed to light or dark."""
+        chosen, app = preferences.read(), QApplication.instance()
+        if chosen.theme == "system" and isinstance(app, QApplication):
+            wear(chosen, app, scheme)
 
     def help_here(self) -> None:
-        """The page of the help on the field, or the view, that has the keys."""
+        """Show the page of the help on the field, or the view, with the focus."""
         self.show_help(*dialogs.help_on(QApplication.focusWidget() or self))
 
     def show_help(self, name: str, words: str = "") -> None:
-        """A page of the help, at these words."""
+        """Show a page of the help, scrolled to these words."""
         if self._help is None:
             from kindyna_gui.help import HelpWindow
 
@@ -518,7 +524,7 @@ class MainWindow(Window):
         self._help.open(name, words)
 
     def show_welcome(self) -> None:
-        """Examples with pictures, a new design, files opened lately."""
+        """Show the welcome page: examples, new design, recent files."""
         if self.welcome is None:
             from kindyna_gui.window.welcome import Welcome
 
@@ -526,18 +532,18 @@ class MainWindow(Window):
         self.welcome.open()
 
     def greet(self) -> None:
-        """At the start: offer unsaved work of an earlier run; else, where no file was named, the welcome page."""
+        """Offer unsaved work of an earlier run; else, if no file was opened, show the welcome page."""
         if not self.recovery.offer() and self.session.path is None and self.settings.welcome:
             self.show_welcome()
 
     def begin_tutorial(self, name: str) -> None:
-        """A lesson at this window, step by step."""
+        """Begin a tutorial in this window."""
         from kindyna_gui.window.tutorial import begin, read
 
         begin(self, read(name))
 
     def show_papers(self) -> None:
-        """Figures of the papers, with what they say against what comes out here."""
+        """Show the figures of the papers, compared with values computed here."""
         if self._papers is None:
             from kindyna_gui.papers import FiguresWindow
 
@@ -550,27 +556,27 @@ class MainWindow(Window):
     # -- layout -------------------------------------------------------------------------------------------
 
     def reset_layout(self) -> None:
-        """All docks of the task back to where they were at first."""
+        """Restore the first layout of the current task."""
         self.layouts.reset()
 
-    def keep_layout(self) -> None:
-        """Ask for a name, and keep the layout at hand under it."""
+    def save_layout(self) -> None:
+        """Ask for a name and save the current layout under it."""
         name = dialogs.layout_name_wanted(self, self.settings.named_layouts)
         if name:
-            self.layouts.keep(name)
-            self.status.show_message(f"Layout {name} is kept among the named layouts")
+            self.layouts.save_as(name)
+            self.status.show_message(f"Saved layout {name} under Named layouts")
 
-    def take_layout(self, name: str) -> None:
-        """A layout that was kept under a name."""
+    def restore_layout(self, name: str) -> None:
+        """Restore a saved layout."""
         try:
-            self.layouts.take(name)
+            self.layouts.restore(name)
         except ValueError as error:
-            self.status.show_message(f"Layout {name} is left as it is: {error}")
+            self.status.show_message(f"Layout {name} cannot be restored: {error}")
 
-    def forget_layout(self, name: str) -> None:
-        """Do without a layout that was kept under a name."""
+    def delete_layout(self, name: str) -> None:
+        """Delete a saved layout."""
         self.settings.forget_layout(name)
-        self.status.show_message(f"Layout {name} is forgotten")
+        self.status.show_message(f"Deleted layout {name}")
 
     def _docks_moved(self, *_: object) -> None:
         self.titles.docks_moved()
@@ -586,23 +592,23 @@ class MainWindow(Window):
             self.centre.current.pull()
 
     def focusNextPrevChild(self, onwards: bool) -> bool:
-        """Past what Qt keeps beyond the edge of the window: docks behind others, and bars of tabs that no dock needs at present."""
-        held, passed = self.focusWidget(), set[QWidget]()
-        by_key = held is not None and held.isVisibleTo(self) and held.isEnabled()  # else it has just been hidden
+        """Move the focus past docks in hidden tabs and unused tab bars, which Qt keeps outside the window."""
+        before, passed = self.focusWidget(), set[QWidget]()
+        by_key = before is not None and before.isVisibleTo(self) and before.isEnabled()  # else it has just been hidden
         while super().focusNextPrevChild(onwards):
-            at = self.focusWidget()
-            part: QWidget | None = at
+            focus = self.focusWidget()
+            part: QWidget | None = focus
             while part is not None and part.parentWidget() is not self:
                 part = part.parentWidget()
-            if at is None or part is None or at in passed or is_in_sight(part):
+            if focus is None or part is None or focus in passed or is_in_sight(part):
                 if by_key:
-                    scroll_to(at)
+                    scroll_to(focus)
                 return True
-            passed.add(at)
+            passed.add(focus)
         return False
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """The first thing that is seen is the mechanism; the docks around it come next."""
+        """Paint the mechanism first; the docks are made after that."""
         super().paintEvent(event)
         if not self._painted:
             self._painted = True
@@ -642,31 +648,31 @@ class MainWindow(Window):
 
 
 def open_window(app: QApplication, path: Path | None = None) -> MainWindow:
-    """The window with a design, paused at cam angle 0; not shown yet.
+    """Return a window with a design, paused at cam angle 0, not shown yet.
 
-    path: the file to open; None, or the default design: an example, saved under a name of its own. Raises
-    DesignError, FileError.
+    Without a path, or with the path of the default design, it has that example, which must be saved under another name.
+    Raises DesignError, FileError.
     """
     keep_freed_memory()
-    own = None if path is None or path == default_design() else path
-    session = Session(load_drawing(own or default_design()), own)
+    file = None if path is None or path == default_design() else path
+    session = Session(load_drawing(file or default_design()), file)
     wear(preferences.read(), app)
     app.setApplicationName("KINDYNA")
     app.setDesktopFileName("kindyna")
     settings = Settings()
-    if own is not None:
-        settings.add_recent(own)
+    if file is not None:
+        settings.add_recent(file)
     window = MainWindow(session, Player(), settings)
     window.recovery.begin()
     return window
 
 
 def run(path: Path | None = None) -> int:
-    """Open the window, with this file where one is named, and stay until it is closed; the exit code.
+    """Open the window, with a file if a path is given; return the exit code once it is closed.
 
-    Raises DesignError, FileError where the file is wrong.
+    Raises DesignError, FileError if the file cannot be read.
     """
-    signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl+C while the window is being made ends it without a word
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl+C ends the program without a traceback
     app = ensure_app()
     window = open_window(app, path)
     write_before_the_end(app, window.recovery)

@@ -186,7 +186,7 @@ def fill_named_layouts(window: Window, menu: QMenu) -> None:
     """Add the entry that saves the current layout, and for each saved layout those that restore and delete it."""
     action = menu.addAction("&Save this layout...")
     action.setStatusTip("Save docks, pages and task under a name, also for the next start")
-    action.triggered.connect(lambda: window.keep_layout())
+    action.triggered.connect(lambda: window.save_layout())
     names = window.settings.named_layouts
     if not names:
         return
@@ -194,12 +194,12 @@ def fill_named_layouts(window: Window, menu: QMenu) -> None:
     for name in names:
         action = menu.addAction(_plain(name))
         action.setStatusTip(f"Restore docks, pages and task saved as {name}")
-        action.triggered.connect(partial(_without_state, window.take_layout, name))
+        action.triggered.connect(partial(_without_state, window.restore_layout, name))
     menu.addSeparator()
     for name in names:
         action = menu.addAction(_plain(f"Delete {name}"))
         action.setStatusTip(f"Delete the layout {name}")
-        action.triggered.connect(partial(_without_state, window.forget_layout, name))
+        action.triggered.connect(partial(_without_state, window.delete_layout, name))
 
 
 def fill_layers(window: Window, menu: QMenu) -> None:

@@ -1,4 +1,4 @@
-"""Edit > Preferences: units, look, and what stands on reports, each as it is kept; Reset shows what is usual."""
+"""Edit > Preferences: units, look, and the texts of reports; Reset shows the defaults."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from kindyna_gui.settings import FONTS, INCH, PAPERS, THEMES, UNITS, Preferences
 
 
 class PreferencesDialog(QDialog):
-    """A box for each; ``wanted`` is what stands in them."""
+    """A field for each preference; ``preferences`` has the values shown."""
 
     def __init__(self, parent: QWidget, now: Preferences) -> None:
         super().__init__(parent)
@@ -46,10 +46,10 @@ class PreferencesDialog(QDialog):
             self.font_size.addItem(text, size)
         fill_choices(self.paper, {name: name for name in PAPERS})
         self.still = QCheckBox("Reduced motion")
-        self.still.setToolTip("Menus and docks appear at once; nothing moves but what is played")
+        self.still.setToolTip("Menus and docks appear at once; nothing moves except an animation")
         self.author, self.company, self.logo = QLineEdit(), QLineEdit(), QLineEdit()
         self.message = MessageLabel(SCREEN.limit)
-        self.logo.textChanged.connect(self._say)
+        self.logo.textChanged.connect(self._check_logo)
         sides = QHBoxLayout()
         sides.addWidget(self._units())
         right = QVBoxLayout()
@@ -81,14 +81,14 @@ class PreferencesDialog(QDialog):
             all_of.addWidget(button)
         form.addRow(all_of)
         form.addRow(self.comma)
-        group.setToolTip("Files, tables and commands stay in those that stand first")
+        group.setToolTip("Files, tables and commands always use the first unit of each list")
         return group
 
     def _look(self) -> QGroupBox:
         group = QGroupBox("Look")
         form = QFormLayout(group)
         form.addRow("Theme", self.theme)
-        form.addRow("Letters", self.font_size)
+        form.addRow("Font size", self.font_size)
         form.addRow(self.still)
         return group
 
@@ -111,14 +111,14 @@ class PreferencesDialog(QDialog):
         if name:
             self.logo.setText(name)
 
-    def _say(self, *_: object) -> None:
-        """What is wrong with the logo."""
+    def _check_logo(self, *_: object) -> None:
+        """Show a message where the logo cannot be read."""
         logo = self.logo.text().strip()
         wrong = logo and not (Path(logo).is_file() and QImageReader(logo).canRead())
         self.message.show_message(f"{logo}: cannot be read as an image; the logo is omitted" if wrong else "")
 
     def show_units(self, units: dict[str, str]) -> None:
-        """Show these units; of other kinds those of the files."""
+        """Show these units; for other kinds the units of files."""
         for kind, box in self.units.items():
             box.setCurrentIndex(box.findData(units.get(kind, UNITS[kind][0])))
 
@@ -141,8 +141,8 @@ class PreferencesDialog(QDialog):
             line.setText(text)
 
     @property
-    def wanted(self) -> Preferences:
-        """What stands in the boxes."""
+    def preferences(self) -> Preferences:
+        """Preferences shown in the fields."""
         units = {kind: box.currentData() for kind, box in self.units.items() if box.currentIndex() > 0}
         return Preferences(
             MappingProxyType(units),
@@ -155,13 +155,13 @@ class PreferencesDialog(QDialog):
         )
 
 
-def preferences_wanted(parent: QWidget, now: Preferences) -> Preferences | None:
-    """Ask for them; None where the user cancels."""
+def ask_preferences(parent: QWidget, now: Preferences) -> Preferences | None:
+    """Ask for preferences; None where the user cancels."""
     dialog = PreferencesDialog(parent, now)
     accepted = dialog.exec() == QDialog.DialogCode.Accepted
-    wanted = dialog.wanted
+    preferences = dialog.preferences
     dialog.deleteLater()
-    return wanted if accepted else None
+    return preferences if accepted else None
 
 
-__all__ = ["PreferencesDialog", "preferences_wanted"]
+__all__ = ["PreferencesDialog", "ask_preferences"]

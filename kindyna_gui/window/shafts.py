@@ -1,4 +1,4 @@
-"""Shafts of several cams from what there is: a new one, the design at hand on one, the drives of a file on the one at hand."""
+"""Edits that put several drives on one shaft: a new shaft, another drive, the current design on a shaft."""
 
 from __future__ import annotations
 
@@ -12,29 +12,28 @@ NEW_NAME = "New shaft of cams"
 
 
 def new_shaft(window: Window) -> None:
-    """Begin a shaft with one drive, chosen by its picture; others are added in the list of drives."""
-    from kindyna_gui.window.gallery import new_mechanism_wanted
+    """Begin a shaft with one drive chosen from images."""
+    from kindyna_gui.window.gallery import ask_new_mechanism
 
     if not window.documents.may_leave():
         return
-    choice = new_mechanism_wanted(window)
+    choice = ask_new_mechanism(window)
     if choice is not None:
-        window.session.start(drives.listed(choice.begun(None), NEW_NAME))
+        window.session.start(drives.listed(choice.with_motion(None), NEW_NAME))
         window.show_view("drives")
 
 
 def add_by_picture(window: Window) -> None:
-    """Ask for a mechanism, which becomes one drive more."""
-    from kindyna_gui.window.gallery import new_mechanism_wanted
+    """Add a drive chosen from images."""
+    from kindyna_gui.window.gallery import ask_new_mechanism
 
-    choice = new_mechanism_wanted(window)
+    choice = ask_new_mechanism(window)
     if choice is not None:
-        drives.add(window.session, choice.begun(None))
+        drives.add(window.session, choice.with_motion(None))
 
 
 def add_to_shaft(window: Window) -> None:
-    """Put the design at hand on a shaft of several: a new one, or that of a file. Where several are at hand, ask for a file whose
-    drives come to them."""
+    """Put the current design on a shaft, a new one or that of a file; to a shaft, add the drives of a file."""
     session = window.session
     window.documents.settle()
     if session.several:

@@ -1,5 +1,4 @@
-"""The status line: what does not fit together, how many limits are exceeded, what was done last, what is assumed, where the cam
-stands."""
+"""The status line: messages, number of findings, saved or not, assumed values, values that wait, and the current angle."""
 
 from __future__ import annotations
 
@@ -18,7 +17,7 @@ from core.findings import ERROR, NOTE, WARNING, Finding
 from core.project.reading_faults import reason as why
 from core.study import findings_of
 from kindyna_gui.documents.session import Session
-from kindyna_gui.documents.texts import misses, waiting_text
+from kindyna_gui.documents.texts import misfit_sentences, waiting_text
 from kindyna_gui.labels import named_value, reason
 from kindyna_gui.look import coloured, sign, text_button
 from kindyna_gui.pictures.style import SCREEN
@@ -26,13 +25,13 @@ from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import clear_menu, soon
 from kindyna_gui.requirements import suggestions_for
 
-PAUSE_MS = 150
-STAY_MS = 6000  # of a message
-MARGIN = 12  # pixels around it
+PAUSE_MS = 150  # after a change, before the findings are counted
+STAY_MS = 6000  # how long a message is shown
+MARGIN = 12  # around a message [pixels]
 
 
 class StatusLine(QStatusBar):
-    """Shows the state of session and player; the findings are those of the stages on screen, no other is computed."""
+    """Shows the state of session and player; findings are counted only for the stages that views on screen compute."""
 
     def __init__(
         self,
@@ -70,11 +69,11 @@ class StatusLine(QStatusBar):
         self.angle.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         self.update_style()
         self.angle.setToolTip("Angle of all views")
-        self.assumed.setToolTip("Values that are not taken from a source: click to see them, and to go to one")
+        self.assumed.setToolTip("Assumed values: click to list them")
         self.assumed.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         self.assumed.setStyleSheet("QToolButton::menu-indicator { image: none; }")
         self._focus_field = focus_field
-        self._of_drives: dict[str, QMenu] = {}
+        self._drive_menus: dict[str, QMenu] = {}
         self._assumed_rows = QMenu(self.assumed, toolTipsVisible=True)
         self._assumed_rows.aboutToShow.connect(self._list_assumed)
         self.assumed.setMenu(self._assumed_rows)
@@ -91,20 +90,20 @@ class StatusLine(QStatusBar):
             self.angle,
         ):
             self.addPermanentWidget(widget)
-        self._whole = QLabel(self, wordWrap=True, margin=3)
-        self._whole.setFrameShape(QLabel.Shape.StyledPanel)
-        self._whole.setAutoFillBackground(True)
-        self._whole.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+        self._long = QLabel(self, wordWrap=True, margin=3)
+        self._long.setFrameShape(QLabel.Shape.StyledPanel)
+        self._long.setAutoFillBackground(True)
+        self._long.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self._soon = QTimer(self, singleShot=True, interval=PAUSE_MS)
         self._soon.timeout.connect(self.count_findings)
         self.messageChanged.connect(self._ask_again)
         self.messageChanged.connect(self._offer)
-        self.messageChanged.connect(self._show_whole)
+        self.messageChanged.connect(self._show_long)
         session.pending.changed.connect(self._show_awaited)
-        session.mended.connect(self._mended)
+        session.corrected.connect(self._mended)
         session.restored.connect(self._mended)
         session.incomplete_changed.connect(self._draft_changed)
-        session.restored.connect(self._draft_changed)  # another drive names it otherwise
+        session.restored.connect(self._draft_changed)  # names of values depend on the drive
         session.full_design_changed.connect(self._design_changed)
         session.file_changed.connect(self._file_changed)
         player.angle_changed.connect(self._angle_changed)
@@ -113,23 +112,23 @@ class StatusLine(QStatusBar):
         self._angle_changed(player.theta)
 
     def update_style(self) -> None:
-        """The angle has a fixed size: else each new one would lay out the whole line anew."""
-        letters = self.fontMetrics()
-        self.angle.setFixedSize(letters.horizontalAdvance("driver angle 359.9°  "), letters.height())
+        """Fix the size of the angle to the font: else each new angle would lay out the line again."""
+        metrics = self.fontMetrics()
+        self.angle.setFixedSize(metrics.horizontalAdvance("driver angle 359.9°  "), metrics.height())
 
     def show_message(self, text: str) -> None:
-        """Show what has been done, for a while."""
+        """Show a message for a while."""
         self.showMessage(text, STAY_MS)
 
     def ask(self, text: str) -> None:
-        """Show what is to be done next, until it is ``answered``; what is shown for a while in between passes."""
+        """Show what to do next, until ``answered``; messages interrupt it."""
         self._question = text
         self.showMessage(text)
 
     def answered(self, how: str) -> None:
-        """It has been done, or not, as the text says."""
-        asked, self._question = self._question, ""
-        if self.currentMessage() == asked:
+        """End the request that ``ask`` shows, and show the result, if any, as a message."""
+        question, self._question = self._question, ""
+        if self.currentMessage() == question:
             self.clearMessage()
         if how:
             self.show_message(how)
@@ -139,59 +138,51 @@ class StatusLine(QStatusBar):
             soon(self, self._show_question)
 
     def _offer(self, text: str) -> None:
-        """What can be done about a message is a button beside it."""
-        way = next(iter(suggestions_for(text)), None)
-        self._entry = "" if way is None else way.entry
-        self.way.setText("" if way is None else way.text)
-        self.way.setVisible(way is not None)
+        """Show the remedy of a message, if any, as a button next to it."""
+        remedy = next(iter(suggestions_for(text)), None)
+        self._entry = "" if remedy is None else remedy.entry
+        self.way.setText("" if remedy is None else remedy.text)
+        self.way.setVisible(remedy is not None)
 
-    def _show_whole(self, text: str) -> None:
-        """A message that is longer than its room grows upwards over what stands there; nothing is moved by it."""
+    def _show_long(self, text: str) -> None:
+        """Show a message too long for the line in a label that grows upwards over the window."""
         window = self.window()
-        room = (
-            min(
-                (each.x() for each in (self.way, self.awaited, self.faults, self.findings) if each.isVisible()),
-                default=self.width(),
-            )
-            - 4
-        )
-        self._whole.setVisible(self.isVisible() and self.fontMetrics().horizontalAdvance(text) > room - MARGIN)
-        if not self._whole.isHidden():
-            self._whole.setParent(window)
-            self._whole.setText(text)
-            height = max(self._whole.heightForWidth(room), self.height())
+        buttons = (self.way, self.awaited, self.faults, self.findings)
+        room = min((button.x() for button in buttons if button.isVisible()), default=self.width()) - 4
+        self._long.setVisible(self.isVisible() and self.fontMetrics().horizontalAdvance(text) > room - MARGIN)
+        if not self._long.isHidden():
+            self._long.setParent(window)
+            self._long.setText(text)
+            height = max(self._long.heightForWidth(room), self.height())
             corner = self.mapTo(window, self.rect().bottomLeft())
-            self._whole.setGeometry(corner.x(), corner.y() + 1 - height, room, height)
-            self._whole.show()
-            self._whole.raise_()
+            self._long.setGeometry(corner.x(), corner.y() + 1 - height, room, height)
+            self._long.show()
+            self._long.raise_()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
-        self._lay_message()
-
-    def _lay_message(self) -> None:
-        self._show_whole(self.currentMessage())
+        self._show_long(self.currentMessage())
 
     def _show_question(self) -> None:
         if self._question and not self.currentMessage():
             self.showMessage(self._question)
 
     def refuse(self, text: str) -> None:
-        """Show that an edit was refused, until it is mended or taken back, or for a while."""
+        """Show that an edit was refused, for a while or until the value is corrected or undone."""
         self._refusal = f"Refused: {text}"
         self.show_message(self._refusal)
 
     def show_fault(self, text: str) -> None:
-        """Show that the program has failed, until there is another message; the button to the log stays."""
+        """Show that the program has failed, until the next message; the button to the log stays."""
         self.faults.setToolTip(f"{text} Click to read the log.")
         self.faults.show()
         self.showMessage(text)
 
     def _show_awaited(self) -> None:
-        """A way out of what takes long, and back."""
+        """Show the button that stops a long calculation, or starts it again."""
         awaited = self._session.pending
-        self.awaited.setText("Search again" if awaited.given_up else "Cancel the search")
-        self.awaited.setToolTip("For the steady response of the flexible shaft, which a view shows")
+        self.awaited.setText("Calculate again" if awaited.given_up else "Stop calculating the steady response")
+        self.awaited.setToolTip("Calculating the shaft's steady response for an open view")
         self.awaited.setVisible(awaited.busy or awaited.given_up)
 
     def _end_or_begin(self) -> None:
@@ -206,7 +197,7 @@ class StatusLine(QStatusBar):
             self.clearMessage()
 
     def recount(self) -> None:
-        """Count the findings once things are at rest."""
+        """Count the findings after a pause."""
         self._soon.start()
 
     def count_findings(self) -> None:
@@ -216,13 +207,14 @@ class StatusLine(QStatusBar):
         try:
             findings = findings_of(self._session.full_study, stages) if stages else ()
             text, severity = counted(findings) if stages else ("limits not checked", NOTE)
-            tip = f"Looked at: {', '.join(stages) or 'nothing, no view is on screen'}. Click to see all findings."
+            checked = f"Checked: {', '.join(stages)}" if stages else "No view is open, so no limit has been checked"
+            tip = f"{checked}. Click to show all findings."
         except KindynaError as error:
-            text, severity, tip = "no answer", ERROR, reason(self._session.design, error)
+            text, severity, tip = "cannot be calculated", ERROR, reason(self._session.design, error)
         self.findings.setText(text)
         self.findings.setIcon(sign(severity))
         self.findings.setToolTip(tip)
-        soon(self, self._lay_message)  # what stands beside it may have become wider
+        soon(self, lambda: self._show_long(self.currentMessage()))  # the buttons next to it may have become wider
 
     def _design_changed(self) -> None:
         number = len(self._session.full_design.assumed)
@@ -232,16 +224,16 @@ class StatusLine(QStatusBar):
         self._angle_changed(self._player.theta)
 
     def _draft_changed(self) -> None:
-        """What is typed fits together, or does not."""
-        rows = misses(self._session)
+        """Show the typed values that do not fit the others."""
+        rows = misfit_sentences(self._session)
         self.unfit.setText(waiting_text(self._session))
-        self.unfit.setToolTip("\n".join((*rows, "Click to go there.")))
+        self.unfit.setToolTip("\n".join((*rows, "Click to show the field.")))
         self.unfit.setVisible(bool(rows))
 
     def _list_assumed(self) -> None:
-        """One entry for each assumed value, which leads to its field; those of a drive in a menu of their own."""
+        """Add an entry for each assumed value, which shows its field; values of a drive are in its submenu."""
         design, menus = self._session.full_design, {"": self._assumed_rows}
-        self._of_drives = menus  # which Python must not forget
+        self._drive_menus = menus  # else Python would delete them
         clear_menu(self._assumed_rows)
         for path in design.assumed:
             _, number, inside = row_at(path, "drives")
@@ -262,8 +254,8 @@ class StatusLine(QStatusBar):
 
 
 def counted(findings: Iterable[Finding]) -> tuple[str, str]:
-    """``1 error, 2 warnings`` and the gravest severity; ``none`` where nothing is found."""
-    numbers = Counter(f.severity for f in findings)
+    """Return a text such as ``1 error, 2 warnings``, and the worst severity, ``none`` without findings."""
+    numbers = Counter(finding.severity for finding in findings)
     counts = [f"{n} {s}{'s' if n > 1 else ''}" for s in (ERROR, WARNING, NOTE) if (n := numbers[s])]
-    gravest = next((s for s in (ERROR, WARNING, NOTE) if numbers[s]), "none")
-    return ", ".join(counts) or "no findings", gravest
+    worst = next((s for s in (ERROR, WARNING, NOTE) if numbers[s]), "none")
+    return ", ".join(counts) or "no findings", worst

@@ -1,4 +1,8 @@
-"""TASKS."""
+"""The tasks of the window: which views each one shows, on which side, and in which size.
+
+A task is a layout and nothing more; every view can be shown in every task. The tasks are the modules of the program of
+1995, with Study added.
+"""
 
 from __future__ import annotations
 
@@ -13,26 +17,32 @@ from core.frozen import frozen
 from kindyna_gui.window.base import Window
 from kindyna_gui.window.docks import BOTTOM, CENTRE, LEFT, RIGHT, TOP, VIEWS
 
-# -- tasks -----------------------------------------------------------------------------------------------
-
-# They are the modules of the program of 1995. A task is a layout and nothing else: every view can be shown in every task.
-
 Area = Qt.DockWidgetArea
 
 MOTION_CURVES = ("displacement", "velocity", "acceleration", "jerk")
 CAM_CURVES = ("pressure_angle", "curvature")
 FORCES = ("torque", "camshaft_speed", "contact_force", "contact_pressure", "contact", "vibration")
 CHECKS = ("findings", "certificate")
-WIDE = 1800  # pixels of a window's width, from which on there is room for a column on both sides
+WIDE = 1800  # width of a window that has room for a column of docks on both sides [pixels]
+INSPECTOR = 388
+"""Width of the parameters in every task [pixels]."""
+SEPARATOR = 5  # gap between the docks of a side and the middle [pixels]
+
+# -- sides and groups of docks ---------------------------------------------------------------------------
 
 
 @frozen
 class DockGroup:
-    """Docks behind each other at one place.
+    """Docks in tabs at one position of a side.
 
-    names   those that are there at first, the first in front
-    more    those that come here when they are asked for
-    part    of the length of its side, next to those of the other groups
+    Attributes
+    ----------
+    names : tuple of str
+        Docks open at first, the first one in front.
+    more : tuple of str
+        Docks that open here on request.
+    part : float
+        Share of the side's length, relative to the other groups.
     """
 
     area: Area
@@ -43,24 +53,18 @@ class DockGroup:
 
 @frozen
 class DockExtent:
-    """How far the docks of a side reach into the window: a part of its width or height, so many pixels at least; ``less`` what is left
-    beside them."""
+    """Width or height of the docks of a side: a part of the window minus ``less`` pixels, at least ``least`` pixels."""
 
     part: float
     least: int = 0
     less: int = 0
 
-    def size(self, whole: int) -> int:
-        """Pixels of a window of this width or height."""
-        return max(self.least, 1, round(self.part * whole) - self.less)
+    def size(self, total: int) -> int:
+        """Extent [pixels] in a window of this width or height."""
+        return max(self.least, 1, round(self.part * total) - self.less)
 
 
-INSPECTOR = 388
-"""Width of the parameters in every task [pixels]."""
-
-SEPARATOR = 5  # pixels between the docks of a side and what stands beside them
-
-USUAL: Mapping[Area, DockExtent] = MappingProxyType(
+DEFAULT_SIDES: Mapping[Area, DockExtent] = MappingProxyType(
     {
         LEFT: DockExtent(0.28, 384),
         RIGHT: DockExtent(0.0, INSPECTOR),
@@ -68,64 +72,70 @@ USUAL: Mapping[Area, DockExtent] = MappingProxyType(
         BOTTOM: DockExtent(0.23, 165),
     }
 )
-"""Width of the sides, height of top and bottom, where a task does not say otherwise."""
+"""Width of the sides, height of top and bottom, unless a task gives its own."""
+
+# -- tasks -----------------------------------------------------------------------------------------------
 
 
 @frozen
 class Task:
     """One layout.
 
-    large      the view for which it is made, by its name in ``VIEWS``: a page in the middle, or a dock
-    groups     its docks; those that are not named come to the last one when they are asked for
-    of_links   docks that are there with linkages only, the first of them in front
-    of_several docks that are there with several drives only, likewise
-    section    of the parameters, in front when the task is first chosen; empty: the one that was
-    wide       groups and sides in a window of ``wide_from`` pixels and more; empty: the same
-    beside     pages in the middle behind the large view
-    layers     of the drawing, shown at first while the task is in place
+    Attributes
+    ----------
+    large : str
+        Main view, by its name in ``VIEWS``: a page in the middle, or a dock.
+    groups : tuple of DockGroup
+        Its docks; docks that no group names open in the last one.
+    sides : Mapping of Area to DockExtent
+    linkage_docks, shaft_docks : tuple of str
+        Docks shown only with a linkage, or with several drives; the first one in front.
+    section : str
+        Section of the parameters in front when the task is first chosen; empty: no change.
+    more_pages : tuple of str
+        Pages in the middle, behind the main view.
+    layers : tuple of str
+        Layers of the drawing shown at first in this task.
+    wide, wide_sides : as groups, sides
+        Used in windows at least ``wide_from`` pixels wide; empty: as in others.
     """
 
     title: str
     tip: str
     large: str
     groups: tuple[DockGroup, ...]
-    sides: Mapping[Area, DockExtent] = field(default_factory=lambda: USUAL)
-    of_links: tuple[str, ...] = ()
-    of_several: tuple[str, ...] = ()
+    sides: Mapping[Area, DockExtent] = field(default_factory=lambda: DEFAULT_SIDES)
+    linkage_docks: tuple[str, ...] = ()
+    shaft_docks: tuple[str, ...] = ()
     section: str = ""
-    beside: tuple[str, ...] = ()
+    more_pages: tuple[str, ...] = ()
     layers: tuple[str, ...] = ()
     wide: tuple[DockGroup, ...] = ()
-    wide_sides: Mapping[Area, DockExtent] = field(default_factory=lambda: USUAL)
+    wide_sides: Mapping[Area, DockExtent] = field(default_factory=lambda: DEFAULT_SIDES)
     wide_from: int = WIDE
 
     def at(self, width: int) -> Task:
-        """The row as it is in a window of this width."""
+        """Return the task for a window of this width."""
         return replace(self, groups=self.wide, sides=self.wide_sides) if self.is_wide(width) else self
 
     def is_wide(self, width: int) -> bool:
-        """Whether a window of this width has what stands in wide ones."""
+        """Whether the task has its wide layout in a window of this width."""
         return bool(self.wide) and width >= self.wide_from
 
     @property
-    def of_kinds(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
-        """The docks that are there with linkages, and those with several drives."""
-        return self.of_links, self.of_several
+    def kind_docks(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """Docks shown only with a linkage, and docks shown only with several drives."""
+        return self.linkage_docks, self.shaft_docks
 
     @property
     def pages(self) -> tuple[str, ...]:
-        """The pages in the middle at first."""
-        own = () if self.large == "mechanism" or VIEWS[self.large].area != CENTRE else (self.large,)
-        return ("mechanism", *self.beside, *own)
+        """Pages in the middle at first, the last one in front."""
+        large = () if self.large == "mechanism" or VIEWS[self.large].area != CENTRE else (self.large,)
+        return ("mechanism", *self.more_pages, *large)
 
     @property
-    def front(self) -> str:
-        """The page in front at first."""
-        return self.pages[-1]
-
-    @property
-    def places(self) -> tuple[tuple[DockGroup, tuple[str, ...]], ...]:
-        """Each group with all its docks."""
+    def all_docks(self) -> tuple[tuple[DockGroup, tuple[str, ...]], ...]:
+        """Each group with all its docks, open or not."""
         named = {name for group in self.groups for name in (*group.names, *group.more)}
         others = tuple(name for name, row in VIEWS.items() if row.area != CENTRE and name not in named)
         last = self.groups[-1]
@@ -142,40 +152,40 @@ _CLEAR = (
     DockGroup(RIGHT, ("parameters",), ("motion", "drives")),
     DockGroup(BOTTOM, more=CHECKS),
 )
-"""Nothing beside the large view and the parameters but what is asked for."""
+"""Only the main view and the parameters; other docks open on request."""
 
 TASKS: Mapping[str, Task] = MappingProxyType(
     {
         "make": Task(
             "&Make",
-            "Lay out the motion: the motion editor, with the mechanism beside it",
+            "Design the motion: motion editor next to the mechanism",
             "motion",
             (
                 DockGroup(LEFT, ("motion",), ("find",)),
                 DockGroup(TOP, ("parameters",), ("certificate", "pressure_angle")),
                 DockGroup(BOTTOM, ("findings",)),
             ),
-            MappingProxyType({**USUAL, LEFT: DockExtent(1.0, less=INSPECTOR + SEPARATOR)}),
+            MappingProxyType({**DEFAULT_SIDES, LEFT: DockExtent(1.0, less=INSPECTOR + SEPARATOR)}),
             wide=(
                 DockGroup(LEFT, ("motion",), ("find",)),
                 DockGroup(RIGHT, ("parameters",), ("certificate", "pressure_angle")),
                 DockGroup(BOTTOM, ("findings",)),
             ),
-            wide_sides=MappingProxyType({**USUAL, LEFT: DockExtent(0.52)}),
+            wide_sides=MappingProxyType({**DEFAULT_SIDES, LEFT: DockExtent(0.52)}),
         ),
         "compo": Task(
             "&Compo",
-            "Compose the mechanism: its drawing, with lengths, centres and pressure angle beside it",
+            "Design the mechanism: its drawing next to lengths, centres and pressure angle",
             "mechanism",
             (
                 DockGroup(RIGHT, ("parameters",), ("motion", "find"), 0.6),
                 DockGroup(RIGHT, ("pressure_angle",), part=0.4),
             ),
-            of_links=("centres", "circle"),
+            linkage_docks=("centres", "circle"),
         ),
         "kine": Task(
             "&Kine",
-            "See it move: the mechanism, with displacement, pressure angle and limits beside it",
+            "Check the kinematics: the mechanism next to displacement, pressure angle and limits",
             "mechanism",
             (
                 DockGroup(LEFT, more=("motion", "find")),
@@ -184,7 +194,7 @@ TASKS: Mapping[str, Task] = MappingProxyType(
                 DockGroup(RIGHT, CAM_CURVES),
                 DockGroup(RIGHT, ("findings",), part=0.2),
             ),
-            of_several=("drives",),
+            shaft_docks=("drives",),
             wide=(
                 DockGroup(LEFT, ("stack",), ("motion", "find", *MOTION_CURVES)),
                 DockGroup(RIGHT, ("parameters",), ("certificate",), 1.6),
@@ -195,7 +205,7 @@ TASKS: Mapping[str, Task] = MappingProxyType(
         ),
         "dyna": Task(
             "D&yna",
-            "Read forces: the mechanism, with torque, forces, loads and flywheel beside it",
+            "Check the forces: the mechanism next to torque, forces, loads and flywheel",
             "mechanism",
             (
                 DockGroup(LEFT, more=("motion", "find")),
@@ -206,8 +216,8 @@ TASKS: Mapping[str, Task] = MappingProxyType(
                     RIGHT, ("contact_force",), ("contact_pressure", "contact", "vibration", "shaft_figures"), 1.25
                 ),
             ),
-            MappingProxyType({**USUAL, BOTTOM: DockExtent(0.31, 226)}),
-            of_several=("drives", "timing", "shaft_torque", "against_speed", "shaft_figures"),
+            MappingProxyType({**DEFAULT_SIDES, BOTTOM: DockExtent(0.31, 226)}),
+            shaft_docks=("drives", "timing", "shaft_torque", "against_speed", "shaft_figures"),
             section="loads",
             layers=("forces",),
             wide=(
@@ -221,11 +231,11 @@ TASKS: Mapping[str, Task] = MappingProxyType(
                 DockGroup(RIGHT, ("parameters", "flywheel", "findings"), part=1.2),
                 DockGroup(RIGHT, more=("drives",), part=0.7),
             ),
-            wide_sides=MappingProxyType({**USUAL, BOTTOM: DockExtent(0.31, 226)}),
+            wide_sides=MappingProxyType({**DEFAULT_SIDES, BOTTOM: DockExtent(0.31, 226)}),
         ),
         "stability": Task(
             "&Stability",
-            "Judge the flexible camshaft: the chart of stability, with verdicts, wind-up and speeds below it",
+            "Check the flexible camshaft: stability chart with verdicts, wind-up and speeds",
             "stability",
             tuple(replace(group, names=(), more=(*group.names, *group.more)) for group in _CLEAR),
             wide=_CLEAR,
@@ -233,70 +243,70 @@ TASKS: Mapping[str, Task] = MappingProxyType(
         ),
         "graph": Task(
             "&Graph",
-            "Compare curves: channels, tables and other designs on one graph, as pictures and files",
+            "Compare curves of channels, tables and other designs on one graph",
             "curves",
             _CLEAR,
-            beside=("graph",),
+            more_pages=("graph",),
         ),
         "study": Task(
             "St&udy",
-            "Vary numbers of the design: map and board of the study, with the mechanism and its numbers beside it",
+            "Vary values of the design: map and board of the study next to the mechanism",
             "study",
             (
                 DockGroup(LEFT, ("study",), ("motion", "find")),
                 DockGroup(TOP, ("parameters",)),
                 DockGroup(BOTTOM, more=("pressure_angle", "torque", *CHECKS)),
             ),
-            MappingProxyType({**USUAL, LEFT: DockExtent(1.0, less=INSPECTOR + SEPARATOR)}),
+            MappingProxyType({**DEFAULT_SIDES, LEFT: DockExtent(1.0, less=INSPECTOR + SEPARATOR)}),
             wide=(
                 DockGroup(LEFT, ("study",), ("motion", "find")),
                 DockGroup(RIGHT, ("parameters",)),
                 DockGroup(BOTTOM, more=("pressure_angle", "torque", *CHECKS)),
             ),
-            wide_sides=MappingProxyType({**USUAL, LEFT: DockExtent(0.52)}),
+            wide_sides=MappingProxyType({**DEFAULT_SIDES, LEFT: DockExtent(0.52)}),
         ),
     }
 )
-"""Every task by the name that menus and settings use, in the order of their buttons and keys."""
+"""Every task by the name that menus and settings use, in the order of buttons and keys."""
 
 
 def task_with(name: str) -> str:
-    """The first task in whose first layout a view can be seen; the first of all where there is none."""
+    """Return the first task whose first layout shows a view; else the first that has it in a tab, else the first."""
     for task, row in TASKS.items():
         if name in row.pages or any(name == group.names[0] for group in row.groups if group.names):
             return task
     behind = (
         task
         for task, row in TASKS.items()
-        if name in row.of_several or any(name in group.names for group in row.groups)
+        if name in row.shaft_docks or any(name in group.names for group in row.groups)
     )
     return next(behind, next(iter(TASKS)))
 
 
-# -- task layers -----------------------------------------------------------------------------------------
+# -- layers of the drawing by task -------------------------------------------------------------------------
 
-ASKED_FOR = sorted({layer for row in TASKS.values() for layer in row.layers})
+TASK_LAYERS = sorted({layer for row in TASKS.values() for layer in row.layers})
 
 
 class TaskLayers:
-    """Of one window; at first as the rows of ``TASKS`` have it."""
+    """Shows in each task of a window the layers last shown there; at first those of ``TASKS``."""
 
     def __init__(self, window: Window) -> None:
         self._window = window
-        self._left: dict[str, dict[str, bool]] = {}
+        self._shown: dict[str, dict[str, bool]] = {}
         self._task = ""
 
     def show(self, task: str) -> None:
-        """A task is in place."""
+        """Note the layers of the previous task and show those of this one."""
         mechanism = self._window.view("mechanism")
         assert mechanism is not None
         actions = {
             layer: action
-            for layer in ASKED_FOR
+            for layer in TASK_LAYERS
             if (action := mechanism.findChild(QAction, f"layer:{layer}")) is not None
         }
         if self._task:
-            self._left[self._task] = {layer: action.isChecked() for layer, action in actions.items()}
+            self._shown[self._task] = {layer: action.isChecked() for layer, action in actions.items()}
         for layer, action in actions.items():
-            action.setChecked(self._left.get(task, {}).get(layer, layer in TASKS[task].layers))
+            action.setChecked(self._shown.get(task, {}).get(layer, layer in TASKS[task].layers))
         self._task = task

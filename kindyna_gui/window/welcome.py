@@ -1,4 +1,4 @@
-"""Welcome: the examples by subject, each with a picture and a sentence; a new design; files opened lately."""
+"""The welcome page: examples by subject with images, a new design, recent files."""
 
 from __future__ import annotations
 
@@ -30,15 +30,15 @@ from kindyna_gui.rebuilt import Rebuilt
 from kindyna_gui.window.base import Window
 
 THUMB = QSize(132, 96)
-WORDS = 228  # pixels for the sentence beside a picture
+WORDS = 228  # width of the text next to an image [pixels]
 CARD = THUMB.width() + WORDS + 30
-SIDE = 210  # of the column at the left
+SIDE = 210  # width of the column at the left [pixels]
 LARGEST = QSize(SIDE + 3 * CARD + 80, 900)
-FRAME = QSize(60, 70)  # left free around it on a small screen
+FRAME = QSize(60, 70)  # left free around the page on a small screen
 
 
 class Card(QPushButton):
-    """An example: its picture, its name, its paper and what it shows; a click opens it."""
+    """A button that opens an example, with its image, name, paper and description."""
 
     def __init__(self, example: Example) -> None:
         super().__init__()
@@ -80,7 +80,7 @@ class Card(QPushButton):
         return self.sizeHint()
 
     def paint(self) -> None:
-        """Draw the picture from the design, as it is in its file; none where that cannot be read."""
+        """Paint the image from the design's file; none where it cannot be read."""
         try:
             image = thumbnail(load(self.example.path), THUMB.width(), THUMB.height(), self.devicePixelRatioF())
         except KindynaError:
@@ -89,10 +89,13 @@ class Card(QPushButton):
 
 
 class Welcome(QWidget):
-    """New designs and recent files at the left, examples at the right; pictures are painted one by one once it is on the screen."""
+    """New designs and recent files at the left, examples at the right.
+
+    Images are painted one by one once the page is on the screen. ``room`` is the room on the screen [pixels], by default
+    the screen's.
+    """
 
     def __init__(self, window: Window, room: QSize | None = None) -> None:
-        """room: of the screen, where None [pixels]"""
         super().__init__(window, Qt.WindowType.Window)
         self.setWindowTitle("Welcome to KINDYNA")
         dialogs.give_help(self, "tour#stands in front at a start")
@@ -101,16 +104,18 @@ class Welcome(QWidget):
         self.resize((room - FRAME).boundedTo(LARGEST))
         self.cards = [Card(example) for _, rows in subjects() for example in rows]
         for card in self.cards:
-            card.clicked.connect(partial(self._open_example, card.example))
+            card.clicked.connect(partial(window.documents.open_example, card.example.path))
         self.recent = Rebuilt()
         self.at_start = QCheckBox("&Show at start")
-        self.at_start.setToolTip("When KINDYNA is started without a file; Ctrl+K and “welcome” bring it back")
+        self.at_start.setToolTip(
+            "Show this page when KINDYNA starts without a file; Help > Welcome opens it at any time"
+        )
         self.at_start.setChecked(window.settings.welcome)
         self.at_start.toggled.connect(partial(setattr, window.settings, "welcome"))
-        whole = QHBoxLayout(self)
-        whole.setContentsMargins(10, 10, 10, 10)
-        whole.addWidget(self._side())
-        whole.addWidget(self._examples((self.width() - SIDE - 60) // CARD), 1)
+        row = QHBoxLayout(self)
+        row.setContentsMargins(10, 10, 10, 10)
+        row.addWidget(self._side())
+        row.addWidget(self._examples((self.width() - SIDE - 60) // CARD), 1)
         self._waiting = list(self.cards)
         self._soon = QTimer(self, interval=0)
         self._soon.timeout.connect(self._paint_next)
@@ -124,9 +129,9 @@ class Welcome(QWidget):
         column.setContentsMargins(0, 4, 10, 0)
         self.new_button, self.open_button = QPushButton("&New..."), QPushButton("&Open...")
         self.tour_button = QPushButton("&Tour")
-        self.new_button.setToolTip("Begin with a mechanism that is chosen by its picture")
+        self.new_button.setToolTip("Begin a new design with a mechanism chosen from images")
         self.open_button.setToolTip("Open a design file")
-        self.tour_button.setToolTip("What is where, in five minutes")
+        self.tour_button.setToolTip("The window in five minutes")
         self.new_button.clicked.connect(self._window.designing.new_by_picture)
         self.open_button.clicked.connect(self._window.documents.open_file)
         self.tour_button.clicked.connect(partial(self._window.show_help, "tour"))
@@ -167,15 +172,8 @@ class Welcome(QWidget):
         scrolled.setWidget(inside)
         return scrolled
 
-    # -- what a click does ----------------------------------------------------------------------------------
-
-    def _open_example(self, example: Example) -> None:
-        self._window.documents.open_example(example.path)
-
-    # -- window ---------------------------------------------------------------------------------------------
-
     def open(self) -> None:
-        """In front of everything, with the files of now."""
+        """Show the page in front of all windows, with the current list of recent files."""
         self._list_recent()
         self.show()
         self.raise_()
@@ -188,7 +186,7 @@ class Welcome(QWidget):
         column = QVBoxLayout(content)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(2)
-        heading = QLabel("Opened lately" if files else "Files that you open will stand here.", wordWrap=True)
+        heading = QLabel("Recent files" if files else "Recent files appear here.", wordWrap=True)
         coloured(heading, SCREEN.quiet)
         column.addWidget(heading)
         for path in files:

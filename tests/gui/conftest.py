@@ -190,7 +190,7 @@ def begin_anew(
     kept = f"{task} whole" if whole else task
     if kept in layouts:
         window.restoreState(layouts[kept])
-        window.centre.lay(TASKS[task].pages, TASKS[task].front)
+        window.centre.set_pages(TASKS[task].pages, TASKS[task].pages[-1])
     else:
         window.reset_layout()
         for dock in window.docks.values():

@@ -16,7 +16,7 @@ from PySide6.QtWidgets import QGraphicsItem, QGraphicsSimpleTextItem, QWidget
 from core.output.graph import ANGLES, DASHES, RIGHT, Graph, GraphAxis, GraphData, GraphPoint, Series, angle_marks
 from kindyna_gui.pictures.items import Outline, Tag
 from kindyna_gui.pictures.plots.graph_ranges import Shown, bounded, evenly, is_outline, rungs, scaled, ticks_of, whole
-from kindyna_gui.pictures.plots.lines import LEFT_WIDTH, Z_CURSOR, Z_CURVE, Entry, shades, shades_entry
+from kindyna_gui.pictures.plots.lines import LEFT_WIDTH, Z_CURSOR, Z_CURVE, Entry, band_entry, band_items
 from kindyna_gui.pictures.plots.plot import EDGE, RIGHT_MARGIN, TOP_MARGIN, Axis, FixedPlot
 from kindyna_gui.pictures.style import (
     BLUE,
@@ -74,7 +74,7 @@ class GraphPlot(FixedPlot):
         self._fitted_for: tuple[float, float] | None = None  # size at which an outline fills the plot
         self._thinned_for = 0.0  # pixels across
         super().__init__(parent, theme, centred=True)
-        self._heading = QGraphicsSimpleTextItem(self._sheet)
+        self._heading = QGraphicsSimpleTextItem(self._canvas)
         self._heading.setFont(font(TEXT + 1, bold=True))
         self._heading.setBrush(brush(theme.ink))
         self._lines = [self._outline(theme.quiet, Z_CURSOR, DASHED) for _ in LETTERS]
@@ -132,10 +132,10 @@ class GraphPlot(FixedPlot):
         self._shades = [each for number, band in bands.items() for each in self._shaded(number, *band)]
         self._message_text = "" if found.series else message
         names = [Entry(self.colour(i), each.name, self._sign(each)) for i, each in enumerate(found.series)]
-        self._name([*names, *([shades_entry(self._theme)] if bands else [])])
+        self._name([*names, *([band_entry(self._theme)] if bands else [])])
         self._heading.setText(graph.title)
         self._above = float(TOP_MARGIN + (sized(TITLE_HEIGHT) if graph.title else 0))
-        self._sheet.layout.setContentsMargins(EDGE, self._above, RIGHT_MARGIN, EDGE)
+        self._canvas.layout.setContentsMargins(EDGE, self._above, RIGHT_MARGIN, EDGE)
         self._fit_legend()
         self.points = tuple(point for point in self.points if point.series < len(found.series))
         self._speak()
@@ -175,14 +175,14 @@ class GraphPlot(FixedPlot):
     def _one_more(self) -> tuple[Axis, pg.ViewBox]:
         """An axis further out on the right."""
         axis, view = Axis("right", self._theme), pg.ViewBox(enableMenu=False)
-        view.setParentItem(self._sheet)  # once it is made: only then does it hear when it is to be painted
+        view.setParentItem(self._canvas)  # once it is made: only then does it hear when it is to be painted
         view.setMouseEnabled(False, False)
         view.disableAutoRange()
         view.setDefaultPadding(0.0)
         view.setZValue(self._view.zValue() + 1.0)
         axis.linkToView(view)
         axis.setZValue(0.5)
-        self._sheet.layout.addItem(axis, 2, 2 + len(self._further))
+        self._canvas.layout.addItem(axis, 2, 2 + len(self._further))
         return axis, view
 
     def view_of(self, axis: int) -> pg.ViewBox:
@@ -195,7 +195,7 @@ class GraphPlot(FixedPlot):
         return next(i for i, axis in enumerate(self.found.axes) if series in axis.series)
 
     def colour(self, series: int) -> str:
-        """The row's own, else the drive's, else the quantity's, those of one quantity in shades, of many in colours of their own."""
+        """The row's own, else the drive's, else the quantity's, those of one quantity in band_items, of many in colours of their own."""
         each = self.found.series[series]
         row = self.graph.curve(each.key)
         if row is not None and row.colour:
@@ -269,7 +269,7 @@ class GraphPlot(FixedPlot):
         axis = self.axis_of(number)
         upwards = scaled(band, self.found.axes[axis].scale.log, self.rungs[axis].size)
         view = self.view_of(axis)
-        made = [(view, item) for item in shades(scaled(x, self.graph.x.log), upwards, self.colour(number))]
+        made = [(view, item) for item in band_items(scaled(x, self.graph.x.log), upwards, self.colour(number))]
         for _, item in made:
             view.addItem(item, ignoreBounds=True)
         return made
@@ -469,7 +469,7 @@ class GraphPlot(FixedPlot):
             ticks_of(ends, frame.height, axis.scale.log)
             for axis, ends in zip(self.found.axes, self.shown.values, strict=True)
         ]
-        self.rule(frame, across, ticks[0] if ticks else [])
+        self.draw_axes(frame, across, ticks[0] if ticks else [])
         self._axes["bottom"].show_title(self._across(), ink)
         self._axes["left"].show_title("", ink)
         for i, slot in enumerate(self._slots):

@@ -1,4 +1,4 @@
-"""Lines, legend, mouse."""
+"""Parts of a plot: its frame in pixels, legend, curves, limit lines, cursor and shaded bands of machines."""
 
 from __future__ import annotations
 
@@ -18,16 +18,29 @@ from kindyna_gui.pictures.style import SMALL, Theme, brush, font
 from kindyna_gui.pictures.units import needed
 from kindyna_gui.settings import sized
 
-# -- frame -----------------------------------------------------------------------------------------------
-
 LEFT_WIDTH, TOP_HEIGHT, BOTTOM_HEIGHT = 66, 17, 38  # of the axes, pixels
 Z_BANDS, Z_GRID, Z_ZERO, Z_LIMIT, Z_REFERENCE, Z_CURVE, Z_CURSOR = -90.0, -80.0, -70.0, 5.0, 8.0, 10.0, 20.0
+LEGEND_HEIGHT = 18.0  # of the first line, pixels
+MIN_LINES = 2  # lines that a legend may always have
+ELLIPSIS = "…"
+NAME_GAP = "\u00a0\u00a0 "  # between names
+TEXT_POSITIONS = (1.0, 0.0, 0.75, 0.5, 0.25)  # along a limit's line, for its text
+BAND_OPACITY = (0.16, 0.3)  # of the outer band, of the inner one above it
+MACHINES = "90 and 99.73 % of machines"
+
+# -- frame -----------------------------------------------------------------------------------------------
 
 
 @frozen
 class Frame:
-    """What a plot shows at which size: values from low to high over first ... last, a turn of the cam [deg] by
-    default, on width x height pixels."""
+    """Range and size of a plot.
+
+    Attributes
+    ----------
+    low, high : values at the lower and upper end, in the unit of the axis
+    width, height : size in pixels
+    first, last : ends of the x axis; by default one turn of the cam [deg]
+    """
 
     low: float
     high: float
@@ -37,69 +50,63 @@ class Frame:
     last: float = 360.0
 
     def pixel(self, value: float) -> float:
-        """Height of a value above the axis, pixels."""
+        """Height of a value above the lower end [pixels]."""
         return (value - self.low) / (self.high - self.low) * self.height
 
     def value(self, pixel: float) -> float:
+        """Value at a height above the lower end [pixels]."""
         return self.low + pixel / self.height * (self.high - self.low)
 
 
 # -- legend ----------------------------------------------------------------------------------------------
 
-LEGEND_HEIGHT = 18.0  # of the first line, pixels
-LEAST_LINES = 2  # may always be taken
-CUT = "…"
-APART = "\u00a0\u00a0 "  # between names
-
 
 @frozen
 class Entry:
-    """A name, with the colour of its curve and what stands for its stroke."""
+    """A name in the legend, with the colour of its curve and a sign for its stroke."""
 
     colour: str
     name: str
     mark: str = "—"
 
 
-def rows_of(widths: Sequence[float], apart: float, room: float, most: int) -> list[list[int]]:
-    """What stands on each line, by number: one beside the other as far as there is room; as many on each line as it
-    takes where that would be more than so many lines."""
-    rows = _filled(widths, apart, room)
-    if len(rows) <= most:
-        return rows
-    each = -(-len(widths) // most)
-    return [list(range(i, min(i + each, len(widths)))) for i in range(0, len(widths), each)]
+def legend_rows(widths: Sequence[float], gap: float, room: float, max_rows: int) -> list[list[int]]:
+    """Numbers of the entries on each line of a legend.
 
-
-def _filled(widths: Sequence[float], apart: float, room: float) -> list[list[int]]:
+    Each line is filled as far as the room allows. Where that needs more than ``max_rows`` lines, the entries are
+    divided equally among so many.
+    """
     rows: list[list[int]] = []
     used = 0.0
     for i, width in enumerate(widths):
-        if rows and used + apart + width <= room:
+        if rows and used + gap + width <= room:
             rows[-1].append(i)
-            used += apart + width
+            used += gap + width
         else:
             rows.append([i])
             used = width
-    return rows
+    if len(rows) <= max_rows:
+        return rows
+    count = -(-len(widths) // max_rows)
+    return [list(range(i, min(i + count, len(widths)))) for i in range(0, len(widths), count)]
 
 
 def cut(text: str, room: float, advance: Callable[[str], float]) -> str:
-    """A text, its end left out where it is wider than the room."""
+    """Shorten a text that is wider than the room, with an ellipsis at its end."""
     if advance(text) <= room:
         return text
-    kept = next((n for n in range(len(text) - 1, 0, -1) if advance(text[:n].rstrip() + CUT) <= room), 1)
-    return text[:kept].rstrip() + CUT
+    length = next((n for n in range(len(text) - 1, 0, -1) if advance(text[:n].rstrip() + ELLIPSIS) <= room), 1)
+    return text[:length].rstrip() + ELLIPSIS
 
 
 class Legend(QGraphicsTextItem):
-    """The entries laid out in the room they are given; nothing is done where neither changes."""
+    """Names of the curves above a plot; laid out again only where its entries or its room have changed."""
 
     def __init__(self, parent: QGraphicsWidget, ink: str, centred: bool = False) -> None:
         super().__init__(parent)
         self._entries: tuple[Entry, ...] = ()
         self._note, self._centred = "", centred
-        self._laid: tuple[object, ...] = ()
+        self._layout: tuple[object, ...] = ()
         self.setDefaultTextColor(QColor(ink))
         self.height = 0.0
         self.update_font()
@@ -108,28 +115,30 @@ class Legend(QGraphicsTextItem):
         """Use the font size that is set now; `fit` lays the text out again."""
         self.setFont(font(SMALL))
         self._metrics = QFontMetricsF(self.font())
-        self.setPlainText(APART)
-        self._line = self.boundingRect().height()
+        self.setPlainText(NAME_GAP)
+        self._line_height = self.boundingRect().height()
         self.setPlainText("")
-        self._laid = ()
+        self._layout = ()
 
     @property
     def text(self) -> str:
-        """The legend as plain text."""
+        """Legend as plain text."""
         return self.toPlainText()
 
     def set_entries(self, entries: Sequence[Entry], note: str = "") -> None:
-        """note: behind the last name, where one line has room for all."""
+        """Set the names; the note follows the last name where one line has room for all."""
         self._entries, self._note = tuple(entries), note
 
     def fit(self, room: QRectF) -> None:
-        """Stand at the top of this room, no wider, and no higher if more than two lines; ``height`` is what that
-        takes. A name that has no room is cut."""
-        most = max(LEAST_LINES, 1 + int((room.height() - sized(LEGEND_HEIGHT)) / self._metrics.lineSpacing()))
-        wanted = (self._entries, self._note, room.width(), most)
-        if wanted != self._laid:
-            self._laid = wanted
-            self._write(room.width() - 2.0 * self.document().documentMargin(), most)
+        """Lay the names out at the top of a room and set ``height``.
+
+        More than two lines are used only where the room is high enough. A name that has no room is cut.
+        """
+        max_rows = max(MIN_LINES, 1 + int((room.height() - sized(LEGEND_HEIGHT)) / self._metrics.lineSpacing()))
+        layout = (self._entries, self._note, room.width(), max_rows)
+        if layout != self._layout:
+            self._layout = layout
+            self._write(room.width() - 2.0 * self.document().documentMargin(), max_rows)
         box = self.boundingRect()
         if self._centred:
             box.moveCenter(QRectF(room.left(), room.top(), room.width(), self.height).center())
@@ -137,22 +146,20 @@ class Legend(QGraphicsTextItem):
         else:
             self.setPos(room.topLeft())
 
-    def _write(self, room: float, most: int) -> None:
+    def _write(self, room: float, max_rows: int) -> None:
         advance = self._metrics.horizontalAdvance
-        widths, apart = [advance(f"{e.mark} {e.name}") for e in self._entries], advance(APART)
-        rows = rows_of(widths, apart, room, most)
-        shares = [self._share([widths[i] for i in row], room - apart * (len(row) - 1)) for row in rows]
-        parts = [[self._html(self._entries[i], share) for i in row] for row, share in zip(rows, shares, strict=True)]
-        if self._note and sum(widths) + apart * len(widths) + advance(self._note) <= room:
+        widths, gap = [advance(f"{e.mark} {e.name}") for e in self._entries], advance(NAME_GAP)
+        rows = legend_rows(widths, gap, room, max_rows)
+        parts = []
+        for row in rows:
+            row_room = room - gap * (len(row) - 1)
+            share = row_room if sum(widths[i] for i in row) <= row_room else row_room / len(row)
+            parts.append([self._html(self._entries[i], share) for i in row])
+        if self._note and sum(widths) + gap * len(widths) + advance(self._note) <= room:
             parts = [[*(part for row in parts for part in row), escape(self._note)]]
-        self.setHtml("<br>".join(APART.join(row) for row in parts))
-        more = self.boundingRect().height() - self._line
-        self.height = sized(LEGEND_HEIGHT) + max(more, 0.0) if rows else 0.0
-
-    @staticmethod
-    def _share(widths: Sequence[float], room: float) -> float:
-        """How wide an entry on a line may be: as it is where all have room."""
-        return room if sum(widths) <= room else room / len(widths)
+        self.setHtml("<br>".join(NAME_GAP.join(row) for row in parts))
+        further_lines = self.boundingRect().height() - self._line_height
+        self.height = sized(LEGEND_HEIGHT) + max(further_lines, 0.0) if rows else 0.0
 
     def _html(self, entry: Entry, room: float) -> str:
         advance = self._metrics.horizontalAdvance
@@ -160,17 +167,16 @@ class Legend(QGraphicsTextItem):
         return f'<span style="color:{entry.colour};font-weight:bold">{entry.mark}</span> {escape(name)}'
 
 
-# -- lines -----------------------------------------------------------------------------------------------
-
-PLACES = (1.0, 0.0, 0.75, 0.5, 0.25)  # along a limit's line, for its text
-BAND_STRENGTH = (0.16, 0.3)  # opacity of the outer band, of the inner one above it
+# -- curves, limit lines and cursor ----------------------------------------------------------------------
 
 
 class CurveLine(Outline):
-    """A curve over the turn; on the screen it is drawn from those of its points that its size there needs.
+    """Curve over one turn; on the screen it is drawn through no more points than its size needs.
 
-    x, y    all its points (n,), in the units of the axes
-    drawn   how many of them the path goes through
+    Attributes
+    ----------
+    x, y : ndarray (n,), all its points, in the units of the axes
+    drawn : how many of them the path passes through
     """
 
     x: np.ndarray  # type: ignore[assignment]
@@ -179,35 +185,34 @@ class CurveLine(Outline):
     def __init__(self, view: pg.ViewBox) -> None:
         super().__init__(QPainterPath())
         self.x = self.y = np.zeros(0)
-        self.drawn, self._whole = 0, True
-        self._laid: tuple[object, ...] = ()
+        self.drawn, self._is_finite = 0, True
+        self._layout: tuple[object, ...] = ()
         view.addItem(self, ignoreBounds=True)
 
     def show_points(self, x: np.ndarray, y: np.ndarray, pen: QPen, z: float) -> None:
-        """Be a curve through these points; a gap where y is NaN. To be laid before it is drawn."""
-        self.x, self.y, self._whole = x, y, bool(np.isfinite(y).all())
-        self._laid = ()
+        """Set the points (n,); there is a gap where y is NaN. ``lay`` draws them."""
+        self.x, self.y, self._is_finite = x, y, bool(np.isfinite(y).all())
+        self._layout = ()
         self.setPen(pen)
         self.setZValue(z)
 
     def lay(self, frame: Frame, unseen: float) -> None:
-        """Take the points that a plot of this size needs to be off by no more than ``unseen`` pixels; all where it is
-        0."""
-        wanted = (frame, unseen)
-        if wanted == self._laid:
+        """Draw the curve with an error of at most ``unseen`` pixels; through all points where that is 0."""
+        layout = (frame, unseen)
+        if layout == self._layout:
             return
-        self._laid = wanted
+        self._layout = layout
         pixels = self.x * (frame.width / 360.0) + 1j * self.y * (frame.height / (frame.high - frame.low))
-        kept = needed(pixels, unseen)
-        self.drawn = int(kept.size)
-        connect = "all" if self._whole else "finite"
-        self.redraw(pg.arrayToQPath(self.x[kept], self.y[kept], connect, finiteCheck=not self._whole))
+        indices = needed(pixels, unseen)
+        self.drawn = int(indices.size)
+        connect = "all" if self._is_finite else "finite"
+        self.redraw(pg.arrayToQPath(self.x[indices], self.y[indices], connect, finiteCheck=not self._is_finite))
 
     def enters(self, box: QRectF, frame: Frame) -> bool:
-        """Whether the curve comes into a box in the frame [pixels from its lower left corner, y upwards]."""
+        """Whether the curve enters a box in the frame [pixels from its lower left corner, y upwards]."""
         first, last = np.searchsorted(self.x, np.array([box.left(), box.right()]) / frame.width * 360.0)
         part = self.y[max(first - 1, 0) : last + 1]
-        part = part if self._whole else part[np.isfinite(part)]
+        part = part if self._is_finite else part[np.isfinite(part)]
         low, high = frame.value(box.top()), frame.value(box.bottom())
         return bool(part.size) and not (part.max() < low or part.min() > high)
 
@@ -217,7 +222,7 @@ class CurveLine(Outline):
 
 
 class LimitLine:
-    """A thin red line over the whole turn with its value at the right end."""
+    """A thin red line over the full turn, with its value at the right end."""
 
     def __init__(self, view: pg.ViewBox, theme: Theme, value: float = 0.0, text: str = "") -> None:
         path = QPainterPath()
@@ -231,54 +236,55 @@ class LimitLine:
         self.set_value(value, text)
 
     def set_value(self, value: float, text: str, short: str = "", field: str = "") -> None:
-        """Stand at this value with this text, or with the short one where it would cover a curve; field: where it is stated."""
+        """Set value and text; the short text is used where the text would cover a curve; field: path of the limit."""
         self.value, self.text, self._short, self.field = value, text, short, field
         self._tag.set_text(text)
         self._line.setPos(0.0, value)
         self._tag.setPos(360.0, value)
 
     def lay(self, low: float, high: float, height: float) -> None:
-        """The text stands above the line at its right end, below it where there is no room."""
-        self._stand(1.0, self._above(low, high, height))
+        """Put the text above the line at its right end, or below it where there is no room above."""
+        self._put_text(1.0, self._has_room_above(low, high, height))
 
-    def lay_clear(self, frame: Frame, curves: Sequence[CurveLine], taken: Sequence[QRectF] = ()) -> None:
-        """The same, but further left, below the line, or in short where it would cover a curve otherwise, or one of the boxes taken."""
-        above = self._above(frame.low, frame.high, frame.height)
+    def lay_clear(self, frame: Frame, curves: Sequence[CurveLine], occupied: Sequence[QRectF] = ()) -> None:
+        """Put the text where it covers no curve and no occupied box: further left, below the line, or shortened."""
+        above = self._has_room_above(frame.low, frame.high, frame.height)
         room = QRectF(-1.0, 0.0, frame.width + 2.0, frame.height)
-        for text, over, part in product((self.text, self._short), (above, not above), PLACES):
+        for text, over, part in product((self.text, self._short), (above, not above), TEXT_POSITIONS):
             self._tag.set_text(text)
-            self._stand(part, over)
+            self._put_text(part, over)
             box = self.box(frame).adjusted(0.0, -2.0, 0.0, 2.0)
-            covers = any(curve.enters(box, frame) for curve in curves) or any(map(box.intersects, taken))
+            covers = any(curve.enters(box, frame) for curve in curves) or any(map(box.intersects, occupied))
             if text and room.contains(box) and not covers:
                 return
         self._tag.set_text(self.text)
         if self._short and self._tag.size[0] + 8.0 > frame.width:
             self._tag.set_text(self._short)
-        self._stand(1.0, above)
+        self._put_text(1.0, above)
 
-    def _above(self, low: float, high: float, height: float) -> bool:
+    def _has_room_above(self, low: float, high: float, height: float) -> bool:
         return (high - self.value) / (high - low) * height > self._tag.size[1] + 2.0
 
-    def _stand(self, part: float, above: bool) -> None:
-        """At a part of the line's length, above or below it."""
+    def _put_text(self, part: float, above: bool) -> None:
+        """Put the text at a fraction of the line's length, above or below it."""
         self._tag.setPos(360.0 * part, self.value)
         self._tag.set_lean(part, 1.0 if above else 0.0)
         self._tag.shift(4.0 - 8.0 * part, 0.0)
 
     def box(self, frame: Frame) -> QRectF:
-        """Where the text stands in the frame, pixels from its lower left corner, y upwards."""
-        box, place = self._tag.pixel_box(), frame.pixel(self.value)
+        """Box of the text in the frame [pixels from its lower left corner, y upwards]."""
+        box, y = self._tag.pixel_box(), frame.pixel(self.value)
         x = self._tag.pos().x() / 360.0 * frame.width
-        return QRectF(x + box.left(), place - box.bottom(), box.width(), box.height())
+        return QRectF(x + box.left(), y - box.bottom(), box.width(), box.height())
 
     def remove(self, view: pg.ViewBox) -> None:
+        """Remove line and text from the plot."""
         for item in self._items:
             view.removeItem(item)
 
 
 class Cursor(Outline):
-    """The upright line at the cam angle."""
+    """Vertical line at the cam angle."""
 
     def __init__(self, view: pg.ViewBox, theme: Theme) -> None:
         path = QPainterPath()
@@ -288,41 +294,47 @@ class Cursor(Outline):
         view.addItem(self, ignoreBounds=True)
 
     def span(self, low: float, high: float) -> None:
-        """Reach over the values that are shown."""
+        """Draw the line from ``low`` to ``high``, the values that the axis shows."""
         path = QPainterPath()
         path.moveTo(0.0, low)
         path.lineTo(0.0, high)
         self.redraw(path)
 
     def value(self) -> float:
-        """The cam angle [deg]."""
+        """Cam angle of the cursor [deg]."""
         return float(self.pos().x())
 
 
-def closed(band: np.ndarray, gain: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
-    """Cam angles [deg] (n + 1,) to the end of the turn, and the percentiles (5, n + 1) there, which grow by ``gain`` in a turn."""
+# -- bands of machines -----------------------------------------------------------------------------------
+
+
+def closed_band(band: np.ndarray, gain: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+    """Cam angles [deg] (n + 1,) to the end of the turn, and the percentiles (5, n + 1) there.
+
+    A value grows by ``gain`` in one turn.
+    """
     return np.linspace(0.0, 360.0, band.shape[1] + 1), np.column_stack([band, band[:, :1] + gain])
 
 
-def rings(x: np.ndarray, ends: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, float]]:
-    """Round the area from the first to the last percentile (5, n), and from the second to the last but one: x, value (m,), opacity."""
-    for i, strength in enumerate(BAND_STRENGTH):
-        known = np.isfinite(x) & np.isfinite(ends[i]) & np.isfinite(ends[-1 - i])
-        there, low, high = x[known], ends[i][known], ends[-1 - i][known]
-        yield np.append(there, there[::-1]), np.append(low, high[::-1]), strength
+def band_outlines(x: np.ndarray, percentiles: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, float]]:
+    """Outlines of the two areas of a band: x (m,), values (m,) and opacity.
+
+    The outer area is between the first and the last percentile (5, n), the inner one between the second and the fourth.
+    """
+    for i, opacity in enumerate(BAND_OPACITY):
+        known = np.isfinite(x) & np.isfinite(percentiles[i]) & np.isfinite(percentiles[-1 - i])
+        known_x, low, high = x[known], percentiles[i][known], percentiles[-1 - i][known]
+        yield np.append(known_x, known_x[::-1]), np.append(low, high[::-1]), opacity
 
 
-def shades(x: np.ndarray, ends: np.ndarray, colour: str) -> Iterator[Outline]:
-    """These areas, the outer one faint, as drawn."""
-    for across, upwards, strength in rings(x, ends):
-        item = Outline(pg.arrayToQPath(across, upwards), fill=brush(colour, strength))
+def band_items(x: np.ndarray, percentiles: np.ndarray, colour: str) -> Iterator[Outline]:
+    """Items that shade the two areas of a band, the outer one faintly."""
+    for across, upwards, opacity in band_outlines(x, percentiles):
+        item = Outline(pg.arrayToQPath(across, upwards), fill=brush(colour, opacity))
         item.setZValue(Z_REFERENCE - 1.0)
         yield item
 
 
-MACHINES = "90 and 99.73 % of machines"
-
-
-def shades_entry(theme: Theme, text: str = MACHINES) -> Entry:
-    """What the legend says of them."""
+def band_entry(theme: Theme, text: str = MACHINES) -> Entry:
+    """Legend entry of the shaded bands."""
     return Entry(theme.quiet, text, "▒")

@@ -1,4 +1,7 @@
-"""One base: axes, grid, ranges, cursor."""
+"""Base of all plots: axes with given ticks, background, layout with legend and message, and the range of an axis.
+
+No plot zooms, pans or searches its own range; a view decides what is shown.
+"""
 
 from __future__ import annotations
 
@@ -33,18 +36,41 @@ from kindyna_gui.pictures.style import SCREEN, SMALL, TEXT, THIN, Theme, brush, 
 from kindyna_gui.pictures.units import decimals_of, number, ticks
 from kindyna_gui.settings import sized
 
-# -- an axis of a plot, with the ticks that it is given --------------------------------------------------
+ANGLE_STEPS = (30, 60, 90, 180)  # between ticks of the cam angle, deg
+LEAST_ANGLE_PIXELS, LEAST_VALUE_PIXELS, LEAST_ACROSS = 38.0, 26.0, 46.0  # between ticks; of numbers along the bottom
+NAME_ROOM = 4.0  # between a segment's name and its ends, pixels
+EDGE, RIGHT_MARGIN = 2, 16  # around the axes, pixels
+TOP_MARGIN = 6  # above a plot that has no axis at the top
+BARE, NUMBERS = 6, 20  # heights of an axis without numbers, and with numbers alone
+LOW = 150  # pixels of height, below which a plot has no room for the name of its angle
+DEGREES = ", °"  # end of such a name
+LEGEND_SHARE = 0.25  # of the height, for more than two lines of names
+MESSAGE_EDGE = 16.0  # left free on both sides of a message
+FREE = 0.07  # of the values' range, left free above and below
+FAR_LIMIT = 3.0  # a limit is not shown where it exceeds so many times the largest value
+SPIKE = 3.0  # a spike exceeds the range of the other values by so many times that range
+REST, CORE = 0.02, 0.05  # share of the lowest and highest values left out of that range, and of the range then shown
+FROM_ZERO = frozenset({"velocity", "acceleration", "jerk", "pressure-angle", "force", "torque", "curvature", "ratio"})
+"""Families whose axis always shows 0; places, lengths and angles show it only where it is near."""
+Ticks = Sequence[tuple[float, str]]
 
-_ROOM = QRectF(0.0, 0.0, 100.0, 100.0)  # a text is measured in
-TITLE_BACK = 9.0  # pixels
-_SLIM = 0.8  # of the height that is measured: what letters take of it
+# -- axis with given ticks -------------------------------------------------------------------------------
+
+_MEASURING_BOX = QRectF(0.0, 0.0, 100.0, 100.0)
+TITLE_OFFSET = 9.0  # of the title of an axis on the right, pixels inwards
+_TEXT_HEIGHT = 0.8  # of the measured height: what the glyphs fill
 Line = tuple[QPen, QPointF, QPointF]
 Flags = Qt.AlignmentFlag | Qt.TextFlag
 Text = tuple[QRectF, Flags, str]
 
 
 class Axis(pg.AxisItem):
-    """An axis that shows the ticks it is given, in the quiet colour of the paper; shown: their values and texts."""
+    """Axis with given ticks, in the theme's quiet colour.
+
+    Attributes
+    ----------
+    shown : values and texts of the ticks
+    """
 
     def __init__(self, orientation: str, theme: Theme, line: bool = True) -> None:
         super().__init__(orientation, pen=theme.pen(theme.quiet), textPen=theme.pen(theme.ink), maxTickLength=-4)
@@ -66,16 +92,16 @@ class Axis(pg.AxisItem):
         """Use the font size that is set now."""
         self._sizes = {}
         self.setStyle(tickFont=font(SMALL))
-        self.title_anew(str)
+        self.redraw_title(str)
 
     def show_ticks(self, rows: Sequence[tuple[float, str]]) -> None:
-        """Ticks at these values with these texts, and no others."""
-        if list(rows) != self.shown:  # pyqtgraph would draw the axis anew
+        """Show ticks at these values with these texts, and no others."""
+        if list(rows) != self.shown:  # pyqtgraph would draw the axis again
             self.shown = list(rows)
             self.setTicks([self.shown])
 
     def show_title(self, text: str, colour: str) -> None:
-        """The axis' name; put in the middle anew, which setLabel alone does not do."""
+        """Show the axis' title, centred, which setLabel alone does not do."""
         style = {"color": colour, "font-size": f"{round(sized(TEXT))}px"}
         if (text, colour) != self._title:
             self._title = (text, colour)
@@ -83,63 +109,72 @@ class Axis(pg.AxisItem):
             self.resizeEvent()
             _forget(self.label)
 
-    def title_anew(self, colour: Callable[[str], str]) -> None:
-        """The name, its colour and size as they are now."""
+    def redraw_title(self, colour: Callable[[str], str]) -> None:
+        """Draw the title again in the current font size; ``colour`` maps its colour before to the new one."""
         (text, before), self._title = self._title, ("", "")
         self.show_title(text, colour(before))
 
     def resizeEvent(self, event: object = None) -> None:
-        """On the right pyqtgraph would let the title hang over the end."""
+        """Keep the title on the right inside the axis, where pyqtgraph would let it hang over the end."""
         super().resizeEvent(event)
         _forget(self)
         if self.orientation == "right" and getattr(self, "label", None) is not None:
-            self.label.moveBy(-sized(TITLE_BACK), 0.0)
+            self.label.moveBy(-sized(TITLE_OFFSET), 0.0)
 
     # -- drawing --------------------------------------------------------------------------------------------
 
     def generateDrawSpecs(self, painter: QPainter) -> tuple[Line, list[Line], list[Text]]:
-        """Axis, ticks and texts where pyqtgraph puts them; as the ticks are given, nothing is searched."""
-        side, bounds, whole = _SIDES[self.orientation], self.mapRectFromParent(self.geometry()), self.boundingRect()
+        """Axis, ticks and texts in pyqtgraph's layout, without its search for tick values."""
+        side, bounds, visible = _SIDES[self.orientation], self.mapRectFromParent(self.geometry()), self.boundingRect()
         low, high = self.range
         pixels = side.length(bounds) / ((high - low) or 1.0)
         ticks_shown = [
             (side.at(bounds, (value - low) * pixels), text) for value, text in self.shown if low <= value <= high
         ]
         pen, reach = self.tickPen(), side.outwards * self.style["tickLength"]
-        ticks = [(pen, place, place + reach) for place, _ in ticks_shown]
+        ticks = [(pen, point, point + reach) for point, _ in ticks_shown]
         texts: list[Text] = []
         if self.style["showValues"]:
             painter.setFont(self.style["tickFont"])
             self._sizes = {text: self._sizes.get(text) or _size(painter, text) for _, text in ticks_shown}
             away = side.outwards * (max(0.0, self.style["tickLength"]) + self.style["tickTextOffset"][side.across])
-            boxes = ((side.box(place + away, *self._sizes[text]), text) for place, text in ticks_shown)
-            texts = [(box, side.flags, text) for box, text in boxes if whole & box == box]
+            boxes = ((side.box(point + away, *self._sizes[text]), text) for point, text in ticks_shown)
+            texts = [(box, side.flags, text) for box, text in boxes if visible & box == box]
         return (self.pen(), *side.line(bounds)), ticks, texts
 
     def wheelEvent(self, event: object) -> None:
-        """Left to the view around."""
+        """Leave the wheel to the surrounding view."""
 
     def mouseDragEvent(self, event: object) -> None:
-        """Left to the view around."""
+        """Leave dragging to the surrounding view."""
 
 
 def _forget(item: QGraphicsItem) -> None:
-    """What is kept of an item as pixels: where its size changes Qt would paint the new part only."""
-    kept = item.cacheMode()
+    """Drop an item's cached pixels: where its size changes Qt would paint the new part only."""
+    mode = item.cacheMode()
     item.setCacheMode(item.CacheMode.NoCache)
-    item.setCacheMode(kept)
+    item.setCacheMode(mode)
 
 
 def _size(painter: QPainter, text: str) -> tuple[float, float]:
-    box = painter.boundingRect(_ROOM, Qt.AlignmentFlag.AlignCenter, text)
-    return box.width(), _SLIM * box.height()
+    box = painter.boundingRect(_MEASURING_BOX, Qt.AlignmentFlag.AlignCenter, text)
+    return box.width(), _TEXT_HEIGHT * box.height()
 
 
 @frozen
 class _Side:
-    """An axis on one side of the plot. outwards: unit vector; across: 0 where values go upwards, 1 to the right; of a
-    rectangle its length, its line from end to end, and a place so many pixels along it; the box of a text of some size
-    whose middle is nearest to the axis there, and how it stands in it."""
+    """Geometry of an axis on one side of the plot.
+
+    Attributes
+    ----------
+    outwards : unit vector away from the plot
+    across : 0 where values increase upwards, 1 where they increase to the right
+    length : length of an axis that fills a rectangle
+    line : its two ends
+    at : point at a distance along it [pixels]
+    box : box of a text of a given width and height next to that point
+    flags : alignment of the text in its box
+    """
 
     outwards: QPointF
     across: int
@@ -185,16 +220,12 @@ _SIDES: Mapping[str, _Side] = MappingProxyType(
 )  # fmt: skip
 
 
-# -- background ------------------------------------------------------------------------------------------
-
-ANGLE_STEPS = (30, 60, 90, 180)  # between ticks of the cam angle, deg
-LEAST_ANGLE_PIXELS, LEAST_VALUE_PIXELS, LEAST_ACROSS = 38.0, 26.0, 46.0  # between ticks; of numbers along the bottom
-NAME_ROOM = 4.0  # between a segment's name and its ends, pixels
+# -- segments, ticks and background ----------------------------------------------------------------------
 
 
 @frozen
 class Span:
-    """One segment of the motion: where it starts and ends [deg], its law's name, and that in short."""
+    """One segment of the motion: start and end [deg], its law's name, and the short name."""
 
     start: float
     end: float
@@ -203,33 +234,33 @@ class Span:
 
 
 def spans(motion: Motion | None) -> list[Span]:
-    """The segments of a motion in order; none without one."""
-    made, at = [], 0.0
+    """Segments of a motion in order; an empty list without a motion."""
+    result, start = [], 0.0
     for segment in motion.segments if motion is not None else ():
         law = named_law(segment.curve.law)
-        made.append(Span(at, at + segment.span_deg, law.label, law.short_name))
-        at += segment.span_deg
-    return made
+        result.append(Span(start, start + segment.span_deg, law.label, law.short_name))
+        start += segment.span_deg
+    return result
 
 
 def angle_step(width: float) -> int:
-    """Degrees between ticks of a whole turn on so many pixels."""
+    """Degrees between the ticks of one turn over a width [pixels]."""
     return next((s for s in ANGLE_STEPS if width * s / 360.0 >= sized(LEAST_ANGLE_PIXELS)), ANGLE_STEPS[-1])
 
 
 def angle_ticks(width: float) -> list[tuple[float, str]]:
-    """Places of a whole turn [deg] and their texts, as many as the width [pixels] has room for."""
+    """Ticks of one turn, angle [deg] and text, as many as the width [pixels] has room for."""
     return [(float(d), str(d)) for d in range(0, 361, angle_step(width))]
 
 
 def value_ticks(low: float, high: float, pixels: float, least: float = LEAST_VALUE_PIXELS) -> list[tuple[float, str]]:
-    """Round numbers, at least so many pixels from each other where two have room."""
+    """Ticks at round numbers, at least ``least`` pixels from each other where two have room."""
     values, step = ticks(low, high, max(2, int(pixels / sized(least))))
     return [(value, number(value, decimals_of(step))) for value in values]
 
 
 def name_ticks(segments: Sequence[Span], width: float) -> list[tuple[float, str]]:
-    """The names of the segments, in short where they are too narrow on paper, none where even that is too long."""
+    """Names of the segments at their middles [deg]: the short name in a narrow segment, none in a narrower one."""
     rows = []
     for span in segments:
         room = (span.end - span.start) / 360.0 * width
@@ -238,7 +269,7 @@ def name_ticks(segments: Sequence[Span], width: float) -> list[tuple[float, str]
     return rows
 
 
-class Paper:
+class Background:
     """Grid, zero line and shaded segments, each one static item of the view box."""
 
     def __init__(self, view: pg.ViewBox, theme: Theme) -> None:
@@ -252,41 +283,33 @@ class Paper:
             view.addItem(item, ignoreBounds=True)
 
     def draw(self, segments: Sequence[Span], across: Sequence[float], values: Sequence[float], frame: Frame) -> None:
-        """frame: what the axes show."""
+        """Shade every second segment; draw grid lines at the given places and values of the frame."""
         low, high = frame.low, frame.high
         bands, grid, zero = QPainterPath(), QPainterPath(), QPainterPath()
         for span in segments[1::2]:
             bands.addRect(QRectF(span.start, low, span.end - span.start, high - low))
-        for place in across:
-            grid.moveTo(place, low)
-            grid.lineTo(place, high)
+        for x in across:
+            grid.moveTo(x, low)
+            grid.lineTo(x, high)
         for value in values:
-            path = zero if value == 0.0 and frame.low < 0.0 else grid  # at the edge the axis itself stands
+            path = zero if value == 0.0 and frame.low < 0.0 else grid  # at the edge the axis itself is drawn
             path.moveTo(frame.first, value)
             path.lineTo(frame.last, value)
         for item, path in ((self._bands, bands), (self._grid, grid), (self._zero, zero)):
             item.redraw(path)
 
 
-# -- fixed plot ------------------------------------------------------------------------------------------
+# -- base of the plots -----------------------------------------------------------------------------------
 
-EDGE, RIGHT_MARGIN = 2, 16  # around the axes, pixels
-TOP_MARGIN = 6  # where nothing stands above the plot
-BARE, NUMBERS = 6, 20  # heights of an axis without numbers, and with numbers alone
-LOW = 150  # pixels of height, below which a plot has no room for the name of its angle
-DEGREES = ", °"  # behind such a name
-LEGEND_SHARE = 0.25  # of the height, for more than two lines of names
-MESSAGE_EDGE = 16.0  # left free beside a message
-PLACES = {
-    "top": (1, 1),
-    "bottom": (3, 1),
-    "left": (2, 0),
-}  # row and column, in the order of drawing; the first row has the names
-Ticks = Sequence[tuple[float, str]]
+_AXIS_CELLS = {"top": (1, 1), "bottom": (3, 1), "left": (2, 0)}
+"""Row and column of each axis, in the order of drawing; row 0 has the legend."""
 
 
-class Sheet(pg.GraphicsWidget):
-    """Axes around a picture, and the room above for names: ``pg.PlotItem`` without its menus, which take most of its time."""
+class PlotCanvas(pg.GraphicsWidget):
+    """Axes around the view box, and room above for the legend.
+
+    It does what ``pg.PlotItem`` does, without the menus that take most of that one's time.
+    """
 
     def __init__(self, axes: Mapping[str, Axis]) -> None:
         super().__init__()
@@ -295,22 +318,27 @@ class Sheet(pg.GraphicsWidget):
         self.layout.setSpacing(0.0)
         self.view = pg.ViewBox(parent=self, enableMenu=False)
         self.layout.addItem(self.view, 2, 1)
-        for side in (side for side in PLACES if side in axes):
+        for side in (side for side in _AXIS_CELLS if side in axes):
             axis = axes[side]
             axis.linkToView(self.view)
-            axis.setZValue(0.5)  # above what is filled, below what is to be read over it
+            axis.setZValue(0.5)  # above filled areas, below the texts over them
             axis.setFlag(QGraphicsItem.GraphicsItemFlag.ItemNegativeZStacksBehindParent)
-            self.layout.addItem(axis, *PLACES[side])
+            self.layout.addItem(axis, *_AXIS_CELLS[side])
         self.layout.setRowStretchFactor(2, 100)
         self.layout.setColumnStretchFactor(1, 100)
 
 
 class FixedPlot(pg.GraphicsView):
-    """Nothing zooms, pans, looks for its range or opens a menu, and the wheel is left to what is around.
+    """Plot without zoom, pan, automatic range or menu; the wheel is left to the surrounding view.
 
-    top      whether there is an axis above, for names
-    centred  whether the legend stands above the middle, else above the left end
-    corner   pixels of the upper right corner that something else covers, which the legend stays clear of
+    Parameters
+    ----------
+    top : whether there is an axis above, for names
+    centred : whether the legend is centred above the plot, else at its left end
+
+    Attributes
+    ----------
+    corner : pixels of the upper right corner that something else covers; the legend leaves them free
     """
 
     def __init__(
@@ -319,15 +347,15 @@ class FixedPlot(pg.GraphicsView):
         sides = ("left", "bottom", "top") if top else ("left", "bottom")
         axes = {side: Axis(side, theme, line=side != "top") for side in sides}
         super().__init__(parent, background=theme.paper)
-        self._sheet = sheet = Sheet(axes)
-        self.setCentralItem(sheet)
-        self.setCacheMode(self.CacheModeFlag.CacheNone)  # kept paper would stand in an SVG as pixels
+        self._canvas = canvas = PlotCanvas(axes)
+        self.setCentralItem(canvas)
+        self.setCacheMode(self.CacheModeFlag.CacheNone)  # a cached background would be pixels in an SVG
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self._theme, self._axes, self.corner = theme, axes, 0.0
-        self._view = sheet.view
+        self._view = canvas.view
         self._above = float(EDGE if top else TOP_MARGIN)
-        sheet.layout.setContentsMargins(EDGE, self._above, RIGHT_MARGIN, EDGE)
+        canvas.layout.setContentsMargins(EDGE, self._above, RIGHT_MARGIN, EDGE)
         self._view.setMouseEnabled(False, False)
         self._view.disableAutoRange()
         self._view.setDefaultPadding(0.0)
@@ -335,15 +363,15 @@ class FixedPlot(pg.GraphicsView):
         self._numbered_below, self._title_below, self._low = True, "", False
         self._below: tuple[bool, str, bool] | None = None
         self._size_axes()
-        self._paper = Paper(self._view, theme)
-        self._legend = Legend(sheet, theme.ink, centred)
+        self._background = Background(self._view, theme)
+        self._legend = Legend(canvas, theme.ink, centred)
         self._message = Tag("", theme.quiet, theme, TEXT)
         self._include(self._message)
         self._message_text = ""
         self._view.sigResized.connect(self._lay)
 
     def _include(self, item: QGraphicsItem, z: float | None = None) -> None:
-        """Into the plot, in the numbers of the axes."""
+        """Add an item to the plot, in the coordinates of the axes."""
         if z is not None:
             item.setZValue(z)
         self._view.addItem(item, ignoreBounds=True)
@@ -354,17 +382,17 @@ class FixedPlot(pg.GraphicsView):
         return item
 
     def show_numbers(self, on: bool, title: str = "") -> None:
-        """Numbers and a title along the bottom, or neither: of plots one below the other only the last has them."""
+        """Show numbers and a title along the bottom, or neither: in a stack only the lowest plot has them."""
         self._numbered_below, self._title_below = on, title
         self._show_below()
 
     def name_below(self, title: str) -> None:
-        """Another title along the bottom."""
+        """Set the title along the bottom."""
         self._title_below = title
         self._show_below()
 
     def _show_below(self) -> None:
-        """Of an angle a low plot has the unit alone, behind its last number; where all is as it was nothing is painted anew."""
+        """Show numbers and title; a low plot over an angle has only the unit, after its last number."""
         on, axis, self._low = self._numbered_below, self._axes["bottom"], self._is_low
         if self._below == (on, self._title_below, self._low):
             return
@@ -378,7 +406,7 @@ class FixedPlot(pg.GraphicsView):
         return self._numbered_below and self._title_below.endswith(DEGREES) and self.height() < LOW
 
     def _size_axes(self) -> None:
-        """Room for their numbers and titles."""
+        """Give the axes room for their numbers and titles."""
         self._axes["left"].setWidth(sized(LEFT_WIDTH))
         below = NUMBERS if self._low else BOTTOM_HEIGHT if self._numbered_below else BARE
         self._axes["bottom"].setHeight(sized(below) if self._numbered_below else below)
@@ -386,7 +414,7 @@ class FixedPlot(pg.GraphicsView):
             self._axes["top"].setHeight(sized(TOP_HEIGHT))
 
     def update_style(self) -> None:
-        """Theme or letters have changed: lay out anew what is there."""
+        """Lay out again after a change of theme or font size."""
         for item in self.scene().items():
             if callable(update_font := getattr(item, "update_font", None)):
                 update_font()
@@ -395,44 +423,46 @@ class FixedPlot(pg.GraphicsView):
         self._lay()
 
     def getViewBox(self) -> pg.ViewBox:
-        """What stands between the axes, in their numbers."""
+        """View box between the axes, in their coordinates."""
         return self._view
 
     def getAxis(self, side: str) -> Axis:
+        """Axis on a side: "left", "bottom" or "top"."""
         return self._axes[side]
 
     def close(self) -> bool:
-        """As of any widget, which can be shown again; pyqtgraph would take the scene apart."""
+        """Close the widget so that it can be shown again; pyqtgraph would dismantle the scene."""
         return QWidget.close(self)
 
     # -- legend ---------------------------------------------------------------------------------------------
 
     @property
     def legend(self) -> Legend:
+        """Names of the curves above the plot."""
         return self._legend
 
-    def keep_corner(self, width: float) -> None:
-        """Something so wide [pixels] stands in the upper right corner, over the plot."""
+    def reserve_corner(self, width: float) -> None:
+        """Leave so many pixels of the upper right corner free of the legend."""
         self.corner = width
         self._fit_legend()
 
     def _name(self, entries: Sequence[Entry], note: str = "") -> None:
-        """The legend above the curves; no room is lost where nothing has a name."""
+        """Set the legend; it takes no room where nothing has a name."""
         self._legend.set_entries(entries, note)
         self._fit_legend()
 
     def _fit_legend(self) -> None:
-        """Between the left axis and what is kept free on the right."""
+        """Fit the legend between the left axis and the reserved corner."""
         left = EDGE + sized(LEFT_WIDTH)
         width = self.width() - left - max(RIGHT_MARGIN, self.corner)
         self._legend.fit(QRectF(left, self._above, width, LEGEND_SHARE * self.height()))
-        layout = self._sheet.layout
+        layout = self._canvas.layout
         if layout.rowMinimumHeight(0) != self._legend.height:
             layout.setRowFixedHeight(0, self._legend.height)
 
     def resizeEvent(self, event: QResizeEvent | None) -> None:
-        if event is not None:  # pyqtgraph's own call while it is being made
-            self._fit_legend()  # first, for the plot gets what is left of the height
+        if event is not None:  # None: pyqtgraph's call during construction
+            self._fit_legend()  # first, because the plot gets the remaining height
             if self._low != self._is_low:
                 self._show_below()
         super().resizeEvent(event)
@@ -440,19 +470,19 @@ class FixedPlot(pg.GraphicsView):
     # -- layout ---------------------------------------------------------------------------------------------
 
     def frame(self) -> Frame:
-        """What is shown at which size."""
+        """Range and size that are shown."""
         (first, last), (low, high) = self._view.viewRange()
         return Frame(low, high, max(self._view.width(), 1.0), max(self._view.height(), 1.0), first, last)
 
     def pixel_at(self, across: float) -> QPointF:
-        """Where a place of the x axis stands in the widget [pixels], in the middle of the plot's height."""
+        """Pixel of the widget at a value of the x axis, in the middle of the plot's height."""
         frame = self.frame()
-        place = self._view.mapViewToScene(QPointF(across, 0.5 * (frame.low + frame.high)))
-        return QPointF(self.mapFromScene(place))
+        point = self._view.mapViewToScene(QPointF(across, 0.5 * (frame.low + frame.high)))
+        return QPointF(self.mapFromScene(point))
 
-    def rule(self, frame: Frame, across: Ticks, upwards: Ticks, bands: Sequence[Span] = ()) -> None:
-        """Grid, zero line, bands and ticks; the message in the middle."""
-        self._paper.draw(bands, [at for at, _ in across], [at for at, _ in upwards], frame)
+    def draw_axes(self, frame: Frame, across: Ticks, upwards: Ticks, segments: Sequence[Span] = ()) -> None:
+        """Draw grid, zero line, shaded segments and ticks, and the message in the middle."""
+        self._background.draw(segments, [at for at, _ in across], [at for at, _ in upwards], frame)
         last = len(across) - 1
         self._axes["bottom"].show_ticks(
             [(at, f"{text}°" if self._low and i == last else text) for i, (at, text) in enumerate(across)]
@@ -462,27 +492,17 @@ class FixedPlot(pg.GraphicsView):
         self._message.setPos(0.5 * (frame.first + frame.last), 0.5 * (frame.low + frame.high))
 
     def _lay(self, *_: object) -> None:
-        """The plot has another size, or shows something else."""
+        """Lay the plot out for its current size and contents."""
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        event.ignore()  # the axes are fixed; what is around may want to scroll
+        event.ignore()  # the axes are fixed; the surrounding view may scroll
 
 
-# -- ranges ----------------------------------------------------------------------------------------------
-
-FREE = 0.07  # of the values' range, left free above and below
-FAR_LIMIT = 3.0  # a limit further out than so many times the values is not shown
-SPIKE = 3.0  # what lies further out than so many times the range of the rest is a spike ...
-REST, CORE = (
-    0.02,
-    0.05,
-)  # ... that is without this share of the lowest and highest values; the core of it that is shown then
-FROM_ZERO = frozenset({"velocity", "acceleration", "jerk", "pressure-angle", "force", "torque", "curvature", "ratio"})
-"""Families whose axis always shows 0; places, lengths and angles show it only where it is near."""
+# -- range of an axis ------------------------------------------------------------------------------------
 
 
-def usual_range(values: np.ndarray) -> tuple[float, float]:
-    """Least and largest value (n,); where some are infinite, of those that are not near infinity either."""
+def typical_range(values: np.ndarray) -> tuple[float, float]:
+    """Least and largest of the values (n,); where some are infinite, without those that come close to infinity."""
     finite = values[np.isfinite(values)]
     if not finite.size:
         return 0.0, 0.0
@@ -495,50 +515,54 @@ def usual_range(values: np.ndarray) -> tuple[float, float]:
 
 
 def readable_range(values: np.ndarray, moving: np.ndarray) -> tuple[float, float]:
-    """The same without spikes, as of the torque near a dead centre, which would leave a line of all the rest.
+    """Range of the values without spikes, such as those of a torque near a dead centre.
 
-    moving: (n,) at which samples the mechanism moves; dwells are shown, but say nothing of what is usual in between.
+    Parameters
+    ----------
+    values : ndarray (n,), in the unit of the axis
+    moving : ndarray (n,) of bool
+        Samples at which the mechanism moves. Dwells are shown, but do not decide which values are spikes.
     """
-    low, high = usual_range(values)
+    low, high = typical_range(values)
     known = np.isfinite(values)
     ordered, resting = np.sort(values[known & moving]), values[known & ~moving]
-    if not _leaves(low, high, *_without(ordered, REST)):
+    if not _exceeds(low, high, *_trimmed_range(ordered, REST)):
         return low, high
-    inner = _without(ordered, CORE)
+    inner = _trimmed_range(ordered, CORE)
     room = 0.5 * (inner[1] - inner[0])
     shown = (
-        inner[0] - room if _leaves(low, inner[1], *inner) else low,
-        inner[1] + room if _leaves(inner[0], high, *inner) else high,
+        inner[0] - room if _exceeds(low, inner[1], *inner) else low,
+        inner[1] + room if _exceeds(inner[0], high, *inner) else high,
     )
     return (min(shown[0], *resting), max(shown[1], *resting)) if resting.size else shown
 
 
-def _without(ordered: np.ndarray, share: float) -> tuple[float, float]:
-    """Lowest and highest of values in rising order (n,) without this share of either end."""
+def _trimmed_range(ordered: np.ndarray, share: float) -> tuple[float, float]:
+    """Lowest and highest of sorted values (n,) without this share of either end."""
     cut = int(share * ordered.size)
     return (float(ordered[cut]), float(ordered[-1 - cut])) if ordered.size else (0.0, 0.0)
 
 
-def _leaves(low: float, high: float, inner_low: float, inner_high: float) -> bool:
-    """Whether a range goes far beyond an inner one."""
+def _exceeds(low: float, high: float, inner_low: float, inner_high: float) -> bool:
+    """Whether a range extends far beyond an inner one."""
     return 0.0 < SPIKE * (inner_high - inner_low) < max(inner_low - low, high - inner_high)
 
 
 def peak(rows: Sequence[np.ndarray]) -> float:
-    """The largest usual size of several curves."""
-    return max(max(abs(side) for side in usual_range(values)) for values in rows)
+    """Largest absolute value of the typical ranges of several curves."""
+    return max(max(abs(end) for end in typical_range(values)) for values in rows)
 
 
 def shown_range(rows: Sequence[np.ndarray], families: Iterable[str], limits: Sequence[float]) -> tuple[float, float]:
-    """Lowest and highest value of the axis for these curves and limits, in one unit."""
-    return room_for([usual_range(values) for values in rows], families, limits)
+    """Ends of the axis for these curves and limits, all in one unit."""
+    return axis_range([typical_range(values) for values in rows], families, limits)
 
 
-def room_for(
-    sides: Sequence[tuple[float, float]], families: Iterable[str], limits: Sequence[float], free: float = FREE
+def axis_range(
+    ranges: Sequence[tuple[float, float]], families: Iterable[str], limits: Sequence[float], free: float = FREE
 ) -> tuple[float, float]:
-    """The same for curves whose usual ranges are known; free: part of the values' range, left free above and below."""
-    low, high = min(side[0] for side in sides), max(side[1] for side in sides)
+    """Ends of the axis for curves with these ranges; ``free`` is the part of it left free above and below."""
+    low, high = min(low for low, _ in ranges), max(high for _, high in ranges)
     near = 0.3 * (high - low)
     if FROM_ZERO.intersection(families) or 0.0 < low < near or -near < high < 0.0:
         low, high = min(low, 0.0), max(high, 0.0)

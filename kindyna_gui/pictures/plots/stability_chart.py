@@ -244,7 +244,7 @@ class ChartPlot(FixedPlot):
     def _lay(self, *_: object) -> None:
         frame = self.frame()
         across = value_ticks(frame.first, frame.last, frame.width, LEAST_ACROSS)
-        self.rule(frame, across, value_ticks(frame.low, frame.high, frame.height))
+        self.draw_axes(frame, across, value_ticks(frame.low, frame.high, frame.height))
         self._axes["bottom"].show_title(ACROSS[self._across].title, self._theme.ink)
         self._axes["left"].show_title(UPWARDS[self._upwards].title, self._theme.ink)
         self._axes["top"].show_ticks(self._numbers(frame.first, frame.last, frame.width))

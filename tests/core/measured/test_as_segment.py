@@ -9,7 +9,7 @@ from large_designs import EXAMPLES
 from core.__main__ import main
 from core.design import join_angles, missing_of_motion
 from core.measured import TableError, read_sheet
-from core.measured.fitting import segment_from_table
+from core.measured.segment_table import segment_from_table
 from core.motion import findings, program
 from core.project import load
 

@@ -25,7 +25,7 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.graph_view import GraphView
 from kindyna_gui.graph.live_plot import LivePlot, LivePolar
 from kindyna_gui.graph.plots_view import PlotView
-from kindyna_gui.pictures.plots.plot import readable_range, usual_range
+from kindyna_gui.pictures.plots.plot import readable_range, typical_range
 from kindyna_gui.pictures.plots.quantities import channel_extremes
 from kindyna_gui.places import example
 from kindyna_gui.player import Player
@@ -175,7 +175,7 @@ def test_what_is_no_spike_is_shown_in_full(open_user: Open) -> None:
     moving = np.ones(1800, dtype=bool)
     narrow = np.zeros(1800)
     narrow[100:121] = np.sin(np.linspace(0.0, np.pi, 21))
-    assert readable_range(narrow, narrow != 0.0) == usual_range(narrow), "a short stroke between dwells"
+    assert readable_range(narrow, narrow != 0.0) == typical_range(narrow), "a short stroke between dwells"
     wave = np.sin(np.linspace(0.0, 2.0 * np.pi, 1800))
     wave[500] = 90.0
     low, high = readable_range(wave, moving)
@@ -318,11 +318,11 @@ def test_the_texts_of_polar_marks_stand_beside_their_places_and_cover_nothing(po
     for plot in polar_plots(polar):
         plot.set_angle(radians(plot.marked()[0].angle))
         boxes = [mark.box for mark in plot.marks if not mark.box.isEmpty()]
-        others = [box for _, box in plot.letters()] + [box for _, box in plot.readouts()]
+        others = [box for _, box in plot.texts()] + [box for _, box in plot.readouts()]
         assert not any(one.intersects(other) for one, other in combinations(boxes, 2))
         assert not any(box.intersects(other) for box in boxes for other in others)
         for mark, extreme in zip(plot.marks, plot.marked(), strict=True):
-            assert mark.at == plot.place(extreme.angle, plot.distance(extreme.value))
+            assert mark.at == plot.position(extreme.angle, plot.distance(extreme.value))
             assert not any(
                 mark.box.contains(path.pointAtPercent(i / 3000.0)) for path in plot.paths for i in range(3001)
             )

@@ -1,4 +1,4 @@
-"""kindyna_gui.pictures.plots.lines, fixed_plot: names above a plot, however narrow it is."""
+"""kindyna_gui.pictures.plots.lines, plot: names above a plot, however narrow it is."""
 
 import pytest
 from mechanisms import LIFT, PUSHER
@@ -14,7 +14,7 @@ from kindyna_gui.graph.graph_choice import Choice
 from kindyna_gui.graph.graph_view import GraphView
 from kindyna_gui.graph.live_plot import LivePlot
 from kindyna_gui.pictures.plots.curves import CurvePlot
-from kindyna_gui.pictures.plots.lines import Entry, cut, rows_of
+from kindyna_gui.pictures.plots.lines import Entry, cut, legend_rows
 from kindyna_gui.pictures.plots.marks import title_pieces
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.places import example
@@ -101,10 +101,10 @@ def test_a_note_stands_behind_the_names_only_where_all_is_on_one_line() -> None:
 
 
 def test_lines_are_filled_one_after_the_other() -> None:
-    assert rows_of([30.0, 40.0, 50.0], 10.0, 90.0, 3) == [[0, 1], [2]]
-    assert rows_of([30.0, 40.0, 50.0], 10.0, 79.0, 3) == [[0], [1], [2]]
-    assert rows_of([30.0, 40.0, 50.0], 10.0, 79.0, 2) == [[0, 1], [2]], "then they are cut"
-    assert rows_of([], 10.0, 79.0, 2) == []
+    assert legend_rows([30.0, 40.0, 50.0], 10.0, 90.0, 3) == [[0, 1], [2]]
+    assert legend_rows([30.0, 40.0, 50.0], 10.0, 79.0, 3) == [[0], [1], [2]]
+    assert legend_rows([30.0, 40.0, 50.0], 10.0, 79.0, 2) == [[0, 1], [2]], "then they are cut"
+    assert legend_rows([], 10.0, 79.0, 2) == []
     assert cut("Contact force", 9.0, len) == "Contact…"
     assert cut("Contact", 7.0, len) == "Contact"
     assert cut("Contact", 0.0, len) == "C…"

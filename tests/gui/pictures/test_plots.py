@@ -24,8 +24,9 @@ from kindyna_gui.pictures.items import Outline, Tag
 from kindyna_gui.pictures.painter import png, svg
 from kindyna_gui.pictures.plots.curves import CurvePlot
 from kindyna_gui.pictures.plots.lines import CurveLine
-from kindyna_gui.pictures.plots.marks import beside, stacked
-from kindyna_gui.pictures.plots.plot import angle_ticks, name_ticks, shown_range, spans, usual_range, value_ticks
+from kindyna_gui.pictures.plots.marks import stacked, stacked_clear
+from kindyna_gui.pictures.plots.plot import angle_ticks, name_ticks, shown_range, spans, typical_range, value_ticks
+from kindyna_gui.pictures.plots.quantities import without_equal_curves
 from kindyna_gui.pictures.style import FAMILIES, LIGHT, font
 from kindyna_gui.pictures.units import digits, measure, nice_below, number, readable, short, ticks
 from kindyna_gui.places import example
@@ -251,22 +252,22 @@ def test_a_constant_has_room_around_it() -> None:
 
 def test_what_is_next_to_infinity_does_not_set_the_scale() -> None:
     values = np.append(np.linspace(1.0, 2.0, 100), [1e9, np.inf])
-    low, high = usual_range(values)
+    low, high = typical_range(values)
     assert 0.4 < low <= 1.1
     assert 1.9 < high < 3.0
-    assert usual_range(np.array([np.inf, np.nan])) == (0.0, 0.0)
+    assert typical_range(np.array([np.inf, np.nan])) == (0.0, 0.0)
 
 
 @pytest.mark.parametrize(
     ("design", "slug", "texts"),
     [
-        (LIFT, "pressure_angle_deg", ["usual limit 45°"]),
-        (PUSHER, "pressure_angle_deg", ["usual limit 30°"]),
+        (LIFT, "pressure_angle_deg", ["typical limit 45°"]),
+        (PUSHER, "pressure_angle_deg", ["typical limit 30°"]),
         (LIFT, "pitch_curvature_per_mm", ["undercut from 6.667 1/m"]),
         (
             edited(LIFT, "limits.pressure_angle_return_deg", 30.0),
             "pressure_angle_deg",
-            ["usual limit 45°", "limit of the return 30°"],
+            ["typical limit 45°", "limit of the return 30°"],
         ),
         (
             edited(edited(PUSHER, "limits.pressure_angle_return_deg", 30.0), "limits.pressure_angle_rise_deg", 30.0),
@@ -361,14 +362,14 @@ def test_the_cursors_value_stands_clear_of_the_limits_text(size: tuple[int, int]
 
 
 def test_texts_find_the_gaps_that_are_left() -> None:
-    assert beside([], [50.0], 10.0, 100.0) == stacked([50.0], 10.0, 100.0)
-    (one,) = beside([(45.0, 60.0)], [50.0], 10.0, 100.0)
+    assert stacked_clear([], [50.0], 10.0, 100.0) == stacked([50.0], 10.0, 100.0)
+    (one,) = stacked_clear([(45.0, 60.0)], [50.0], 10.0, 100.0)
     assert one == 39.0, "below, which is nearer"
-    low, high = sorted(beside([(40.0, 60.0)], [42.0, 58.0], 10.0, 100.0))
+    low, high = sorted(stacked_clear([(40.0, 60.0)], [42.0, 58.0], 10.0, 100.0))
     assert low <= 35.0
     assert high >= 65.0
-    assert beside([(0.0, 95.0)], [50.0], 10.0, 100.0) == stacked([50.0], 10.0, 100.0), "no gap at all"
-    crowd = beside([(12.0, 100.0)], [20.0, 30.0, 40.0], 10.0, 100.0)
+    assert stacked_clear([(0.0, 95.0)], [50.0], 10.0, 100.0) == stacked([50.0], 10.0, 100.0), "no gap at all"
+    crowd = stacked_clear([(12.0, 100.0)], [20.0, 30.0, 40.0], 10.0, 100.0)
     assert crowd == stacked([20.0, 30.0, 40.0], 10.0, 100.0), "too little of it"
 
 
@@ -545,11 +546,9 @@ def test_a_plot_becomes_svg_without_pixels() -> None:
 
 
 def test_the_flywheel_gives_the_torque_picture_a_second_curve() -> None:
-    from kindyna_gui.pictures.plots.quantities import different
-
     rows = [channel(LIFT, slug) for slug in ("drive_torque_nm", "motor_torque_nm")]
-    assert different(Study(LIFT, SAMPLES), rows) == rows[:1]
-    assert different(Study(with_shaft(LIFT, flywheel_inertia_kg_m2=5000.0), SAMPLES), rows) == rows
+    assert without_equal_curves(Study(LIFT, SAMPLES), rows) == rows[:1]
+    assert without_equal_curves(Study(with_shaft(LIFT, flywheel_inertia_kg_m2=5000.0), SAMPLES), rows) == rows
 
 
 def test_a_low_plot_keeps_its_height_for_the_curve_and_says_the_unit_of_the_angle_behind_its_last_number() -> None:

@@ -73,7 +73,7 @@ def test_a_graph_waits_for_the_steady_response_and_the_window_does_not(kim: User
     assert "the steady response is being looked for" in message(kim)
     assert graph.up_to_date
     cancel = kim.window.status.awaited
-    assert (cancel.text(), cancel.isVisible()) == ("Cancel the search", True)
+    assert (cancel.text(), cancel.isVisible()) == ("Stop calculating the steady response", True)
     click(cancel)
     wait_for(lambda: search.ended == 1)
     assert "the steady response was given up" in message(kim)
@@ -82,7 +82,7 @@ def test_a_graph_waits_for_the_steady_response_and_the_window_does_not(kim: User
     settle()
     assert search.begun == 1, "it is not begun again by what else is done"
 
-    assert cancel.text() == "Search again"
+    assert cancel.text() == "Calculate again"
     click(cancel)
     wait_for(lambda: search.begun == 2)
     assert "is being looked for" in message(kim)

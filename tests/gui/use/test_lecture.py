@@ -228,7 +228,7 @@ def test_the_circle_diagram_is_played_to_its_end(name: str, steps: int, open_use
     for step in range(1, steps + 1):
         view.next.click()
         settle()
-        assert view.diagram.wanted is not None
+        assert view.diagram.target is not None
         assert len(view.diagram.dotted) == steps - step + 1
         lines = re.findall(r"(\d+)–(\d+)", view.text.text())
         solid = {"".join(str(1 if b == "frame" else b[-1]) for b in key) for key in view.diagram.solid}

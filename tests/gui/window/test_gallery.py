@@ -57,7 +57,7 @@ def test_the_gallery_has_every_follower_with_every_face_and_form_and_the_linkage
 
 
 @pytest.mark.parametrize(
-    "choice", spread([each for _, choices in gallery.kinds() for each in choices], 2), ids=lambda each: each.called
+    "choice", spread([each for _, choices in gallery.kinds() for each in choices], 2), ids=lambda each: each.step_name
 )
 def test_each_picture_of_a_follower_begins_a_design_without_faults_or_findings(choice: gallery.GalleryChoice) -> None:
     design = choice.design()
@@ -69,9 +69,9 @@ def test_each_picture_of_a_follower_begins_a_design_without_faults_or_findings(c
 
 def test_the_motion_that_is_there_goes_on_under_another_follower_as_far_as_it_suits() -> None:
     own = load(example("tappet_flat")).drive.motion
-    by_name = {choice.called: choice for _, choices in gallery.kinds() for choice in choices}
-    assert by_name["Translating follower, knife edge"].begun(own).drive.motion == own
-    swung = by_name["Oscillating follower, curved shoe"].begun(own).drive.motion
+    by_name = {choice.step_name: choice for _, choices in gallery.kinds() for choice in choices}
+    assert by_name["Translating follower, knife edge"].with_motion(own).drive.motion == own
+    swung = by_name["Oscillating follower, curved shoe"].with_motion(own).drive.motion
     assert [(s.span_deg, s.curve) for s in swung.segments] == [(s.span_deg, s.curve) for s in own.segments]
     assert (swung.unit, [s.rise for s in swung.segments]) == ("deg", [0.0, 18.0, -18.0])
 
@@ -89,16 +89,16 @@ def test_whatever_is_chosen_begins_and_undo_brings_the_design_before_back(
     user = open_user()
     before, window = user.design, user.window
     for choice in [each for _, choices in gallery.groups() for each in choices][::3]:
-        monkeypatch.setattr(gallery, "mechanism_wanted", lambda parent, choice=choice: choice)
+        monkeypatch.setattr(gallery, "ask_mechanism", lambda parent, choice=choice: choice)
         user.choose("Compo", "Choose a mechanism...")
-        assert user.design == choice.begun(before.drive.motion), choice.name
+        assert user.design == choice.with_motion(before.drive.motion), choice.name
         assert user.session.path is None
         assert not user.session.modified
         view = window.view("mechanism")
         assert view is not None
         assert not view.in_trouble
         assert view.canvas.visible.contains(view.scene.least_rect()), "the whole of it is in sight"  # type: ignore[attr-defined]
-        name = f"Undo Begin with {choice.called}" if user.design != before else ""
+        name = f"Undo Begin with {choice.step_name}" if user.design != before else ""
         if name:
             user.choose("Edit", name)
         assert user.design == before
@@ -111,7 +111,7 @@ def test_a_file_comes_back_with_its_name(open_user: Open, tmp_path: Path, monkey
     path.write_bytes(example("four_bar").read_bytes())
     user = open_user(path)
     choice = next(c for c in gallery.presets() if c.name == "Watt six bar")
-    monkeypatch.setattr(gallery, "mechanism_wanted", lambda parent: choice)
+    monkeypatch.setattr(gallery, "ask_mechanism", lambda parent: choice)
     user.choose("Compo", "Choose a mechanism...")
     assert "own.toml" not in user.window.windowTitle()
     user.choose("Edit", "Undo Begin with Watt six bar")
@@ -141,7 +141,7 @@ def test_all_pictures_of_a_group_are_seen_at_once(room: QSize, user: User) -> No
 
 
 def test_a_new_motion_begins_with_its_rise_or_with_its_dwell_where_it_is_not_that_of_the_picture(user: User) -> None:
-    dialog = gallery.Gallery(user.window, offers=True)
+    dialog = gallery.Gallery(user.window, asks_order=True)
     dialog.show()
     dialog.orders[gallery.DWELL].click()
     for title, caption, spans in (
@@ -151,8 +151,8 @@ def test_a_new_motion_begins_with_its_rise_or_with_its_dwell_where_it_is_not_tha
         dialog.show_group(title)
         pictures = dialog.groups[title]
         pictures.setCurrentRow(next(i for i in range(pictures.count()) if pictures.item(i).text() == caption))
-        assert dialog.wanted is not None
-        design = dialog.wanted.begun(None)
+        assert dialog.choice is not None
+        design = dialog.choice.with_motion(None)
         assert [segment.span_deg for segment in design.drive.motion.segments] == spans
         assert dialog.orders[gallery.DWELL].isEnabled() == (caption == "Roller")
         assert faults(design) == []
@@ -219,7 +219,7 @@ def test_from_the_picture_of_a_four_bar_to_the_cam_under_its_coupler(open_user: 
     assert user.steps == [
         "Begin with Four bar",
         "Change C y to 60 mm",
-        "Let link 2 follow a motion",
+        "Drive link 2 by a motion",
         "Put the cam roller on C of link 3",
         "Change rise of segment 2 to 20°",
         "Change roller radius Rr to 9 mm",

@@ -131,14 +131,14 @@ def test_from_join_to_join(bar: PlayerBar) -> None:
 @pytest.mark.parametrize("wanted", [0.0, 90.0, 123.0, 359.0])
 def test_a_click_on_the_slider_goes_there(wanted: float, bar: PlayerBar) -> None:
     bar.player.set_theta(1.0)
-    x = round(bar.slider.place_of(wanted))
+    x = round(bar.slider.position_of(wanted))
     QTest.mouseClick(bar.slider, Qt.MouseButton.LeftButton, pos=QPoint(x, 10))
     assert angle(bar) == pytest.approx(wanted, abs=360.0 / bar.slider.width())
 
 
 def test_the_slider_is_dragged_and_stops_playing(bar: PlayerBar) -> None:
     bar.player.play(True)
-    start, end = (QPoint(round(bar.slider.place_of(a)), 12) for a in (10.0, 200.0))
+    start, end = (QPoint(round(bar.slider.position_of(a)), 12) for a in (10.0, 200.0))
     QTest.mousePress(bar.slider, Qt.MouseButton.LeftButton, pos=start)
     QTest.mouseMove(bar.slider, end)
     QTest.mouseRelease(bar.slider, Qt.MouseButton.LeftButton, pos=end)

@@ -90,7 +90,7 @@ def test_tasks_are_buttons_under_the_menus_keys_and_entries(whole: User) -> None
 def test_every_dock_has_one_place_in_every_task() -> None:
     docks = {name for name, row in VIEWS.items() if row.area != CENTRE}
     for task in TASKS.values():
-        named = Counter(name for _, names in task.places for name in names)
+        named = Counter(name for _, names in task.all_docks for name in names)
         assert set(named) == docks
         assert set(named.values()) == {1}
 
@@ -196,7 +196,7 @@ def test_what_another_task_shows_rests(whole: User) -> None:
 
 @pytest.mark.stress
 def test_forces_are_drawn_where_they_are_read_and_each_task_keeps_what_was_shown_in_it(whole: User) -> None:
-    drawn = whole.window.view("mechanism").scene.layer_wanted  # type: ignore[union-attr]
+    drawn = whole.window.view("mechanism").scene.layer_selected  # type: ignore[union-attr]
     assert not drawn("forces")
     press(whole, "dyna")
     assert drawn("forces")
@@ -588,7 +588,7 @@ def test_layouts_are_named_and_come_back_and_what_cannot_is_told_in_a_line(open_
     kept = QSettings("KINDYNA", "KINDYNA")
     (key,) = (key for key in kept.allKeys() if key.startswith("layouts/") and key.endswith("/version"))
     user.choose("View", "Reset layout")
-    for value, said in ((999, "newer version"), (window.settings.VERSION, "broken")):
+    for value, said in ((999, "newer version"), (window.settings.VERSION, "damaged")):
         kept.setValue(key, value)
         kept.setValue(key.replace("version", "docks"), QByteArray(b"nonsense"))
         kept.sync()
