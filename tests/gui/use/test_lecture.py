@@ -76,7 +76,7 @@ def places(user: User) -> dict[str, complex]:
 def distance(user: User, one: str, other: str) -> float:
     """Chosen in the two boxes below the table, read from the label [cm]."""
     view = centres(user)
-    for box, text in ((view.one, one), (view.other, other)):
+    for box, text in ((view.first, one), (view.second, other)):
         box.setCurrentIndex(box.findText(text))
         box.activated.emit(box.currentIndex())
     return number(view.distance.text()) / 10.0
