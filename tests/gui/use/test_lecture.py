@@ -156,7 +156,7 @@ def test_centres_stand_where_the_lecture_constructs_them(name: str, open_user: O
         rows = table(centres(user).page("centres"))
         assert len(rows) == FIGURES[name]
         for centre, row in rows.items():
-            for line in row["Found"].split(" × ") if row["Found"] != "at sight" else ():
+            for line in row["Construction"].split(" × ") if row["Construction"] != "at sight" else ():
                 one, other = line.split("–")
                 if {centre, one, other} <= set(there):
                     tried += 1
