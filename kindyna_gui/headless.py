@@ -234,10 +234,10 @@ def handover(arguments: Any, painter: Painter | None) -> int:
     study = studied(design)
     made = files_of(design, arguments.request)
     never_shown()
-    from kindyna_gui.export_dialogs import painted
+    from kindyna_gui.export_dialogs import paint_handover
 
     with quiet():
-        more = painted(study, arguments.request)
+        more = paint_handover(study, arguments.request)
     assert more is not None
     made = made.with_files(*more)
     made.write(arguments.out)
