@@ -260,7 +260,7 @@ def _polygon_file(snapshot: Snapshot, ending: str) -> bytes:
     study = snapshot.study
     sheet = PolygonSheet()
     sheet.resize(*SHEET_OF_POLYGON)
-    sheet.frame_for(velocity_box(velocity_polygon(study.linkage), study.omega))
+    sheet.set_box(velocity_box(velocity_polygon(study.linkage), study.omega))
     at_angle = study.at_theta(np.array([radians(snapshot.angle_deg)]))
     name = study.angle_name.capitalize()
     sheet.show_diagram(
