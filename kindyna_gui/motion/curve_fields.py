@@ -60,7 +60,7 @@ from kindyna_gui.motion.diagram import snap_angle
 from kindyna_gui.motion.segments_table import readable
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import Rebuilt
+from kindyna_gui.rebuilt import ContentArea
 from kindyna_gui.settings import DISPLAY, symbol_of
 
 PER_DEGREE = {"value": "", "velocity": "/°", "acceleration": "/°²", "jerk": "/°³"}
@@ -475,7 +475,7 @@ class SegmentCurveForm(QWidget):
         self._column = QVBoxLayout(self)
         self._column.setContentsMargins(10, 3, 6, 0)
         self._column.setSpacing(2)
-        self._form_area = Rebuilt(session, player)
+        self._form_area = ContentArea(session, player)
         self._column.addWidget(self._form_area)
         self.update_style()
 

@@ -426,7 +426,7 @@ class MotionDiagram(CurvePlot):
         self._view.setRange(yRange=(low / size, high / size), padding=0.0)
         self._shade([] if band is None else [(curve, band)])
         if QAccessible.isActive():
-            self._speak()
+            self._describe()
         self._view.updateMatrix()  # otherwise painting updates it, and paints all again
         self._lay()
         self.update_highlight()

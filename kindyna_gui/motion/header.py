@@ -29,7 +29,7 @@ from kindyna_gui.dialogs import FIELD, HELP
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import Field, FieldSpec
 from kindyna_gui.labels import segment_of
-from kindyna_gui.rebuilt import Rebuilt
+from kindyna_gui.rebuilt import ContentArea
 
 STROKE = Info(
     "Stroke",
@@ -102,8 +102,13 @@ class MotionHeader(QWidget):
         super().__init__()
         self._session = session
         self.fields: dict[str, Field] = {}
+<<<<<<< HEAD:kindyna_gui/motion/header.py
         self.has_stroke = False
-        self._fields_area, self.errors = Rebuilt(session), Rebuilt(session)
+        self._fields_area, self.errors = ContentArea(session), ContentArea(session)
+=======
+        self.moves = False  # there is a stroke to be changed
+        self._place, self.troubles = ContentArea(session), ContentArea(session)
+>>>>>>> trunk:kindyna_gui/motion/head.py
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
         column.addWidget(self._fields_area)

@@ -21,7 +21,7 @@ from kindyna_gui.motion.law_picker import LawBox
 from kindyna_gui.motion.segments_table import COLUMNS, LAW
 from kindyna_gui.motion.segments_view import SegmentBar, perform
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import Rebuilt
+from kindyna_gui.rebuilt import ContentArea
 from kindyna_gui.settings import DISPLAY
 
 SPACING = 6  # pixels between a name and its field
@@ -93,7 +93,7 @@ class MotionPage(QScrollArea):
         self.segment.setToolTip("Select the segment to edit below")
         self.curve = SegmentCurveForm(session, player)
         self.bar = SegmentBar()
-        self._segment_area = Rebuilt(session)
+        self._segment_area = ContentArea(session)
         self._rows: dict[str, Field] = {}
         label = QLabel("Segment ")
         label.setBuddy(self.segment)

@@ -55,7 +55,7 @@ from kindyna_gui.motion.segments_table import LAW, RISE, SPAN, SegmentsModel, Se
 from kindyna_gui.pictures.plots.quantities import rows_of
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import soon
+from kindyna_gui.rebuilt import call_soon
 from kindyna_gui.requirements import require_motion as require_motion_of_view
 from kindyna_gui.view import ViewHost
 
@@ -300,7 +300,7 @@ class SegmentForm(QScrollArea):
 
     def reveal(self, part: QWidget) -> None:
         """Scroll to a text once it is laid out, unless the keyboard focus is in the form."""
-        soon(part, partial(self._reveal, part))
+        call_soon(part, partial(self._reveal, part))
 
     def _reveal(self, part: QWidget) -> None:
         focused = self.focusWidget()
