@@ -170,9 +170,9 @@ def _asked(box: QInputDialog, title: str, page: str, given: Callable[[], A], spe
     box.sizeHint()  # now it has its buttons
     buttons = box.findChild(QDialogButtonBox)
     if spell is not None and isinstance(buttons, QDialogButtonBox):
-        from kindyna_gui.documents.texts import add_copy_of
+        from kindyna_gui.documents.texts import add_copy_of_line
 
-        add_copy_of(buttons, lambda: spell(given()))
+        add_copy_of_line(buttons, lambda: spell(given()))
     value = given() if box.exec() else None
     box.deleteLater()
     return value

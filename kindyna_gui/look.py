@@ -45,7 +45,7 @@ from kindyna_gui import settings
 from kindyna_gui.pictures.style import DARK, LIGHT, SCREEN, Theme, draw_in, of_theme
 from kindyna_gui.places import icon_file
 from kindyna_gui.requirements import suggestions_for
-from kindyna_gui.settings import TOLD, choose_font_scale, in_file_units
+from kindyna_gui.settings import DISPLAY, choose_font_scale, in_file_units
 
 # -- look ------------------------------------------------------------------------------------------------
 
@@ -147,7 +147,7 @@ def wear(wanted: settings.Preferences, app: QApplication, desktop: Qt.ColorSchem
     if not (recoloured or larger) or not app.topLevelWidgets():
         return
     _change(app.allWidgets(), before, theme)
-    TOLD.changed.emit()
+    DISPLAY.changed.emit()
 
 
 def _change(widgets: Iterable[QWidget], before: Theme, theme: Theme) -> None:

@@ -36,7 +36,7 @@ from core.papers.claim import (
 )
 from kindyna_gui import dialogs
 from kindyna_gui.background import Background, Job
-from kindyna_gui.documents.texts import copy_button, spelled
+from kindyna_gui.documents.texts import command_text, copy_button
 from kindyna_gui.forms.tables import CopyKey
 from kindyna_gui.look import coloured
 from kindyna_gui.pictures.painter import RATIO
@@ -262,7 +262,7 @@ class FiguresWindow(QWidget):
         at = self.list.currentItem()
         top = at if at is None or at.parent() is None else at.parent()
         paper = next((slug for slug, each in self._tops.items() if each is top), "all")
-        return spelled("figures", [paper, "--out", "figures"])
+        return command_text("figures", [paper, "--out", "figures"])
 
     def _open(self) -> None:
         if self._claim is not None:

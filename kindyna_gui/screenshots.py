@@ -17,7 +17,7 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.linkage.mechanism_view import MechanismView
 from kindyna_gui.look import dress
 from kindyna_gui.pictures.app import ensure_app
-from kindyna_gui.pictures.drawing.parts import TWIST, layers_of
+from kindyna_gui.pictures.drawing.parts import TWIST, available_layers
 from kindyna_gui.pictures.painter import png_bytes
 from kindyna_gui.player import Player
 from kindyna_gui.settings import Settings
@@ -154,7 +154,7 @@ def _with_vectors(view: View) -> Iterator[str]:
     yield "_vectors"
     for name in VECTORS:
         view.show_layer(name, False)
-    if TWIST in layers_of(view.session.study):
+    if TWIST in available_layers(view.session.study):
         view.show_layer(TWIST, True)
         yield "_shaft"
         view.show_layer(TWIST, False)

@@ -25,13 +25,13 @@ from core.units import Unit, unit_kind
 DIGITS = 10  # of a number that is shown in another unit than it is kept in
 
 
-class _Told(QObject):
+class _DisplayUnits(QObject):
     """changed: what is shown next is shown otherwise."""
 
     changed = Signal()
 
 
-TOLD = _Told()
+DISPLAY = _DisplayUnits()
 _units: dict[str, str] = {}
 _comma = False
 _letters = 1.0
@@ -46,7 +46,7 @@ def choose(units: Mapping[str, str], comma: bool) -> None:
         _units.clear()
         _units.update(known)
         _comma = comma
-        TOLD.changed.emit()
+        DISPLAY.changed.emit()
 
 
 def is_default() -> bool:

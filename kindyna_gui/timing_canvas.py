@@ -86,7 +86,7 @@ class TypedAngle(RedFrame, QLineEdit):
         QToolTip.showText(self.mapToGlobal(self.rect().bottomLeft()), sentence(why), self)
 
     def _take(self) -> None:
-        value = parsed(self.text(), self._unit, kept=True)
+        value = parsed(self.text(), self._unit, in_file_units=True)
         if value is None:
             self.refuse(no_number(self.text()))
         else:

@@ -39,9 +39,9 @@ from kindyna_gui.labels import reason
 from kindyna_gui.look import on_paper
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import soon
+from kindyna_gui.rebuilt import call_soon
 from kindyna_gui.requirements import Suggestion, Unavailable, suggestions_for
-from kindyna_gui.settings import TOLD, is_default
+from kindyna_gui.settings import DISPLAY, is_default
 
 # -- visibility ------------------------------------------------------------------------------------------
 
@@ -279,7 +279,7 @@ class View(QWidget):
         session.started.connect(self._forget_fault)
         session.drive_chosen.connect(self._forget_fault)
         (session.full_design_changed if self.is_design_wide else session.design_changed).connect(self.invalidate)
-        TOLD.changed.connect(self.invalidate)
+        DISPLAY.changed.connect(self.invalidate)
         player.angle_changed.connect(self._angle_changed)
         player.playing_changed.connect(self._show_last_angle)
 
@@ -504,7 +504,7 @@ class View(QWidget):
         if self._stale and self._is_queued:
             self._queue.append(self, self._refresh_from_queue)
         elif self.pause_ms and self._stale:
-            soon(self, self._soon.start)
+            call_soon(self, self._soon.start)
         else:
             self._soon.start()
 

@@ -53,7 +53,7 @@ EXCEPTIONS: dict[str, tuple[str, ...]] = {
     "centres, their constructions and velocities go by the numbers of links, which only listed links have": (
         "kindyna_gui.linkage.centres_view.CircleView.refresh",
         "kindyna_gui.linkage.centres_view.PolygonView._rows",
-        "kindyna_gui.pictures.drawing.parts.layers_of",
+        "kindyna_gui.pictures.drawing.parts.available_layers",
         "kindyna_gui.pictures.drawing.geometry.Geometry.__init__",
         "kindyna_gui.requirements.require_centres",
         "kindyna_gui.requirements.require_links",

@@ -35,14 +35,14 @@ from kindyna_gui.blend.request import Setting, effect, reason
 from kindyna_gui.blend.settings import LiveBox, SettingRow, quiet
 from kindyna_gui.blend.wizard import FORM_WIDTH, LAST, LEAST_SIZE, SEARCHING, TYPICAL_SIZE, BlendPanel
 from kindyna_gui.documents.session import Session
-from kindyna_gui.documents.texts import add_copy_of, of_session, spelled
+from kindyna_gui.documents.texts import add_copy_of_line, command_text, session_options
 from kindyna_gui.forms.number_box import NameBox, WordBox
 from kindyna_gui.forms.request_form import PutDialog
 from kindyna_gui.labels import reason as why
 from kindyna_gui.look import coloured, text_button
 from kindyna_gui.motion.laws_plot import RankingPanel
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.rebuilt import Rebuilt
+from kindyna_gui.rebuilt import ContentArea
 
 PAUSE_MS, RANGES_MS = 150, 400  # after a keystroke, before the motion and the ranges are computed
 FIRST_CURVES = ("C1", "C2", "C3", "C4")  # before the user has typed any
@@ -86,7 +86,7 @@ class SequenceDialog(PutDialog):
         self._later = QTimer(self, singleShot=True, interval=RANGES_MS)
         self.panel, self.ranking = BlendPanel(self._unit), RankingPanel()
         self._lay_out()
-        add_copy_of(self.buttons, self._as_command)
+        add_copy_of_line(self.buttons, self._as_command)
         for signal in (self.curves.textEdited, self.start.changed, self.end.changed, self.goal.activated):
             signal.connect(self._solve_soon)
         self.add.activated.connect(self._append)
@@ -136,7 +136,7 @@ class SequenceDialog(PutDialog):
             form.addLayout(line, i, 1)
         self.count = quiet()
         self.count.setWordWrap(True)
-        self._settings_area = Rebuilt()
+        self._settings_area = ContentArea()
         area = QScrollArea(widgetResizable=True)
         area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
@@ -328,7 +328,7 @@ class SequenceDialog(PutDialog):
             "best": self.goal.currentData() or None,
             "unit": self._unit,
         }
-        return spelled("blend", command_words(BlendArguments, {**options, **of_session(self._session)}))
+        return command_text("blend", command_words(BlendArguments, {**options, **session_options(self._session)}))
 
     def accept(self) -> None:
         """Put the motion into the design, if there is one."""

@@ -36,7 +36,7 @@ from kindyna_gui.blend.request import (
 )
 from kindyna_gui.blend.settings import PrecisionPointRow, RangedRow, quiet
 from kindyna_gui.documents.session import Session
-from kindyna_gui.documents.texts import add_copy_of, of_session, spelled
+from kindyna_gui.documents.texts import add_copy_of_line, command_text, session_options
 from kindyna_gui.forms.request_form import PutDialog
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import law_label, reason
@@ -217,7 +217,7 @@ class BlendDialog(PutDialog):
         self._waiting: list[RangedRow] = []  # rows without their range
         self._requested_rows: tuple[RangedRow, ...] = ()
         self._lay_out()
-        add_copy_of(self.buttons, self._as_command)
+        add_copy_of_line(self.buttons, self._as_command)
         self._connect()
         request = first_request(motion, min(session.segment, len(motion.segments) - 1))
         self.questions.set_request(request)
@@ -407,9 +407,11 @@ class BlendDialog(PutDialog):
     def _as_command(self) -> str:
         from core.commands.motions import BlendArguments
 
-        return spelled(
+        return command_text(
             "blend",
-            command_words(BlendArguments, {**command_options(self.questions.request()), **of_session(self._session)}),
+            command_words(
+                BlendArguments, {**command_options(self.questions.request()), **session_options(self._session)}
+            ),
         )
 
     def accept(self) -> None:

@@ -52,7 +52,7 @@ from core.requests import command_words
 from core.stress import is_line_contact
 from core.study import Study, findings_of
 from kindyna_gui import dialogs
-from kindyna_gui.documents.texts import add_copy_of, spelled
+from kindyna_gui.documents.texts import add_copy_of_line, command_text
 from kindyna_gui.labels import sentence
 from kindyna_gui.look import MessageLabel, bold_label, coloured
 from kindyna_gui.pictures.painter import thumbnail
@@ -197,7 +197,7 @@ class LinkageDialog(QDialog):
         self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
         self.ok = self.buttons.button(QDialogButtonBox.StandardButton.Ok)
         self.ok.setText("Begin")
-        add_copy_of(self.buttons, self._as_command)
+        add_copy_of_line(self.buttons, self._as_command)
         self.buttons.accepted.connect(self.accept)
         self.buttons.rejected.connect(self.reject)
         column = QVBoxLayout(self)
@@ -237,7 +237,7 @@ class LinkageDialog(QDialog):
             "mirror": self.mirror.isChecked(),
             "inputs": driven if self.made is not None and tuple(driven) != self.made.inputs else [],
         }
-        return spelled("linkage-from", command_words(LinkageFromArguments, asked))
+        return command_text("linkage-from", command_words(LinkageFromArguments, asked))
 
     def _afresh(self) -> None:
         """Another text: its own inputs."""

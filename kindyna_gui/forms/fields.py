@@ -1,4 +1,8 @@
-"""One value as a row of a form."""
+"""One field of a design as a row of a form: name, editor, unit, mark of an assumed value, message.
+
+``FieldSpec`` says what the row shows, ``Field`` binds it to the session: an entered value becomes an edit, a refusal is
+shown below the row.
+"""
 
 from __future__ import annotations
 
@@ -34,13 +38,19 @@ from kindyna_gui.forms.number_box import UNDO_KEYS, NameBox, NumberBox, WordBox
 from kindyna_gui.labels import allowed_text, choice_text, choice_tip, no_number, sentence, step_text
 from kindyna_gui.look import coloured
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.settings import TOLD, symbol_of
+from kindyna_gui.settings import DISPLAY, symbol_of
 
-# -- amount ----------------------------------------------------------------------------------------------
+COLUMNS = 4  # of a form: name, editor, unit, mark
+VARY_TIP = "Vary this value in Study: curves over one number, a map over two, or the best of several words"
+NAME_TIP = "Name of the design, as reports show it"
+NOT_KNOWN = "–"  # the choice of an optional word that is not given
+_PIXELS_A_STEP = 6
+
+# -- numbers and choices of dialogs ----------------------------------------------------------------------
 
 
 class Amount(QDoubleSpinBox):
-    """A number without trailing zeros, whose arrows step by a tenth of its size."""
+    """A number box without trailing zeros, whose arrows step by a tenth of the number."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -53,7 +63,7 @@ class Amount(QDoubleSpinBox):
 
 
 def fill_choices(box: QComboBox, rows: Mapping[str, str]) -> None:
-    """Fill a list; what was chosen stays so where it is still there."""
+    """Fill a list, and keep the current choice where it is still in the list."""
     before = box.currentData()
     box.clear()
     for name, text in rows.items():
@@ -61,23 +71,20 @@ def fill_choices(box: QComboBox, rows: Mapping[str, str]) -> None:
     box.setCurrentIndex(max(0, box.findData(before)))
 
 
-# -- field parts -----------------------------------------------------------------------------------------
-
-_PIXELS_A_STEP = 6
+# -- parts of a row --------------------------------------------------------------------------------------
 
 
 def in_tab_order(*widgets: QWidget) -> None:
-    """Tab goes from each to the next; what is made late would else come last."""
+    """Set the Tab order of these widgets; without it widgets created late come last."""
     for before, after in pairwise(widgets):
         QWidget.setTabOrder(before, after)
 
 
 class NameLabel(QLabel):
-    """The name of a field; dragged sideways it turns the number up and down.
+    """The name of a field; dragging it sideways steps the number.
 
-    dragged    (int): so many steps further
-    released   the drag, or a click, is over
-    menu_requested  (QPoint, QMenu): what can be done with it, at this place of the screen, by a menu that is empty yet
+    Signals: ``dragged`` with the number of further steps; ``released`` after a drag or a click; ``menu_requested`` with the
+    point on the screen (QPoint) and an empty menu (QMenu) to fill.
     """
 
     dragged = Signal(int)
@@ -87,7 +94,7 @@ class NameLabel(QLabel):
     def __init__(self, html: str, draggable: bool) -> None:
         super().__init__(html)
         self._from: QPoint | None = None
-        self._done = 0
+        self._steps = 0
         self._draggable = draggable
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
         if draggable:
@@ -100,15 +107,15 @@ class NameLabel(QLabel):
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         if event.button() == Qt.MouseButton.LeftButton:
-            self._from, self._done = event.globalPosition().toPoint(), 0
+            self._from, self._steps = event.globalPosition().toPoint(), 0
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         if self._from is None or not self._draggable:
             return
         steps = round((event.globalPosition().toPoint() - self._from).x() / _PIXELS_A_STEP)
-        if steps != self._done:
-            self.dragged.emit(steps - self._done)
-            self._done = steps
+        if steps != self._steps:
+            self.dragged.emit(steps - self._steps)
+            self._steps = steps
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         if self._from is not None:
@@ -117,14 +124,14 @@ class NameLabel(QLabel):
 
 
 class UnitLabel(QLabel):
-    """The unit that a number is shown in."""
+    """The unit on display of a number."""
 
     def __init__(self, unit: Unit) -> None:
         super().__init__()
         self._symbol = unit.symbol
         coloured(self, SCREEN.quiet)
         self._show()
-        TOLD.changed.connect(self._show)
+        DISPLAY.changed.connect(self._show)
 
     def _show(self) -> None:
         self.setText(symbol_of(self._symbol))
@@ -151,11 +158,7 @@ class AssumedMark(QAbstractButton):
         painter.end()
 
 
-# -- fields ----------------------------------------------------------------------------------------------
-
-COLUMNS = 4  # of a form: name, editor, unit, mark
-VARY_TIP = "See in Study what this changes: curves over one number, a map over two; words are tried for the best design"
-NOT_KNOWN = "–"  # of a word that may be left out
+# -- what a row shows ------------------------------------------------------------------------------------
 
 
 @frozen
@@ -170,17 +173,17 @@ class FieldSpec:
 
     @classmethod
     def of(cls, entry: Entry) -> FieldSpec:
-        """The field of an entry of a design."""
+        """Return the specification of an entry of a design."""
         return cls(entry.path, entry.info, entry.unit, lambda design: get(design, entry.path))
 
 
 def label_html(label: str) -> str:
-    """A label with its subscripts: ``C_s``."""
+    """Return a label as HTML with its subscripts, such as ``C_s``."""
     return re.sub(r"_(\w)", r"<sub>\1</sub>", escape(label, quote=False))
 
 
 def tip_html(spec: FieldSpec) -> str:
-    """Help, allowed range and path."""
+    """Return the tip of a field as HTML: name, help, allowed range and path."""
     rows = [f"<b>{label_html(spec.info.label)}</b>"]
     if spec.info.help:
         rows.append(escape(spec.info.help))
@@ -190,7 +193,7 @@ def tip_html(spec: FieldSpec) -> str:
 
 
 def add_vary(menu: QMenu, session: Session, path: str) -> QAction:
-    """*Vary this* at the head of a menu."""
+    """Insert *Vary this* as the first entry of a menu."""
     first = menu.actions()[0] if menu.actions() else None
     vary = QAction("&Vary this", menu)
     vary.setToolTip(VARY_TIP)
@@ -203,17 +206,23 @@ def add_vary(menu: QMenu, session: Session, path: str) -> QAction:
     return vary
 
 
+# -- the row of a field ----------------------------------------------------------------------------------
+
+
 class Field(QObject):
-    """A row bound to the session: what is entered is an edit; what waits for other values is marked, a refusal is shown underneath."""
+    """A row of a form bound to the session.
+
+    An entered value is an edit. A value that does not fit the others yet is marked, and a refusal is shown below it.
+    """
 
     trouble_changed = Signal()
 
     def __init__(self, session: Session, spec: FieldSpec) -> None:
         super().__init__()
         self.session, self.spec = session, spec
-        self._blame: dict[str, str] = {}  # path of what was refused -> why
-        self._misfit = ""  # what does not fit there, which the line below the form says
-        self._told = ""
+        self._refusals: dict[str, str] = {}  # path of the refused value -> reason
+        self._misfit = ""  # why the value does not fit the others, as the line below the form says
+        self._last_trouble = ""
         self.label = NameLabel(label_html(spec.info.label), not spec.info.choices)
         self.label.setToolTip(tip_html(spec))
         self.unit: QLabel | None = None if spec.info.choices else UnitLabel(spec.unit)
@@ -238,7 +247,7 @@ class Field(QObject):
         box = NumberBox(self.spec.info, self.spec.unit)
         box.entered.connect(self._enter)
         box.unreadable.connect(lambda: self.session.refuse(self.spec.path, no_number(box.text())))
-        box.withdrawn.connect(lambda: self.session.take_back(self.spec.path))
+        box.withdrawn.connect(lambda: self.session.clear_refusal(self.spec.path))
         box.finished.connect(self.session.end_gesture)
         if not names_a_link(self.spec.path, self.spec.info):
             for part in (self.label, box):
@@ -248,7 +257,7 @@ class Field(QObject):
         return box
 
     def _open_menu(self, at: QPoint, menu: QMenu) -> None:
-        """A value can be varied, and marked as assumed; of a number that is typed into there is what its line offers, too."""
+        """Offer to vary a value and to mark it as assumed; the menu of a number has the entries of its text too."""
         vary = add_vary(menu, self.session, self.spec.path)
         vary.setEnabled(self.spec.read(self.session.holder(self.spec.path)) is not None)
         if self.mark is not None:
@@ -260,7 +269,7 @@ class Field(QObject):
         menu.popup(at)
 
     def _words(self) -> WordBox:
-        """A list with all choices."""
+        """Return a list with all choices."""
         box = WordBox()
         if self.spec.info.optional:
             box.addItem(NOT_KNOWN, None)
@@ -273,14 +282,14 @@ class Field(QObject):
     def _word_box(self) -> WordBox:
         box = self._words()
         box.activated.connect(self._choose)
-        box.withdrawn.connect(lambda: self.session.take_back(self.spec.path))
+        box.withdrawn.connect(lambda: self.session.clear_refusal(self.spec.path))
         for part in (self.label, box):
             part.menu_requested.connect(self._open_menu)
         self.label.released.connect(box.setFocus)
         return box
 
     def add_to(self, grid: QGridLayout, row: int, below: QBoxLayout | None = None) -> None:
-        """Take the rows ``row`` and ``row + 1`` of a grid; below: the place for what is wrong, where not in the latter."""
+        """Fill the rows ``row`` and ``row + 1`` of a grid; below: the layout of the message, where not in the latter."""
         grid.addWidget(self.label, row, 0)
         grid.addWidget(self.editor, row, 1, 1, 2 if self.spec.info.choices else 1)
         if self.unit is not None:
@@ -295,7 +304,7 @@ class Field(QObject):
     # -- from the session ---------------------------------------------------------------------------------
 
     def refresh(self, design: Design) -> None:
-        """Show the design's value, unless something wrong, or unfinished, stands there."""
+        """Show the value of a design, unless the editor holds a refused text or one that is being typed."""
         if self.mark is not None:
             assumed = is_assumed(design, self.spec.path)
             meaning = "assumed, not taken from a source" if assumed else "taken from a source"
@@ -306,13 +315,9 @@ class Field(QObject):
             )
         self.editor.set_waiting(self.session.waits(self.spec.path, self.spec.read))
         self._misfit = self.session.misfit.at(self.spec.path)
-        self._show_blame()
-        if not self._untaken():
+        self._show_refusals()
+        if not (self.editor.refused or (isinstance(self.editor, NumberBox) and self.editor.typing)):
             self._show(design)
-
-    def _untaken(self) -> bool:
-        typing = isinstance(self.editor, NumberBox) and self.editor.typing
-        return self.editor.refused or typing
 
     def _show(self, design: Design) -> None:
         value = self.spec.read(design)
@@ -328,47 +333,49 @@ class Field(QObject):
     def _refused(self, refusal: Refusal) -> None:
         text = refusal.at(self.spec.path)
         if text:
-            self._blame[refusal.path] = text
+            self._refusals[refusal.path] = text
         else:
-            self._blame.pop(refusal.path, None)
+            self._refusals.pop(refusal.path, None)
         if refusal.path == self.spec.path:
             self.editor.set_refused(True)
-        self._show_blame()
+        self._show_refusals()
 
     def _accepted(self, path: str) -> None:
-        self._blame.pop(path, None)
+        self._refusals.pop(path, None)
         if path == self.spec.path and not self.obsolete:
             self._show(self.session.holder(path))
-        self._show_blame()
+        self._show_refusals()
 
     def _restored(self) -> None:
-        """What was typed is void; the design in place may be of another kind, so its value waits for ``refresh``."""
-        self._blame.clear()
+        """Discard what was typed; the design may be of another kind, so ``refresh`` shows its value."""
+        self._refusals.clear()
         self.editor.set_refused(False)
         if isinstance(self.editor, NumberBox):
             self.editor.show_value(self.editor.value)
-        self._show_blame()
+        self._show_refusals()
 
-    def _show_blame(self) -> None:
-        text = "\n".join(self._blame.values())
+    def _show_refusals(self) -> None:
+        text = "\n".join(self._refusals.values())
         if text != self.message.text() or self.message.isHidden() == bool(text):
             self.message.setText(text)
             self.message.setVisible(bool(text))
-        if self.trouble != self._told:
-            self._told = self.trouble
+        if self.trouble != self._last_trouble:
+            self._last_trouble = self.trouble
             self.trouble_changed.emit()
 
     @property
     def trouble(self) -> str:
-        """What is wrong with the field, or does not fit there, empty where nothing is."""
-        return "\n".join(filter(None, (*self._blame.values(), self._misfit)))
+        """Why the value was refused or does not fit the others; empty where it is right."""
+        return "\n".join(filter(None, (*self._refusals.values(), self._misfit)))
 
     # -- to the session -----------------------------------------------------------------------------------
 
     @property
     def obsolete(self) -> bool:
-        """The design in place has no such value: it is of another kind, and this row is about to be removed, or out of sight. A drag
-        of its name may outlast it."""
+        """Whether the current design has no such value: its kind has changed, and this row is hidden or about to be removed.
+
+        A drag of the row's name may last longer than the row.
+        """
         try:
             self.spec.read(self.session.holder(self.spec.path))
         except (KeyError, DesignError):
@@ -376,12 +383,12 @@ class Field(QObject):
         return False
 
     def edit(self, value: Any, text: str) -> None:
-        """Put a value into the design in place, where it has this field; text names the step."""
+        """Change the value in the current design, where it has this field; text names the undo step."""
         if not self.obsolete:
             self.session.edit(self.spec.path, value, text)
 
     def _step(self, value: Any) -> str:
-        """The name of the step that enters a value."""
+        """Return the name of the undo step that enters a value."""
         return step_text(self.spec.info.label, value, self.spec.unit)
 
     def _enter(self, value: Any) -> None:
@@ -413,25 +420,23 @@ class Field(QObject):
     # -- for the form -------------------------------------------------------------------------------------
 
     def focus(self) -> None:
-        """Let the keys go here, with all of the text chosen."""
+        """Move the focus to the editor and select its text."""
         self.editor.setFocus(Qt.FocusReason.OtherFocusReason)
         self.select()
 
     def select(self) -> None:
+        """Select the text of a number."""
         if isinstance(self.editor, NumberBox):
             self.editor.selectAll()
 
     def widgets(self) -> tuple[QWidget, ...]:
-        """All that stands in its line of the form."""
-        every = (self.label, self.editor, self.unit, self.mark, self.message)
-        return tuple(widget for widget in every if widget is not None)
-
-
-NAME_TIP = "Name of the design, as reports show it"
+        """Return all widgets of the row."""
+        widgets = (self.label, self.editor, self.unit, self.mark, self.message)
+        return tuple(widget for widget in widgets if widget is not None)
 
 
 class NameField(NameBox):
-    """The name of the design."""
+    """The field for the name of the design."""
 
     def __init__(self, session: Session) -> None:
         super().__init__()
@@ -444,7 +449,7 @@ class NameField(NameBox):
 
     @property
     def typing(self) -> bool:
-        """Whether another name stands here than the design has."""
+        """Whether the text differs from the name of the design."""
         return self.text() != self._session.typed.name
 
     def refresh(self, design: Design) -> None:

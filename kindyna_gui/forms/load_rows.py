@@ -1,4 +1,8 @@
-"""Attachment and schedule of a load."""
+"""Rows of a load's form: where it is attached, and when it acts; and the buttons of lists.
+
+An attachment is chosen from a list or picked in the drawing. A process force acts over a part of the turn, at a part of
+the motion, or by a table.
+"""
 
 from __future__ import annotations
 
@@ -50,13 +54,17 @@ from kindyna_gui.labels import reason
 from kindyna_gui.look import coloured, icon
 from kindyna_gui.pictures.style import SCREEN
 
-# -- hold rows -------------------------------------------------------------------------------------------
+_ARROWS = {"up": Qt.ArrowType.UpArrow, "down": Qt.ArrowType.DownArrow}
+_STEPS: Mapping[int, int] = {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1}
+TEXTS = {TURN_PART: "over a part of the turn", MOTION_PART: "at a part of the motion", TABLE: "table over the turn"}
+
+# -- where a load is attached ----------------------------------------------------------------------------
 
 
 class AttachmentRows(QWidget):
-    """The holds of one row of the loads, one below the other.
+    """The attachments of one load, one below the other.
 
-    picked   (key): one is to be chosen in the drawing
+    Signal: ``picked`` with the key of the attachment to be selected in the drawing.
     """
 
     picked = Signal(str)
@@ -75,26 +83,26 @@ class AttachmentRows(QWidget):
         grid.setHorizontalSpacing(6)
         grid.setVerticalSpacing(3)
         grid.setColumnStretch(1, 1)
-        for number, hold in enumerate(self._holds(session.typed)):
-            self._add(grid, 2 * number, hold)
+        for number, end in enumerate(self._ends(session.typed)):
+            self._add(grid, 2 * number, end)
         session.refused.connect(self._refused)
         session.accepted.connect(self._accepted)
         session.restored.connect(self._restored)
 
-    def _holds(self, design: Design) -> tuple[AttachedEnd, ...]:
+    def _ends(self, design: Design) -> tuple[AttachedEnd, ...]:
         return holds_of(design.drive, self._name)
 
-    def _add(self, grid: QGridLayout, row: int, hold: AttachedEnd) -> None:
-        label, box, button = NameLabel(hold.label, False), WordBox(), QPushButton("Pick")
-        box.setAccessibleName(hold.label)
-        box.activated.connect(partial(self._choose, hold))
-        box.withdrawn.connect(partial(self._take_back, hold))
+    def _add(self, grid: QGridLayout, row: int, end: AttachedEnd) -> None:
+        label, box, button = NameLabel(end.label, False), WordBox(), QPushButton("Pick")
+        box.setAccessibleName(end.label)
+        box.activated.connect(partial(self._choose, end))
+        box.withdrawn.connect(partial(self._take_back, end))
         label.setBuddy(box)
         button.setFixedSize(button.fontMetrics().horizontalAdvance(button.text()) + 24, row_height(box))
-        button.setToolTip(f"{hold.label}: choose it in the drawing")
+        button.setToolTip(f"{end.label}: select it in the drawing")
         button.setStatusTip(button.toolTip())
         button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        button.clicked.connect(partial(self._pick, hold.key))
+        button.clicked.connect(partial(self._pick, end.key))
         message = QLabel(wordWrap=True)
         coloured(message, SCREEN.limit)
         message.hide()
@@ -102,69 +110,69 @@ class AttachmentRows(QWidget):
         grid.addWidget(box, row, 1)
         grid.addWidget(button, row, 2)
         grid.addWidget(message, row + 1, 0, 1, COLUMNS)
-        self.boxes[hold.key], self.buttons[hold.key], self._messages[hold.key] = box, button, message
+        self.boxes[end.key], self.buttons[end.key], self._messages[end.key] = box, button, message
 
     def _pick(self, key: str, *_: object) -> None:
         self.picked.emit(key)
 
     @property
     def editors(self) -> list[QWidget]:
-        """In the order of Tab."""
+        """Editors in the order of Tab."""
         return [editor for key in self.boxes for editor in (self.boxes[key], self.buttons[key])]
 
     # -- from the session ---------------------------------------------------------------------------------
 
     def refresh(self, design: Design) -> None:
-        """Show where the row holds on, unless what was chosen there was refused, and what does not fit of it."""
+        """Show the attachments of the load and why they do not fit, except those with a refused choice."""
         row = get(design, self._path)
-        shown = (design.drive.mechanism, [hold.read(row) for hold in self._holds(design)], self._session.incomplete)
+        shown = (design.drive.mechanism, [end.read(row) for end in self._ends(design)], self._session.incomplete)
         if shown == self._shown:
             return
         self._shown = shown
-        for hold in self._holds(design):
-            if not self.boxes[hold.key].refused:
-                self._show(hold, design, hold.read(row))
-                self._show_misfit(hold)
+        for end in self._ends(design):
+            if not self.boxes[end.key].refused:
+                self._show(end, design, end.read(row))
+                self._show_misfit(end)
 
-    def _show_misfit(self, hold: AttachedEnd) -> None:
-        own = self._own(hold)
-        self._say(hold.key, "\n".join(text for path, _, text in self._session.misfit.reasons if path in own))
-        self.boxes[hold.key].set_waiting(self._session.waits(own[0], lambda design: hold.read(get(design, self._path))))
+    def _show_misfit(self, end: AttachedEnd) -> None:
+        paths = self._paths(end)
+        self._say(end.key, "\n".join(text for path, _, text in self._session.misfit.reasons if path in paths))
+        self.boxes[end.key].set_waiting(self._session.waits(paths[0], lambda design: end.read(get(design, self._path))))
 
-    def _show(self, hold: AttachedEnd, design: Design, now: Target | None) -> None:
-        box = self.boxes[hold.key]
-        values: list[Target | None] = [*((None,) if hold.output else ()), *targets_for(design.drive, hold)]
-        if isinstance(now, Attachment) and hold.what == LINK:  # the place on the link has fields of its own
-            now = Attachment(link=now.link)
-        if now not in values:
-            values.insert(0, now)
+    def _show(self, end: AttachedEnd, design: Design, current: Target | None) -> None:
+        box = self.boxes[end.key]
+        values: list[Target | None] = [*((None,) if end.output else ()), *targets_for(design.drive, end)]
+        if isinstance(current, Attachment) and end.what == LINK:  # the point on the link has its own fields
+            current = Attachment(link=current.link)
+        if current not in values:
+            values.insert(0, current)
         with QSignalBlocker(box):
-            if values != self._values.get(hold.key):
-                self._values[hold.key] = values
+            if values != self._values.get(end.key):
+                self._values[end.key] = values
                 box.clear()
                 box.addItems([attachment_text(design, value) for value in values])
-            box.setCurrentIndex(values.index(now))
+            box.setCurrentIndex(values.index(current))
 
     def _refused(self, refusal: Refusal) -> None:
-        for hold in self._holds(self._session.typed):
-            own = self._own(hold)
-            if refusal.path == own[0]:
-                self.boxes[hold.key].set_refused(True)
-                self._say(hold.key, "\n".join(f"{name}: {text}" for _, name, text in refusal.reasons))
+        for end in self._ends(self._session.typed):
+            paths = self._paths(end)
+            if refusal.path == paths[0]:
+                self.boxes[end.key].set_refused(True)
+                self._say(end.key, "\n".join(f"{name}: {text}" for _, name, text in refusal.reasons))
 
-    def _own(self, hold: AttachedEnd) -> tuple[str, ...]:
-        """The path at which a hold is edited, then those of its parts."""
+    def _paths(self, end: AttachedEnd) -> tuple[str, ...]:
+        """Return the path at which an attachment is edited, then the paths of its parts."""
         parts = ("link", "point", "at", "links", "pair")
-        keys = (hold.key, *(f"{hold.key}.{part}" for part in parts), *(own for _, own in hold.fields))
-        own = [f"{self._path}.{key}" for key in (*keys, *(("links",) if hold.key == "pair" else ()))]
-        return tuple(dict.fromkeys(own))
+        keys = (end.key, *(f"{end.key}.{part}" for part in parts), *(field for _, field in end.fields))
+        paths = [f"{self._path}.{key}" for key in (*keys, *(("links",) if end.key == "pair" else ()))]
+        return tuple(dict.fromkeys(paths))
 
     def _accepted(self, path: str) -> None:
-        for hold in self._holds(self._session.typed):
-            if path in self._own(hold):
+        for end in self._ends(self._session.typed):
+            if path in self._paths(end):
                 self._shown = None
-                self.boxes[hold.key].set_refused(False)
-                self._say(hold.key, "")
+                self.boxes[end.key].set_refused(False)
+                self._say(end.key, "")
 
     def _restored(self) -> None:
         self._shown = None
@@ -178,50 +186,45 @@ class AttachmentRows(QWidget):
 
     # -- by the user ----------------------------------------------------------------------------------------
 
-    def _choose(self, hold: AttachedEnd, index: int) -> None:
-        held = self._values[hold.key][index]
-        put_attachment(self._session, self._path, hold, held)
+    def _choose(self, end: AttachedEnd, index: int) -> None:
+        put_attachment(self._session, self._path, end, self._values[end.key][index])
 
-    def _take_back(self, hold: AttachedEnd) -> None:
-        self._session.take_back(self._own(hold)[0])
+    def _take_back(self, end: AttachedEnd) -> None:
+        self._session.clear_refusal(self._paths(end)[0])
         self._shown = None
         self.refresh(self._session.typed)
 
 
-def put_attachment(session: Session, path: str, hold: AttachedEnd, held: Target | None) -> bool:
-    """Let a row of the loads hold on elsewhere, as one step; False where that is refused."""
-    design, at = session.typed, f"{path}.{hold.key}"
+def put_attachment(session: Session, path: str, end: AttachedEnd, target: Target | None) -> bool:
+    """Attach a load to another target, as one undo step; False where that is refused."""
+    design, at = session.typed, f"{path}.{end.key}"
     session.end_gesture()
     try:
-        changed = with_attachment(design, path, hold.key, held)
+        changed = with_attachment(design, path, end.key, target)
     except KindynaError as error:
         session.refuse(at, reason(design, error))
         return False
-    label = f"{row_name(design, path)}: {hold.label[:1].lower()}{hold.label[1:]} {attachment_text(design, held)}"
+    label = f"{row_name(design, path)}: {end.label[:1].lower()}{end.label[1:]} {attachment_text(design, target)}"
     done = session.lay_out(changed, label, at)
     session.end_gesture()
     return done
 
 
-# -- list parts ------------------------------------------------------------------------------------------
-
-_ARROWS = {"up": Qt.ArrowType.UpArrow, "down": Qt.ArrowType.DownArrow}
-_STEPS: Mapping[int, int] = {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1}
+# -- buttons and keys of lists ---------------------------------------------------------------------------
 
 
-def list_button(text: str, picture: str, tip: str, slot: Callable[[], object] | None) -> QToolButton:
-    """A flat button with its picture, where it has one, or an arrow alone (picture "up", "down"); the slot is called without the
-    button's state."""
+def list_button(text: str, icon_name: str, tip: str, slot: Callable[[], object] | None) -> QToolButton:
+    """Return a flat button with an icon, or only an arrow ("up", "down"); the slot is called without the button's state."""
     button = QToolButton(autoRaise=True)
     button.setText(text)
     button.setToolTip(tip)
     button.setStatusTip(tip)
     button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
     button.setAccessibleName(text)
-    if picture in _ARROWS:
-        button.setArrowType(_ARROWS[picture])
-    elif picture:
-        button.setIcon(icon(picture))
+    if icon_name in _ARROWS:
+        button.setArrowType(_ARROWS[icon_name])
+    elif icon_name:
+        button.setIcon(icon(icon_name))
         button.setIconSize(QSize(16, 16))
         button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
     if slot is not None:
@@ -230,7 +233,7 @@ def list_button(text: str, picture: str, tip: str, slot: Callable[[], object] | 
 
 
 def taken_by_list(rows: Any, event: QKeyEvent) -> bool:
-    """Whether a key is one of the list's own: Alt+Up and Alt+Down emit ``moved`` (-1 or 1), Delete emits ``removed``."""
+    """Handle a key of a list, and return whether it was one: Alt+Up and Alt+Down emit ``moved``, Delete ``removed``."""
     if event.key() in _STEPS and event.modifiers() & Qt.KeyboardModifier.AltModifier:
         rows.moved.emit(_STEPS[event.key()])
     elif event.matches(QKeySequence.StandardKey.Delete):
@@ -241,7 +244,7 @@ def taken_by_list(rows: Any, event: QKeyEvent) -> bool:
 
 
 def row_of_buttons(buttons: Iterable[QToolButton], above: int = 0) -> QHBoxLayout:
-    """The buttons of a list side by side at the left; so many pixels free above and below them."""
+    """Return a row with the buttons at the left, and some pixels above and below them."""
     row = QHBoxLayout()
     row.setContentsMargins(4, above, 4, above)
     row.setSpacing(0)
@@ -252,7 +255,7 @@ def row_of_buttons(buttons: Iterable[QToolButton], above: int = 0) -> QHBoxLayou
 
 
 class TwoGroups(QWidget):
-    """Two groups of buttons in a row, at the left and at the right; the second below the first where that has no room."""
+    """Two groups of buttons, at the left and at the right; the second below the first where there is no room."""
 
     def __init__(self, first: Iterable[QToolButton], second: Iterable[QToolButton], above: int = 0) -> None:
         super().__init__()
@@ -264,18 +267,16 @@ class TwoGroups(QWidget):
             self._line.addLayout(group, stretch)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        beside = sum(group.sizeHint().width() for group in self._groups) <= event.size().width()
-        self._line.setDirection(QBoxLayout.Direction.LeftToRight if beside else QBoxLayout.Direction.TopToBottom)
+        in_a_row = sum(group.sizeHint().width() for group in self._groups) <= event.size().width()
+        self._line.setDirection(QBoxLayout.Direction.LeftToRight if in_a_row else QBoxLayout.Direction.TopToBottom)
         super().resizeEvent(event)
 
 
-# -- when row --------------------------------------------------------------------------------------------
-
-TEXTS = {TURN_PART: "over a part of the turn", MOTION_PART: "at a part of the motion", TABLE: "table over the turn"}
+# -- when a load acts ------------------------------------------------------------------------------------
 
 
 class WhenRow(QWidget):
-    """One of ``TEXTS``; of a table also buttons for a row more and a row less, and for the whole of it by the clipboard."""
+    """The schedule of a process force: one of ``TEXTS``, with buttons to add and remove rows of a table, and to copy and paste it."""
 
     def __init__(self, session: Session, path: str) -> None:
         super().__init__()
@@ -283,18 +284,18 @@ class WhenRow(QWidget):
         self.box = WordBox()
         self.box.setAccessibleName("When")
         self.more: QToolButton = list_button(
-            "Row", "insert", "One row more in the table, in its widest gap", partial(self._row, True)
+            "Row", "insert", "Add a row to the table, in its widest gap", partial(self._row, True)
         )
         self.less: QToolButton = list_button(
-            "Row", "delete", "The table without its last row", partial(self._row, False)
+            "Row", "delete", "Remove the last row of the table", partial(self._row, False)
         )
         self.copy: QToolButton = list_button(
-            "Copy table", "duplicate", "The table into the clipboard, for a spreadsheet", self._copy
+            "Copy table", "duplicate", "Copy the table to the clipboard, for a spreadsheet", self._copy
         )
         self.paste: QToolButton = list_button(
             "Paste table",
             "insert",
-            "Two columns from the clipboard, cam angle in ° and force, in the table's place",
+            "Replace the table by two columns from the clipboard: cam angle in °, force",
             self._paste,
         )
         label = NameLabel("When", False)
@@ -306,7 +307,7 @@ class WhenRow(QWidget):
         column.setContentsMargins(0, 0, 0, 3)
         column.setSpacing(2)
         column.addLayout(line)
-        column.addLayout(row_of_buttons(self._of_table))
+        column.addLayout(row_of_buttons(self._table_buttons))
         self.rest = QLabel(wordWrap=True)
         coloured(self.rest, SCREEN.quiet)
         column.addWidget(self.rest)
@@ -314,27 +315,27 @@ class WhenRow(QWidget):
 
     @property
     def editors(self) -> list[QWidget]:
-        """In the order of Tab."""
-        return [self.box, *self._of_table]
+        """Editors in the order of Tab."""
+        return [self.box, *self._table_buttons]
 
     @property
-    def _of_table(self) -> tuple[QToolButton, ...]:
+    def _table_buttons(self) -> tuple[QToolButton, ...]:
         return self.more, self.less, self.copy, self.paste
 
     def refresh(self, design: Design) -> None:
-        """Show when the row works."""
+        """Show when the load acts."""
         row, whens = get(design, self._path), whens_of(design.drive)
         with QSignalBlocker(self.box):
             self.box.clear()
             for when in whens:
                 self.box.addItem(TEXTS[when], when)
             self.box.setCurrentIndex(whens.index(when_of(row)))
-        for button in self._of_table:
+        for button in self._table_buttons:
             button.setVisible(bool(row.points))
         self.less.setEnabled(len(row.points) > 2)
         more = len(row.points) - POINT_FIELDS
         self.rest.setText(
-            f"{len(row.points)} rows: the first {POINT_FIELDS} below, all of them by Copy table and Paste table"
+            f"{len(row.points)} rows: the first {POINT_FIELDS} are listed below; Copy table and Paste table have all of them"
         )
         self.rest.setVisible(more > 0)
 
@@ -343,7 +344,7 @@ class WhenRow(QWidget):
         self._put(with_when(self._session.typed, self._path, when), TEXTS[when])
 
     def _row(self, more: bool) -> None:
-        self._put(with_table_row(self._session.typed, self._path, more), "one row more" if more else "one row less")
+        self._put(with_table_row(self._session.typed, self._path, more), "add a row" if more else "remove a row")
 
     def _copy(self) -> None:
         from core.measured import load_table_text
@@ -360,9 +361,9 @@ class WhenRow(QWidget):
             return
         self._put(with_load_table(self._session.typed, self._path, points), f"table of {len(points)} rows")
 
-    def _put(self, design: Design, what: str) -> None:
+    def _put(self, design: Design, change: str) -> None:
         session = self._session
         session.end_gesture()
-        if not session.lay_out(design, f"{row_name(session.typed, self._path)}: {what}", f"{self._path}.when"):
+        if not session.lay_out(design, f"{row_name(session.typed, self._path)}: {change}", f"{self._path}.when"):
             self.refresh(session.typed)
         session.end_gesture()

@@ -1,4 +1,4 @@
-"""Loads."""
+"""The page of the loads: a list with a row for each load, and the form of the selected one below."""
 
 from __future__ import annotations
 
@@ -25,8 +25,6 @@ from kindyna_gui.labels import value_text
 from kindyna_gui.pictures.units import digits, readable
 from kindyna_gui.rebuilt import clear_menu
 
-# -- load texts ------------------------------------------------------------------------------------------
-
 WHAT = {
     "masses": ("&Mass", "A mass and an inertia on a link"),
     "forces": ("&Force", "A constant force and a torque on a link"),
@@ -35,15 +33,27 @@ WHAT = {
     "pair_friction": ("F&riction", "In a pin or along a slide"),
     "process": ("&Process force", "Over a part of the turn, at a part of the motion, or as a table"),
 }
-"""List of the loads -> its entry in the menu, and what it is."""
+"""List of loads -> its entry in the Add menu, and the tip."""
 GENERAL = "In general"
 _ROW = re.compile(r"(loads\.\w+\[\d+\])")
-MOST_VALUES = 3  # values that a line names
+MOST_VALUES = 3  # values that a line lists
+HEADINGS = (
+    TableHeading("Load"),
+    TableHeading("Where", wide=True),
+    TableHeading("Value"),
+    TableHeading("Largest", number=True),
+)
+PART = 0.38  # largest share of the height for the list
+LOWEST = 40  # height of the form, pixels
+LARGEST_MS = 150  # from an edit to the computation of the largest forces
+LEAST, MOST_ROWS = 1, 8  # rows that the list shows at once
+
+# -- the rows of the list as texts -----------------------------------------------------------------------
 
 
 @frozen
 class LoadRow:
-    """A row of the list: its path, empty for what belongs to no list; name, place and value; all of them as a tip."""
+    """A row of the list: path ("" for the values in general); name, attachments and value; and all values as a tip."""
 
     path: str
     cells: tuple[str, str, str]
@@ -51,27 +61,27 @@ class LoadRow:
 
 
 def what_of(name: str) -> str:
-    """What a row of a list is called in a sentence: ``spring and damper``."""
+    """Return the name of a load of a list in a sentence, such as ``spring and damper``."""
     return WHAT[name][0].replace("&", "").lower()
 
 
 def lines_of(design: Design) -> tuple[LoadRow, ...]:
-    """Of what belongs to no list, then of each row."""
+    """Return the row of the values in general, then a row for each load."""
     texts: dict[str, list[str]] = {}
     for entry in entries(design, "loads"):
         if _is_size(entry):
             row = row_of(entry.path)
             text = value_text(entry.value, entry.unit)
             texts.setdefault(row, []).append(text if row else f"{entry.info.in_sentence} {text}")
-    own = texts.get("", [])
+    general = texts.get("", [])
     return (
-        LoadRow("", (GENERAL, ", ".join(own[:MOST_VALUES]), ""), ", ".join(own) or "Nothing is given"),
+        LoadRow("", (GENERAL, ", ".join(general[:MOST_VALUES]), ""), ", ".join(general) or "Nothing is given"),
         *_rows(design, texts),
     )
 
 
 def row_of(path: str) -> str:
-    """The row of the loads that a path leads into; empty for what belongs to no list."""
+    """Return the path of the load that a path belongs to; empty for a value in general."""
     match = _ROW.match(path)
     return match[1] if match else ""
 
@@ -87,14 +97,14 @@ def _rows(design: Design, texts: Mapping[str, list[str]]) -> Iterator[LoadRow]:
 
 
 def _is_size(entry: Entry) -> bool:
-    """Whether an entry says how large a load is, not where it is."""
+    """Whether an entry is the size of a load, not its position."""
     key = entry.path.rpartition(".")[2]
-    place = key in ("x_mm", "y_mm", "centre_x_mm", "centre_y_mm") or key.startswith("gravity") or "_centre" in key
-    return isinstance(entry.value, float) and entry.value != 0.0 and not place
+    is_position = key in ("x_mm", "y_mm", "centre_x_mm", "centre_y_mm") or key.startswith("gravity") or "_centre" in key
+    return isinstance(entry.value, float) and entry.value != 0.0 and not is_position
 
 
 def _process_text(row: Process) -> str:
-    """``-100 N from 0° to 90°``."""
+    """Return the value of a process force, such as ``-100 N from 0° to 90°``."""
     size = ", ".join(
         f"{shortest(value)} {unit}" for value, unit in ((row.force_n, "N"), (row.torque_nm, "N·m")) if value
     )
@@ -111,40 +121,28 @@ def _process_text(row: Process) -> str:
 
 
 def first_field(design: Design, path: str) -> str:
-    """The path of the first value of a row that says how large it is, else of its first."""
-    own = [entry for entry in entries(design, "loads") if entry.path.startswith(f"{path}.")]
-    sizes = [entry.path for entry in own if entry.value is not None and _is_size(entry)]
+    """Return the path of the first size of a load, else of its first value."""
+    rows = [entry for entry in entries(design, "loads") if entry.path.startswith(f"{path}.")]
+    sizes = [entry.path for entry in rows if entry.value is not None and _is_size(entry)]
     if isinstance(get(design, path), Process):
-        sizes = [each for each in sizes if each.endswith(("force_n", "torque_nm"))]
-    return next(iter(sizes), next((entry.path for entry in own), path))
+        sizes = [size for size in sizes if size.endswith(("force_n", "torque_nm"))]
+    return next(iter(sizes), next((entry.path for entry in rows), path))
 
 
-# -- loads page ------------------------------------------------------------------------------------------
-
-HEADINGS = (
-    TableHeading("Load"),
-    TableHeading("Where", wide=True),
-    TableHeading("Value"),
-    TableHeading("Largest", number=True),
-)
-PART = 0.38  # of the height, which the list has at the most
-LOWEST = 40  # of the form, pixels
-LARGEST_MS = 150  # after an edit, before the largest forces are found anew
-LEAST, MOST_ROWS = 1, 8  # rows that the list shows at once
+# -- the list and its page -------------------------------------------------------------------------------
 
 
 def parts_of(path: str) -> tuple[str, int]:
-    """The list of a row of the loads, and its number there."""
+    """Return the name of the list of a load, and its number there."""
     name, number, _ = row_at(path)
     return name.removeprefix("loads."), number
 
 
 class LoadsTable(RowsTable):
-    """The list itself.
+    """The list of the loads.
 
-    moved     (-1 or 1): Alt+Up, Alt+Down
-    removed   Delete
-    chosen    (number): another row is the current one
+    Signals: ``moved`` with -1 or 1 for Alt+Up and Alt+Down; ``removed`` for Delete; ``chosen`` with the number of the row
+    that becomes the current one.
     """
 
     moved = Signal(int)
@@ -174,10 +172,10 @@ class LoadsTable(RowsTable):
 
 
 class LoadsPage(QWidget):
-    """List, buttons, and the fields of the chosen row: in its first row what belongs to no list.
+    """List, buttons, and the fields of the selected load; the first row has the values in general.
 
-    added    (list): a row more is wanted in one of the lists of the loads
-    picked   (path, key): where a row holds on is to be chosen in the drawing
+    Signals: ``added`` with the list to which the user adds a load; ``picked`` with the path of a load and the key of the
+    attachment to be selected in the drawing.
     """
 
     added = Signal(str)
@@ -186,21 +184,21 @@ class LoadsPage(QWidget):
     def __init__(self, session: Session) -> None:
         super().__init__()
         self._session = session
-        self.holds: dict[str, AttachmentRows] = {}
+        self.attachments: dict[str, AttachmentRows] = {}
         self.whens: dict[str, WhenRow] = {}
         self.table = LoadsTable()
-        self.form = Form(session, "loads", row_of, self._holds)
+        self.form = Form(session, "loads", row_of, self._header)
         self._lines: tuple[LoadRow, ...] = ()
         self._study: Study | None = None
         self._largest: dict[str, str] = {}
         self.buttons = {
             "add": list_button(
-                "Add", "insert", "A mass, a spring, friction or a force more, where you click in the drawing", None
+                "Add", "insert", "Add a mass, a spring, friction or a force where you click in the drawing", None
             ),
-            "copy": list_button("Copy", "duplicate", "The chosen row once more", self._copy),
-            "remove": list_button("Remove", "delete", "Take the chosen row away (Del)", self._remove),
-            "up": list_button("Up", "", "Further up among its kind (Alt+Up)", partial(self._move, -1)),
-            "down": list_button("Down", "", "Further down among its kind (Alt+Down)", partial(self._move, 1)),
+            "copy": list_button("Copy", "duplicate", "Duplicate the selected load", self._copy),
+            "remove": list_button("Remove", "delete", "Remove the selected load (Del)", self._remove),
+            "up": list_button("Up", "", "Move up among loads of its kind (Alt+Up)", partial(self._move, -1)),
+            "down": list_button("Down", "", "Move down among loads of its kind (Alt+Down)", partial(self._move, 1)),
         }
         self.menu = QMenu(self)
         self.menu.aboutToShow.connect(self._fill)
@@ -222,14 +220,14 @@ class LoadsPage(QWidget):
         session.load_chosen.connect(self._show_chosen)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """The list leaves the form the larger part."""
+        """Leave the larger part of the height to the form."""
         super().resizeEvent(event)
         self.table.setMaximumHeight(max(int(PART * self.height()), self.table.minimumSizeHint().height()))
 
     # -- from the session ---------------------------------------------------------------------------------
 
     def refresh(self, study: Study, design: Design) -> None:
-        """Show the loads of a design as typed; what is largest over the turn of this study follows once editing pauses."""
+        """Show the loads of a design as typed; the largest forces over the turn follow when editing pauses."""
         self._study = study
         self.form.refresh(design)
         lines = lines_of(design)
@@ -238,7 +236,7 @@ class LoadsPage(QWidget):
         if lines != self._lines:
             self._lines = lines
             self._show_lines()
-            self.table.setVisible(len(lines) > 1)  # with nothing but the first the form says all of it
+            self.table.setVisible(len(lines) > 1)  # the form shows everything where there is only the first row
         self._later.start()
         self._show_chosen()
 
@@ -252,21 +250,21 @@ class LoadsPage(QWidget):
                 self.table.updateGeometry()
 
     def _find_largest(self) -> None:
-        """The last column."""
+        """Compute and show the last column."""
         self._later.stop()
         if self._study is None:
             return
         try:
-            found = dict(_largest_texts(self._study, self._lines))
+            largest = dict(_largest_texts(self._study, self._lines))
         except NoSolution:
-            found = {}
-        if found != self._largest:
-            self._largest = found
+            largest = {}
+        if largest != self._largest:
+            self._largest = largest
             self._show_lines()
             self._show_chosen()
 
     def settle(self) -> None:
-        """Do now what waits for a pause."""
+        """Compute now what waits for a pause."""
         if self._later.isActive():
             self._find_largest()
 
@@ -278,8 +276,8 @@ class LoadsPage(QWidget):
             if self.table.currentIndex().row() != number and paths:
                 self.table.selectRow(number)
         self.form.show_group(chosen)
-        if chosen in self.holds:
-            self.holds[chosen].refresh(self._session.typed)
+        if chosen in self.attachments:
+            self.attachments[chosen].refresh(self._session.typed)
         if chosen in self.whens:
             self.whens[chosen].refresh(self._session.typed)
         name, index = parts_of(chosen) if chosen else ("", 0)
@@ -290,15 +288,15 @@ class LoadsPage(QWidget):
         self.buttons["down"].setEnabled(bool(name) and index < count - 1)
 
     def _count(self, name: str) -> int:
-        """The rows of one of the lists."""
+        """Return the number of loads in a list."""
         return len(getattr(self._session.typed.drive.loads, name))
 
-    def _holds(self, group: str) -> QWidget | None:
-        """The head of a row's form."""
+    def _header(self, group: str) -> QWidget | None:
+        """Return the rows above the fields of a load: its attachments, and when it acts."""
         if not group:
-            self.holds, self.whens = {}, {}  # the form is made anew
+            self.attachments, self.whens = {}, {}  # the form is created again
             return None
-        rows = self.holds[group] = AttachmentRows(self._session, group)
+        rows = self.attachments[group] = AttachmentRows(self._session, group)
         rows.picked.connect(partial(self.picked.emit, group))
         if parts_of(group)[0] != "process":
             return rows
@@ -313,16 +311,16 @@ class LoadsPage(QWidget):
 
     @property
     def editors(self) -> list[QWidget]:
-        """In the order of Tab: of each row where it holds on, when it works, then its values."""
-        found: list[QWidget] = []
+        """Editors in the order of Tab: the attachments of each load, when it acts, then its values."""
+        editors: list[QWidget] = []
         group = ""
         for path, field in self.form.fields.items():
             if row_of(path) != group:
                 group = row_of(path)
-                for head in (self.holds.get(group), self.whens.get(group)):
-                    found += [] if head is None else head.editors
-            found.append(field.editor)
-        return found
+                for rows in (self.attachments.get(group), self.whens.get(group)):
+                    editors += [] if rows is None else rows.editors
+            editors.append(field.editor)
+        return editors
 
     # -- by the user ----------------------------------------------------------------------------------------
 
@@ -338,7 +336,7 @@ class LoadsPage(QWidget):
         self.added.emit(name)
 
     def choose(self, path: str) -> None:
-        """Choose a row; empty: the first."""
+        """Select a load; with an empty path the first row."""
         self._session.choose_load(path)
 
     def _choose(self, number: int) -> None:
@@ -369,7 +367,7 @@ class LoadsPage(QWidget):
                 self._in_order(order, index + by, "Move")
 
     def _in_order(self, order: list[int], chosen: int, verb: str) -> None:
-        """The rows of the chosen one's list in another order, as one step."""
+        """Put the loads of the selected one's list into another order, as one undo step."""
         path = self._session.load
         name, _ = parts_of(path)
         design = self._session.typed
@@ -380,18 +378,18 @@ class LoadsPage(QWidget):
 
 
 def reordered(design: Design, name: str, order: list[int]) -> Design:
-    """The design with the rows of one of its lists of loads in this order."""
+    """Return the design with the loads of a list in this order."""
     return with_rows_in_order(design, f"loads.{name}", order)
 
 
 def _largest_texts(study: Study, lines: tuple[LoadRow, ...]) -> list[tuple[str, str]]:
-    """Row -> its largest force, or torque, over the turn at the speed of the shaft."""
-    found = []
+    """Return the path of each load with its largest force, or torque, over the turn at the speed of the shaft."""
+    texts = []
     for line in lines:
         element = element_at(study.loading, line.path)
         if element is None:
             continue
         size, unit = peak_load(element, study.linkage, study.omega)
-        rung = readable(unit, size)
-        found.append((line.path, f"{digits(size / rung.size, 3)} {rung.symbol}"))
-    return found
+        unit_shown = readable(unit, size)
+        texts.append((line.path, f"{digits(size / unit_shown.size, 3)} {unit_shown.symbol}"))
+    return texts

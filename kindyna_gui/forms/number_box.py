@@ -1,4 +1,9 @@
-"""Numbers typed."""
+"""Boxes for numbers, words and names: typed text is calculated, stepped by keys, wheel and arrows, and confirmed.
+
+Window shortcuts work everywhere. Shortcuts of a view (``Qt.WidgetWithChildrenShortcut``) work inside it, except while a
+text in it is edited: Ctrl+D typed into the start of the motion deletes no segment. A text field keeps the keys that edit
+text.
+"""
 
 from __future__ import annotations
 
@@ -45,13 +50,9 @@ from core.output.lines import shortest
 from core.units import Unit, accepted_units
 from kindyna_gui.labels import rounded_to, value_text
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.settings import DIGITS, TOLD, number_text, point, size_of, symbol_of, typed
+from kindyna_gui.settings import DIGITS, DISPLAY, number_text, point, size_of, symbol_of, typed
 
-# -- text keys -------------------------------------------------------------------------------------------
-
-# Shortcuts of the window act everywhere. Those of a view (``Qt.WidgetWithChildrenShortcut``) act in it, but not while a
-# text inside it is being edited: Ctrl+D typed into the start of the motion deletes no segment. Keys that edit text are the
-# field's own.
+# -- keys of text fields and shortcuts -------------------------------------------------------------------
 
 Keys = QKeySequence.StandardKey
 EDITING = (Keys.SelectAll, Keys.Copy, Keys.Cut, Keys.Paste, Keys.Undo, Keys.Redo)
@@ -60,7 +61,7 @@ _VIEW = Qt.ShortcutContext.WidgetWithChildrenShortcut
 
 
 class TextKeys:
-    """For fields: a mixin before the class of Qt."""
+    """Mixin of text fields, before their Qt class: decides between shortcuts and typed text."""
 
     def event(self, event: QEvent) -> bool:
         if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent):
@@ -85,13 +86,15 @@ def is_view_shortcut(field: QWidget, event: QKeyEvent) -> bool:
 
 
 def is_window_shortcut(event: QKeyEvent) -> bool:
-    """Whether a key may be a shortcut of the window: Ctrl and a letter or a digit that edits no text. A line of text
-    would claim some of these too, on X11 Ctrl+E for its end."""
-    letter = 0 <= event.key() < 0x80 and chr(event.key()).isalnum()
-    return bool(event.modifiers() & _CTRL) and letter and not any(event.matches(key) for key in EDITING)
+    """Whether a key may be a shortcut of the window: Ctrl with a letter or a digit, unless that edits text.
+
+    A line edit would claim some of these keys too, on X11 Ctrl+E to go to its end.
+    """
+    is_alphanumeric = 0 <= event.key() < 0x80 and chr(event.key()).isalnum()
+    return bool(event.modifiers() & _CTRL) and is_alphanumeric and not any(event.matches(key) for key in EDITING)
 
 
-# -- typed number ----------------------------------------------------------------------------------------
+# -- typed numbers and calculations ----------------------------------------------------------------------
 
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d{1,3})?", re.ASCII)
 _SIGNS = str.maketrans({"\u2212": "-", "×": "*", "÷": "/", "\u00a0": " "})
@@ -102,15 +105,15 @@ _OPERATIONS: Mapping[type, Callable[[Fraction, Fraction], Fraction]] = MappingPr
 )
 
 
-def parsed(text: str, unit: Unit, *, kept: bool = False) -> float | None:
-    """The number that a text means in the field's own unit; None where it is none.
+def parsed(text: str, unit: Unit, *, in_file_units: bool = False) -> float | None:
+    """Return the number that a text means, in the field's unit; None where the text is no number.
 
-    ``12.5``, ``12.5 mm``, ``3*12``, ``(86 + 2)/4``, ``1 in``, ``0.5 rad``: + - * / and parentheses are calculated exactly, as
-    a reader would, and rounded once; a unit of the same kind may stand behind all. Without one the number counts in the unit that
-    the field is shown in; kept: in its own.
+    ``12.5``, ``12.5 mm``, ``3*12``, ``(86 + 2)/4``, ``1 in``, ``0.5 rad``: + - * / and parentheses are calculated exactly
+    and rounded once. A unit of the same kind may follow. A number without a unit is in the unit on display, or in the
+    field's unit with ``in_file_units``.
     """
     rest, factor = _without_unit(typed(text).translate(_SIGNS).strip(), unit)
-    if kept and rest == typed(text).translate(_SIGNS).strip():
+    if in_file_units and rest == typed(text).translate(_SIGNS).strip():
         factor = Fraction(1)
     if _NUMBER.fullmatch(rest) and factor == 1:
         value = float(rest)
@@ -126,7 +129,7 @@ def parsed(text: str, unit: Unit, *, kept: bool = False) -> float | None:
 
 
 def _without_unit(text: str, unit: Unit) -> tuple[str, Fraction | float]:
-    """The text before a unit, and how many of the field's own it is."""
+    """Return the text before a unit, and the factor from that unit to the field's."""
     for symbol, factor in accepted_units(unit.symbol).items():
         rest = text.removesuffix(symbol)
         if rest != text and rest.strip() and not (rest[-1].isalpha() or rest[-1] in "/·^"):
@@ -135,7 +138,7 @@ def _without_unit(text: str, unit: Unit) -> tuple[str, Fraction | float]:
 
 
 def _calculated(text: str) -> Fraction | None:
-    """The exact value of a calculation; None where it is none, or has none."""
+    """Return the exact value of a calculation; None where the text is none, or it divides by zero."""
     if len(text) > _LONGEST or re.search(r"[^-+*/().0-9eE\s]|\*\*|//", text):
         return None
     try:
@@ -160,7 +163,7 @@ def _value(node: ast.AST, text: str) -> Fraction:
     raise ValueError(text)
 
 
-# -- number box ------------------------------------------------------------------------------------------
+# -- sizes, steps and keys -------------------------------------------------------------------------------
 
 UNDO_KEYS = (QKeySequence.StandardKey.Undo, QKeySequence.StandardKey.Redo)
 _ELSEWHERE = (
@@ -168,28 +171,33 @@ _ELSEWHERE = (
     Qt.FocusReason.MenuBarFocusReason,
     Qt.FocusReason.ActiveWindowFocusReason,
 )
-_PADDING = 2  # of a line's text from its sides, pixels
+_PADDING = 2  # pixels between a line's text and its sides
 _BUTTONS = 28  # pixels for the arrows and the frame
-
-
-NOTCH = 120  # of a wheel's angle, in eighths of a degree
-_ROUND_STEPS = (("1", 1.5), ("2", 3.5), ("5", 7.5), ("10", math.inf))  # the step, and below which share of its power
+NOTCH = 120  # angle of one notch of the wheel, in eighths of a degree
+_ROUND_STEPS = (
+    ("1", 1.5),
+    ("2", 3.5),
+    ("5", 7.5),
+    ("10", math.inf),
+)  # step, and the leading digits up to which it is used
 
 
 def scale_of(modifiers: Qt.KeyboardModifier) -> float:
-    """What the keys held make of a step: Ctrl a tenth, Shift ten times."""
+    """Return the factor on a step for the pressed keys: 0.1 with Ctrl, 10 with Shift."""
     tenth = 0.1 if modifiers & Qt.KeyboardModifier.ControlModifier else 1.0
     return tenth * (10.0 if modifiers & Qt.KeyboardModifier.ShiftModifier else 1.0)
 
 
 def row_height(widget: QWidget) -> int:
-    """Of every editor, so that the rows of a form are even."""
+    """Return the height of every editor in a form [pixels], so that rows are even."""
     return widget.fontMetrics().height() + 8
 
 
+# -- boxes -----------------------------------------------------------------------------------------------
+
+
 class RedFrame:
-    """For widgets whose text was refused: a red frame, drawn over the style's own; a dashed one where the value waits for others to
-    fit to it."""
+    """Mixin that draws a red frame around a refused value, and a dashed one around a value that does not fit the others."""
 
     _refused = _waits = False
 
@@ -200,7 +208,7 @@ class RedFrame:
 
     @property
     def waits(self) -> bool:
-        """Whether what stands here is typed but not in place, since it does not fit to the rest yet."""
+        """Whether the value is typed but not applied, because it does not fit the other values yet."""
         return self._waits
 
     def set_refused(self, on: bool) -> None:
@@ -210,7 +218,7 @@ class RedFrame:
 
     @property
     def refused(self) -> bool:
-        """Whether what stands here cannot be."""
+        """Whether the text or value was refused."""
         return self._refused
 
     def paintEvent(self, event: QPaintEvent) -> None:
@@ -226,10 +234,10 @@ class RedFrame:
 
 
 class WordBox(RedFrame, QComboBox):
-    """A combo box that lets the wheel scroll the form until it has been chosen.
+    """A combo box that leaves the wheel to the form until it has the focus.
 
-    withdrawn   Escape: what was chosen, and refused, is taken back
-    menu_requested  (QPoint, QMenu): what can be done with it, at this place of the screen, by a menu that is empty yet
+    Signals: ``withdrawn`` when Escape restores the value before a refused choice; ``menu_requested`` with the point on the
+    screen (QPoint) and an empty menu (QMenu) to fill.
     """
 
     withdrawn = Signal()
@@ -243,7 +251,7 @@ class WordBox(RedFrame, QComboBox):
         self.update_style()
 
     def update_style(self) -> None:
-        """As high and wide as its letters want it."""
+        """Set height and width for the font size."""
         self.setFixedHeight(row_height(self))
 
     def wheelEvent(self, event: QWheelEvent) -> None:
@@ -267,12 +275,11 @@ class WordBox(RedFrame, QComboBox):
 
 
 class NameBox(TextKeys, RedFrame, QLineEdit):
-    """A line of text."""
+    """A line of text with a red frame when it is refused."""
 
 
 class _Line(QLineEdit):
-    """The line inside of a number box. What it has no room for is painted rounded, its first digits first, until it is
-    typed into; its text keeps every digit."""
+    """The line edit of a number box: paints the number rounded to its width, while its text has every digit."""
 
     def paintEvent(self, event: QPaintEvent) -> None:
         box = self.parentWidget()
@@ -290,21 +297,17 @@ class _Line(QLineEdit):
 
 
 class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
-    """A number of one field.
+    """The number of one field.
 
-    Arrows, wheel (only when chosen) and arrow keys step it, with Ctrl by a tenth, with Shift by ten times as much; typed text,
-    a calculation or another unit too, counts on Enter or when the focus leaves.
-    Escape, or undo while typing, takes back what was typed. A wrong text stays until it is right or taken back.
+    Arrows, arrow keys and the wheel (only with the focus) step it: with Ctrl by a tenth of the step, with Shift by ten
+    times. Typed text, also a calculation or another unit, is confirmed by Enter or when the focus leaves. Escape, or undo
+    while typing, restores the number. A wrong text remains until it is corrected or withdrawn. An optional field reads an
+    empty text as None.
 
-    A field that may be empty takes an empty text for None.
-
-    entered      (float | None): a step was made, or a typed number confirmed
-    unreadable   a text that is no number was confirmed
-    finished     the gesture is over: Enter, mouse released, focus left
-    withdrawn    what was typed is taken back
-    menu_requested  (QPoint, QMenu): what can be done with it, at this place of the screen; the menu has what edits the text
-
-    in_file_units      it shows its own unit, whatever the user prefers: what stands around it does so
+    Signals: ``entered`` (float | None) when a step is made or a typed number confirmed; ``unreadable`` when the confirmed
+    text is no number; ``finished`` at the end of the gesture (Enter, mouse released, focus left); ``withdrawn`` when the
+    typed text is discarded; ``menu_requested`` with the point on the screen (QPoint) and the menu of the text (QMenu).
+    With ``in_file_units`` it shows the field's unit, whatever the preferences say.
     """
 
     in_file_units = False
@@ -321,19 +324,19 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
         self._info, self._unit = info, unit
         self.setAccessibleName(info.label)
         self._value: float | None = 0.0
-        self._tried = ""  # the text that was last confirmed or shown
-        self._finer = 1.0  # what the keys held while an arrow is pressed make of a step
-        self._wheeled = 0  # parts of a notch
+        self._tried = ""  # the text last confirmed or shown
+        self._scale = 1.0  # factor on a step while an arrow is pressed
+        self._wheel_angle = 0  # rest below a notch
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         self.setAccelerated(True)
         self.setKeyboardTracking(False)
         self.update_style()
         self.show_value(0.0)
-        TOLD.changed.connect(self._show_otherwise)
+        DISPLAY.changed.connect(self._show_in_units)
 
     def update_style(self) -> None:
-        """As high and wide as its letters want it."""
+        """Set height and width for the font size."""
         self.setFixedHeight(row_height(self))
         self.setMinimumWidth(QFontMetrics(self.font()).horizontalAdvance("-1234.567") + _BUTTONS)
 
@@ -344,11 +347,11 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
 
     @property
     def _size(self) -> float:
-        """How many of its own unit one is of that which is shown."""
+        """The unit on display, in the field's unit."""
         return 1.0 if self.in_file_units else size_of(self._unit.symbol)
 
-    def _show_otherwise(self) -> None:
-        """In other units; what is typed stays."""
+    def _show_in_units(self) -> None:
+        """Show the number in the units on display, unless a text is being typed or was refused."""
         if not self.refused and self.text() == self._tried:
             self.show_value(self._value)
 
@@ -358,57 +361,59 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
         return self._value
 
     def show_value(self, value: float | None) -> None:
-        """Show a number, or nothing, in place of whatever stands there."""
+        """Show a number, or an empty text for None."""
         self._value = value
         self._tried = self._text(value)
         self.set_refused(False)
         if self.text() != self._tried:
-            chosen = self.lineEdit().selectedText() == self.text() != ""
+            is_selected = self.lineEdit().selectedText() == self.text() != ""
             self.lineEdit().setText(self._tried)
-            if chosen:
+            if is_selected:
                 self.lineEdit().selectAll()
 
     @property
     def shortened(self) -> str:
-        """The number as it is painted where its field is too narrow for it: rounded to what the field holds; '' where
-        all of it is seen, or something is being typed or was refused."""
+        """The number rounded to the width of the field, as it is painted; '' where there is room for all of its digits.
+
+        Also '' while a text is being typed or was refused.
+        """
         if self.hasFocus() or self.pending or self._value is None:
             return ""
         value = self._value
         line = self.lineEdit()
-        metrics, room = line.fontMetrics(), line.contentsRect().width() - 2 * _PADDING
-        if metrics.horizontalAdvance(self.text()) <= room:
+        metrics, width = line.fontMetrics(), line.contentsRect().width() - 2 * _PADDING
+        if metrics.horizontalAdvance(self.text()) <= width:
             return ""
         shown = value / self._size
-        return rounded_to(shown, lambda text: metrics.horizontalAdvance(text) <= room).replace(".", point())
+        return rounded_to(shown, lambda text: metrics.horizontalAdvance(text) <= width).replace(".", point())
 
     @property
     def typing(self) -> bool:
-        """Something was typed that is not confirmed yet."""
+        """Whether a typed text is not confirmed yet."""
         return self.text() != self._tried
 
     @property
     def pending(self) -> bool:
-        """What stands there is not the number in place: it is being typed, or was refused."""
+        """Whether the text is not that of the number: it is being typed, or was refused."""
         return self.text() != self._text(self._value)
 
     def confirm(self) -> None:
         """Confirm the typed text as the number."""
         if not self.pending:
-            mended = self.refused
+            was_refused = self.refused
             self.show_value(self._value)
-            if mended:  # the number in place was typed over what was refused
+            if was_refused:  # the number was typed again over the refused text
                 self.withdrawn.emit()
             return
         self._tried = self.text()
-        number = parsed(self.text(), self._unit, kept=self.in_file_units)
+        number = parsed(self.text(), self._unit, in_file_units=self.in_file_units)
         if number is None and not (self._info.optional and not self.text().strip()):
             self.unreadable.emit()
         else:
             self.entered.emit(number)
 
     def withdraw(self) -> None:
-        """Forget the text; the number in place shows again."""
+        """Discard the typed text and show the number again."""
         self.show_value(self._value)
         self.lineEdit().selectAll()
         self.withdrawn.emit()
@@ -416,41 +421,41 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
     # -- steps --------------------------------------------------------------------------------------------
 
     def step_of(self, value: float) -> float:
-        """The field's own step, else about a hundredth of the value: the nearest of 1, 2, 5 times a power of ten."""
+        """Return the step of the field, else about a hundredth of the value: 1, 2 or 5 times a power of ten."""
         if self._info.step:
             return self._info.step
         if not value:
             return 1.0
         power = math.floor(math.log10(abs(value))) - 2
-        share = abs(value) / 10.0 ** (power + 2)  # 1 ... 10
-        return float(f"{next(step for step, most in _ROUND_STEPS if share < most)}e{power}")
+        leading = abs(value) / 10.0 ** (power + 2)  # 1 ... 10
+        return float(f"{next(step for step, most in _ROUND_STEPS if leading < most)}e{power}")
 
     def stepped(self, value: float, steps: int, scale: float = 1.0) -> float:
-        """The value so many steps on, in decimals as a reader would add them in the unit that is shown, within the range."""
+        """Return the value after some steps, added in decimals in the unit on display, within the range."""
         size = self._size
         shown = value if size == 1.0 else float(f"{value / size:.{DIGITS}g}")
         step = Decimal(shortest(self.step_of(shown))) * Decimal(shortest(scale))
-        moved = float(Decimal(shortest(shown)) + steps * step) * size
-        moved = min(max(moved, self._info.low), self._info.high) + 0.0
-        return value if self._info.open_low and moved <= self._info.low else moved
+        result = float(Decimal(shortest(shown)) + steps * step) * size
+        result = min(max(result, self._info.low), self._info.high) + 0.0
+        return value if self._info.open_low and result <= self._info.low else result
 
     def stepBy(self, steps: int) -> None:
-        self.step_by(steps, self._finer)
+        self.step_by(steps, self._scale)
 
     def step_by(self, steps: int, scale: float = 1.0) -> None:
-        """So many steps of ``scale`` times the usual size."""
-        number = parsed(self.text(), self._unit, kept=self.in_file_units) if self.pending else self._value
+        """Enter the number after some steps, each of ``scale`` times the step."""
+        number = parsed(self.text(), self._unit, in_file_units=self.in_file_units) if self.pending else self._value
         start = (self._value or 0.0) if number is None else number
-        moved = self.stepped(start, steps, scale)
-        if moved == start:
+        result = self.stepped(start, steps, scale)
+        if result == start:
             return
-        self.lineEdit().setText(self._text(moved))
+        self.lineEdit().setText(self._text(result))
         self.lineEdit().selectAll()
         self._tried = self.text()
-        self.entered.emit(moved)
+        self.entered.emit(result)
 
     def drag_by(self, steps: int) -> None:
-        """What a pull at the field's name makes of it: finer steps, for there are many."""
+        """Step the number while the field's name is dragged, in finer steps, for there are many."""
         self.step_by(steps, 1.0 if self._info.step else 0.1)
 
     def stepEnabled(self) -> QAbstractSpinBox.StepEnabledFlag:
@@ -458,7 +463,7 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
         return QAbstractSpinBox.StepEnabledFlag.StepNone if self.isReadOnly() else both
 
     def validate(self, text: str, position: int) -> Any:
-        """Any text may be typed; a wrong one is reported on Enter."""
+        """Accept any text while typing; a wrong one is reported on Enter."""
         return QValidator.State.Acceptable, text, position
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
@@ -494,8 +499,8 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
         self.finished.emit()
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """On an arrow; Qt itself would make ten steps of one with Ctrl."""
-        self._finer = scale_of(event.modifiers())
+        """Press an arrow; Qt itself would make ten steps with Ctrl."""
+        self._scale = scale_of(event.modifiers())
         plain = QMouseEvent(
             event.type(),
             event.position(),
@@ -508,23 +513,25 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         super().mouseReleaseEvent(event)
-        self._finer = 1.0
+        self._scale = 1.0
         self.finished.emit()
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         if not self.hasFocus() or self.isReadOnly():
             event.ignore()
             return
-        self._wheeled += event.angleDelta().y() or event.angleDelta().x()
-        steps = int(self._wheeled / NOTCH)
-        self._wheeled -= steps * NOTCH
+        self._wheel_angle += event.angleDelta().y() or event.angleDelta().x()
+        steps = int(self._wheel_angle / NOTCH)
+        self._wheel_angle -= steps * NOTCH
         if steps:
             self.step_by(steps, scale_of(event.modifiers()))
         event.accept()
 
     def event(self, event: QEvent) -> bool:
-        """The line inside claims the keys of undo; that is right only while something is being typed. The tip of a
-        number that is shown rounded begins with all its digits."""
+        """Leave the undo keys to the window unless a text is being typed, and show all digits in the tip.
+
+        The line edit would claim the undo keys always. The tip begins with all digits of a number that is painted rounded.
+        """
         if isinstance(event, QHelpEvent) and event.type() == QEvent.Type.ToolTip and self.shortened:
             full = value_text(self._value or 0.0, self._unit)
             QToolTip.showText(event.globalPos(), "<br>".join(filter(None, (full, self.toolTip()))), self)

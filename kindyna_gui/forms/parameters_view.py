@@ -1,4 +1,4 @@
-"""The parameters of a design as forms, made from the metadata of its fields."""
+"""The Parameters view: the name of a design, and a page with a form for each of its sections."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from core.design import Design
 from core.findings import ERROR
 from core.study import Study
 from kindyna_gui.documents.session import SHAFT, Session
-from kindyna_gui.documents.texts import misses, waiting_text
+from kindyna_gui.documents.texts import misfit_sentences, waiting_text
 from kindyna_gui.forms.fields import Field, NameField, in_tab_order
 from kindyna_gui.forms.form import Form, IncompleteBar, part_of
 from kindyna_gui.forms.loads_page import LoadsPage, first_field, row_of
@@ -23,63 +23,55 @@ from kindyna_gui.labels import SECTION_NAMES
 from kindyna_gui.look import coloured, sign
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import soon
+from kindyna_gui.rebuilt import call_soon
 from kindyna_gui.requirements import lists_links
 from kindyna_gui.view import View, ViewHost
 
 LOADS = "loads"
-LEAST = 285, 116  # pixels; the pages scroll, and a window that is full need not grow for them
+LEAST = 285, 116  # pixels; the pages scroll, so a full window need not grow for them
 SECTIONS = ("follower", "cam", "shaft", "loads", "limits", "servo")
-EVERY_SECTION = (
-    "follower",
-    "linkage",
-    "cam",
-    "shaft",
-    "loads",
-    "limits",
-    "servo",
-)  # of all kinds of design, in the order of tabs
+EVERY_SECTION = ("follower", "linkage", "cam", "shaft", "loads", "limits", "servo")
+"""Sections of all kinds of design, in the order of the tabs."""
 
 
 class Page(Protocol):
-    """The fields of a section, by their paths, as a page that is rolled."""
+    """A page that scrolls, with the fields of a section by their paths."""
 
     fields: dict[str, Field]
 
     @property
     def in_trouble(self) -> bool:
-        """Whether a field shows what cannot be."""
+        """Whether a value was refused or does not fit the others."""
 
     def refresh(self, design: Design) -> None:
-        """Show this design."""
+        """Show a design."""
 
     def look_for(self, words: str) -> int:
-        """Show only the fields whose name has all of these words; how many there are."""
+        """Show only the fields whose name has all of these words, and return their number."""
 
     def unfold(self, path: str) -> None:
-        """Let the field of a path be seen."""
+        """Show the field of a path, where it is folded or filtered out."""
 
     def field_at(self, path: str) -> Field | None:
-        """The field that a path leads to."""
+        """Return the field of a path."""
 
     def verticalScrollBar(self) -> QScrollBar:
-        """How far it is rolled."""
+        """Return the vertical scroll bar."""
 
     def ensureWidgetVisible(self, child: QWidget, xmargin: int = ..., ymargin: int = ...) -> None:
-        """Roll to a field."""
+        """Scroll to a field."""
 
 
 def kind_label(design: Design) -> str:
-    """What kind of mechanism a design is, in a few words."""
+    """Return the kind of mechanism of a design in a few words."""
     return design.drive.label + " and a cam" * (lists_links(design) and design.drive.cam is not None)
 
 
 class ParametersView(View):
     """Name and parameters of the design: follower, cam, shaft, loads, limits.
 
-    load_added    (list): a row more is wanted in one of the lists of the loads
-    load_picked   (path, key): where a row of them holds on is to be chosen in the drawing
-    first         pages of sections that stand before those that are forms
+    Signals: ``load_added`` with the list to which the user adds a load; ``load_picked`` with the path of a load and the key
+    of the attachment to be selected in the drawing. ``first`` are pages before the forms.
     """
 
     load_added = Signal(str)
@@ -116,29 +108,29 @@ class ParametersView(View):
         self.loads.added.connect(self.load_added)
         self.loads.picked.connect(self.load_picked)
         self._subject = ""  # the drive that is shown
-        self._places: dict[str, tuple[str, int]] = {}
-        session.started.connect(self._places.clear)
-        head = QHBoxLayout()
-        head.setContentsMargins(8, 5, 8, 3)
-        head.addWidget(self.name, 1)
+        self._scrolls: dict[str, tuple[str, int]] = {}
+        session.started.connect(self._scrolls.clear)
+        header = QHBoxLayout()
+        header.setContentsMargins(8, 5, 8, 3)
+        header.addWidget(self.name, 1)
         self.filter = QLineEdit(clearButtonEnabled=True)
         self.filter.setPlaceholderText("Filter")
         self.filter.setAccessibleName("Filter of fields")
         self.filter.setToolTip("Show only fields with these words in their name")
         self.filter.setMaximumWidth(110)
         self.filter.textChanged.connect(self._look_for)
-        foot = QHBoxLayout()
-        foot.setContentsMargins(10, 2, 10, 4)
-        foot.addWidget(self.filter)  # above it would take the room of a long name
-        foot.addWidget(self.legend, 1)
-        foot.addWidget(self.kind)
+        footer = QHBoxLayout()
+        footer.setContentsMargins(10, 2, 10, 4)
+        footer.addWidget(self.filter)  # in the header it would take the room of a long name
+        footer.addWidget(self.legend, 1)
+        footer.addWidget(self.kind)
         layout = QVBoxLayout()
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(3)
-        layout.addLayout(head)
+        layout.addLayout(header)
         layout.addWidget(self.tabs, 1)
         layout.addWidget(self.incomplete_bar)
-        layout.addLayout(foot)
+        layout.addLayout(footer)
         self.set_content_layout(layout)
 
     def belong_to(self, window: ViewHost) -> None:
@@ -148,16 +140,16 @@ class ParametersView(View):
 
     def refresh(self, study: Study) -> None:
         typed = self.session.typed
-        place = self._change_subject()
+        scroll = self._change_subject()
         self.incomplete_bar.show_reasons(
-            [text] if (text := waiting_text(self.session)) else [], tip=misses(self.session)
+            [text] if (text := waiting_text(self.session)) else [], tip=misfit_sentences(self.session)
         )
         self.name.refresh(typed)
         self.kind.setText(kind_label(typed))
         for section, form in self.forms.items():
             design = self.session.typed_full_design if section == SHAFT else typed
             present, tab = part_of(design, section) is not None, self.tabs.indexOf(self.pages[section])
-            if present != self.tabs.isTabVisible(tab):  # else Qt would lay out the whole window anew all the same
+            if present != self.tabs.isTabVisible(tab):  # Qt lays out the window again even where nothing changes
                 self.tabs.setTabVisible(tab, present)
             if not present:
                 continue
@@ -166,35 +158,35 @@ class ParametersView(View):
                 self.loads.refresh(study, typed)
             else:
                 form.refresh(design)
-            if form.fields is not before and section in EVERY_SECTION:  # others say so themselves
+            if form.fields is not before and section in EVERY_SECTION:  # the other pages emit ``fields_changed``
                 self._fields_changed(section)
-        if place is not None:
-            self.show_section(place[0])
-            bar = self.forms[place[0]].verticalScrollBar()
-            soon(bar, partial(bar.setValue, place[1]))  # once the fields have their places
+        if scroll is not None:
+            self.show_section(scroll[0])
+            bar = self.forms[scroll[0]].verticalScrollBar()
+            call_soon(bar, partial(bar.setValue, scroll[1]))  # once the fields have their position
 
     def _change_subject(self) -> tuple[str, int] | None:
-        """Section and scroll at which the drive now shown was left, where another was shown before it."""
+        """Return the section and scroll at which the drive was left, where another drive was shown before."""
         subject = self.session.names[self.session.chosen] if self.session.several else ""
         if subject == self._subject:
             return None
-        at = next(name for name, page in self.pages.items() if page is self.tabs.currentWidget())
-        self._places[self._subject] = at, self.forms[at].verticalScrollBar().value()
+        current = next(name for name, page in self.pages.items() if page is self.tabs.currentWidget())
+        self._scrolls[self._subject] = current, self.forms[current].verticalScrollBar().value()
         self._subject = subject
-        return self._places.get(subject)
+        return self._scrolls.get(subject)
 
     def _look_for(self, words: str) -> None:
-        """Only fields with these words; the page of the first that has one comes to the front."""
-        found = {section: form.look_for(words) for section, form in self.forms.items()}
-        at = next((name for name, page in self.pages.items() if page is self.tabs.currentWidget()), "")
-        if words and not found.get(at):
-            for section, count in found.items():
+        """Show only the fields with these words, and bring the first page that has one to the front."""
+        matches = {section: form.look_for(words) for section, form in self.forms.items()}
+        current = next((name for name, page in self.pages.items() if page is self.tabs.currentWidget()), "")
+        if words and not matches.get(current):
+            for section, count in matches.items():
                 if count and self.tabs.isTabVisible(self.tabs.indexOf(self.pages[section])):
                     self.tabs.setCurrentWidget(self.pages[section])
                     break
 
     def _fields_changed(self, section: str) -> None:
-        """Other fields stand on a page than before."""
+        """Set the Tab order and the mark of a page whose fields have changed."""
         in_tab_order(self.name, self.filter, *(editor for page in self.pages.values() for editor in page.editors))
         for field in self.forms[section].fields.values():
             field.trouble_changed.connect(partial(self._show_trouble, section, field))
@@ -208,17 +200,17 @@ class ParametersView(View):
         self._mark_tab(section)
         form = self.forms[section]
         if field.trouble and field.editor.hasFocus():
-            # once it has its place: below the last field it would be out of sight
-            soon(field.message, partial(form.ensureWidgetVisible, field.message, 0, 8))
+            # once it has its position: below the last field it would be out of sight
+            call_soon(field.message, partial(form.ensureWidgetVisible, field.message, 0, 8))
 
     def _mark_tab(self, section: str) -> None:
-        """A tab shows that something in it is wrong, for it may stand behind another."""
+        """Mark the tab of a page with a wrong value, since the page may be hidden."""
         tab, wrong = self.tabs.indexOf(self.pages[section]), self.forms[section].in_trouble
         if wrong == self.tabs.tabIcon(tab).isNull():
             self.tabs.setTabIcon(tab, sign(ERROR) if wrong else QIcon())
 
     def field(self, path: str) -> Field | None:
-        """The row of a path, None where the forms have none."""
+        """Return the field of a path; None where no form has it."""
         return next((form.fields[path] for form in self.forms.values() if path in form.fields), None)
 
     def show_section(self, section: str) -> None:
@@ -227,7 +219,7 @@ class ParametersView(View):
             self.tabs.setCurrentWidget(self.pages[section])
 
     def focus_field(self, path: str) -> bool:
-        """Bring the field of a path, or the first of a section, before the reader; False where there is none."""
+        """Show the field of a path, or the first of a section, and move the focus to it; False where there is none."""
         self.pull()
         section = path.partition(".")[0]
         if part_of(self.session.holder(section), section) is None:
@@ -245,7 +237,7 @@ class ParametersView(View):
         if section == LOADS:
             self.loads.choose(row_of(path))
         form.ensureWidgetVisible(field.editor, 0, 40)
-        soon(field.editor, partial(form.ensureWidgetVisible, field.editor, 0, 40))  # once it has its place
+        call_soon(field.editor, partial(form.ensureWidgetVisible, field.editor, 0, 40))  # once it has its position
         field.focus()
         return True
 

@@ -1,4 +1,8 @@
-"""Forms of requests."""
+"""Dialogs of requests: a form with a box for each field, and what is computed for it.
+
+``RequestForm`` is the form of any request; ``RequestDialog`` shows its meaning in words, ``ComputedDialog`` the result
+computed in the background, ``PutDialog`` puts a design in place, ``ScaleDialog`` asks for a scale factor.
+"""
 
 from __future__ import annotations
 
@@ -39,19 +43,27 @@ from kindyna_gui.labels import sentence
 from kindyna_gui.look import MessageLabel, coloured
 from kindyna_gui.pictures.style import SCREEN
 
-# -- put dialog ------------------------------------------------------------------------------------------
+Kind = TypeVar("Kind")
+Summary = Callable[[Mapping[str, Any]], str]
+"""The meaning of a request in a sentence, from the values of its fields."""
+AROUND = QSize(40, 60)  # free on the screen for frame and title, pixels
+DECIMALS = 6
+WAITING = "Calculating ..."
+PAUSE_MS = 150  # from the last change to the computation
+FORM_WIDTH = 300  # pixels, at least
+RESULT_LINES = 5
+FACTOR, MASSES = field_info(ScaleArguments, "factor"), field_info(ScaleArguments, "masses")
+WIDTH = 380  # of the text of the scale dialog, pixels
 
-AROUND = QSize(40, 60)  # left free on the screen, with frame and title
+# -- dialogs that put a design in place ------------------------------------------------------------------
 
 
 class PutDialog(QDialog):
     """Two columns above a message and the buttons.
 
-    Subclasses call ``frame`` once and implement ``accept`` with ``put``.
-
-    message      what would become of the design, or what is wrong
-    put_button   enabled by the subclass while there is something to put
-    help_page    on what is put, with the words to look for there behind #
+    Subclasses call ``frame`` once, implement ``accept`` with ``put``, and enable ``put_button`` while there is a result.
+    ``message`` says what becomes of the design, or what is wrong. ``help_page`` is the page of help, with the words to
+    search for after #.
     """
 
     help_page = "making#Segments"
@@ -68,8 +80,8 @@ class PutDialog(QDialog):
         self.buttons.accepted.connect(self.accept)
         self.buttons.rejected.connect(self.reject)
 
-    def frame(self, questions: QLayout, width: int, shown: QWidget | QLayout, usual: QSize, least: QSize) -> None:
-        """Lay out the dialog. questions: the left column, ``width`` pixels wide; shown: the right one; usual and least: its size."""
+    def frame(self, questions: QLayout, width: int, shown: QWidget | QLayout, default: QSize, least: QSize) -> None:
+        """Lay out the dialog: ``questions`` in the left column, ``width`` pixels wide, ``shown`` in the right one."""
         questions.setContentsMargins(0, 0, 0, 0)
         questions.setSpacing(6)
         left = QWidget()
@@ -82,28 +94,28 @@ class PutDialog(QDialog):
             middle.addLayout(shown, 1)
         else:
             middle.addWidget(shown, 1)
-        foot = QHBoxLayout()
-        foot.addWidget(self.message, 1)
-        foot.addWidget(self.buttons)
+        footer = QHBoxLayout()
+        footer.addWidget(self.message, 1)
+        footer.addWidget(self.buttons)
         column = QVBoxLayout(self)
         column.setContentsMargins(12, 10, 12, 10)
         column.addLayout(middle, 1)
-        column.addLayout(foot)
+        column.addLayout(footer)
         self.setMinimumSize(least)
-        self.resize(usual.boundedTo(self.screen().availableGeometry().size() - AROUND))
+        self.resize(default.boundedTo(self.screen().availableGeometry().size() - AROUND))
 
     def show_message(self, text: str, wrong: bool = False) -> None:
-        """What the values typed lead to; wrong: why they cannot be."""
+        """Show what the typed values lead to, or why they are wrong."""
         coloured(self.message, SCREEN.limit if wrong else SCREEN.quiet)
         self.message.show_message(text)
 
     def put(self, design: Design, step: str) -> None:
-        """Put a design in place as one step of this name and close; where the session refuses it, show why and stay open."""
+        """Put a design in place as one undo step and close; where the session refuses it, show why and stay open."""
         session = self._session
-        refused: list[str] = []
+        reasons: list[str] = []
 
         def listen(refusal: Refusal) -> None:
-            refused.extend(f"{name}: {text}" for _, name, text in refusal.reasons)
+            reasons.extend(f"{name}: {text}" for _, name, text in refusal.reasons)
 
         session.refused.connect(listen)
         session.end_gesture()
@@ -114,31 +126,25 @@ class PutDialog(QDialog):
             super().accept()
         else:
             session.withdraw("")
-            self.show_message(sentence("; ".join(refused)), wrong=True)
+            self.show_message(sentence("; ".join(reasons)), wrong=True)
 
     def open_once(self) -> None:
-        """Open over its window; it is deleted once closed."""
+        """Open over the window, and delete the dialog when it is closed."""
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.open()
 
 
-# -- request form ----------------------------------------------------------------------------------------
-
-Kind = TypeVar("Kind")
-
-DECIMALS = 6
+# -- the form of a request -------------------------------------------------------------------------------
 
 
 class RequestForm(QWidget):
-    """One box for each field of a request that has a label; of alternatives a box that says which, and the chosen one's. Files and
-    texts are no part of it.
+    """One box for each field of a request that has a label, but no files and texts.
 
-    changed  another value stands in a box
-    boxes    by the field's name, alternatives' choices by that of their group
-    rows     the layout, for what a dialog asks besides
-    offered  field -> its choices, where not all of the request's; a single one is not asked for
-    first    field -> the value it begins with, where not its default
-    above    what a dialog asks before these, with labels; Tab goes through it first
+    Alternatives have a box for the choice, and the box of the chosen one. ``boxes`` has all by the name of the field or of
+    the group of alternatives; ``rows`` is the layout, to which a dialog may add. Signal: ``changed`` with any value.
+
+    ``offered`` gives the choices of a field, where not all of the request's (a single choice is not shown); ``initial`` the
+    first value of a field, where not its default; ``above`` rows of the dialog before these, with labels.
     """
 
     changed = Signal()
@@ -147,7 +153,7 @@ class RequestForm(QWidget):
         self,
         kind: type,
         offered: Mapping[str, Sequence[str]] | None = None,
-        first: Mapping[str, Any] | None = None,
+        initial: Mapping[str, Any] | None = None,
         above: Sequence[tuple[str, QWidget | QLayout]] = (),
     ) -> None:
         super().__init__()
@@ -157,16 +163,16 @@ class RequestForm(QWidget):
         self.rows.setContentsMargins(0, 0, 0, 0)
         for label, field in above:
             self.rows.addRow(label, field)
-        self._fields = {each.name: each for each in request_fields(kind) if info_of(each) is not None}
+        self._fields = {field.name: field for field in request_fields(kind) if info_of(field) is not None}
         self._groups: dict[str, list[str]] = {}
-        for name, each in self._fields.items():
-            self._add(each, tuple((offered or {}).get(name, ())), (first or {}).get(name, each.default))
+        for name, row in self._fields.items():
+            self._add(row, tuple((offered or {}).get(name, ())), (initial or {}).get(name, row.default))
         for group in self._groups:
             self._choose(group)
 
-    def _add(self, each: Field[Any], offered: Sequence[str], value: Any) -> None:
-        info, how = info_of(each) or Info(""), option_info(each)
-        group, way = how.one_of
+    def _add(self, field: Field[Any], offered: Sequence[str], value: Any) -> None:
+        info, option = info_of(field) or Info(""), option_info(field)
+        group, alternative = option.one_of
         if group and group not in self.boxes:
             self._groups[group] = []
             self.boxes[group] = QComboBox(self)
@@ -179,39 +185,39 @@ class RequestForm(QWidget):
             label = ""
         elif info.choices:
             box = QComboBox(self)
-            words = {word: how.words.get(word, word[:1].upper() + word[1:]) for word in offered or info.choices}
-            usual: dict[Any, str] = (
-                {} if each.default in info.choices else {each.default: sentence(how.default_text or "as usual")}
+            words = {word: option.words.get(word, word[:1].upper() + word[1:]) for word in offered or info.choices}
+            default: dict[Any, str] = (
+                {} if field.default in info.choices else {field.default: sentence(option.default_text or "default")}
             )
-            fill_choices(box, {**usual, **words})
+            fill_choices(box, {**default, **words})
             box.currentIndexChanged.connect(self.changed)
         else:
             box = Amount()
-            _limit(box, each, info)
+            _limit(box, field, info)
             box.valueChanged.connect(self.changed)
         box.setAccessibleName(info.label)
         tip = [sentence(info.help)] if info.help else []
         if not info.flag and not info.choices:
-            tip.append(sentence(f"allowed: {info.allowed(unit_of(each))}"))
+            tip.append(sentence(f"allowed: {info.allowed(unit_of(field))}"))
         box.setToolTip("<br>".join(map(escape, tip)))
-        self.boxes[each.name] = box
+        self.boxes[field.name] = box
         self.rows.addRow("" if group else label, box)
         if group:
-            self._groups[group].append(each.name)
-            self.boxes[group].addItem(way, each.name)
-        self.show_value(each.name, value)
+            self._groups[group].append(field.name)
+            self.boxes[group].addItem(alternative, field.name)
+        self.show_value(field.name, value)
         if info.choices and len(offered) == 1:
             self.rows.setRowVisible(box, False)
 
     def _choose(self, group: str) -> None:
-        """Show the chosen one's box."""
+        """Show the box of the chosen alternative."""
         chosen = self.boxes[group].currentData()
         for name in self._groups[group]:
             self.rows.setRowVisible(self.boxes[name], name == chosen)
         self.changed.emit()
 
     def name_row(self, name: str, label: str) -> None:
-        """Call a field otherwise."""
+        """Give a field another label."""
         row: Any = self.rows.labelForField(self.boxes[name])
         row.setText(label)
         self.boxes[name].setAccessibleName(label)
@@ -220,35 +226,35 @@ class RequestForm(QWidget):
 
     @property
     def values(self) -> dict[str, Any]:
-        """By field, of alternatives the chosen one's."""
+        """Values by field; of alternatives only the chosen one's."""
         left_out = {name for group, names in self._groups.items() for name in names if name != self.chosen(group)}
         return {name: self._value(name) for name in self._fields if name not in left_out}
 
     @property
     def request(self) -> Any:
-        """What is wanted."""
+        """The request with the values of the form."""
         return build_request(self.kind, self.values)
 
     def chosen(self, group: str) -> str:
-        """The field of a group that is given."""
+        """Return the chosen field of a group of alternatives."""
         name: str = self.boxes[group].currentData()
         return name
 
     def choose(self, group: str, name: str) -> None:
-        """Give this field of a group."""
+        """Choose a field of a group of alternatives."""
         self.boxes[group].setCurrentIndex(self.boxes[group].findData(name))
 
     def _value(self, name: str) -> Any:
-        box, each = self.boxes[name], self._fields[name]
-        if not box.isEnabledTo(self):  # what makes no sense beside the others
-            return each.default
+        box, field = self.boxes[name], self._fields[name]
+        if not box.isEnabledTo(self):  # it has no meaning together with the others
+            return field.default
         if isinstance(box, QCheckBox):
             return box.isChecked()
         if isinstance(box, QComboBox):
             return box.currentData()
         if box.specialValueText() and box.value() == box.minimum():
-            return each.default
-        info = info_of(each)
+            return field.default
+        info = info_of(field)
         return int(box.value()) if info is not None and info.whole else box.value()
 
     def show_value(self, name: str, value: Any) -> None:
@@ -264,51 +270,46 @@ class RequestForm(QWidget):
             box.setValue(box.minimum())
 
 
-def _limit(box: Amount, each: Field[Any], info: Info) -> None:
-    """Range, decimals and unit of a number; where nothing may be given, the lowest stands for that."""
-    usual = option_info(each).default_text
-    may_be_none = bool(usual) and (each.default is None or each.default == info.low)
+def _limit(box: Amount, field: Field[Any], info: Info) -> None:
+    """Set range, decimals and unit of a number box; its lowest value means None where the number is optional."""
+    default = option_info(field).default_text
+    may_be_none = bool(default) and (field.default is None or field.default == info.low)
     box.setDecimals(0 if info.whole else DECIMALS)
     least = info.low if may_be_none or not info.open_low else info.low + 10.0**-DECIMALS
     box.setRange(least, info.high)
-    symbol = unit_of(each).symbol
+    symbol = unit_of(field).symbol
     box.setSuffix(symbol if symbol in ("", "°") else f" {symbol}")
-    box.setSpecialValueText(usual if may_be_none else "")
+    box.setSpecialValueText(default if may_be_none else "")
 
 
-# -- computed dialog -------------------------------------------------------------------------------------
-
-WAITING = "computing ..."
-PAUSE_MS = 150  # after the last change before anything is computed
-FORM_WIDTH = 300  # pixels, at least
-RESULT_LINES = 5
+# -- dialogs with a computed result ----------------------------------------------------------------------
 
 
 class ComputedDialog(QDialog):
-    """The form of a request on the left, what comes of it in words below, and shown on the right. ``made`` is what was computed
-    for the request, None while there is none; subclasses say what is computed and how it is shown.
+    """The form of a request on the left with the result in words below it, and the result itself on the right.
 
-    what: the file, as the title and messages call it.
-    command, ending: of the command line that asks for the same, and of the file that it writes; help_page: on this export
+    ``computed`` is the result of the request, None while there is none; subclasses say what is computed and how it is shown.
+    ``file`` is the file in the title and messages; ``command`` and ``ending`` are the command that does the same and the
+    ending of its file; ``help_page`` is the page of help.
     """
 
     command, ending, help_page = "", "", "tour"
 
     result: QLabel  # type: ignore[assignment]
 
-    def __init__(self, parent: QWidget, what: str, form: RequestForm, shown: QWidget | QLayout) -> None:
+    def __init__(self, parent: QWidget, file: str, form: RequestForm, shown: QWidget | QLayout) -> None:
         super().__init__(parent)
-        self.setWindowTitle(f"Export {what}")
+        self.setWindowTitle(f"Export {file}")
         give_help(self, self.help_page)
-        self.made: Any = None
+        self.computed: Any = None
         self._work = Background(self)
         self.form, self.result = form, QLabel()
         self.result.setWordWrap(True)
         self.result.setMinimumHeight(RESULT_LINES * self.fontMetrics().lineSpacing())
         self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
         self.export: QPushButton = self.buttons.button(QDialogButtonBox.StandardButton.Ok)
-        self.export.setText(f"Save {what}...")
-        add_copy(self.buttons, parent, self.command, self.asked, of_drive=True)
+        self.export.setText(f"Save {file}...")
+        add_copy(self.buttons, parent, self.command, self.command_options, of_drive=True)
         self.buttons.accepted.connect(self.accept)
         self.buttons.rejected.connect(self.reject)
         left = QVBoxLayout()
@@ -335,107 +336,101 @@ class ComputedDialog(QDialog):
 
     # -- for subclasses -------------------------------------------------------------------------------------
 
-    def asked(self) -> tuple[str, list[str]]:
-        """What the command writes, and its options."""
+    def command_options(self) -> tuple[str, list[str]]:
+        """Return the file that the command writes, and its options."""
         return self.ending, command_words(self.form.kind, self.form.values)
 
     def job(self) -> Callable[[], Any]:
-        """What computes what the file will hold, for the request as it is now."""
+        """Return the function that computes the content of the file for the current request."""
         raise NotImplementedError
 
-    def show_result(self, made: Any) -> str:
-        """Show what was computed, None where there is no answer; in words."""
+    def show_result(self, computed: Any) -> str:
+        """Show the result, None where there is none, and return it in words."""
         raise NotImplementedError
 
     def show_waiting(self) -> None:
-        """Show that something else is being computed."""
+        """Show that another result is being computed."""
 
     def changed(self) -> None:
-        """What was computed is void, what is being computed is given up."""
-        self.made = None
+        """Discard the result, stop the running computation, and start another after a pause."""
+        self.computed = None
         self.export.setEnabled(False)
         self.show_waiting()
-        self._tell(WAITING, SCREEN.quiet)
+        self._say(WAITING, SCREEN.quiet)
         self._work.stop()
         self._pause.start()
 
-    # -- what comes of it -----------------------------------------------------------------------------------
+    # -- the result -----------------------------------------------------------------------------------------
 
     def _take(self, _: object, result: Any) -> None:
-        self.made = None if isinstance(result, KindynaError) else result
-        text = self.show_result(self.made)
-        self._tell(str(result) if self.made is None else text, SCREEN.limit if self.made is None else SCREEN.ink)
-        self.export.setEnabled(self.made is not None)
+        self.computed = None if isinstance(result, KindynaError) else result
+        text = self.show_result(self.computed)
+        self._say(str(result) if self.computed is None else text, SCREEN.limit if self.computed is None else SCREEN.ink)
+        self.export.setEnabled(self.computed is not None)
 
-    def _tell(self, text: str, colour: str) -> None:
+    def _say(self, text: str, colour: str) -> None:
         self.result.setText(text)
         coloured(self.result, colour)
 
 
 def flanks(design: Design) -> dict[str, tuple[str, ...]]:
-    """The flanks that a form offers of a design's cam."""
+    """Return the flanks of a design's cam that a form offers."""
     assert design.drive.cam is not None, "a design without cam has no profile"
     return {"flank": form_row(design.drive.cam.form).flanks}
 
 
 def accepted(dialog: ComputedDialog) -> Any:
-    """What was computed, once the user has accepted it; None where the user cancels."""
-    made = dialog.made if dialog.exec() == QDialog.DialogCode.Accepted else None
+    """Run the dialog and return its result; None where the user cancels."""
+    result = dialog.computed if dialog.exec() == QDialog.DialogCode.Accepted else None
     dialog.deleteLater()
-    return made
+    return result
 
 
-# -- request dialog --------------------------------------------------------------------------------------
-
-Told = Callable[[Mapping[str, Any]], str]
-"""What a request means, in a sentence, by the values of its fields."""
+# -- dialogs with a summary ------------------------------------------------------------------------------
 
 
 class RequestDialog(QDialog):
-    """form: for what a dialog asks besides; accept_button: says what is done then; told: the words below.
+    """A form with a summary in words below it.
 
-    command  of the command line that asks for the same; reads: it is on a design; help_page: on it
+    ``command`` is the command that does the same, ``reads`` whether it reads a design, ``help_page`` the page of help.
     """
 
     command, reads, help_page = "", True, "tour"
 
-    def __init__(self, parent: QWidget, title: str, form: RequestForm, accept: str, told: Told) -> None:
+    def __init__(self, parent: QWidget, title: str, form: RequestForm, accept: str, summary: Summary) -> None:
         super().__init__(parent)
         give_help(self, self.help_page)
         self.setWindowTitle(title)
-        self.form, self.told = form, QLabel(wordWrap=True)
-        coloured(self.told, SCREEN.quiet)
+        self.form, self.summary = form, QLabel(wordWrap=True)
+        coloured(self.summary, SCREEN.quiet)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
         self.accept_button = buttons.button(QDialogButtonBox.StandardButton.Ok)
         self.accept_button.setText(accept)
-        add_copy(buttons, parent, self.command, self.asked, reads=self.reads)
+        add_copy(buttons, parent, self.command, self.command_options, reads=self.reads)
         buttons.accepted.connect(self.accept)
         buttons.rejected.connect(self.reject)
         column = QVBoxLayout(self)
-        for widget in (form, self.told, buttons):
+        for widget in (form, self.summary, buttons):
             column.addWidget(widget)
-        form.changed.connect(lambda: self.told.setText(told(form.values)))
-        self.told.setText(told(form.values))
+        form.changed.connect(lambda: self.summary.setText(summary(form.values)))
+        self.summary.setText(summary(form.values))
 
-    def asked(self) -> tuple[str, list[str]]:
-        """What the command writes, and its options."""
+    def command_options(self) -> tuple[str, list[str]]:
+        """Return the file that the command writes, and its options."""
         raise NotImplementedError
 
     def values(self) -> dict[str, Any] | None:
-        """Ask; what stands in the form by field, None where the user cancels."""
+        """Run the dialog and return the values by field; None where the user cancels."""
         values = self.form.values if self.exec() == QDialog.DialogCode.Accepted else None
         self.deleteLater()
         return values
 
 
-# -- scale dialog ----------------------------------------------------------------------------------------
-
-FACTOR, MASSES = field_info(ScaleArguments, "factor"), field_info(ScaleArguments, "masses")
-WIDTH = 380  # of the text, pixels
+# -- scale the design ------------------------------------------------------------------------------------
 
 
 class ScaleDialog(QDialog):
-    """A factor, a box for the masses, and below what that does."""
+    """The scale factor, whether masses are scaled, and the effect in words."""
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
@@ -493,16 +488,16 @@ class ScaleDialog(QDialog):
         self.text.show_message(scale_text(self.factor.value or 1.0, self.masses.isChecked()))
 
     def accept(self) -> None:
-        """What stands in the field counts, confirmed or not."""
+        """Accept the factor as it is typed, confirmed or not."""
         self.factor.confirm()
         if not self.factor.refused:
             super().accept()
 
 
 def ask_scale(parent: QWidget) -> tuple[float, bool] | None:
-    """Ask for a factor and whether masses grow along; None where the user cancels."""
+    """Ask for a scale factor and whether masses are scaled too; None where the user cancels."""
     dialog = ScaleDialog(parent)
     accepted = dialog.exec() == QDialog.DialogCode.Accepted
-    wanted = dialog.factor.value or 1.0, dialog.masses.isChecked()
+    scale = dialog.factor.value or 1.0, dialog.masses.isChecked()
     dialog.deleteLater()
-    return wanted if accepted else None
+    return scale if accepted else None

@@ -1,4 +1,4 @@
-"""Tables."""
+"""Tables of the window: copied to the clipboard as text, edited cell by cell, or read-only rows under headings."""
 
 from __future__ import annotations
 
@@ -22,17 +22,22 @@ from PySide6.QtWidgets import QAbstractItemView, QApplication, QHeaderView, QSty
 
 from core.frozen import frozen
 from kindyna_gui.documents.session import Session
-from kindyna_gui.rebuilt import soon
+from kindyna_gui.rebuilt import call_soon
 from kindyna_gui.settings import symbol_of
 from kindyna_gui.view import ExplainableNumber
 
-# -- copy in a table takes all of it to the clipboard, for a spreadsheet ---------------------------------
+ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
+Index = QModelIndex | QPersistentModelIndex
+EDGE = 4  # pixels around a text across several columns
+LEADING = 5  # pixels between the lines of a table
+
+# -- Copy takes the full table to the clipboard, for a spreadsheet ---------------------------------------
 
 
 def table_text(model: QAbstractItemModel) -> str:
-    """Headings and rows as shown, cells apart by tabs; of a tree what stands below a row follows it."""
-    heads = [model.headerData(column, Qt.Orientation.Horizontal) for column in range(model.columnCount())]
-    return "\n".join("\t".join(_cell(text) for text in line) for line in (heads, *_lines(model, QModelIndex())))
+    """Return headings and rows as shown, cells separated by tabs; in a tree the children of a row follow it."""
+    headings = [model.headerData(column, Qt.Orientation.Horizontal) for column in range(model.columnCount())]
+    return "\n".join("\t".join(_cell(text) for text in line) for line in (headings, *_lines(model, QModelIndex())))
 
 
 def _lines(model: QAbstractItemModel, above: QModelIndex) -> Iterator[list[object]]:
@@ -46,7 +51,7 @@ def _cell(text: object) -> str:
 
 
 class CopyKey(QObject):
-    """Lets Copy in a table of Qt's own take all of it."""
+    """Makes Copy in a plain Qt table copy all of it."""
 
     def __init__(self, view: QAbstractItemView) -> None:
         super().__init__(view)
@@ -58,22 +63,20 @@ class CopyKey(QObject):
 
 
 def copied(view: QAbstractItemView, event: QKeyEvent) -> bool:
-    """Whether a key was Copy, and has been done."""
+    """Copy the table where a key is Copy, and return whether it was."""
     if not event.matches(QKeySequence.StandardKey.Copy):
         return False
     QApplication.clipboard().setText(table_text(view.model()))
     return True
 
 
-# -- cell editor -----------------------------------------------------------------------------------------
-
-ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
+# -- tables edited cell by cell --------------------------------------------------------------------------
 
 
 class CellTable(QTableView):
-    """Enter edits a cell, Copy takes the whole table; Insert and Delete ask for a row more or less.
+    """A table in which Enter edits a cell and Copy copies the table.
 
-    insert_requested, delete_requested   of the chosen row
+    Signals: ``insert_requested`` and ``delete_requested`` when Insert or Delete is pressed on the current row.
     """
 
     insert_requested = Signal()
@@ -96,8 +99,7 @@ class CellTable(QTableView):
 
 
 class CellDelegate(QStyledItemDelegate):
-    """Commits what stands in the editor as long as the table has it open: the focus leaves an editor once more while it is
-    being closed."""
+    """Commits the text of an editor only while the table has it open: the focus leaves an editor again while it closes."""
 
     def __init__(self, session: Session, model: QAbstractItemModel, table: QTableView) -> None:
         super().__init__(table)
@@ -109,20 +111,20 @@ class CellDelegate(QStyledItemDelegate):
         model.modelAboutToBeReset.connect(self._closed)
 
     def opened(self, editor: QWidget, index: QModelIndex | QPersistentModelIndex) -> None:
-        """This is the editor now, of the cell at ``index``."""
+        """Note the open editor and its cell."""
         self._open, self._index = editor, QPersistentModelIndex(index)
 
     def commit(self, editor: QWidget) -> None:
-        """Give what stands in an editor to the model, if it is the one that is open."""
+        """Write the text of an editor to the model, if the editor is open."""
         if self._is_open(editor):
             self.commitData.emit(editor)
 
     def eventFilter(self, editor: Any, event: QEvent) -> bool:
-        """Qt commits an editor that the focus leaves, or a moment after Enter: one too that the table has given up by then."""
+        """Commit on Enter and when the focus leaves; Qt would commit an editor too that the table has closed by then."""
         if not self._is_open(editor):
             return False
         if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.KeyPress and event.key() in ENTER:
-            soon(editor, lambda: self._commit_and_close(editor))
+            call_soon(editor, lambda: self._commit_and_close(editor))
             return False  # the editor has the key first
         return super().eventFilter(editor, event)
 
@@ -133,25 +135,24 @@ class CellDelegate(QStyledItemDelegate):
             self.closeEditor.emit(editor, QStyledItemDelegate.EndEditHint.SubmitModelCache)
 
     def _is_open(self, editor: QObject) -> bool:
-        """A row that is removed takes its editor from the table without a word."""
+        """Whether the editor is open: a row that is removed closes its editor without a signal."""
         return editor is self._open and self._table.indexWidget(QModelIndex(self._index)) is editor  # type: ignore[call-overload]
 
-    def _closed(self) -> None:  # without the editor, which may have gone by now
+    def _closed(self) -> None:  # without the editor, which may be deleted by now
         self._open = None
         self._session.end_gesture()
 
 
-# -- tables that are only read: rows of text, numbers flush right ----------------------------------------
-
-Index = QModelIndex | QPersistentModelIndex
-EDGE = 4  # pixels around a text that goes across columns
-LEADING = 5  # between the lines of a table, pixels
+# -- read-only tables: rows of text, numbers aligned right -----------------------------------------------
 
 
 @frozen
 class TableRow:
-    """Cells from left to right; icon before the first; tip and colour for the whole row; across: the column whose text has the room
-    of all behind it, and as many lines as it needs; number: what is explained of it."""
+    """A row of a table: its cells, an icon before the first, a tip and a colour for all of them.
+
+    ``across`` is the column whose text spans all columns after it, on several lines if necessary; ``number`` is the number
+    of the row that can be explained.
+    """
 
     cells: tuple[str, ...]
     icon: QIcon | None = None
@@ -163,8 +164,10 @@ class TableRow:
 
 @frozen
 class TableHeading:
-    """A column: its title, whether its cells are numbers, whether it takes the room that is left, what it holds in a sentence, and the
-    unit of its values, which is shown as the user prefers it."""
+    """The heading of a column: its title, whether it has numbers, whether it takes the remaining width, its tip and unit.
+
+    The unit is shown as the preferences say.
+    """
 
     title: str
     number: bool = False
@@ -174,12 +177,12 @@ class TableHeading:
 
     @property
     def shown(self) -> str:
-        """Title and unit."""
+        """Title with the unit on display."""
         return f"{self.title}, {symbol_of(self.unit)}" if self.unit else self.title
 
 
 class RowsModel(QAbstractTableModel):
-    """Rows under headings."""
+    """The model of a read-only table."""
 
     def __init__(self, headings: Sequence[TableHeading]) -> None:
         super().__init__()
@@ -208,7 +211,7 @@ class RowsModel(QAbstractTableModel):
         return self._aligned(section) if role == Qt.ItemDataRole.TextAlignmentRole else None
 
     def replace(self, rows: Sequence[TableRow], among: range) -> list[Index]:
-        """Other contents in as many rows, of which no view is told; which cells of some of the rows have another text."""
+        """Replace the rows by as many others, without notifying views; return the changed cells among some of the rows."""
         before, self.rows = self.rows, tuple(rows)
         changed: list[Index] = []
         for number in among:
@@ -238,14 +241,14 @@ class RowsModel(QAbstractTableModel):
 
 
 class RowsTable(QTableView):
-    """A quiet table; Copy takes all of it to the clipboard."""
+    """A read-only table; Copy takes all of it to the clipboard."""
 
     def __init__(self, headings: Sequence[TableHeading]) -> None:
         super().__init__()
         self.rows = RowsModel(headings)
         self.rows.setParent(self)
         self.setAccessibleName(", ".join(heading.title for heading in headings if heading.title))
-        self._widths: dict[int, tuple[int, int]] = {}  # of a column: of its widest text, and what that needs
+        self._widths: dict[int, tuple[int, int]] = {}  # column -> width of its widest text, and the width it needs
         self.setModel(self.rows)
         self.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
         self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
@@ -257,22 +260,22 @@ class RowsTable(QTableView):
         self.setVerticalScrollMode(QAbstractItemView.ScrollMode.ScrollPerPixel)
         self.setHorizontalScrollMode(QAbstractItemView.ScrollMode.ScrollPerPixel)
         self.verticalHeader().hide()
-        head = self.horizontalHeader()
-        head.setHighlightSections(False)
-        head.setMinimumSectionSize(30)
-        head.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
+        header = self.horizontalHeader()
+        header.setHighlightSections(False)
+        header.setMinimumSectionSize(30)
+        header.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
         for column, heading in enumerate(headings):
             if heading.wide:
-                head.setSectionResizeMode(column, QHeaderView.ResizeMode.Stretch)
+                header.setSectionResizeMode(column, QHeaderView.ResizeMode.Stretch)
 
     @property
     def number(self) -> ExplainableNumber | None:
-        """That of the chosen row."""
-        at = self.currentIndex().row()
-        return self.rows.rows[at].number if 0 <= at < len(self.rows.rows) else None
+        """The number of the current row that can be explained."""
+        current = self.currentIndex().row()
+        return self.rows.rows[current].number if 0 <= current < len(self.rows.rows) else None
 
     def show_rows(self, rows: Sequence[TableRow]) -> None:
-        """Show these rows, the chosen one staying chosen."""
+        """Show these rows, and keep the number of the current one."""
         chosen = self.currentIndex().row()
         self._widths.clear()
         self.clearSpans()
@@ -285,27 +288,27 @@ class RowsTable(QTableView):
             self.selectRow(chosen)
 
     def show_buttons(self, column: int, buttons: Iterable[QWidget]) -> None:
-        """Put a button over the cell of each row, as long as these rows are shown."""
+        """Put a button over a cell of each row, as long as these rows are shown."""
         for row, button in enumerate(buttons):
             self.setIndexWidget(self.rows.index(row, column), button)
         self.resizeRowsToContents()
 
     def update_rows(self, rows: Sequence[TableRow]) -> None:
-        """Show other contents in as many rows, quickly enough for a turning crank; else as ``show_rows``.
+        """Show other texts in the same number of rows, fast enough for a turning crank; else as ``show_rows``.
 
-        Only cells in sight whose text is another one are drawn anew. A column becomes wider where a text needs it, and not
-        narrower again, so that nothing jumps.
+        Only visible cells with another text are drawn. A column becomes wider where a text needs it, and never narrower, so
+        that nothing jumps.
         """
         if not rows or len(rows) != len(self.rows.rows) or not self.isVisible():
             self.show_rows(rows)
             return
-        changed = self.rows.replace(rows, self._rows_in_sight())
+        changed = self.rows.replace(rows, self._visible_rows())
         for cell in changed:
             self.update(cell)
         self._widen(changed)
 
     def _widen(self, cells: Iterable[Index]) -> None:
-        """Give their columns the width that these cells need."""
+        """Widen columns to the width that these cells need."""
         advance, wider = self.fontMetrics().horizontalAdvance, set()
         for cell in cells:
             column = cell.column()
@@ -317,13 +320,13 @@ class RowsTable(QTableView):
         for column in wider:
             self.resizeColumnToContents(column)
 
-    def _rows_in_sight(self) -> range:
-        """The numbers of the rows of which something can be seen."""
+    def _visible_rows(self) -> range:
+        """Return the numbers of the visible rows."""
         first, last = self.rowAt(0), self.rowAt(self.viewport().height() - 1)
         return range(max(first, 0), last + 1 if last >= 0 else len(self.rows.rows))
 
     def sizeHintForColumn(self, column: int) -> int:
-        """The width that the texts of a column need; the cells are asked once, then only those that become wider."""
+        """Return the width of a column's texts; it is measured once, then only for cells that become wider."""
         if column not in self._widths:
             texts = [row.cells[column] for row in self.rows.rows]
             widest = max(map(self.fontMetrics().horizontalAdvance, texts), default=0)
@@ -334,24 +337,24 @@ class RowsTable(QTableView):
         row, height = self.rows.rows[number], super().sizeHintForRow(number)
         if row.across is None:
             return height
-        room = sum(self.columnWidth(column) for column in range(row.across, len(row.cells))) - 2 * EDGE
-        text = self.fontMetrics().boundingRect(QRect(0, 0, room, 0), Qt.TextFlag.TextWordWrap, row.cells[row.across])
+        width = sum(self.columnWidth(column) for column in range(row.across, len(row.cells))) - 2 * EDGE
+        text = self.fontMetrics().boundingRect(QRect(0, 0, width, 0), Qt.TextFlag.TextWordWrap, row.cells[row.across])
         return max(height, text.height() + 2 * EDGE)
 
     def resizeRowsToContents(self) -> None:
-        """As high as their texts; Qt would give each the height of a heading, though none stands beside it."""
+        """Set row heights to their texts; Qt would use the height of a row heading, though there is none."""
         least = self.fontMetrics().height() + LEADING
         for number in range(len(self.rows.rows)):
             self.setRowHeight(number, max(self.sizeHintForRow(number), least))
 
     def scrollContentsBy(self, dx: int, dy: int) -> None:
-        """What comes into sight may be wider than what was."""
+        """Widen columns for the rows that become visible."""
         super().scrollContentsBy(dx, dy)
         if dy:
-            self._widen(self.rows.index(row, column) for row in self._rows_in_sight() for column in tuple(self._widths))
+            self._widen(self.rows.index(row, column) for row in self._visible_rows() for column in tuple(self._widths))
 
     def changeEvent(self, event: QEvent) -> None:
-        """Another font, other widths."""
+        """Measure texts again when the font changes."""
         super().changeEvent(event)
         if event.type() in (QEvent.Type.FontChange, QEvent.Type.StyleChange):
             self._widths.clear()

@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QWidget
 
 from core.output.graph import Graph, GraphData, GraphPoint, point_at
 from kindyna_gui.pictures.plots.graph import NO_CHANNEL_BANDS, Bands, GraphPlot
-from kindyna_gui.pictures.plots.graph_ranges import Shown, about, moved, narrower
+from kindyna_gui.pictures.plots.graph_ranges import GraphRange, narrowed, shifted, zoomed
 
 CLICK = 4.0  # pixels: a shorter drag is a click
 NOTCH = 0.8  # of the range that a notch of the wheel leaves
@@ -35,9 +35,9 @@ class LiveGraph(GraphPlot):
     part_changed = Signal()
 
     def __init__(self, parent: QWidget | None = None) -> None:
-        self._past: list[Shown] = []
+        self._past: list[GraphRange] = []
         self._pressed: QPointF | None = None
-        self._held: Shown | None = None  # while it is moved: what was shown before
+        self._held: GraphRange | None = None  # while it is moved: what was shown before
         super().__init__(parent)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setToolTip(TIP)
@@ -59,65 +59,64 @@ class LiveGraph(GraphPlot):
     @property
     def part(self) -> dict[str, Any]:
         """The part that the mouse has chosen, as plain data; empty where all is shown."""
-        if not self._past or not self.found.series or self.shown == self.all_of_it():
+        if not self._past or not self.data.series or self.shown == self.full_range():
             return {}
         return {"axes": self._signs(), "x": list(self.shown.x), "values": [list(ends) for ends in self.shown.values]}
 
     def take_part(self, data: Mapping[str, Any]) -> None:
         """Show a part that was kept, where the axes are what they were; ``back`` leads to the whole."""
-        if not self.found.series or data.get("axes") != self._signs():
+        if not self.data.series or data.get("axes") != self._signs():
             return
         try:
             across, values = _ends(data["x"]), tuple(_ends(row) for row in data["values"])
         except (KeyError, TypeError, ValueError):
             return
-        if len(values) == len(self.found.axes):
-            self._step(Shown(across, values))
+        if len(values) == len(self.data.axes):
+            self._step(GraphRange(across, values))
 
     def _signs(self) -> list[str]:
         """Of each axis what its numbers mean."""
         own = [
-            f"{axis.side} {rung.symbol} {axis.scale.log}"
-            for axis, rung in zip(self.found.axes, self.rungs, strict=True)
+            f"{axis.side} {rung.symbol} {axis.scale.log}" for axis, rung in zip(self.data.axes, self.rungs, strict=True)
         ]
-        return [f"x {self.found.x_unit} {self.graph.x.log}", *own]
+        return [f"x {self.data.x_unit} {self.graph.x.log}", *own]
 
     @property
     def can_go_back(self) -> bool:
         """Whether another part was shown before."""
         return bool(self._past)
 
-    def _step(self, shown: Shown) -> None:
+    def _step(self, shown: GraphRange) -> None:
         """Show another part, as a step that can be taken back."""
         if shown != self.shown:
             self._past = [*self._past[1 - MOST_STEPS :], self.shown]
-            self.show_part(shown)
+            self.show_range(shown)
             self.part_changed.emit()
 
     def back(self) -> None:
         """The part that was shown before."""
         if self._past:
-            self.show_part(self._past.pop())
+            self.show_range(self._past.pop())
             self.part_changed.emit()
 
     def show_all(self) -> None:
         """The whole graph, or what is typed for it."""
-        if self.found.series:
-            self._step(self.all_of_it())
+        if self.data.series:
+            self._step(self.full_range())
 
-    def _zoomed(self, box: QRectF) -> Shown:
-        x = narrower(self.shown.x, box.left(), box.right())
-        return Shown(x, tuple(narrower(ends, box.top(), box.bottom()) for ends in self.shown.values))
+    def _zoomed(self, box: QRectF) -> GraphRange:
+        x = narrowed(self.shown.x, box.left(), box.right())
+        return GraphRange(x, tuple(narrowed(ends, box.top(), box.bottom()) for ends in self.shown.values))
 
-    def _wheeled(self, at: QPointF, factor: float) -> Shown:
+    def _wheeled(self, at: QPointF, factor: float) -> GraphRange:
         """Over an axis only that one; with it all others keep what they show."""
-        x = about(self.shown.x, at.x(), factor) if 0.0 <= at.x() <= 1.0 else self.shown.x
+        x = zoomed(self.shown.x, at.x(), factor) if 0.0 <= at.x() <= 1.0 else self.shown.x
         values = self.shown.values
         if at.y() >= 0.0:
             side = self._axis_at(at)
             chosen = range(len(values)) if 0.0 <= at.x() <= 1.0 else () if side is None else (side,)
-            values = tuple(about(ends, at.y(), factor) if i in chosen else ends for i, ends in enumerate(values))
-        return Shown(x, values)
+            values = tuple(zoomed(ends, at.y(), factor) if i in chosen else ends for i, ends in enumerate(values))
+        return GraphRange(x, values)
 
     def _axis_at(self, at: QPointF) -> int | None:
         """The axis of values beside the plot that stands there."""
@@ -125,7 +124,7 @@ class LiveGraph(GraphPlot):
             return self._slots.index(0) if 0 in self._slots else None
         scene = self._view.sceneBoundingRect()
         place = scene.left() + at.x() * scene.width()
-        for slot, (axis, _) in enumerate(self._further, 1):
+        for slot, (axis, _) in enumerate(self._right_axes, 1):
             box = axis.sceneBoundingRect()
             if slot in self._slots and box.left() <= place <= box.right():
                 return self._slots.index(slot)
@@ -135,7 +134,7 @@ class LiveGraph(GraphPlot):
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         event.accept()
-        if not self.found.series:
+        if not self.data.series:
             return
         moves = event.button() == Qt.MouseButton.MiddleButton or bool(
             event.modifiers() & Qt.KeyboardModifier.ShiftModifier
@@ -148,8 +147,8 @@ class LiveGraph(GraphPlot):
             return
         begin, end = self.fraction(self._pressed), self.fraction(event.position())
         if self._held is not None:
-            x = moved(self._held.x, begin.x() - end.x())
-            self.show_part(Shown(x, tuple(moved(ends, begin.y() - end.y()) for ends in self._held.values)))
+            x = shifted(self._held.x, begin.x() - end.x())
+            self.show_range(GraphRange(x, tuple(shifted(ends, begin.y() - end.y()) for ends in self._held.values)))
         elif self._is_drag(event.position()):
             self.show_rubber(self._box(begin, end))
 
@@ -191,11 +190,11 @@ class LiveGraph(GraphPlot):
     def wheelEvent(self, event: QWheelEvent) -> None:
         event.accept()
         turned = event.angleDelta().y() or event.angleDelta().x()
-        if not self.found.series or not turned:
+        if not self.data.series or not turned:
             return
         shown = self._wheeled(self.fraction(event.position()), NOTCH ** (turned / 120.0))
         if self._wheel.isActive():
-            self.show_part(shown)
+            self.show_range(shown)
             self.part_changed.emit()
         else:
             self._step(shown)
@@ -228,12 +227,12 @@ class LiveGraph(GraphPlot):
     def _shift_point(self, sign: float) -> None:
         """The last point by a pixel, or to the next point of a curve that goes back."""
         *others, last = self.points
-        series = self.found.series[last.series]
+        series = self.data.series[last.series]
         if series.is_ordered:
             wide = self.shown.x[1] - self.shown.x[0]
             pixel = sign * wide / max(self._view.width(), 1.0)
             at = last.x * 10.0**pixel if self.graph.x.log else last.x + pixel
-            point = point_at(self.found, last.series, at)
+            point = point_at(self.data, last.series, at)
         else:
             there = int(np.nanargmin((series.x - last.x) ** 2 + (series.y - last.y) ** 2)) + int(sign)
             i = min(max(there, 0), series.x.size - 1)

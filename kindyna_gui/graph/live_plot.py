@@ -16,7 +16,7 @@ from kindyna_gui.pictures.plots.curves import CurvePlot
 from kindyna_gui.pictures.plots.lines import Frame
 from kindyna_gui.pictures.plots.marks import TEXT_ROOM, Extreme
 from kindyna_gui.pictures.plots.polar import PolarPlot
-from kindyna_gui.pictures.plots.xy import UnderMouse
+from kindyna_gui.pictures.plots.xy import AngleMouse
 from kindyna_gui.pictures.style import SMALL, font
 from kindyna_gui.pictures.units import UNSEEN, measure
 from kindyna_gui.player import Player
@@ -24,7 +24,7 @@ from kindyna_gui.view import View
 
 if TYPE_CHECKING:
     from core.find import Trade
-    from kindyna_gui.touch_targets import BesideMouse
+    from kindyna_gui.touch_targets import MouseReadout
 
 
 # -- peak drag -------------------------------------------------------------------------------------------
@@ -44,7 +44,7 @@ class PeakDrag:
         self._trade: Trade | None = None
         self._work: object = None
         self._unit, self._typed = "", ""
-        self._beside: BesideMouse | None = None
+        self._beside: MouseReadout | None = None
         self.lines: list[tuple[str, bool]] = []
 
     def can_take(self, name: str) -> bool:
@@ -90,16 +90,16 @@ class PeakDrag:
         return done
 
     def _answer(self, why_not: str = "") -> None:
-        from kindyna_gui.touch_targets import answers
+        from kindyna_gui.touch_targets import readout_lines
 
         assert self._trade is not None
         stages = tuple(self._session.stages_on_screen())
-        self.lines = answers(self._session.study, self._trade.path, stages)
+        self.lines = readout_lines(self._session.study, self._trade.path, stages)
         self.lines += [(why_not, True)] if why_not else []
 
     def key(self, event: QKeyEvent) -> bool:
         """Escape takes the drag back; a number that is typed meanwhile is the peak that Return gives; False: the key is another's."""
-        from kindyna_gui.touch_targets import typed_on
+        from kindyna_gui.touch_targets import extended_input
 
         held = self._trade
         if held is None:
@@ -116,7 +116,7 @@ class PeakDrag:
                 self.drop()
             self._typed = ""
         else:
-            typed = typed_on(self._typed, event)
+            typed = extended_input(self._typed, event)
             if typed is None:
                 return False
             self._typed = typed
@@ -135,12 +135,12 @@ class PeakDrag:
 
     def tell(self, on_screen: QPoint) -> None:
         """What answers, beside the mouse."""
-        from kindyna_gui.touch_targets import BesideMouse
+        from kindyna_gui.touch_targets import MouseReadout
 
         if self._beside is None:
-            self._beside = BesideMouse(self._view)
+            self._beside = MouseReadout(self._view)
         typed = [(f"{self._typed}_", False)] if self._typed else []
-        self._beside.tell([*typed, *self.lines] if self.active else [], on_screen)
+        self._beside.show_lines([*typed, *self.lines] if self.active else [], on_screen)
 
 
 # -- live plot -------------------------------------------------------------------------------------------
@@ -149,14 +149,14 @@ REACH = 8.0  # pixels from a marked peak within which it is taken
 TIP = "Click or drag to set the cam angle; right click to export"
 
 
-class _Turned(UnderMouse):
+class _Turned(AngleMouse):
     """The angle where the mouse is, of curves that are there."""
 
     readings: Any
     angle_at: Any
     angle_moved: Any
 
-    def _go(self, event: QMouseEvent) -> None:
+    def _set_angle_at(self, event: QMouseEvent) -> None:
         if self.readings():
             self.angle_moved.emit(radians(self.angle_at(event.position())))
 

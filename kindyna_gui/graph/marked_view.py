@@ -118,14 +118,14 @@ class MarkedView(View):
 
         def ask(at: QPoint) -> None:
             from core.find import traded_field
-            from kindyna_gui.touch_targets import Thing, open_menu
+            from kindyna_gui.touch_targets import MouseTarget, open_menu
 
             if self._host is None:
                 return
             there, thing = [] if self.in_trouble else rows(), None
             if there:
                 path = traded_field(self.session.design, there[0].name)
-                thing = Thing(there[0].label, path, value=next(iter(plot.readings()), ""))
+                thing = MouseTarget(there[0].label, path, value=next(iter(plot.readings()), ""))
             area = plot.viewport() if isinstance(plot, LivePlot) else plot
             open_menu(thing, self, self._host, area.mapToGlobal(at), plot)
 

@@ -32,7 +32,7 @@ from core.project.files import read_bytes
 from kindyna_gui import dialogs
 from kindyna_gui.background import Background
 from kindyna_gui.documents.session import Session
-from kindyna_gui.documents.texts import UNSAVED, add_copy_of
+from kindyna_gui.documents.texts import UNSAVED, add_copy_of_line
 from kindyna_gui.forms.number_box import NameBox, NumberBox, WordBox
 from kindyna_gui.forms.request_form import PutDialog
 from kindyna_gui.labels import sentence
@@ -245,7 +245,7 @@ class MeasuredDialog(PutDialog):
         self.residual_of.activated.connect(self._show_residuals)
         self.sheet.left_out.connect(lambda lines: self._change_request(leave_out=lines))
         self.sheet.chosen.connect(self._point_out_line)
-        add_copy_of(self.buttons, self._as_command)
+        add_copy_of_line(self.buttons, self._as_command)
         self._work.result.connect(lambda _, answer: self._take(answer))
         self.finished.connect(self._work.stop)
         self.segments.switched.connect(lambda switches: self._change_request(switches=switches))

@@ -24,7 +24,7 @@ from core.output.measured_text import digits
 from core.requests import command_words
 from kindyna_gui import dialogs
 from kindyna_gui.documents.session import Session
-from kindyna_gui.documents.texts import add_copy_of, of_session, spelled
+from kindyna_gui.documents.texts import add_copy_of_line, command_text, session_options
 from kindyna_gui.forms.fields import fill_choices
 from kindyna_gui.forms.request_form import PutDialog
 from kindyna_gui.forms.tables import copied
@@ -60,7 +60,7 @@ class ControllerTableDialog(PutDialog):
         left.addLayout(self.form)
         left.addStretch(1)
         self.frame(left, WIDTH, self.plot, USUAL, LEAST)
-        add_copy_of(self.buttons, self._as_command)
+        add_copy_of_line(self.buttons, self._as_command)
         fill_choices(self.controller, {slug: row.label for slug, row in self._rows.items()})
         self.controller.setMinimumContentsLength(24)
         self.controller.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
@@ -109,8 +109,8 @@ class ControllerTableDialog(PutDialog):
     def _as_command(self) -> str:
         from core.commands.tables import MeasuredArguments
 
-        asked = {"table": self._path, "controller": self.controller.currentData(), **of_session(self._session)}
-        return spelled("measured", command_words(MeasuredArguments, asked))
+        asked = {"table": self._path, "controller": self.controller.currentData(), **session_options(self._session)}
+        return command_text("measured", command_words(MeasuredArguments, asked))
 
     def accept(self) -> None:
         """Put the motion into the design as one step."""

@@ -59,8 +59,8 @@ from kindyna_gui.motion.diagram import snapped_angle
 from kindyna_gui.motion.segments_table import readable
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import Rebuilt
-from kindyna_gui.settings import TOLD, symbol_of
+from kindyna_gui.rebuilt import ContentArea
+from kindyna_gui.settings import DISPLAY, symbol_of
 
 # -- fields ----------------------------------------------------------------------------------------------
 
@@ -162,7 +162,7 @@ class EndField(CurveField):
         box.entered.connect(self._enter)
         box.emptied.connect(self._leave_open)
         box.unreadable.connect(lambda: self.session.refuse(self.spec.path, "a number is wanted, or nothing"))
-        box.withdrawn.connect(lambda: self.session.take_back(self.spec.path))
+        box.withdrawn.connect(lambda: self.session.clear_refusal(self.spec.path))
         box.finished.connect(self.session.end_gesture)
         self.label.dragged.connect(box.stepBy)
         self.label.released.connect(self._label_released)
@@ -210,7 +210,7 @@ class PointsModel(QAbstractTableModel):
         session.refused.connect(self._refused)
         session.accepted.connect(self._accepted)
         session.restored.connect(self.withdraw)
-        TOLD.changed.connect(self._told)
+        DISPLAY.changed.connect(self._told)
 
     def _told(self) -> None:
         """Other units: heads and cells say so."""
@@ -474,7 +474,7 @@ class SegmentCurveForm(QWidget):
         self._column = QVBoxLayout(self)
         self._column.setContentsMargins(10, 3, 6, 0)
         self._column.setSpacing(2)
-        self._place = Rebuilt(session, player)
+        self._place = ContentArea(session, player)
         self._column.addWidget(self._place)
         self.update_style()
 

@@ -41,7 +41,7 @@ from core.motion.split import LEAST_CUT, copy_segment, split_segment
 from core.study import Quantity, Study
 from kindyna_gui.documents.edits import SAMPLES, Refusal
 from kindyna_gui.documents.session import Session
-from kindyna_gui.documents.texts import closing_text, joins_of, misses, motion_waits, waiting_paths
+from kindyna_gui.documents.texts import closing_text, joins_of, misfit_sentences, motion_waits, waiting_paths
 from kindyna_gui.forms.fields import Field, add_vary, in_tab_order
 from kindyna_gui.forms.form import IncompleteBar
 from kindyna_gui.graph.marked_view import MarkedView
@@ -55,7 +55,7 @@ from kindyna_gui.motion.segments_table import LAW, RISE, SPAN, SegmentsModel, Se
 from kindyna_gui.pictures.plots.quantities import rows_of
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import soon
+from kindyna_gui.rebuilt import call_soon
 from kindyna_gui.requirements import require_motion as require_motion_of_view
 from kindyna_gui.view import ViewHost
 
@@ -302,7 +302,7 @@ class SegmentForm(QScrollArea):
 
     def bring(self, part: QWidget) -> None:
         """Scroll a text that has come into sight, once it has its place; not while the keys are in what would move."""
-        soon(part, partial(self._bring, part))
+        call_soon(part, partial(self._bring, part))
 
     def _bring(self, part: QWidget) -> None:
         focused = self.focusWidget()
@@ -455,7 +455,7 @@ class SegmentsView(MarkedView):
         self.diagram.locked = waits or follows
         self.table.setEnabled(not follows)
         self.incomplete_bar.show_reasons(
-            misses(self.session) if waits else [], closing_text(self.session) if waits else ""
+            misfit_sentences(self.session) if waits else [], closing_text(self.session) if waits else ""
         )
         if waits:
             self.below.bring(self.incomplete_bar)

@@ -1,4 +1,4 @@
-"""Kept cards."""
+"""Board of saved designs: cards with an image and values, a table that compares them, and their file."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from functools import partial
 from hashlib import sha256
 from pathlib import Path
 
-from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtCore import QObject, QSize, Qt, Signal
 from PySide6.QtGui import QAction, QFont, QIcon, QKeyEvent, QPixmap
 from PySide6.QtWidgets import (
     QAbstractItemView,
@@ -29,6 +29,7 @@ from core.errors import KindynaError
 from core.frozen import frozen
 from core.project import dumps, loads
 from core.project.files import read_text, write_into
+from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import fill_choices
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.forms.tables import CopyKey
@@ -36,15 +37,19 @@ from kindyna_gui.pictures.painter import thumbnail
 from kindyna_gui.pictures.units import short
 from kindyna_gui.places import state_folder
 
-# -- cards table -----------------------------------------------------------------------------------------
-
-AT_HAND = "At hand"
+CURRENT = "Current"
+IMAGE = QSize(112, 72)  # pixels
+CARD_WIDTH, CARD_LINES = 304, 6
+UNSORTED = ""
+FOLDER = "boards"
 Values = Mapping[str, tuple[float, str]]
 """Name -> (value, text, which begins with the name)."""
 
+# -- table of cards --------------------------------------------------------------------------------------
+
 
 class CardsTable(QTableWidget):
-    """Double-click a row to take its design over."""
+    """Table that compares the cards with the current design; a double click on a row applies its design."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -52,26 +57,26 @@ class CardsTable(QTableWidget):
         self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
         self.setAccessibleName("Cards compared")
         CopyKey(self)
-        self.setToolTip("In parentheses how far a value lies from that of the design at hand")
+        self.setToolTip("In parentheses: difference from the current design")
         self.update_style()
 
     def update_style(self) -> None:
-        """As high and wide as its letters want it."""
+        """Fit rows and columns to the font."""
         self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 6)
         self.resizeColumnsToContents()
 
-    def show_cards(self, own: Values, cards: Sequence[Values]) -> None:
-        """The design at hand, then these."""
-        names = list(dict.fromkeys(name for row in (own, *cards) for name in row))
+    def show_cards(self, current: Values, cards: Sequence[Values]) -> None:
+        """Show the values of the current design, then those of the cards."""
+        names = list(dict.fromkeys(name for row in (current, *cards) for name in row))
         self.setColumnCount(len(names))
         self.setHorizontalHeaderLabels(names)
         self.setRowCount(1 + len(cards))
-        self.setVerticalHeaderLabels([AT_HAND, *(str(i + 1) for i in range(len(cards)))])
+        self.setVerticalHeaderLabels([CURRENT, *(str(i + 1) for i in range(len(cards)))])
         bold = QFont(self.font())
         bold.setBold(True)
-        for i, row in enumerate((own, *cards)):
+        for i, row in enumerate((current, *cards)):
             for j, name in enumerate(names):
-                item = QTableWidgetItem(_text(name, row, own if i else {}))
+                item = QTableWidgetItem(_cell_text(name, row, current if i else {}))
                 item.setTextAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
                 if not i:
                     item.setFont(bold)
@@ -79,50 +84,50 @@ class CardsTable(QTableWidget):
         self.resizeColumnsToContents()
 
 
-def _text(name: str, row: Values, own: Values) -> str:
+def _cell_text(name: str, row: Values, current: Values) -> str:
+    """Value of a card with its difference from the current design."""
     if name not in row:
         return "–"
     value, text = row[name]
-    shown = text.removeprefix(f"{name} ")
-    before = own[name][0] if name in own else float("nan")
-    away = value - before
-    if away != away or not away:
-        return shown
-    return f"{shown} ({'+' if away > 0.0 else '−'}{short(abs(away), 3)})"
+    text = text.removeprefix(f"{name} ")
+    difference = value - current[name][0] if name in current else float("nan")
+    if difference != difference or not difference:
+        return text
+    return f"{text} ({'+' if difference > 0.0 else '−'}{short(abs(difference), 3)})"
 
 
 # -- board -----------------------------------------------------------------------------------------------
 
-PICTURE = QSize(112, 72)  # pixels
-CARD_WIDTH, LINES = 304, 6
-AS_KEPT = ""
-
 
 @frozen(eq=False)
 class Card:
-    """A whole design, and name -> (value, text) of its numbers and of what was asked of it."""
+    """A design with name -> (value, text) of its varied numbers and its figures."""
 
     design: Design
-    values: Mapping[str, tuple[float, str]]
+    values: Values
 
 
 class _List(QListWidget):
-    """Cards beside each other; Delete takes the chosen one away."""
+    """Cards in a row; Delete removes the selected one."""
 
-    taken = Signal(QListWidgetItem)
+    delete_requested = Signal(QListWidgetItem)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         if event.key() == Qt.Key.Key_Delete and self.currentRow() >= 0:
-            self.taken.emit(self.currentItem())
+            self.delete_requested.emit(self.currentItem())
         else:
             super().keyPressEvent(event)
 
 
 class Board(QWidget):
-    """kept: the design at hand is to be kept; reopened, pinned (Design): a card was opened, or is to be held against the design; changed:
-    there are other cards; compared: they are shown as a table, beside the values of the design at hand (``show_present``)."""
+    """Cards of saved designs, as a row of images or as a table.
 
-    kept = Signal()
+    Signals: ``keep_requested``, save the current design; ``changed``, cards were added or removed; ``compared``, the
+    table is on display and needs the current values (``show_current``); ``reopened`` and ``pinned`` (Design), apply
+    the design of a card, or pin it.
+    """
+
+    keep_requested = Signal()
     changed = Signal()
     compared = Signal()
     reopened = Signal(object)
@@ -132,7 +137,7 @@ class Board(QWidget):
         super().__init__()
         self.cards: list[Card] = []
         self.keep, self.sort = QPushButton("Keep this design"), WordBox()
-        self.keep.setToolTip("Put the design at hand on the board, with its values")
+        self.keep.setToolTip("Put the current design on the board, with its values")
         self.keep.setAutoDefault(False)
         self.sort.setAccessibleName("Sort the cards by")
         self.list = _List()
@@ -140,22 +145,22 @@ class Board(QWidget):
         self.list.setFlow(QListView.Flow.LeftToRight)
         self.list.setWrapping(False)
         self.list.setMovement(QListView.Movement.Static)
-        self.list.setIconSize(PICTURE)
+        self.list.setIconSize(IMAGE)
         self.list.setWordWrap(True)
-        self.list.setToolTip("Double-click a card to take its design over; right click to pin it; Delete takes it away")
+        self.list.setToolTip("Double-click a card to apply its design; right-click to pin it; Delete removes it")
         self.list.setContextMenuPolicy(Qt.ContextMenuPolicy.ActionsContextMenu)
-        for text, slot in (("Pin this variant", self._pin), ("Take it over", self._open), ("Take it away", self._take)):
+        for text, slot in (("Pin this variant", self._pin), ("Apply", self._open), ("Remove", self._remove)):
             action = QAction(text, self.list)
-            action.triggered.connect(partial(self._of_current, slot))
+            action.triggered.connect(partial(self._call_for_current, slot))
             self.list.addAction(action)
         self.compare = QPushButton("Compare")
         self.compare.setCheckable(True)
         self.compare.setAutoDefault(False)
-        self.compare.setToolTip("The cards as a table, each value with how far it lies from that of the design at hand")
+        self.compare.setToolTip("Show the cards in a table, each value with its difference from the current design")
         self.compare.hide()
         self.table = CardsTable()
         self.table.hide()
-        self._present: Values = {}
+        self._current: Values = {}
         self._height = self.fontMetrics().lineSpacing()
         self.list.hide()
         self.sort.hide()
@@ -173,31 +178,31 @@ class Board(QWidget):
         column.addWidget(self.table)
         self.compare.toggled.connect(self._switch)
         self.table.cellDoubleClicked.connect(self._open_row)
-        self.keep.clicked.connect(self.kept)
+        self.keep.clicked.connect(self.keep_requested)
         self.sort.activated.connect(self._show)
         self.list.itemActivated.connect(self._open)
-        self.list.taken.connect(self._take)
+        self.list.delete_requested.connect(self._remove)
 
-    def put(self, card: Card) -> None:
-        """One card more."""
+    def add(self, card: Card) -> None:
+        """Add a card."""
         self.cards.append(card)
         self.changed.emit()
         self._show()
 
     def show_cards(self, cards: Sequence[Card]) -> None:
-        """These, and no others."""
+        """Replace the cards."""
         self.cards = list(cards)
         self._show()
 
     @property
-    def comparing(self) -> bool:
+    def is_comparing(self) -> bool:
         """Whether the cards are shown as a table."""
         return self.compare.isChecked() and bool(self.cards)
 
-    def show_present(self, values: Values) -> None:
-        """What the design at hand has, for the table."""
-        self._present = values
-        if self.comparing:
+    def show_current(self, values: Values) -> None:
+        """Show the values of the current design in the table."""
+        self._current = values
+        if self.is_comparing:
             self.table.show_cards(values, [card.values for card in self.order])
 
     def _switch(self, _: bool) -> None:
@@ -210,68 +215,108 @@ class Board(QWidget):
 
     @property
     def order(self) -> Sequence[Card]:
-        """The cards as they stand there: by the least value first of what they are sorted by, those without one last."""
-        by = self.sort.currentData() or AS_KEPT
-        return self.cards if by == AS_KEPT else sorted(self.cards, key=lambda card: _place(card, by))
+        """Return the cards in ascending order of the value to sort by, cards without this value last."""
+        name = self.sort.currentData() or UNSORTED
+        return self.cards if name == UNSORTED else sorted(self.cards, key=lambda card: _sort_key(card, name))
 
     def _show(self, *_: object) -> None:
         names = dict.fromkeys(name for card in self.cards for name in card.values)
-        fill_choices(self.sort, {AS_KEPT: "as kept", **{name: f"by {name}" for name in names}})
+        fill_choices(self.sort, {UNSORTED: "in the order of saving", **{name: f"by {name}" for name in names}})
         self.list.clear()
         lines = 0
         for card in self.order:
-            picture = thumbnail(card.design, PICTURE.width(), PICTURE.height(), self.devicePixelRatioF())
+            image = thumbnail(card.design, IMAGE.width(), IMAGE.height(), self.devicePixelRatioF())
             texts = [text for _, text in card.values.values()]
-            lines = max(lines, min(len(texts), LINES))
-            item = QListWidgetItem(QIcon(QPixmap.fromImage(picture)), "\n".join(texts[:LINES]))
+            lines = max(lines, min(len(texts), CARD_LINES))
+            item = QListWidgetItem(QIcon(QPixmap.fromImage(image)), "\n".join(texts[:CARD_LINES]))
             item.setToolTip("\n".join(f"{name}: {text}" for name, (_, text) in card.values.items()))
             item.setData(Qt.ItemDataRole.UserRole, self.cards.index(card))
             self.list.addItem(item)
-        height = max(PICTURE.height(), lines * self._height) + 8
+        height = max(IMAGE.height(), lines * self._height) + 8
         for i in range(self.list.count()):
             self.list.item(i).setSizeHint(QSize(CARD_WIDTH, height))
         self.list.setFixedHeight(height + 24)
         self.table.setFixedHeight(height + 24)
-        self.list.setVisible(bool(self.cards) and not self.comparing)
-        self.table.setVisible(self.comparing)
+        self.list.setVisible(bool(self.cards) and not self.is_comparing)
+        self.table.setVisible(self.is_comparing)
         self.compare.setVisible(bool(self.cards))
         self.sort.setVisible(len(self.cards) > 1)
-        self.show_present(self._present)
+        self.show_current(self._current)
 
     def _open(self, item: QListWidgetItem) -> None:
         self.reopened.emit(self.cards[item.data(Qt.ItemDataRole.UserRole)].design)
 
-    def _of_current(self, act: Callable[[QListWidgetItem], None], *_: object) -> None:
+    def _call_for_current(self, act: Callable[[QListWidgetItem], None], *_: object) -> None:
         if (item := self.list.currentItem()) is not None:
             act(item)
 
     def _pin(self, item: QListWidgetItem) -> None:
         self.pinned.emit(self.cards[item.data(Qt.ItemDataRole.UserRole)].design)
 
-    def _take(self, item: QListWidgetItem) -> None:
+    def _remove(self, item: QListWidgetItem) -> None:
         del self.cards[item.data(Qt.ItemDataRole.UserRole)]
         self.changed.emit()
         self._show()
 
 
-def _place(card: Card, by: str) -> tuple[bool, float]:
-    value = card.values[by][0] if by in card.values else float("nan")
+def _sort_key(card: Card, name: str) -> tuple[bool, float]:
+    value = card.values[name][0] if name in card.values else float("nan")
     return value != value, value
 
 
-# -- kept cards ------------------------------------------------------------------------------------------
-
-FOLDER = "boards"
+# -- file of the cards -----------------------------------------------------------------------------------
 
 
-def _file(of: str) -> Path:
-    return state_folder() / FOLDER / f"{sha256(of.encode()).hexdigest()[:24]}.json"
+class BoardFile(QObject):
+    """The file in which the cards of the current design are saved; a design saved under a new name keeps its cards.
+
+    Signals: ``message`` (str), the cards cannot be saved.
+    """
+
+    message = Signal(str)
+
+    def __init__(self, session: Session, board: Board) -> None:
+        super().__init__(board)
+        self._session, self._board = session, board
+        self._owner = ""  # file or name of the design whose cards are on the board; empty before they are read
+        session.started.connect(self._forget)
+        session.file_changed.connect(self._follow_file)
+        board.changed.connect(self._save)
+
+    def load(self) -> None:
+        """Show the cards of the current design, unless they are shown already."""
+        if not self._owner:
+            self._owner = self._current_owner
+            self._board.show_cards(read_cards(self._owner))
+
+    @property
+    def _current_owner(self) -> str:
+        path = self._session.path
+        return f"without a file: {self._session.full_design.name}" if path is None else str(path.absolute())
+
+    def _forget(self) -> None:
+        self._owner = ""
+
+    def _follow_file(self) -> None:
+        if self._owner and self._session.path is not None and self._current_owner != self._owner:
+            self._owner = self._current_owner
+            self._save()
+
+    def _save(self) -> None:
+        try:
+            write_cards(self._owner, self._board.cards)
+        except KindynaError as error:
+            self.message.emit(f"The cards cannot be saved: {error}")
 
 
-def read_cards(of: str) -> list[Card]:
-    """Those of a design, by its file or its name; none where nothing was kept, or what was kept cannot be read."""
+def _file(owner: str) -> Path:
+    return state_folder() / FOLDER / f"{sha256(owner.encode()).hexdigest()[:24]}.json"
+
+
+def read_cards(owner: str) -> list[Card]:
+    """Return the cards of a design, given by its file or its name; none where they are missing or cannot be read."""
     try:
-        rows = bounded_json(read_text(_file(of)))["cards"]
+        rows = bounded_json(read_text(_file(owner)))["cards"]
         return [
             Card(loads(row["design"]), {name: (value, text) for name, (value, text) in row["values"].items()})
             for row in rows
@@ -280,8 +325,8 @@ def read_cards(of: str) -> list[Card]:
         return []
 
 
-def write_cards(of: str, cards: Sequence[Card]) -> None:
-    """Keep them. Raises FileError."""
+def write_cards(owner: str, cards: Sequence[Card]) -> None:
+    """Save the cards of a design. Raises FileError."""
     rows = [{"design": dumps(card.design), "values": dict(card.values)} for card in cards]
-    text = json.dumps({"of": of, "cards": rows}, ensure_ascii=False, indent=1)
-    write_into(_file(of).parent, {_file(of).name: text})
+    text = json.dumps({"of": owner, "cards": rows}, ensure_ascii=False, indent=1)
+    write_into(_file(owner).parent, {_file(owner).name: text})

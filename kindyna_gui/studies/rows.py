@@ -1,4 +1,4 @@
-"""What is varied and what is asked, as rows: bounds of each number; of each quantity what of it, its limits and its value now."""
+"""Rows of the study dock: varied numbers and words, figures with limits, tolerances, waves of the profile."""
 
 from __future__ import annotations
 
@@ -20,32 +20,41 @@ from kindyna_gui.forms.number_box import NumberBox, WordBox
 from kindyna_gui.labels import no_number
 from kindyna_gui.look import MessageLabel, bold_label, coloured, icon
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.rebuilt import Rebuilt, clear_menu
-from kindyna_gui.studies.texts import OF, info_of, label_of, name_of, number_text, unit_of, value_text, word_text
+from kindyna_gui.rebuilt import ContentArea, clear_menu
+from kindyna_gui.studies.texts import (
+    STATISTICS,
+    info_of,
+    label_of,
+    name_of,
+    number_text,
+    unit_of,
+    value_text,
+    word_text,
+)
 
 BOX_WIDTH = 78  # pixels
-WIDTH = "width"  # which box of a number is its tolerance
+WIDTH = "width"  # key of the box for a tolerance ±
 DISTRIBUTIONS: Mapping[str, str] = {NORMAL: "normal, 3σ", UNIFORM: "uniform", WORST: "at either end"}
 _TIPS: Mapping[str, str] = {
-    "plus": "Upper deviation of what is made",
-    "minus": "Lower deviation, downwards; empty: as upwards",
-    "cost": "What halving the tolerance costs, in any currency; empty: the same for all",
+    "plus": "Tolerance: upper deviation",
+    "minus": "Tolerance: lower deviation, as a positive number; empty: same as the upper one",
+    "cost": "Cost of halving the tolerance, in any currency; empty: 1",
 }
 
 
 class _Rows(QWidget):
-    """A heading, rows, what is wrong with one of them, and a button that offers more.
+    """A heading, rows, a message about invalid input, and a button that adds a row.
 
-    wanted (str): this is to be added
+    Signal ``add_requested`` (str): key of the row to add.
     """
 
-    wanted = Signal(str)
+    add_requested = Signal(str)
 
     def __init__(self, title: str, add: str) -> None:
         super().__init__()
         self.boxes: dict[tuple[str, str], NumberBox] = {}
         self.removers: dict[str, QToolButton] = {}
-        self._place, self._shown = Rebuilt(), ()
+        self._area, self._keys = ContentArea(), ()
         self.message = MessageLabel(SCREEN.limit)
         self.add, self.menu = QPushButton(add), QMenu(self)
         self.add.setAutoDefault(False)
@@ -54,27 +63,27 @@ class _Rows(QWidget):
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(2)
         column.addWidget(bold_label(title))
-        column.addWidget(self._place)
+        column.addWidget(self._area)
         column.addWidget(self.message)
         column.addWidget(self.add, 0, Qt.AlignmentFlag.AlignLeft)
 
     def offer(self, groups: Mapping[str, Mapping[str, str]]) -> None:
-        """Let these be added: group -> key -> name."""
+        """Fill the menu of rows that can be added: group -> key -> name."""
         clear_menu(self.menu)
         for group, rows in groups.items():
-            place = self.menu.addMenu(group)
+            submenu = self.menu.addMenu(group)
             for key, name in rows.items():
-                place.addAction(name).triggered.connect(partial(self._want, key))
+                submenu.addAction(name).triggered.connect(partial(self._request_row, key))
         self.add.setEnabled(bool(groups))
 
-    def _want(self, key: str, _: bool = False) -> None:
-        self.wanted.emit(key)
+    def _request_row(self, key: str, _: bool = False) -> None:
+        self.add_requested.emit(key)
 
     def _grid(self, rows: Sequence[Any]) -> QGridLayout | None:
-        """The place of rows that are made anew; None where the same ones stand there."""
-        if self._shown == tuple(rows) and self._place.content is not None:
+        """Return an empty layout for these rows; None if they are on display already."""
+        if self._keys == tuple(rows) and self._area.content is not None:
             return None
-        self._shown = tuple(rows)
+        self._keys = tuple(rows)
         self.boxes, self.removers = {}, {}
         self.message.show_message("")
         grid = QGridLayout()
@@ -86,19 +95,19 @@ class _Rows(QWidget):
     def _put(self, grid: QGridLayout) -> None:
         content = QWidget()
         content.setLayout(grid)
-        self._place.replace(content)
+        self._area.replace(content)
 
     def _remover(self, key: str, name: str) -> QToolButton:
-        made = QToolButton(autoRaise=True)
-        made.setIcon(icon("close"))
-        made.setToolTip(f"Take {name} away")
-        made.setAccessibleName(made.toolTip())
-        self.removers[key] = made
-        return made
+        button = QToolButton(autoRaise=True)
+        button.setIcon(icon("close"))
+        button.setToolTip(f"Remove {name}")
+        button.setAccessibleName(button.toolTip())
+        self.removers[key] = button
+        return button
 
     def _box(self, key: str, end: str, name: str, info: Info, enter: Any) -> NumberBox:
         box = NumberBox(info, unit_of(key))
-        box.in_file_units = True  # as the plots have it
+        box.in_file_units = True  # shows the value as plots do
         box.setFixedWidth(BOX_WIDTH)
         box.setAccessibleName(name)
         box.setToolTip(name)
@@ -114,13 +123,16 @@ class _Rows(QWidget):
 
 
 class SpanRows(_Rows):
-    """changed (Span): other bounds; removed (str): a value is varied no longer; spread (path, float or None): ± of it in what is made;
-    chosen (path, words): these words are tried."""
+    """Varied numbers with their bounds and tolerance, and varied words.
+
+    Signals: ``changed`` (Span), new bounds; ``removed`` (path); ``tolerance_changed`` (path, float or None), the
+    tolerance ± of a number; ``words_changed`` (path, words), the words to try.
+    """
 
     changed = Signal(object)
     removed = Signal(str)
-    spread = Signal(str, object)
-    chosen = Signal(str, tuple)
+    tolerance_changed = Signal(str, object)
+    words_changed = Signal(str, tuple)
 
     def __init__(self) -> None:
         super().__init__("Varied", "Vary a number …")
@@ -134,7 +146,7 @@ class SpanRows(_Rows):
         words: Mapping[str, tuple[str, ...]],
         possible: Mapping[str, tuple[str, ...]],
     ) -> None:
-        """These numbers are varied, between these bounds, and of these words these, among those that are possible."""
+        """Show the varied numbers with their bounds, and the words to try among the possible ones."""
         self._spans = dict(spans)
         grid = self._grid(
             [*((path, name_of(design, path)) for path in spans), *((path, *possible[path]) for path in words)]
@@ -164,7 +176,7 @@ class SpanRows(_Rows):
         button, remover = QPushButton(), self._remover(path, name)
         button.setAutoDefault(False)
         button.setAccessibleName(name)
-        button.setToolTip("Words that are tried for the best design")
+        button.setToolTip("Words to try in the search for the best design")
         menu = QMenu(button)
         for word in possible:
             action = menu.addAction(word_text(word))
@@ -179,7 +191,8 @@ class SpanRows(_Rows):
         grid.addWidget(button, row + 1, 0, 1, 6)
 
     def _choose_word(self, path: str, _: bool = False) -> None:
-        self.chosen.emit(path, tuple(each.data() for each in self.words[path].menu().actions() if each.isChecked()))
+        actions = self.words[path].menu().actions()
+        self.words_changed.emit(path, tuple(action.data() for action in actions if action.isChecked()))
 
     def _add_row(self, grid: QGridLayout, row: int, design: Design, path: str) -> None:
         name, (info, unit) = name_of(design, path), info_of(design, path)
@@ -192,26 +205,26 @@ class SpanRows(_Rows):
         )
         grid.addWidget(label, row, 0, 1, 6)
         grid.addWidget(remover, row, 6, Qt.AlignmentFlag.AlignRight)
-        spread = () if info.whole else (QLabel("±"), self._width_box(path, name))
-        for column, part in enumerate((low, QLabel("…"), high, symbol, *spread)):
+        tolerance = () if info.whole else (QLabel("±"), self._width_box(path, name))
+        for column, part in enumerate((low, QLabel("…"), high, symbol, *tolerance)):
             grid.addWidget(part, row + 1, column)
 
     def _width_box(self, path: str, name: str) -> NumberBox:
         plus = Info(f"{name}: tolerance ±", low=0.0, open_low=True, optional=True)
-        box = self._box(path, WIDTH, plus.label, plus, partial(self._spread, path, plus))
+        box = self._box(path, WIDTH, plus.label, plus, partial(self._enter_width, path, plus))
         box.setToolTip(
-            "Tolerance ± of what is made, which the design keeps; empty: exact, or as stated under Tolerances"
+            "Manufacturing tolerance ±, saved with the design; empty: none, or unequal deviations under Tolerances"
         )
         return box
 
-    def _spread(self, path: str, info: Info, value: float | None) -> None:
+    def _enter_width(self, path: str, info: Info, value: float | None) -> None:
         box = self.boxes[path, WIDTH]
         if not info.admits(value):
             self._refuse(box, f"{info.label}: allowed: {info.allowed(unit_of(path))}")
             return
         self.message.show_message("")
         box.show_value(value)
-        self.spread.emit(path, value)
+        self.tolerance_changed.emit(path, value)
 
     def _remove(self, path: str, _: bool = False) -> None:
         self.removed.emit(path)
@@ -220,40 +233,45 @@ class SpanRows(_Rows):
         info, unit = info_of(design, path)
         value = int(value) if info.whole and value == int(value) else value
         span, box = self._spans[path], self.boxes[path, end]
-        made = Span(path, value, span.high) if end == "low" else Span(path, span.low, value)
+        changed = Span(path, value, span.high) if end == "low" else Span(path, span.low, value)
         if not info.admits(value):
             wrong = "must be a whole number" if info.whole and value != int(value) else "outside its range"
             self._refuse(box, f"{box.accessibleName()}: {wrong}; allowed: {info.allowed(unit)}")
-        elif not made.low < made.high:
-            other = f"below {number_text(path, span.high)}" if end == "low" else f"above {number_text(path, span.low)}"
-            self._refuse(box, f"{box.accessibleName()}: bounds are reversed; allowed: {other}")
+        elif not changed.low < changed.high:
+            allowed = (
+                f"below {number_text(path, span.high)}" if end == "low" else f"above {number_text(path, span.low)}"
+            )
+            self._refuse(box, f"{box.accessibleName()}: bounds are reversed; allowed: {allowed}")
         else:
             self.message.show_message("")
             box.show_value(value)
-            self.changed.emit(made)
+            self.changed.emit(changed)
 
 
-class AskedRows(_Rows):
-    """changed (key, key now, limits): something else is asked, or limited; shown (key): its colour is on the map; removed (key)."""
+class FigureRows(_Rows):
+    """Figures with their statistic, limits and current value.
+
+    Signals: ``changed`` (key before, key, limits); ``shown`` (key), colour the plots by this figure; ``removed`` (key).
+    """
 
     changed = Signal(str, str, object)
     shown = Signal(str)
     removed = Signal(str)
 
     def __init__(self) -> None:
-        super().__init__("Asked of each design", "Ask a quantity …")
+        super().__init__("Computed for each design", "Ask a quantity …")
         self._limits: dict[str, Limits] = {}
         self.buttons: dict[str, QRadioButton] = {}
         self.words: dict[str, WordBox] = {}
         self.values: dict[str, QLabel] = {}
 
-    def show_asked(self, design: Design, asked: Mapping[str, Limits], shown: str) -> None:
-        """These are asked, held to these limits; the colour of one is shown."""
-        self._limits = dict(asked)
-        grid = self._grid([(key, label_of(design, key.partition(":")[0])) for key in asked])
+    def show_figures(self, design: Design, figures: Mapping[str, Limits], shown: str) -> None:
+        """Show figures with their limits; shown: key of the figure that colours the plots."""
+        self._limits = dict(figures)
+        grid = self._grid([(key, label_of(design, key.partition(":")[0])) for key in figures])
         if grid is not None:
             self.buttons, self.words, self.values = {}, {}, {}
-            for row, key in enumerate(asked):
+            for row, key in enumerate(figures):
                 self._add_row(grid, 2 * row, design, key)
             grid.setColumnStretch(5, 1)
             self._put(grid)
@@ -261,25 +279,25 @@ class AskedRows(_Rows):
             button.setChecked(key == shown)
         for (key, end), box in self.boxes.items():
             if not box.pending:
-                box.show_value(asked[key][end == "most"])
+                box.show_value(figures[key][end == "most"])
 
     def _add_row(self, grid: QGridLayout, row: int, design: Design, key: str) -> None:
-        slug, _, of = key.partition(":")
+        slug, _, statistic = key.partition(":")
         name = label_of(design, slug)
-        button, now, remover = QRadioButton(name), QLabel(), self._remover(key, name)
-        button.setToolTip("Show this one as the colour of the map")
+        button, current, remover = QRadioButton(name), QLabel(), self._remover(key, name)
+        button.setToolTip("Colour the plots by this quantity")
         button.clicked.connect(partial(self._show, key))
         remover.clicked.connect(partial(self._remove, key))
-        self.buttons[key], self.values[key] = button, now
+        self.buttons[key], self.values[key] = button, current
         grid.addWidget(button, row, 0, 1, 4)
-        grid.addWidget(now, row, 4, 1, 2, Qt.AlignmentFlag.AlignRight)
+        grid.addWidget(current, row, 4, 1, 2, Qt.AlignmentFlag.AlignRight)
         grid.addWidget(remover, row, 6)
         if slug not in TOTALS:
             word = WordBox()
             word.setMinimumContentsLength(4)
-            word.setAccessibleName(f"{name}: what of it over the turn")
-            fill_choices(word, OF)
-            word.setCurrentIndex(word.findData(of))
+            word.setAccessibleName(f"{name}: statistic over the turn")
+            fill_choices(word, STATISTICS)
+            word.setCurrentIndex(word.findData(statistic))
             word.activated.connect(partial(self._choose, key))
             self.words[key] = word
             grid.addWidget(word, row + 1, 0)
@@ -293,14 +311,14 @@ class AskedRows(_Rows):
         grid.addWidget(symbol, row + 1, 5)
 
     def show_values(self, values: Mapping[str, float]) -> None:
-        """What the design at hand has, red where it passes a limit."""
+        """Show the values of the current design, in red beyond a limit."""
         for key, label in self.values.items():
             value = values.get(key, float("nan"))
             least, most = self._limits[key]
-            passed = (least is not None and value < least) or (most is not None and value > most)
-            text = f"<b style='color:{SCREEN.limit}'>{value_text(key, value)}</b>" if passed else value_text(key, value)
-            label.setText(text)
-            label.setToolTip("of the design at hand" + (": passes its limit" if passed else ""))
+            is_beyond = (least is not None and value < least) or (most is not None and value > most)
+            text = value_text(key, value)
+            label.setText(f"<b style='color:{SCREEN.limit}'>{text}</b>" if is_beyond else text)
+            label.setToolTip(f"Value of the current design{', beyond its limit' if is_beyond else ''}")
 
     def _show(self, key: str, _: bool = False) -> None:
         self.shown.emit(key)
@@ -317,10 +335,8 @@ class AskedRows(_Rows):
         least, most = (value, most) if end == "least" else (least, value)
         box = self.boxes[key, end]
         if least is not None and most is not None and least > most:
-            self._refuse(
-                box,
-                f"{box.accessibleName()}: limits are reversed; allowed: {'below' if end == 'least' else 'above'} the other",
-            )
+            allowed = "at most the upper limit" if end == "least" else "at least the lower limit"
+            self._refuse(box, f"{box.accessibleName()}: limits are reversed; allowed: {allowed}")
             return
         self.message.show_message("")
         box.show_value(value)
@@ -328,19 +344,19 @@ class AskedRows(_Rows):
 
 
 class ToleranceRows(_Rows):
-    """changed (Tolerance): another one of a number; removed (path): none."""
+    """Tolerances of the design. Signals: ``changed`` (Tolerance); ``removed`` (path)."""
 
     changed = Signal(object)
     removed = Signal(str)
     ENDS = (("plus", "+"), ("minus", "−"), ("cost", "cost"))
 
     def __init__(self) -> None:
-        super().__init__("Of what is made", "A tolerance …")
+        super().__init__("Manufacturing tolerances", "A tolerance …")
         self._rows: dict[str, Tolerance] = {}
         self.words: dict[str, WordBox] = {}
 
     def show_rows(self, design: Design) -> None:
-        """The tolerances of a design."""
+        """Show the tolerances of a design."""
         self._rows = {row.field: row for row in design.tolerances}
         grid = self._grid([(path, name_of(design, path)) for path in self._rows])
         if grid is not None:
@@ -362,24 +378,24 @@ class ToleranceRows(_Rows):
         remover.clicked.connect(partial(self._remove, path))
         fill_choices(word, DISTRIBUTIONS)
         word.setAccessibleName(f"{name}: distribution")
-        word.activated.connect(partial(self._spread, path))
+        word.activated.connect(partial(self._choose_distribution, path))
         self.words[path] = word
         grid.addWidget(QLabel(name), row, 0, 1, 6)
         grid.addWidget(remover, row, 6, Qt.AlignmentFlag.AlignRight)
-        places = ((row + 1, 0), (row + 1, 2), (row + 2, 2))
-        for (end, sign), (at, column) in zip(self.ENDS, places, strict=True):
+        cells = ((row + 1, 0), (row + 1, 2), (row + 2, 2))
+        for (end, sign), (cell_row, column) in zip(self.ENDS, cells, strict=True):
             info = Info(f"{name}: {sign}", low=0.0, optional=end != "plus")
             box = self._box(path, end, info.label, info, partial(self._enter, path, end, info))
             box.setToolTip(_TIPS[end])
-            grid.addWidget(QLabel(sign), at, column, Qt.AlignmentFlag.AlignRight)
-            grid.addWidget(box, at, column + 1)
+            grid.addWidget(QLabel(sign), cell_row, column, Qt.AlignmentFlag.AlignRight)
+            grid.addWidget(box, cell_row, column + 1)
         grid.addWidget(symbol, row + 1, 4)
         grid.addWidget(word, row + 2, 0, 1, 2)
 
     def _remove(self, path: str, _: bool = False) -> None:
         self.removed.emit(path)
 
-    def _spread(self, path: str, _: int) -> None:
+    def _choose_distribution(self, path: str, _: int) -> None:
         self.changed.emit(replace(self._rows[path], distribution=self.words[path].currentData()))
 
     def _enter(self, path: str, end: str, info: Info, value: float | None) -> None:
@@ -393,7 +409,7 @@ class ToleranceRows(_Rows):
 
 
 class WaveRow(_Rows):
-    """changed (Waviness, or None): other waves of the profile."""
+    """Waves of the profile. Signal ``changed`` (Waviness, or None for no waves)."""
 
     changed = Signal(object)
     ENDS = (("amplitude_mm", "Amplitude"), ("lobes_from", "Lobes"), ("lobes_to", "…"))
@@ -405,14 +421,14 @@ class WaveRow(_Rows):
         self._waves: Waviness | None = None
         grid = self._grid(["waves"])
         assert grid is not None, "shown for the first time"
-        infos = {each.name: field_info_of(each) for each in fields(Waviness)}
+        infos = {row.name: field_info_of(row) for row in fields(Waviness)}
         for i, (end, sign) in enumerate(self.ENDS):
             info = infos[end]
             assert info is not None, "a number"
-            own = replace(info, optional=True) if end == "amplitude_mm" else info
-            box = self._box(end, "", info.label, own, partial(self._enter, end, own))
+            field = replace(info, optional=True) if end == "amplitude_mm" else info
+            box = self._box(end, "", info.label, field, partial(self._enter, end, field))
             box.setToolTip(
-                f"{info.label}{'; empty: no waves' if own.optional else ': waves around the cam, each number as likely'}"
+                f"{info.label}{'; empty: no waves' if field.optional else ': waves around the cam, all equally likely'}"
             )
             row, column = (0, 0) if not i else (1, 2 * i - 2)
             grid.addWidget(QLabel(sign), row, column)
@@ -424,7 +440,7 @@ class WaveRow(_Rows):
         self._put(grid)
 
     def show_waves(self, waves: Waviness | None) -> None:
-        """Those of a design."""
+        """Show the waves of a design, None if it has none."""
         self._waves = waves
         for (end, _), box in self.boxes.items():
             box.setEnabled(end == "amplitude_mm" or waves is not None)
@@ -439,15 +455,15 @@ class WaveRow(_Rows):
             self._refuse(box, f"{info.label}: allowed: {info.allowed(unit_of(end))}")
             return
         if value is None:
-            made = None
+            changed = None
         elif self._waves is None:
-            made = Waviness(value, *self.FIRST_LOBES)
+            changed = Waviness(value, *self.FIRST_LOBES)
         else:
-            made = replace(self._waves, **{end: value})  # type: ignore[arg-type]
-            if made.lobes_from > made.lobes_to:
-                allowed = f"from {made.lobes_from}" if end == "lobes_to" else f"up to {made.lobes_to}"
+            changed = replace(self._waves, **{end: value})  # type: ignore[arg-type]
+            if changed.lobes_from > changed.lobes_to:
+                allowed = f"from {changed.lobes_from}" if end == "lobes_to" else f"up to {changed.lobes_to}"
                 self._refuse(box, f"{info.label}: bounds are reversed; allowed: {allowed}")
                 return
         self.message.show_message("")
         box.show_value(value)
-        self.changed.emit(made)
+        self.changed.emit(changed)

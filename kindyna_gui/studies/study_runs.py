@@ -1,45 +1,317 @@
-"""Study: running, opening, pages."""
+"""Background runs of the study dock, study files, and the pages that show a survey."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
+from os.path import relpath
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from PySide6.QtCore import QPointF, Qt, Signal
+from PySide6.QtCore import QObject, QPointF, Qt, QTimer, Signal
 from PySide6.QtGui import QPalette
 from PySide6.QtWidgets import QLabel, QMenu, QPushButton, QStackedWidget, QVBoxLayout, QWidget
 
-from core.design import Design
+from core.design import Design, edited, get, put
+from core.errors import KindynaError
 from core.process import resources
-from core.varying import READY, Survey, ready_study
+from core.varying import (
+    READY,
+    Limits,
+    Question,
+    Span,
+    StudyFile,
+    StudyOfMany,
+    Survey,
+    ToleranceResult,
+    file_of_question,
+    load_study,
+    ready_study,
+    refined_survey,
+    save_study,
+    study_of,
+    survey,
+    tolerance_result,
+    with_values,
+)
+from core.varying.tolerances import SHARE
 from kindyna_gui import dialogs
+from kindyna_gui.background import Background
+from kindyna_gui.documents.session import Session
 from kindyna_gui.rebuilt import clear_menu
-from kindyna_gui.studies.plots import FrontPlot, Measured, ParallelPlot, SurveyPlot
+from kindyna_gui.studies.plots import FrontPlot, ParallelPlot, SurveyPlot, SurveyQuantity
 from kindyna_gui.studies.texts import name_of, number_text, reason_text, span_title, value_text
+from kindyna_gui.view import View, ViewHost
 
-# -- opening ---------------------------------------------------------------------------------------------
+COARSE, FINE = 16, 64  # designs along each number: first survey, final one
+FINE_CURVE, FINE_LINES = 129, 32  # final survey of one number; of more than two, whose square counts
+REFINED = 0  # in the key of a job, in place of the number of designs
+REST_MS = 300  # without a change of the design, before machines are simulated
+SURVEY_WAIT_S = 30.0
+MOST_CURVES = 4
+LEAST_CURVE, LEAST_PAGE = 70, (240, 180)  # height of a curve, size of the page, pixels
+MARGIN = 4
+
+# -- background runs -------------------------------------------------------------------------------------
+
+
+class SurveyRun(QObject):
+    """Surveys of a design in the background: coarse, then fine, then with finer cells along the limits.
+
+    A new survey is started only if something else than the varied numbers changes.
+
+    Attributes
+    ----------
+    survey : Survey or None
+        The latest survey, None before the first one.
+    """
+
+    finished = Signal(object)
+    """The KindynaError of a survey that failed, None after a successful one."""
+
+    def __init__(self, view: View) -> None:
+        super().__init__(view)
+        self.survey: Survey | None = None
+        self._view = view
+        self._design = view.session.full_design
+        self._figures: Mapping[str, Limits] = {}
+        self._request: tuple[Any, ...] = ()
+        self._unrefined: Survey | None = None
+        self._refined_limits: Mapping[str, Limits] = {}
+        self._work = Background(self)
+        self._work.result.connect(self._receive)
+        self._timer = QTimer(self, singleShot=True, interval=0)
+        self._timer.timeout.connect(self._start)
+
+    @property
+    def is_computing(self) -> bool:
+        """Whether a survey is being computed."""
+        return self._work.busy
+
+    @property
+    def busy(self) -> bool:
+        """Whether a survey is being computed, or about to start."""
+        return self._work.busy or self._timer.isActive()
+
+    def request(self, design: Design, spans: tuple[Span, ...], figures: Mapping[str, Limits], seed: int) -> bool:
+        """Start a survey of a design if none was started yet; return whether a survey of this request is available."""
+        try:
+            fixed = with_values(design, {span.path: span.low for span in spans})
+        except KindynaError:
+            fixed = design
+        request = replace(fixed, tolerances=(), waviness=None), spans, tuple(figures), seed
+        self._design, self._figures = design, dict(figures)
+        if request != self._request:
+            self.stop()
+            self._request, self._unrefined = request, None
+            self._timer.start()
+            return False
+        if self._unrefined is not None and self._refined_limits != self._figures:
+            self.survey = self._unrefined
+            self._refine(self._unrefined)
+        return self.survey is not None
+
+    def clear(self) -> None:
+        """Stop, and remove the survey."""
+        self.stop()
+        self.survey = None
+
+    def stop(self) -> None:
+        """Stop the computation; the next request starts it again."""
+        self._request = ()
+        self._timer.stop()
+        self._work.stop()
+
+    def settle(self) -> None:
+        """Wait for the results of what was requested."""
+        if self._timer.isActive():
+            self._timer.stop()
+            self._start()
+        self._work.wait(SURVEY_WAIT_S)
+
+    def close(self) -> None:
+        """Stop for good."""
+        self.stop()
+        self._work.close()
+
+    def _start(self) -> None:
+        if not self._view.on_screen():
+            self._request = ()
+            self._view.invalidate()
+            return
+        _, spans, keys, seed = self._request
+        finest = {1: FINE_CURVE, 2: FINE}.get(len(spans), FINE_LINES)
+        job = partial(survey, self._design, spans, keys)
+        self._work.start([((self._request, count), partial(job, count, seed)) for count in (COARSE, finest)])
+
+    def _receive(self, key: tuple[object, int], result: Survey | KindynaError) -> None:
+        request, count = key
+        if request != self._request:
+            return
+        if isinstance(result, KindynaError):
+            self.survey = None
+            self.finished.emit(result)
+            return
+        self.survey = result
+        self.finished.emit(None)
+        if count != REFINED and len(result.spans) == 2 and result.count == FINE and not self._work.busy:
+            self._refine(result)
+
+    def _refine(self, unrefined: Survey) -> None:
+        """Compute finer cells along the limits."""
+        self._unrefined, self._refined_limits = unrefined, self._figures
+        job = partial(refined_survey, self._design, unrefined, dict(self._figures))
+        self._work.start([((self._request, REFINED), job)])
+
+
+class ToleranceRun(QObject):
+    """Simulation in the background of machines built to the tolerances of a design, once the design rests."""
+
+    finished = Signal(object, bool)
+    """The ToleranceResult or the KindynaError, and whether the tolerances to tighten are computed."""
+
+    def __init__(self, view: View) -> None:
+        super().__init__(view)
+        self._view = view
+        self._request: tuple[object, ...] = ()
+        self._simulate: Callable[..., ToleranceResult] = tolerance_result
+        self._work = Background(self)
+        self._work.result.connect(self._receive)
+        self._tightening = Background(self)
+        self._tightening.result.connect(self._receive_tighter)
+        self._timer = QTimer(self, singleShot=True, interval=REST_MS)
+        self._timer.timeout.connect(self._start)
+
+    @property
+    def busy(self) -> bool:
+        """Whether machines are being simulated, or about to be."""
+        return self._timer.isActive() or self._work.busy or self._tightening.busy
+
+    def request(self, design: Design, figures: Mapping[str, Limits], seed: int, tighter: bool) -> bool:
+        """Simulate machines of a design if that was not requested yet; return whether it was not.
+
+        tighter: also compute which tolerances to tighten if too few machines keep the limits.
+        """
+        request = design, tuple(figures.items()), seed, tighter
+        if request == self._request:
+            return False
+        self.stop()
+        self._request = request
+        self._simulate = partial(tolerance_result, design, dict(figures), seed=seed)
+        self._timer.start()
+        return True
+
+    def stop(self) -> None:
+        """Stop the computation; the next request starts it again."""
+        self._request = ()
+        self._work.stop()
+        self._tightening.stop()
+        self._timer.stop()
+
+    def close(self) -> None:
+        """Stop for good."""
+        self._timer.stop()
+        self._work.close()
+        self._tightening.close()
+
+    def _start(self) -> None:
+        if not self._view.on_screen():
+            self._request = ()
+            self._view.invalidate()
+        elif self._view.session.drag_source is self._view:  # while the mouse drags the design
+            self._timer.start()
+        else:
+            self._work.start([(self._request, partial(self._simulate, tighten=False))])
+
+    def _receive(self, request: tuple[object, ...], result: ToleranceResult | KindynaError) -> None:
+        if request != self._request:
+            return
+        share = result.share if isinstance(result, ToleranceResult) else None
+        if share is not None and share.value < SHARE and request[-1]:
+            self._tightening.start([(request, self._simulate)])
+        self.finished.emit(result, False)
+
+    def _receive_tighter(self, request: tuple[object, ...], result: ToleranceResult | KindynaError) -> None:
+        if request == self._request and isinstance(result, ToleranceResult):
+            self.finished.emit(result, True)
+
+
+# -- designs of a search ---------------------------------------------------------------------------------
+
+
+def design_of_front(design: Design, study: StudyOfMany, point: Mapping[str, Any]) -> Design:
+    """Return a design with the varied values of a point of the front. Raises KindynaError."""
+    values = {row.field: point[row.field] for row in study.file.vary}
+    for path, value in values.items():
+        if isinstance(value, str):
+            design = edited(design, path, value)
+    return with_values(design, {path: value for path, value in values.items() if not isinstance(value, str)})
+
+
+def differs_only_in(first: Design, second: Design, paths: Sequence[str]) -> bool:
+    """Whether two designs differ at most in these fields and in tolerances."""
+    try:
+        second = replace(second, tolerances=first.tolerances, waviness=first.waviness, assumed=first.assumed)
+        for path in paths:
+            second = put(second, path, get(first, path))
+    except KindynaError:
+        return False
+    return second == first
+
+
+# -- study files -----------------------------------------------------------------------------------------
+
+
+def open_study(path: Path, session: Session, host: ViewHost | None) -> StudyFile | None:
+    """Open a study file for the current design if the study names its file or equals it, else with the design it names.
+
+    Returns None where the user keeps the current design. Raises KindynaError.
+    """
+    study = load_study(path)
+    named = (path.parent / study.file.design).resolve()
+    if study.base == session.full_design:
+        return study.file
+    if session.path is not None and session.path.resolve() == named:
+        return study_of(study.file, session.full_design).file
+    return study.file if host is not None and host.open_design(named) else None
+
+
+def save_request(question: Question, session: Session, parent: QWidget) -> str:
+    """Save a request as a study file, which names the file of the design; return a message, empty where cancelled."""
+    own = session.path
+    if own is None:
+        return "A study names the file of its design: save the design first"
+    path = dialogs.study_to_save(parent, own.with_name(f"{own.stem}_study.toml"))
+    if path is None:
+        return ""
+    try:
+        save_study(file_of_question(question, relpath(own, path.parent)), path)
+    except KindynaError as error:
+        return str(error)
+    return f"Saved {path.name}; its design is {own.name} as that file has it"
 
 
 def example_studies() -> list[tuple[str, Path]]:
-    """Those that come with the program: what the first line of each says, and its file."""
+    """Return the title, which is the first line, and the path of each example study."""
     files = sorted((resources() / "studies").glob("*.toml"))
     return [(path.read_text("utf-8").partition("\n")[0].removeprefix("# ").removesuffix("."), path) for path in files]
 
 
 class StudyMenu(QPushButton):
-    """ready (StudyFile): of the design at hand; opened (Path): the file of a study.
+    """Button that offers studies of the current design, examples, and files.
 
-    of   the whole design at hand, and the number of its drive that is shown
+    Signals: ``ready`` (StudyFile), a study of the current design; ``opened`` (Path), the file of a study.
+    ``current`` returns the current design and the number of the drive that is shown.
     """
 
     ready = Signal(object)
     opened = Signal(object)
 
-    def __init__(self, of: Callable[[], tuple[Design, int]]) -> None:
+    def __init__(self, current: Callable[[], tuple[Design, int]]) -> None:
         super().__init__("Open a study")
-        self._of = of
+        self._current = current
         self.setAutoDefault(False)
         menu = QMenu(self)
         menu.aboutToShow.connect(self._fill)
@@ -49,7 +321,7 @@ class StudyMenu(QPushButton):
     def _fill(self) -> None:
         menu = self.menu()
         clear_menu(menu)
-        design, drive = self._of()
+        design, drive = self._current()
         menu.addSection("For this design")
         for name, row in READY.items():
             file = ready_study(design, name, min(drive, len(design.drives) - 1))
@@ -59,41 +331,37 @@ class StudyMenu(QPushButton):
         for text, path in example_studies():
             menu.addAction(text, partial(self.opened.emit, path))
         menu.addSeparator()
-        menu.addAction("From a file …", self._ask)
+        menu.addAction("From a file …", self._choose_file)
 
-    def _ask(self) -> None:
+    def _choose_file(self) -> None:
         path = dialogs.file_to_open(self, "Open a study", "Studies (*.toml)")
         if path is not None:
             self.opened.emit(path)
 
 
-# -- survey pages ----------------------------------------------------------------------------------------
-
-MOST_CURVES = 4
-LEAST_CURVE, LEAST = 70, (240, 180)  # height of a curve, size of the page, pixels
-MARGIN = 4
+# -- pages of a survey -----------------------------------------------------------------------------------
 
 
 class SurveyPages(QStackedWidget):
-    """What a survey has found; the design stands in it."""
+    """Plots of a survey, in which the current design is marked: curves, map, parallel coordinates, front."""
 
     def __init__(self) -> None:
         super().__init__()
         self.map, self.parallel, self.front = SurveyPlot(), ParallelPlot(), FrontPlot()
         self.curves = [SurveyPlot(upright=True) for _ in range(MOST_CURVES)]
-        self._whole: Design | None = None
-        self._found: Survey | None = None
-        self._every: Sequence[Measured] = ()
+        self._design: Design | None = None
+        self._survey: Survey | None = None
+        self._quantities: Sequence[SurveyQuantity] = ()
         self._curves_page = QWidget()
-        stacked = QVBoxLayout(self._curves_page)
-        stacked.setContentsMargins(0, 0, 0, 0)
-        stacked.setSpacing(0)
+        column = QVBoxLayout(self._curves_page)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(0)
         for plot in self.curves:
             plot.setMinimumHeight(LEAST_CURVE)
-            stacked.addWidget(plot, 1)
+            column.addWidget(plot, 1)
         for page in (self.map, self._curves_page, self.parallel, self.front):
             self.addWidget(page)
-        self.setMinimumSize(*LEAST)
+        self.setMinimumSize(*LEAST_PAGE)
         self.tip = QLabel(self.map)
         self.tip.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self.tip.setMargin(MARGIN)
@@ -104,102 +372,114 @@ class SurveyPages(QStackedWidget):
             plot.hovered.connect(partial(self._hover, plot))
         self.parallel.hovered.connect(self._hover_line)
 
-    # -- what is drawn --------------------------------------------------------------------------------------
-
     def draw(
         self,
-        whole: Design,
-        found: Survey,
-        every: Sequence[Measured],
-        chosen: str,
-        own: Mapping[str, float],
-        front: bool,
+        design: Design,
+        survey: Survey,
+        quantities: Sequence[SurveyQuantity],
+        shown_key: str,
+        values: Mapping[str, float],
+        keeps_front: bool,
     ) -> None:
-        """Show a survey of the design, and what is asked of it; chosen: key of what is coloured; own: what the design at hand has of that;
-        front: the front stays before it."""
-        self._whole, self._found, self._every = whole, found, every
-        self.tip.hide()
-        titles = [span_title(whole, span.path) for span in found.spans]
-        pages: Mapping[int, QWidget] = {1: self._curves_page, 2: self.map}
-        page = pages.get(len(found.spans), self.parallel)
-        if not front:
-            self.setCurrentWidget(page)
-        shown = next(each for each in every if each.key == chosen)
-        if page is self._curves_page:
-            self._draw_curves(found, every, shown, titles[0])
-        elif page is self.map:
-            self.map.show_map(found, shown, every, (titles[0], titles[1]))
-        else:
-            self._draw_designs(found, every, shown, titles, own)
+        """Show a survey of the design, coloured by one quantity.
 
-    def _draw_curves(self, found: Survey, every: Sequence[Measured], shown: Measured, title: str) -> None:
-        (span,) = found.spans
-        chosen = sorted(every, key=lambda each: each is not shown)[:MOST_CURVES]
-        rows = [each for each in every if each in chosen]
-        for plot, each in zip(self.curves, rows, strict=False):
-            plot.show_curve(np.linspace(span.low, span.high, found.count), found.value[each.key], each, title)
-            plot.show_numbers(each is rows[-1], title)
+        shown_key: key of the quantity that colours the plots; values: numbers and figures of the current design;
+        keeps_front: the page with the front of designs remains in front.
+        """
+        self._design, self._survey, self._quantities = design, survey, quantities
+        self.tip.hide()
+        titles = [span_title(design, span.path) for span in survey.spans]
+        pages: Mapping[int, QWidget] = {1: self._curves_page, 2: self.map}
+        page = pages.get(len(survey.spans), self.parallel)
+        if not keeps_front:
+            self.setCurrentWidget(page)
+        shown = next(quantity for quantity in quantities if quantity.key == shown_key)
+        if page is self._curves_page:
+            self._draw_curves(survey, quantities, shown, titles[0])
+        elif page is self.map:
+            self.map.show_map(survey, shown, quantities, (titles[0], titles[1]))
+        else:
+            self._draw_designs(survey, quantities, shown, titles, values)
+
+    def _draw_curves(
+        self, survey: Survey, quantities: Sequence[SurveyQuantity], shown: SurveyQuantity, title: str
+    ) -> None:
+        (span,) = survey.spans
+        selected = sorted(quantities, key=lambda quantity: quantity is not shown)[:MOST_CURVES]
+        rows = [quantity for quantity in quantities if quantity in selected]
+        x = np.linspace(span.low, span.high, survey.count)
+        for plot, quantity in zip(self.curves, rows, strict=False):
+            plot.show_curve(x, survey.value[quantity.key], quantity, title)
+            plot.show_numbers(quantity is rows[-1], title)
         for i, plot in enumerate(self.curves):
             plot.setVisible(i < len(rows))
 
     def _draw_designs(
-        self, found: Survey, every: Sequence[Measured], shown: Measured, titles: Sequence[str], own: Mapping[str, float]
+        self,
+        survey: Survey,
+        quantities: Sequence[SurveyQuantity],
+        shown: SurveyQuantity,
+        titles: Sequence[str],
+        values: Mapping[str, float],
     ) -> None:
-        built = found.reason == ""
-        rows = np.vstack([found.points, *(np.where(built, found.value[each.key], np.nan) for each in every)])
-        kept = built.copy()
-        for each in every:
-            kept &= each.kept(found.value[each.key])
-        limits = [()] * len(found.spans) + [each.limits for each in every]
-        names = [*titles, *(each.title for each in every)]
-        here = [own.get(key, np.nan) for key in (*(span.path for span in found.spans), *(each.key for each in every))]
-        bounds = [(span.low, span.high) for span in found.spans]
-        self.parallel.show_designs(names, rows, bounds, limits, kept, here, shown.colour)
+        built = survey.reason == ""
+        columns = [np.where(built, survey.value[quantity.key], np.nan) for quantity in quantities]
+        within = built.copy()
+        for quantity in quantities:
+            within &= quantity.is_within(survey.value[quantity.key])
+        keys = [*(span.path for span in survey.spans), *(quantity.key for quantity in quantities)]
+        self.parallel.show_designs(
+            titles=[*titles, *(quantity.title for quantity in quantities)],
+            rows=np.vstack([survey.points, *columns]),
+            bounds=[(span.low, span.high) for span in survey.spans],
+            limits=[()] * len(survey.spans) + [quantity.limits for quantity in quantities],
+            within=within,
+            current=[values.get(key, np.nan) for key in keys],
+            colour=shown.colour,
+        )
 
-    def place(self, numbers: Sequence[float]) -> None:
-        """The cross, or the upright line, where the design stands."""
+    def mark_design(self, numbers: Sequence[float]) -> None:
+        """Move the cross, or the upright line, to the varied numbers of the current design."""
         if len(numbers) == 1:
             for plot in self.curves:
-                plot.place_own((numbers[0], 0.0))
+                plot.mark_design((numbers[0], 0.0))
         elif len(numbers) == 2:
-            self.map.place_own((numbers[0], numbers[1]))
-
-    # -- under the mouse ------------------------------------------------------------------------------------
+            self.map.mark_design((numbers[0], numbers[1]))
 
     def _hover(self, plot: SurveyPlot, at: tuple[float, float] | None) -> None:
-        """All values where the mouse is."""
-        if at is None or self._found is None or plot.message:
+        if at is None or self._survey is None or plot.message:
             self.tip.hide()
-            return
-        self._show_tip(plot, self._found.nearest(at[: len(self._found.spans)]), plot.mouse_at)
+        else:
+            self._show_tip(plot, self._survey.nearest(at[: len(self._survey.spans)]), plot.mouse_at)
 
     def _hover_line(self, number: int | None) -> None:
-        if number is None or self._found is None:
+        if number is None or self._survey is None:
             self.tip.hide()
         else:
             self._show_tip(self.parallel, number, QPointF(0.0, 0.0))
 
     def _show_tip(self, plot: QWidget, number: int, mouse: QPointF) -> None:
-        found, whole = self._found, self._whole
-        assert found is not None, "as the caller saw"
-        assert whole is not None, "as the caller saw"
+        """Show all values of one design of the survey, or the reason why it has none."""
+        survey, design = self._survey, self._design
+        assert survey is not None, "as the caller saw"
+        assert design is not None, "as the caller saw"
         lines = [
-            f"{name_of(whole, span.path)} {number_text(span.path, float(value))}"
-            for span, value in zip(found.spans, found.points[:, number], strict=True)
+            f"{name_of(design, span.path)} {number_text(span.path, float(value))}"
+            for span, value in zip(survey.spans, survey.points[:, number], strict=True)
         ]
-        code = str(found.reason[number])
+        code = str(survey.reason[number])
         if code:
             lines.append(reason_text(code))
-        for each in self._every:
-            value = float(found.value[each.key][number])
+        for quantity in self._quantities:
+            value = float(survey.value[quantity.key][number])
             if value == value:
-                passed = "" if each.kept(np.array(value)) else "  beyond its limit"
-                lines.append(f"{each.name} {value_text(each.key, value)}{passed}")
+                note = "" if quantity.is_within(np.array(value)) else "  beyond its limit"
+                lines.append(f"{quantity.name} {value_text(quantity.key, value)}{note}")
         self.tip.setParent(plot)
         self.tip.setText("\n".join(lines))
         self.tip.adjustSize()
-        right, low = mouse.x() > 0.5 * plot.width(), mouse.y() > 0.5 * plot.height()
-        x = MARGIN * 15 if right else plot.width() - self.tip.width() - 18
-        self.tip.move(max(0, x), 24 if low else max(24, plot.height() - self.tip.height() - 44))
+        is_right, is_low = mouse.x() > 0.5 * plot.width(), mouse.y() > 0.5 * plot.height()
+        x = MARGIN * 15 if is_right else plot.width() - self.tip.width() - 18
+        self.tip.move(max(0, x), 24 if is_low else max(24, plot.height() - self.tip.height() - 44))
         self.tip.show()
         self.tip.raise_()

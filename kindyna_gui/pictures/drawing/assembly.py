@@ -1,4 +1,4 @@
-"""Several drives on one shaft drawn together: beside each other, or about their common shaft; at one machine angle."""
+"""Drawing of all drives of a shaft at one machine angle, next to each other or about their common shaft."""
 
 from __future__ import annotations
 
@@ -19,7 +19,14 @@ from core.motion.program import ShaftPosition
 from core.numerics.derivatives import ISOMETRIC, seen_from
 from core.study import Camshaft, Study
 from kindyna_gui.pictures.drawing import cam_parts, load_parts, mechanism, parts
-from kindyna_gui.pictures.drawing.cam_parts import COLOURINGS, ColouredLoop, coloured, on_cam, reading_at, scale_of
+from kindyna_gui.pictures.drawing.cam_parts import (
+    COLOURINGS,
+    ColouredLoop,
+    colour_scale,
+    coloured_profile,
+    on_cam,
+    reading_at,
+)
 from kindyna_gui.pictures.drawing.geometry import Geometry
 from kindyna_gui.pictures.drawing.mechanism import MARGIN_UNITS
 from kindyna_gui.pictures.drawing.overlay import FIELDS, Overlay, VectorUnit, arrows
@@ -30,35 +37,35 @@ from kindyna_gui.pictures.style import BALANCE, BLUE, SCREEN, TEXT, Theme, rgb
 BUILDERS = (cam_parts.cam, parts.roller, parts.linkage)
 
 
-def vectors_of(layer: str, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
-    """The arrows of a layer of vectors."""
+def vector_parts(layer: str, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
+    """Arrows of a vector layer."""
     yield from arrows(FIELDS[layer](geometry), layer, geometry, theme)
 
 
-OF_EACH: Mapping[str, Callable[[Geometry, Theme], Iterator[DrawnPart]]] = MappingProxyType(
+DRIVE_LAYERS: Mapping[str, Callable[[Geometry, Theme], Iterator[DrawnPart]]] = MappingProxyType(
     {"loads": load_parts.loads, "masses": load_parts.masses}
 )
-"""Layers that each drive shows."""
-OF_CHOSEN: Mapping[str, Callable[[Geometry, Theme], Iterator[DrawnPart]]] = MappingProxyType(
+"""Layers that every drive shows."""
+SELECTED_LAYERS: Mapping[str, Callable[[Geometry, Theme], Iterator[DrawnPart]]] = MappingProxyType(
     {
-        **{layer: partial(coloured, layer) for layer in COLOURINGS},
-        **{layer: partial(vectors_of, layer) for layer in FIELDS},
+        **{layer: partial(coloured_profile, layer) for layer in COLOURINGS},
+        **{layer: partial(vector_parts, layer) for layer in FIELDS},
     }
 )
-"""Layers that the chosen drive shows: its scales are the only ones."""
-LEFT_OUT = frozenset({"labels", "pitch", "base", "normal", "centre"})
-"""Layers that would make a thicket of several mechanisms."""
-TINT = 0.22  # of a drive's colour in the fill of its cam
-ASPECT = 1.4  # of a picture whose size is not known yet: width to height
+"""Layers that only the selected drive shows, because the drawing has one set of scales."""
+OMITTED_LAYERS = frozenset({"labels", "pitch", "base", "normal", "centre"})
+"""Layers that are omitted because they would clutter a drawing of several mechanisms."""
+TINT = 0.22  # fraction of a drive's colour in the fill of its cam
+ASPECT = 1.4  # width to height of the view before its size is known
 GAP = 14.0  # pixels between names in a row
-SEEN_THROUGH = 0.75  # opacity of drives behind the chosen one, about the common shaft
+BACK_OPACITY = 0.75  # opacity of the drives behind the selected one, about the common shaft
 BALANCER = "Balance cam"
-CARRIED = "carried part"
-AXIS_PART = 0.15  # of the largest extent of a path: the length of an axis along which it does not go
+TRANSFERRED = "transferred part"
+AXIS_PART = 0.15  # length of an axis along which a path does not extend, by the path's largest extent
 
 
 class _Root(QGraphicsItem):
-    """Holds what is drawn of one drive."""
+    """Parent item of all parts of one drive."""
 
     def __init__(self, number: int) -> None:
         super().__init__()
@@ -69,60 +76,59 @@ class _Root(QGraphicsItem):
         return QRectF()
 
     def paint(self, *_: object) -> None:
-        """Nothing of its own."""
+        """Draw nothing: the children draw themselves."""
 
 
 class DriveFigure:
-    """One drive as it is drawn: its parts under one item, which a mirrored one turns over, for it is seen from this end."""
+    """One drive of the drawing: its parts under one item, mirrored for a drive seen from its other end."""
 
     def __init__(
         self,
         number: int,
         name: str,
         study: Study,
-        place: ShaftPosition,
+        shaft_position: ShaftPosition,
         mirrored: bool,
         colour: str,
         theme: Theme,
         layers: tuple[str, ...],
     ) -> None:
-        self.name, self.study, self.place, self.mirrored, self.layers = name, study, place, mirrored, layers
+        self.name, self.study, self.shaft_position = name, study, shaft_position
+        self.mirrored, self.layers = mirrored, layers
         self.geometry = Geometry(study)
         self.root = _Root(number)
-        own = replace(theme, cam=_tinted(colour, theme), cam_line=colour, second_line=colour)
-        builders = (*BUILDERS, *({**OF_EACH, **OF_CHOSEN}[layer] for layer in layers))
-        built = (
-            part for builder in builders for part in builder(self.geometry, own) if not LEFT_OUT & set(part.layers)
-        )
-        self.parts: list[DrawnPart] = []
-        for part in built:
+        mixed = (round(p + TINT * (i - p)) for p, i in zip(rgb(theme.paper), rgb(colour), strict=True))
+        drive_theme = replace(theme, cam=QColor(*mixed).name(), cam_line=colour, second_line=colour)
+        builders = (*BUILDERS, *({**DRIVE_LAYERS, **SELECTED_LAYERS}[layer] for layer in layers))
+        built = (part for builder in builders for part in builder(self.geometry, drive_theme))
+        self.parts = [part for part in built if not OMITTED_LAYERS & set(part.layers)]
+        for part in self.parts:
             part.item.setZValue(part.z)
             part.item.setParentItem(self.root)
-            self.parts.append(part)
         self.loops = [part.item for part in self.parts if isinstance(part.item, Loop)]
         self.ribbons = [part.item for part in self.parts if isinstance(part.item, ColouredLoop)]
-        self._whole = mechanism.whole(self.geometry, self.parts)
+        self._extent = mechanism.full_extent(self.geometry, self.parts)
         self.tag = Tag(name, theme.letters(colour), theme, TEXT, lean=(0.5, 0.3), backing=True)
         self.tag.setZValue(15.0)
         self.corner, self.index = 0j, 0
 
-    def local(self, at: complex) -> complex:
-        """A place of the scene in its own frame, as it is seen from its own end [mm]."""
-        own = at - self.corner
-        return -own.conjugate() if self.mirrored else own
+    def local(self, point: complex) -> complex:
+        """Transform a point of the scene [mm] into the drive's frame, seen from the drive's end."""
+        offset = point - self.corner
+        return -offset.conjugate() if self.mirrored else offset
 
-    def on_cam(self, at: complex) -> bool:
-        """Whether a place of the scene lies on its cam."""
-        return on_cam(self.geometry, self.index, self.local(at))
+    def on_cam(self, point: complex) -> bool:
+        """Whether a point of the scene [mm] is on the drive's cam."""
+        return on_cam(self.geometry, self.index, self.local(point))
 
     @property
     def rect(self) -> QRectF:
-        """What it takes about its shaft [mm], as seen from this end."""
-        whole = self._whole
-        return QRectF(-whole.right(), whole.top(), whole.width(), whole.height()) if self.mirrored else QRectF(whole)
+        """Extent of the drive about its shaft [mm], seen from this end."""
+        box = self._extent
+        return QRectF(-box.right(), box.top(), box.width(), box.height()) if self.mirrored else QRectF(box)
 
     def put(self, corner: complex) -> None:
-        """Its shaft at a place of the scene [mm]."""
+        """Place the shaft at a point of the scene [mm]."""
         self.corner = corner
         side = -1.0 if self.mirrored else 1.0
         self.root.setTransform(QTransform(side, 0.0, 0.0, 1.0, corner.real, corner.imag))
@@ -130,29 +136,31 @@ class DriveFigure:
         self.tag.setPos(QPointF(corner.real + box.center().x(), corner.imag + box.top()))
 
     def move(self, machine: float) -> None:
-        """To the sample nearest to where it stands at a machine angle [rad]."""
-        self.index = self.geometry.nearest(float(self.place.drive_angle(np.array([machine]))[0]))
+        """Move to the sample nearest to a machine angle [rad]."""
+        self.index = self.geometry.nearest(float(self.shaft_position.drive_angle(np.array([machine]))[0]))
         for part in self.parts:
             if part.move is not None:
                 part.move(self.index)
 
     def shows(self, study: Study, mirrored: bool, name: str, layers: tuple[str, ...]) -> bool:
-        """Whether this is what is drawn already, wherever on the shaft it stands."""
+        """Whether the figure already shows this drive; the position on the shaft does not matter."""
         if (mirrored, name, layers) != (self.mirrored, self.name, self.layers):
             return False
         if study is self.study:
             return True
-        same = not layers or (set(layers) <= set(OF_EACH) and study.design.drive.loads == self.study.design.drive.loads)
-        return same and Geometry(study).same_places(self.geometry)
+        same = not layers or (
+            set(layers) <= set(DRIVE_LAYERS) and study.design.drive.loads == self.study.design.drive.loads
+        )
+        return same and Geometry(study).has_same_positions(self.geometry)
 
 
-class CarriedFigure:
-    """The path in space of the part that the drives carry together, from above and aside, to the scale of the drives; and the part."""
+class TransferFigure:
+    """Isometric drawing of the path along which the drives move a part, and of the part, to the scale of the drives."""
 
     def __init__(self, path: np.ndarray, theme: Theme) -> None:
         self.path = path
         low = path.min(axis=0)
-        self._seen = seen_from(path - low, *ISOMETRIC)
+        self._projected = seen_from(path - low, *ISOMETRIC)
         reach = np.maximum(np.ptp(path, axis=0), AXIS_PART * float(np.ptp(path, axis=0).max()))
         ends = seen_from(np.diag(reach), *ISOMETRIC)
         axes, floor = QPainterPath(), path - low
@@ -160,21 +168,21 @@ class CarriedFigure:
             axes.moveTo(0.0, 0.0)
             axes.lineTo(end.real, end.imag)
         floor[:, 2] = 0.0
-        self.root = QGraphicsPathItem(outline(self._seen))
+        self.root = QGraphicsPathItem(outline(self._projected))
         self.root.setPen(theme.pen(theme.seen(BLUE)))
         for shape, colour in ((axes, theme.quiet), (outline(seen_from(floor, *ISOMETRIC)), theme.quiet)):
             item = QGraphicsPathItem(shape, self.root)
             item.setPen(theme.pen(colour))
             item.setFlag(QGraphicsItem.GraphicsItemFlag.ItemStacksBehindParent)
         for end, name in zip(ends.tolist(), "xyz", strict=True):
-            letter = Tag(name, theme.quiet, theme, lean=(0.5, 0.5) if name == "z" else (0.5, 0.0))
-            letter.setParentItem(self.root)
-            letter.setPos(QPointF(end.real, end.imag))
+            axis_name = Tag(name, theme.quiet, theme, lean=(0.5, 0.5) if name == "z" else (0.5, 0.0))
+            axis_name.setParentItem(self.root)
+            axis_name.setPos(QPointF(end.real, end.imag))
         self.part = QGraphicsEllipseItem(-4.0, -4.0, 8.0, 8.0, self.root)
         self.part.setFlag(QGraphicsItem.GraphicsItemFlag.ItemIgnoresTransformations)
         self.part.setBrush(QColor(theme.letters(BLUE)))
         self.part.setPen(theme.pen(theme.ink))
-        self.tag = Tag(CARRIED, theme.letters(BLUE), theme, TEXT, lean=(0.5, 0.3), backing=True)
+        self.tag = Tag(TRANSFERRED, theme.letters(BLUE), theme, TEXT, lean=(0.5, 0.3), backing=True)
         self.tag.setZValue(15.0)
         box = self.root.path().boundingRect().united(axes.boundingRect())
         room = 0.15 * max(box.width(), box.height())
@@ -182,27 +190,21 @@ class CarriedFigure:
         self.corner = 0j
 
     def put(self, corner: complex) -> None:
-        """Its lowest corner at a place of the scene [mm]."""
+        """Place the lower left corner at a point of the scene [mm]."""
         self.corner = corner
         self.root.setPos(corner.real, corner.imag)
         self.tag.setPos(QPointF(corner.real + self.rect.center().x(), corner.imag + self.rect.top()))
 
     def move(self, machine: float) -> None:
-        """The part to where it is at a machine angle [rad]."""
-        at = complex(self._seen[round(machine / TURN * self._seen.size) % self._seen.size])
-        self.part.setPos(at.real, at.imag)
-
-
-def _tinted(colour: str, theme: Theme) -> str:
-    """Paper with some of a colour."""
-    mixed = (round(p + TINT * (i - p)) for p, i in zip(rgb(theme.paper), rgb(colour), strict=True))
-    return QColor(*mixed).name()
+        """Move the part to its position at a machine angle [rad]."""
+        position = complex(self._projected[round(machine / TURN * self._projected.size) % self._projected.size])
+        self.part.setPos(position.real, position.imag)
 
 
 class Assembly(QGraphicsScene):
-    """The drives of a shaft in mm, y upwards; those without an answer are left out, and named in ``missing``.
+    """The drives of a shaft in mm, y upwards; ``missing`` names the drives without a solution, which are not drawn.
 
-    It is shown as a ``MechanismScene`` is; no joint of it can be dragged (``geometry`` is None).
+    The scene has the interface of a ``MechanismScene``; its joints cannot be dragged (``geometry`` is None).
     """
 
     geometry: Geometry | None = None
@@ -214,80 +216,80 @@ class Assembly(QGraphicsScene):
         self.setBackgroundBrush(QColor(theme.paper))
         self.theme, self.about_shaft = theme, about_shaft
         self.figures: dict[int, DriveFigure] = {}
-        self.carried: CarriedFigure | None = None
+        self.transfer: TransferFigure | None = None
         self.missing: tuple[str, ...] = ()
-        self._whole = QRectF(-100.0, -100.0, 200.0, 200.0)
+        self._extent = QRectF(-100.0, -100.0, 200.0, 200.0)
         self._region: tuple[QRectF, float] | None = None
         self._machine = 0.0
         self._mouse: tuple[complex, float] | None = None
-        self._chosen = 0
+        self._selected = 0
         self._aspect = ASPECT
         self.overlay = Overlay(theme, self.addItem)
         self.overlay.angle_name = "machine angle"
 
-    # -- what is drawn --------------------------------------------------------------------------------------
+    # -- drives and layers --------------------------------------------------------------------------------------
 
     def show_shaft(
-        self, shaft: Camshaft[Study], chosen: int, about_shaft: bool, layers: Collection[str] = ("loads",)
+        self, shaft: Camshaft[Study], selected: int, about_shaft: bool, layers: Collection[str] = ("loads",)
     ) -> None:
-        """Draw these drives with these layers, rows of ``OF_EACH`` and ``OF_CHOSEN``; what stands as it did is left alone."""
-        of_each = tuple(layer for layer in OF_EACH if layer in layers)
-        of_chosen = tuple(layer for layer in OF_CHOSEN if layer in layers)
+        """Draw the drives with layers of ``DRIVE_LAYERS`` and ``SELECTED_LAYERS``; unchanged figures are reused."""
+        drive_layers = tuple(layer for layer in DRIVE_LAYERS if layer in layers)
+        selected_layers = tuple(layer for layer in SELECTED_LAYERS if layer in layers)
         rows = list(_rows(shaft, self.theme))
         self.missing = tuple(name for _, name, study, _, _, _ in rows if study is None)
-        kept: dict[int, DriveFigure] = {}
-        for number, name, study, place, mirrored, colour in rows:
+        figures: dict[int, DriveFigure] = {}
+        for number, name, study, position, mirrored, colour in rows:
             if study is None:
                 continue
-            figure, own = self.figures.get(number), of_each + of_chosen * (number == chosen)
-            if figure is None or not figure.shows(study, mirrored, name, own):
-                figure = DriveFigure(number, name, study, place, mirrored, colour, self.theme, own)
+            figure, shown = self.figures.get(number), drive_layers + selected_layers * (number == selected)
+            if figure is None or not figure.shows(study, mirrored, name, shown):
+                figure = DriveFigure(number, name, study, position, mirrored, colour, self.theme, shown)
                 self.addItem(figure.root)
                 self.addItem(figure.tag)
-            figure.place = place
-            kept[number] = figure
+            figure.shaft_position = position
+            figures[number] = figure
         for number, figure in self.figures.items():
-            if kept.get(number) is not figure:
+            if figures.get(number) is not figure:
                 self.removeItem(figure.root)
                 self.removeItem(figure.tag)
-        self.figures, self.about_shaft, self._chosen = kept, about_shaft, chosen
-        self._show_carried(shaft)
+        self.figures, self.about_shaft, self._selected = figures, about_shaft, selected
+        self._show_transfer(shaft)
         self._place()
-        self._lay_scales(of_chosen)
+        self._lay_scales(selected_layers)
         if self._region is not None:
             self.show_region(*self._region)
         self.set_machine(self._machine)
 
-    def _show_carried(self, shaft: Camshaft[Study]) -> None:
-        """What the drives carry together stands beside them; about their common shaft there is no room for it."""
+    def _show_transfer(self, shaft: Camshaft[Study]) -> None:
+        """Draw the transfer path next to the drives; about the common shaft it has no room."""
         try:
             path = shaft.transfer_path * 1e3 if shaft.has_transfer_path and not self.about_shaft else None
         except KindynaError:
             path = None
-        if path is not None and self.carried is not None and np.array_equal(path, self.carried.path):
+        if path is not None and self.transfer is not None and np.array_equal(path, self.transfer.path):
             return
-        if self.carried is not None:
-            self.removeItem(self.carried.root)
-            self.removeItem(self.carried.tag)
-        self.carried = None if path is None else CarriedFigure(path, self.theme)
-        if self.carried is not None:
-            self.addItem(self.carried.root)
-            self.addItem(self.carried.tag)
+        if self.transfer is not None:
+            self.removeItem(self.transfer.root)
+            self.removeItem(self.transfer.tag)
+        self.transfer = None if path is None else TransferFigure(path, self.theme)
+        if self.transfer is not None:
+            self.addItem(self.transfer.root)
+            self.addItem(self.transfer.tag)
 
     @property
-    def _cells(self) -> list[DriveFigure | CarriedFigure]:
-        """What stands beside each other."""
-        return [*self.figures.values(), *([] if self.carried is None else [self.carried])]
+    def _cells(self) -> list[DriveFigure | TransferFigure]:
+        """The figures that are placed next to each other."""
+        return [*self.figures.values(), *([] if self.transfer is None else [self.transfer])]
 
     def _lay_scales(self, layers: tuple[str, ...]) -> None:
-        """The scales of the chosen drive's colours and vectors in the corner; layers of one quantity have one."""
+        """Lay the scales of the selected drive's colours and vectors in the corner, one for each quantity."""
         self.overlay.drop_colours(self.removeItem)
         self.overlay.drop_scales(self.removeItem)
-        figure = self.figures.get(self._chosen)
+        figure = self.figures.get(self._selected)
         if figure is None:
             return
         for layer in layers:
-            scale = scale_of(layer, figure.geometry, self.theme)
+            scale = colour_scale(layer, figure.geometry, self.theme)
             if scale is not None:
                 self.overlay.add_colours(layer, scale)
             field = FIELDS[layer](figure.geometry) if layer in FIELDS else None
@@ -297,22 +299,22 @@ class Assembly(QGraphicsScene):
 
     def _place(self) -> None:
         for number, figure in self.figures.items():
-            front = number == self._chosen
+            front = number == self._selected
             figure.root.setZValue(1.0 if front else 0.0)
-            figure.root.setOpacity(SEEN_THROUGH if self.about_shaft and not front else 1.0)
+            figure.root.setOpacity(BACK_OPACITY if self.about_shaft and not front else 1.0)
         for cell, corner in zip(self._cells, self._corners(), strict=True):
             cell.put(corner)
         self._name()
         boxes = [cell.rect.translated(cell.corner.real, cell.corner.imag) for cell in self._cells]
         if boxes:
-            whole = boxes[0]
+            extent = boxes[0]
             for box in boxes[1:]:
-                whole = whole.united(box)
-            self._whole = whole
-        self.setSceneRect(self._whole)
+                extent = extent.united(box)
+            self._extent = extent
+        self.setSceneRect(self._extent)
 
     def _name(self) -> None:
-        """Each name below its drive; about a common shaft, where one cam hides another, all in a row below the lowest."""
+        """Place each name below its drive; about a common shaft all names are in a row below the lowest drive."""
         figures = list(self.figures.values())
         widths = [figure.tag.size[0] + GAP for figure in figures]
         lowest, middle = min((f.rect.top() for f in figures), default=0.0), 0.0
@@ -324,17 +326,17 @@ class Assembly(QGraphicsScene):
             x += width
 
     def _corners(self) -> list[complex]:
-        """Where the shafts stand [mm]: all at one place, or in as many rows as make the picture largest."""
+        """Positions of the shafts [mm]: all at the origin, or in as many rows as make the drawing largest."""
         cells = self._cells
         if self.about_shaft or not cells:
             return [0j] * len(cells)
         layouts = [_grid([cell.rect for cell in cells], columns) for columns in range(1, len(cells) + 1)]
-        return min(layouts, key=lambda each: max(each[1].real / self._aspect, each[1].imag))[0]
+        return min(layouts, key=lambda layout: max(layout[1].real / self._aspect, layout[1].imag))[0]
 
     # -- motion ---------------------------------------------------------------------------------------------
 
     def set_machine(self, machine: float) -> None:
-        """Move all to where they stand at a machine angle [rad]."""
+        """Move all drives to a machine angle [rad]."""
         self._machine = machine
         for cell in self._cells:
             cell.move(machine)
@@ -343,59 +345,59 @@ class Assembly(QGraphicsScene):
             self.read_profile(*self._mouse)
 
     def set_fraction(self, fraction: float) -> None:
-        """Move to this part of a turn of the machine."""
+        """Move to a fraction of a turn of the machine."""
         self.set_machine(fraction * TURN)
 
-    def number_at(self, place: QPointF) -> int | None:
-        """The drive whose parts are at a place [mm], or in whose room it lies; None where there is none."""
-        for item in self.items(place):
+    def number_at(self, point: QPointF) -> int | None:
+        """Number of the drive with a part at a point [mm], else of the drive whose extent contains it, else None."""
+        for item in self.items(point):
             root = item.topLevelItem()
             if isinstance(root, _Root):
                 return root.number
-        inside = [n for n, f in self.figures.items() if f.rect.translated(f.corner.real, f.corner.imag).contains(place)]
+        inside = [n for n, f in self.figures.items() if f.rect.translated(f.corner.real, f.corner.imag).contains(point)]
         return inside[0] if inside else None
 
     @property
     def _front(self) -> list[int]:
-        """The drives, the chosen one first, which lies before the others about the common shaft."""
-        return sorted(self.figures, key=lambda number: number != self._chosen)
+        """Numbers of the drives, the selected one first, because it covers the others about the common shaft."""
+        return sorted(self.figures, key=lambda number: number != self._selected)
 
-    def cam_at(self, at: complex) -> int | None:
-        """The drive on whose cam a place lies [mm]; None where there is none."""
-        return next((number for number in self._front if self.figures[number].on_cam(at)), None)
+    def cam_at(self, point: complex) -> int | None:
+        """Number of the drive whose cam contains a point [mm]; None where no cam does."""
+        return next((number for number in self._front if self.figures[number].on_cam(point)), None)
 
-    def read_profile(self, at: complex | None, reach: float = 0.0) -> None:
-        """Show the values at the place of a profile that lies nearest to ``at`` [mm], no farther than ``reach`` [mm]; None: no values."""
-        self._mouse, text = None if at is None else (at, reach), ""
-        for number in self._front if at is not None else ():
+    def read_profile(self, point: complex | None, reach: float = 0.0) -> None:
+        """Show the values of the nearest profile point within ``reach`` [mm] of a point [mm]; None shows no values."""
+        self._mouse, text = None if point is None else (point, reach), ""
+        for number in self._front if point is not None else ():
             figure = self.figures[number]
-            reading = reading_at(figure.geometry, figure.index, figure.local(at or 0j), reach)
+            reading = reading_at(figure.geometry, figure.index, figure.local(point or 0j), reach)
             if reading is not None:
                 text = f"{figure.name}: {reading.text}"
                 break
         self.overlay.show_reading(text)
 
-    # -- sight ----------------------------------------------------------------------------------------------
+    # -- view ----------------------------------------------------------------------------------------------
 
     def fit_rect(self) -> QRectF:
-        """The rectangle that holds all over the whole turn [mm]."""
-        return QRectF(self._whole)
+        """Rectangle that contains all drives over the turn [mm]."""
+        return QRectF(self._extent)
 
     def least_rect(self) -> QRectF:
-        """What a picture must hold to be no worse than fitted."""
+        """Rectangle that a well fitted view must contain [mm]."""
         half = 0.5 * MARGIN_UNITS * min((f.geometry.unit for f in self.figures.values()), default=0.0)
-        return self._whole.adjusted(half, half, -half, -half)
+        return self._extent.adjusted(half, half, -half, -half)
 
     def fit(self, width: float, height: float) -> tuple[QRectF, float]:
-        """What a picture of so many pixels shows of all: visible rectangle [mm] and scale [pixels per mm]."""
+        """Visible rectangle [mm] and scale [pixels per mm] at which all drives fit a view of this size [pixels]."""
         aspect = width / max(height, 1.0)
-        if aspect != self._aspect and not self.about_shaft:  # as many in a row as make the picture largest
+        if aspect != self._aspect and not self.about_shaft:  # the rows follow the shape of the view
             self._aspect = aspect
             self._place()
-        return mechanism.fitted(self._whole, width, height)
+        return mechanism.fitted(self._extent, width, height)
 
     def show_region(self, visible: QRectF, scale: float, keep_labels: bool = False) -> None:
-        """Lay scale bar and texts for a view that shows ``visible`` [mm] at ``scale`` [pixels per mm]."""
+        """Lay the scale bar and the texts for a view of ``visible`` [mm] at ``scale`` [pixels per mm]."""
         self._region = (visible, scale)
         for figure in self.figures.values():
             for loop in figure.loops:
@@ -406,22 +408,22 @@ class Assembly(QGraphicsScene):
         self.overlay.show_angle(degrees(self._machine))
 
     def update_style(self) -> None:
-        """Theme or letters have changed: the drives are to be drawn anew."""
+        """Take over the current fonts and remove all figures, so that they are drawn again in the current theme."""
         for item in self.items():
             if isinstance(item, Tag):
                 item.update_font()
         cells = self._cells
-        self.figures, self.carried = {}, None
+        self.figures, self.transfer = {}, None
         for cell in cells:
             self.removeItem(cell.root)
             self.removeItem(cell.tag)
 
     def lay_labels(self) -> None:
-        """The names of the drives stand where they are."""
+        """Do nothing: the names of the drives keep their positions."""
 
 
 def _grid(boxes: Sequence[QRectF], columns: int) -> tuple[list[complex], complex]:
-    """Corners of boxes in rows of so many, the shafts of a row at one height; and the size of the whole."""
+    """Corners of boxes in rows of ``columns``, with the shafts of a row at one height; and the size of the grid."""
     corners: list[complex] = []
     top = width = 0.0
     for start in range(0, len(boxes), columns):
@@ -437,14 +439,14 @@ def _grid(boxes: Sequence[QRectF], columns: int) -> tuple[list[complex], complex
 
 
 def _rows(shaft: Camshaft[Study], theme: Theme) -> Iterator[tuple[int, str, Study | None, ShaftPosition, bool, str]]:
-    """Number, name, study (None without an answer), place, side and colour of each drive, the balance cam behind them."""
+    """Number, name, study (None without a solution), position, mirrored and colour of each drive and the balance cam."""
     for number, ((name, study), drive) in enumerate(zip(shaft.drives.items(), shaft.design.drives, strict=True)):
-        there: Study | None = study
+        solved: Study | None = study
         try:
             _ = study.linkage
         except NoSolution:
-            there = None
-        yield number, name, there, shaft.positions[name], drive.mirrored, theme.drive(number)
+            solved = None
+        yield number, name, solved, shaft.positions[name], drive.mirrored, theme.drive(number)
     if shaft.design.balancer is None:
         return
     try:
@@ -454,4 +456,4 @@ def _rows(shaft: Camshaft[Study], theme: Theme) -> Iterator[tuple[int, str, Stud
         yield len(shaft.drives), BALANCER, None, ShaftPosition(), False, theme.seen(BALANCE)
 
 
-__all__ = ["OF_CHOSEN", "OF_EACH", "Assembly", "DriveFigure"]
+__all__ = ["DRIVE_LAYERS", "SELECTED_LAYERS", "Assembly", "DriveFigure"]

@@ -1,4 +1,7 @@
-"""Cam, coloured profile."""
+"""Drawing of the cam, the contact and the coloured profile, and the values at a point of the profile.
+
+Lengths are in mm, angles in degrees. Curves of the cam are given in the frame of the cam and rotate with it.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ from itertools import pairwise
 from types import MappingProxyType
 
 import numpy as np
-from PySide6.QtCore import QLineF, QPointF, QRectF, Qt
+from PySide6.QtCore import QLineF, QRectF, Qt
 from PySide6.QtGui import QBrush, QColor, QLinearGradient, QPainter, QPainterPath, QPolygonF
 from PySide6.QtWidgets import QGraphicsItem, QGraphicsLineItem, QStyleOptionGraphicsItem, QWidget
 
@@ -39,30 +42,30 @@ from kindyna_gui.pictures.style import (
 )
 from kindyna_gui.pictures.units import readable, short, with_unit
 
-# -- cam parts -------------------------------------------------------------------------------------------
+# -- cam and shaft ---------------------------------------------------------------------------------------
 
 Z_CAM, Z_CURVES, Z_SHAFT, Z_NORMAL = 2.0, 2.5, 3.5, 8.0
-RIM = 1.2  # of the plate of a grooved cam beyond its groove, in units
-ARROW_START, ARROW_SPAN = 200.0, 80.0  # of the arrow of rotation, deg
+RIM = 1.2  # width of the plate of a grooved cam outside the groove, in units
+ARROW_START, ARROW_SPAN = 200.0, 80.0  # start and span of the arrow of rotation, deg
 
 
 def cam(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
-    """All that turns with the camshaft, and the shaft in its bearing."""
-    if not geometry.with_cam:
+    """Cam, pitch curve, base circle, and the camshaft in its bearing."""
+    if not geometry.has_cam:
         return
     if geometry.profile.size:
         item = Loop(geometry.profile, theme.pen(theme.cam_line, OUTLINE), brush(theme.cam))
-        yield DrawnPart("cam", item, ("cam",), Z_CAM, turning(item, geometry.turned))
+        yield DrawnPart("cam", item, ("cam",), Z_CAM, turning(item, geometry.cam_rotation))
         yield from _zero_mark(geometry, theme)
-        for name, radius in geometry.bored:
+        for name, radius in geometry.known_circles:
             path = _bore(geometry.keyway) if name == "bore" and geometry.keyway else circle(radius)
             edge = Outline(path, theme.pen(theme.cam_line, THIN))
-            yield DrawnPart(name, edge, ("cam",), Z_CURVES, turning(edge, geometry.turned))
-        for flank in geometry.further:
-            yield from FURTHER[flank.name](flank.profile * MM, geometry, theme)
+            yield DrawnPart(name, edge, ("cam",), Z_CURVES, turning(edge, geometry.cam_rotation))
+        for flank in geometry.other_flanks:
+            yield from FLANK_PARTS[flank.name](flank.profile * MM, geometry, theme)
         if geometry.pitch.size:
             pitch = Loop(geometry.pitch, theme.pen(theme.quiet, THIN, CHAIN))
-            yield DrawnPart("pitch", pitch, ("pitch",), Z_CURVES, turning(pitch, geometry.turned))
+            yield DrawnPart("pitch", pitch, ("pitch",), Z_CURVES, turning(pitch, geometry.cam_rotation))
     yield DrawnPart(
         "base", Outline(circle(geometry.base_radius), theme.pen(theme.cam_line, THIN, DOTTED)), ("base",), Z_CURVES
     )
@@ -70,77 +73,77 @@ def cam(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
 
 
 def _bore(keyway: Sequence[complex]) -> QPainterPath:
-    """A bore with its keyway, by the corners of that: round from its last to its first."""
+    """Bore with a keyway: an arc from the last corner of the keyway to its first."""
     first, last = keyway[0], keyway[-1]
     span = float(np.mod(np.angle(first / last), 2.0 * np.pi))
     return outline(np.append(last * np.exp(1j * np.linspace(0.0, span, 360)), keyway[:-1]))
 
 
 def _groove(profile: np.ndarray, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
-    """The plate outside the groove, whose rim the design leaves open, and the outer flank."""
+    """Outer flank and the plate outside the groove; the rim is a broken line, because the design does not define it."""
     rim = float(np.abs(profile).max()) + RIM * geometry.unit
     plate = Outline(joined(circle(rim), outline(profile)), None, brush(theme.cam, 0.5))
-    yield DrawnPart("plate", plate, ("cam",), Z_CAM - 0.2, turning(plate, geometry.turned))
+    yield DrawnPart("plate", plate, ("cam",), Z_CAM - 0.2, turning(plate, geometry.cam_rotation))
     yield DrawnPart("rim", Outline(circle(rim), theme.pen(theme.cam_line, THIN, SPARSE)), ("cam",), Z_CAM - 0.1)
     line = Loop(profile, theme.pen(theme.cam_line, OUTLINE))
-    yield DrawnPart("outer", line, ("cam",), Z_CAM, turning(line, geometry.turned))
+    yield DrawnPart("outer", line, ("cam",), Z_CAM, turning(line, geometry.cam_rotation))
 
 
 def _second_cam(profile: np.ndarray, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
-    """The other cam of a conjugate pair, behind the first; where that hides it, its edge is dashed."""
+    """Second cam of a conjugate pair, behind the first cam, with its hidden edge dashed."""
     item = Loop(profile, theme.pen(theme.second_line, OUTLINE), brush(theme.second))
-    yield DrawnPart("second", item, ("cam",), Z_CAM - 0.5, turning(item, geometry.turned))
+    yield DrawnPart("second", item, ("cam",), Z_CAM - 0.5, turning(item, geometry.cam_rotation))
     hidden = Loop(profile, theme.pen(theme.second_line, THIN, DASHED))
-    yield DrawnPart("second.hidden", hidden, ("cam",), Z_CAM + 0.1, turning(hidden, geometry.turned))
+    yield DrawnPart("second.hidden", hidden, ("cam",), Z_CAM + 0.1, turning(hidden, geometry.cam_rotation))
 
 
-FURTHER: Mapping[str, Callable[[np.ndarray, Geometry, Theme], Iterator[DrawnPart]]] = MappingProxyType(
+FLANK_PARTS: Mapping[str, Callable[[np.ndarray, Geometry, Theme], Iterator[DrawnPart]]] = MappingProxyType(
     {OUTER: _groove, SECOND: _second_cam}
 )
-"""Flank of a cam besides the first -> how it is drawn."""
+"""Function that draws each flank other than the first."""
 
 
 def _zero_mark(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
-    """A radial tick up to where the cam's own +x leaves the outline."""
+    """Radial tick at cam angle 0, up to the profile."""
     edge, inner = edge_radius(geometry.profile), 0.76 * geometry.bearing_room
     tick = Outline(segments([(inner + 0j, edge + 0j)]), theme.pen(theme.cam_line, THIN))
-    yield DrawnPart("zero", tick, ("cam",), Z_CURVES, turning(tick, geometry.turned))
+    yield DrawnPart("zero", tick, ("cam",), Z_CURVES, turning(tick, geometry.cam_rotation))
     tag = Tag("0°", theme.cam_line, theme)
-    track = inner * np.exp(1j * np.deg2rad(geometry.turned))
-    yield DrawnPart("zero.text", tag, ("cam", "labels"), Z_CURVES, _inwards(tag, track))
+    track = inner * np.exp(1j * np.deg2rad(geometry.cam_rotation))
+    yield DrawnPart("zero.text", tag, ("cam", "labels"), Z_CURVES, _pinned_inside(tag, track))
 
 
-def _inwards(tag: Tag, track: np.ndarray) -> Callable[[int], None]:
-    """The text stands a constant number of pixels towards the centre from its place."""
-    move, towards = pinned(tag, track), -track / np.abs(track)
+def _pinned_inside(tag: Tag, track: np.ndarray) -> Callable[[int], None]:
+    """Pin a text to a path (n,) [mm], shifted by a few pixels towards the cam centre."""
+    follow, towards = pinned(tag, track), -track / np.abs(track)
 
-    def follow(i: int) -> None:
-        move(i)
+    def move(i: int) -> None:
+        follow(i)
         tag.shift(13.0 * towards.real[i], -10.0 * towards.imag[i])
 
-    return follow
+    return move
 
 
 def edge_radius(profile: np.ndarray) -> float:
-    """Where the cam's +x axis leaves the outline [mm]."""
+    """Radius at which the +x axis of the cam leaves the profile [mm]."""
     after = np.roll(profile, -1)
     cut = np.flatnonzero((profile.imag <= 0.0) != (after.imag <= 0.0))
-    one, other = profile[cut], after[cut]
-    return float((one.real - one.imag * (other.real - one.real) / (other.imag - one.imag)).max())
+    start, end = profile[cut], after[cut]
+    return float((start.real - start.imag * (end.real - start.real) / (end.imag - start.imag)).max())
 
 
 def shaft_radius(geometry: Geometry) -> float:
-    """Of the camshaft's bearing [mm]."""
+    """Outer radius of the camshaft's bearing [mm]."""
     return min(2.0 * geometry.unit, 0.3 * geometry.bearing_room)
 
 
-def sense_arc(geometry: Geometry) -> tuple[float, float, float]:
-    """The arrow that shows the sense of rotation: radius [mm], start and span [deg]."""
+def rotation_arc(geometry: Geometry) -> tuple[float, float, float]:
+    """Radius [mm], start and span [deg] of the arrow that shows the sense of rotation."""
     radius = max(1.6 * shaft_radius(geometry), 0.5 * geometry.bearing_room)
-    for _, other in geometry.bored:  # it must not look like a part of them
-        radius = 1.25 * other if 0.85 * other < radius < 1.2 * other else radius
-    start = ARROW_START if geometry.sense > 0 else ARROW_START + ARROW_SPAN
-    return radius, start, geometry.sense * ARROW_SPAN
+    for _, hole in geometry.known_circles:  # the arrow is clear of the hub and the bore
+        radius = 1.25 * hole if 0.85 * hole < radius < 1.2 * hole else radius
+    start = ARROW_START if geometry.rotation_sign > 0 else ARROW_START + ARROW_SPAN
+    return radius, start, geometry.rotation_sign * ARROW_SPAN
 
 
 def _shaft(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
@@ -149,16 +152,16 @@ def _shaft(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     yield DrawnPart("shaft.bush", Outline(bush, theme.pen(theme.ink, THIN), brush(theme.paper)), ("ground",), Z_SHAFT)
     yield DrawnPart("shaft.hatching", Outline(lines, theme.pen(theme.quiet, THIN)), ("ground",), Z_SHAFT + 0.1)
     yield DrawnPart("shaft", Outline(shaft, theme.pen(theme.ink, THIN), brush(theme.shaft)), ("cam",), Z_SHAFT + 0.2)
-    radius, start, span = sense_arc(geometry)
-    line, head = arc_arrow(radius, start, span, min(1.6 * geometry.unit, 0.3 * radius))
+    radius, start, span = rotation_arc(geometry)
+    line, tip = arc_arrow(radius, start, span, min(1.6 * geometry.unit, 0.3 * radius))
     yield DrawnPart("sense", Outline(line, theme.pen(theme.cam_line, THIN)), ("cam",), Z_SHAFT)
     yield DrawnPart(
-        "sense.head", Outline(head, theme.pen(theme.cam_line, THIN), brush(theme.cam_line)), ("cam",), Z_SHAFT
+        "sense.head", Outline(tip, theme.pen(theme.cam_line, THIN), brush(theme.cam_line)), ("cam",), Z_SHAFT
     )
 
 
 def contact(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
-    """The common normal from the contact through the roller's centre to the instant centre, which lies on it."""
+    """Common normal through the contact, the roller's centre and the instant centre."""
     if geometry.shape is None:
         return
     line = QGraphicsLineItem()
@@ -170,7 +173,7 @@ def contact(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     mark = Outline(joined(cross(1.5 * size), circle(0.55 * size)), theme.pen(theme.limit, OUTLINE))
     yield DrawnPart("centre", mark, ("centre",), Z_NORMAL + 2.0, pinned(mark, centre_within_reach(geometry)))
     ground = next((j for j in geometry.joints if j.name == geometry.kinematics.ground), None)
-    if ground is None:  # the roller's link is held by no pair of its own: the line turns with its pole
+    if ground is None:  # no pair joins the roller's link to the frame: the line turns with its pole
         return
     ends = CENTRE_LINES[ground.pair.kind](ground, geometry)
     yield DrawnPart(
@@ -184,7 +187,7 @@ def _reach(geometry: Geometry) -> float:
 
 
 def centre_within_reach(geometry: Geometry) -> np.ndarray:
-    """The instant centre (n,) [mm], infinite also where it is too far to be drawn."""
+    """Instant centre (n,) [mm]; infinite also where it is too far away to be drawn."""
     q = geometry.centre
     near = np.abs(np.where(np.isfinite(q), q, 0.0)) < 10.0 * _reach(geometry)
     return np.where(np.isfinite(q) & near, q, complex(np.inf, np.inf))
@@ -200,10 +203,10 @@ def _normal_move(line: QGraphicsLineItem, geometry: Geometry) -> Callable[[int],
     along = np.clip(np.where(finite, along, 0.0), -reach, reach)
     low = np.where(finite, np.minimum(along, -overshoot), -reach)
     high = np.where(finite, np.maximum(along, geometry.face_radius), reach)
-    one, other = start + low * normal, start + high * normal
+    first, second = start + low * normal, start + high * normal
 
     def move(i: int) -> None:
-        line.setLine(QLineF(at(one[i]), at(other[i])))
+        line.setLine(QLineF(at(first[i]), at(second[i])))
 
     return move
 
@@ -220,27 +223,33 @@ def _across_the_guide(ground: Joint, geometry: Geometry) -> tuple[complex, compl
 CENTRE_LINES: Mapping[str, Callable[[Joint, Geometry], tuple[complex, complex]]] = MappingProxyType(
     {REVOLUTE: _line_of_centres, SLIDING: _across_the_guide}
 )
-"""The line on which the instant centre stays (Kennedy), by the kind of pair that holds the follower."""
+"""Line that contains the instant centre (Kennedy), by the kind of pair between follower and frame."""
 
 
-# -- profile colours -------------------------------------------------------------------------------------
+# -- coloured profile ------------------------------------------------------------------------------------
 
-COLOURS = 24  # between the ends of a scale
-WIDTH = 4.0  # of the coloured line, pixels
-MOST = 720  # pieces of a coloured line
-DIGITS = 2  # of the radius at the end of a scale
-MPA = 1e6  # Pa in one
-USUAL_PART = 98.0  # per cent of the profile whose curvature lies on the scale; a tip has the colour of its end
+COLOURS = 24  # colours of a scale
+WIDTH = 4.0  # width of the coloured line, pixels
+MOST_PIECES = 720  # pieces of a coloured line
+DIGITS = 2  # significant digits of the value at the end of a scale
+MPA = 1e6  # Pa in one MPa
+CURVATURE_PERCENTILE = 98.0  # of the profile's curvature on the scale; sharper tips have the end colour
 NEUTRAL = "#B4BCC3"
-APART = 8.0  # between the texts of a scale, pixels
+TICK_GAP = 8.0  # least distance between the texts of a scale, pixels
 Z_COLOURS = 2.7
 
 
 @frozen
 class ColourScale:
-    """Colours over a range of values, those beyond it in the colour of the nearer end, or ``beyond`` above it.
+    """Colours over a range of values; values outside have the colour of the nearer end.
 
-    stops   part of the range 0 ... 1 and colour; ticks: value and text
+    Attributes
+    ----------
+    title : title of the scale, with the unit
+    low, high : range of the values
+    stops : colours at fractions of the range, 0 ... 1
+    ticks : values and their texts
+    beyond : colour of the values above the range; "" for the end colour
     """
 
     title: str
@@ -251,21 +260,21 @@ class ColourScale:
     beyond: str = ""
 
     def part(self, values: np.ndarray) -> np.ndarray:
-        """Where values (n,) stand in the range, 0 ... 1, and 2 beyond it where that has a colour of its own."""
+        """Fractions of the range (n,), 0 ... 1; 2 for values above the range where ``beyond`` is set."""
         part = (values - self.low) / (self.high - self.low)
         over = (part > 1.0 + 1e-9) & bool(self.beyond)
         return np.where(over, 2.0, np.clip(np.nan_to_num(part, nan=1.0), 0.0, 1.0))
 
     def colour(self, part: float) -> QColor:
-        """The colour at a part of the range."""
+        """Colour at a fraction of the range."""
         if part > 1.0:
             return QColor(self.beyond)
-        places = [place for place, _ in self.stops]
+        fractions = [fraction for fraction, _ in self.stops]
         channels = np.array([rgb(colour) for _, colour in self.stops], dtype=float)
-        return QColor(*(round(float(np.interp(part, places, channel))) for channel in channels.T))
+        return QColor(*(round(float(np.interp(part, fractions, channel))) for channel in channels.T))
 
     def gradient(self, width: float) -> QLinearGradient:
-        """From left to right over so many pixels."""
+        """Gradient from left to right over a width [pixels]."""
         gradient = QLinearGradient(0.0, 0.0, width, 0.0)
         for part, colour in self.stops:
             gradient.setColorAt(part, QColor(colour))
@@ -273,25 +282,25 @@ class ColourScale:
 
 
 def _pressure_scale(geometry: Geometry, theme: Theme) -> ColourScale:
-    """From 0 to the usual limit; what exceeds it has the colour of limits."""
+    """Scale from 0 to the typical limit; larger values have the colour of limits."""
     kinematics = geometry.kinematics
     kind = kinematics.pairs[kinematics.ground].kind if kinematics.ground else REVOLUTE
     limit = PRESSURE_LIMITS[kind]
     ticks = tuple((part * limit, f"{short(part * limit)}°") for part in (0.0, 0.5, 1.0))
     stops = ((0.0, SKY), (0.45, YELLOW), (0.75, ORANGE), (1.0, VERMILION))
-    return ColourScale("Pressure angle to the usual limit", 0.0, limit, stops, ticks, theme.limit)
+    return ColourScale("Pressure angle to the typical limit", 0.0, limit, stops, ticks, theme.limit)
 
 
 def _curvature_scale(geometry: Geometry, theme: Theme) -> ColourScale:
-    """From concave to convex, named by the radii at the ends; only the convex half where nothing is concave."""
+    """Scale from concave to convex with the radii at its ends; only the convex half where nothing is concave."""
     assert geometry.shape is not None
-    bends = np.concatenate([_curvature(geometry, flank) for flank in geometry.shape.flanks])
-    bends = bends[np.isfinite(bends)]
-    size = float(np.percentile(np.abs(bends), USUAL_PART)) if bends.size else 0.0
+    curvature = np.concatenate([_curvature(geometry, flank) for flank in geometry.shape.flanks])
+    curvature = curvature[np.isfinite(curvature)]
+    size = float(np.percentile(np.abs(curvature), CURVATURE_PERCENTILE)) if curvature.size else 0.0
     radius = float(f"{1.0 / size:.{DIGITS}g}") if size else 1.0
     convex = ((0.0, NEUTRAL), (0.5, ORANGE), (1.0, VERMILION))
     ends = ((0.0, "straight"), (1.0 / radius, f"convex R {short(radius)}"))
-    if not (bends < 0.0).any():
+    if not (curvature < 0.0).any():
         return ColourScale("Radius of curvature, mm", 0.0, 1.0 / radius, convex, ends)
     both = ((0.0, BLUE), (0.25, SKY), *((0.5 + 0.5 * part, colour) for part, colour in convex))
     ticks = ((-1.0 / radius, f"concave R {short(radius)}"), *ends)
@@ -299,26 +308,28 @@ def _curvature_scale(geometry: Geometry, theme: Theme) -> ColourScale:
 
 
 def _stress_scale(geometry: Geometry, theme: Theme) -> ColourScale | None:
-    """From 0 to what the user or the materials allow, beyond which is the colour of limits; to the highest where none is known."""
+    """Scale from 0 to the allowable pressure, with the colour of limits above; else to the highest pressure."""
     study = geometry.study
     try:
         if not study.stress or has_undercut(study) or study.jam is not None:
             return None
-        highest = max((float(np.max(each.pressure)) for each in study.stress.values()), default=0.0) / MPA
+        highest = max((float(np.max(stress.pressure)) for stress in study.stress.values()), default=0.0) / MPA
     except KindynaError:
         return None
-    allowed = limit_of(study, "contact_pressure_mpa")
-    top = float(f"{highest:.{DIGITS}g}") or 1.0 if allowed is None else allowed.value  # 1: nothing presses
+    allowable = limit_of(study, "contact_pressure_mpa")
+    top = (
+        float(f"{highest:.{DIGITS}g}") or 1.0 if allowable is None else allowable.value
+    )  # 1 MPa where all pressures are 0
     ticks = tuple(
         (part * top, f"{short(part * top, 4)} MPa" if part == 1.0 else short(part * top, 4)) for part in (0.0, 0.5, 1.0)
     )
     stops = ((0.0, NEUTRAL), (0.25, SKY), (0.5, YELLOW), (0.75, ORANGE), (1.0, VERMILION))
-    title = "Contact pressure" if allowed is None else "Contact pressure to what is allowed"
-    return ColourScale(title, 0.0, top, stops, ticks, "" if allowed is None else theme.limit)
+    title = "Contact pressure" if allowable is None else "Contact pressure to the allowable value"
+    return ColourScale(title, 0.0, top, stops, ticks, "" if allowable is None else theme.limit)
 
 
 def _stress(geometry: Geometry, flank: Flank) -> np.ndarray:
-    """[MPa]"""
+    """Contact pressure (n,) [MPa]."""
     return np.asarray(geometry.study.stress[flank.name].pressure / MPA)
 
 
@@ -327,13 +338,13 @@ def _pressure_angle(geometry: Geometry, flank: Flank) -> np.ndarray:
 
 
 def _curvature(geometry: Geometry, flank: Flank) -> np.ndarray:
-    """[1/mm]"""
+    """Curvature of the profile (n,) [1/mm]."""
     return np.asarray(flank.profile_curvature / MM)
 
 
 @frozen
 class Colouring:
-    """scale: of a study's cam, None where it has no such values; values: of a flank, on that scale (n,)."""
+    """Quantity that colours the profile: its scale, None without values, and its values (n,) on a flank."""
 
     scale: Callable[[Geometry, Theme], ColourScale | None]
     values: Callable[[Geometry, Flank], np.ndarray]
@@ -346,18 +357,25 @@ COLOURINGS: Mapping[str, Colouring] = MappingProxyType(
         "stress_colours": Colouring(_stress_scale, _stress),
     }
 )
-"""Layer -> what the profile is coloured by."""
+"""Quantity that colours the profile, by layer."""
 
 
 class ColouredLoop(QGraphicsItem):
-    """A closed line whose pieces have the colours of their values: points (n,) [mm], part of the scale (n,).
+    """Closed curve in the colours of its values.
 
-    Filled ribbons, as wide in pixels as ``look`` is told: a pen of that width would take a hundred times as long.
+    The pieces are filled ribbons whose width ``look`` keeps constant in pixels: a pen of this width would be a hundred
+    times slower.
+
+    Parameters
+    ----------
+    points : ndarray (n,) [mm]
+    parts : ndarray (n,), fractions of the scale
+    scale : ColourScale
     """
 
     def __init__(self, points: np.ndarray, parts: np.ndarray, scale: ColourScale) -> None:
         super().__init__()
-        step = max(1, points.size // MOST)
+        step = max(1, points.size // MOST_PIECES)
         points, parts = points[::step], parts[::step]
         along = np.roll(points, -1) - np.roll(points, 1)
         self._points, self._across = _closed(points), _closed(1j * along / np.where(along == 0.0, 1.0, np.abs(along)))
@@ -371,19 +389,19 @@ class ColouredLoop(QGraphicsItem):
         self._bounds = QRectF(float(x.min()), float(y.min()), float(np.ptp(x)), float(np.ptp(y)))
 
     def look(self, scale: float) -> None:
-        """Be drawn at so many pixels per mm."""
+        """Draw the curve for a scale [pixels per mm]."""
         if scale != self._scale:
             self._scale, half = scale, 0.5 * WIDTH / scale * self._across
-            one, other = self._points + half, self._points - half
+            left, right = self._points + half, self._points - half
             self._paths = [
-                outline(np.concatenate((one[start : stop + 1], other[start : stop + 1][::-1])))
+                outline(np.concatenate((left[start : stop + 1], right[start : stop + 1][::-1])))
                 for start, stop in self._runs
             ]
             self.update()
 
     @property
     def colours(self) -> set[str]:
-        """Those of its pieces."""
+        """Colours of the pieces."""
         return {brush.color().name() for brush in self._brushes}
 
     def boundingRect(self) -> QRectF:
@@ -399,50 +417,59 @@ def _closed(values: np.ndarray) -> np.ndarray:
     return np.append(values, values[:1])
 
 
-def scale_of(layer: str, geometry: Geometry, theme: Theme) -> ColourScale | None:
-    """The scale of a layer of colours; None of any other, and where there is no cam."""
+def colour_scale(layer: str, geometry: Geometry, theme: Theme) -> ColourScale | None:
+    """Scale of a colour layer; None for other layers and without a cam."""
     return COLOURINGS[layer].scale(geometry, theme) if layer in COLOURINGS and geometry.shape is not None else None
 
 
-def coloured(layer: str, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
-    """Every flank in the colours of a layer."""
-    scale = scale_of(layer, geometry, theme)
+def coloured_profile(layer: str, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
+    """All flanks in the colours of a layer."""
+    scale = colour_scale(layer, geometry, theme)
     if scale is None or geometry.shape is None:
         return
     for flank in geometry.shape.flanks:
         item = ColouredLoop(flank.profile * MM, scale.part(COLOURINGS[layer].values(geometry, flank)), scale)
-        yield DrawnPart(f"{layer}.{flank.name}", item, ("cam", layer), Z_COLOURS, turning(item, geometry.turned))
+        yield DrawnPart(f"{layer}.{flank.name}", item, ("cam", layer), Z_COLOURS, turning(item, geometry.cam_rotation))
 
 
 def colour_bar(scale: ColourScale, width: float) -> Iterator[tuple[float, str]]:
-    """Where the ticks of a scale stand on a bar of so many pixels, and their texts."""
+    """Positions of the ticks on a bar of ``width`` [pixels], with their texts."""
     for value, text in scale.ticks:
         yield width * (value - scale.low) / (scale.high - scale.low), text
 
 
 def bar_width(scale: ColourScale) -> float:
-    """The least width of a bar [pixels] on which the texts of the ticks, each within its ends, stand clear of each other."""
+    """Least width of a bar [pixels] on which the texts of the ticks do not touch each other."""
     ticks = [(part, text_size(text)[0]) for part, text in colour_bar(scale, 1.0)]
-    return max(
-        ((APART + one + part * other - at * one) / (part - at) for (at, one), (part, other) in pairwise(ticks)),
-        default=0.0,
-    )
+    least = 0.0
+    for (left, left_size), (right, right_size) in pairwise(ticks):
+        least = max(least, (TICK_GAP + left_size + right * right_size - left * left_size) / (right - left))
+    return least
 
 
-# -- the values at a place of the profile, under the mouse -----------------------------------------------
+# -- values at a point of the profile --------------------------------------------------------------------
 
 PROFILES: Mapping[str, str] = MappingProxyType({INNER: "Profile", OUTER: "Outer flank", SECOND: "Second cam"})
-STRAIGHT = 1e4  # a radius of curvature above so many sizes of the cam is none
+STRAIGHT = 1e4  # a radius of curvature above this many cam radii counts as straight
 
 
 @frozen
 class ProfileReading:
-    """place: of the profile [mm] in the cam's own frame; cam_angle [deg] at which it is touched; radius from the cam centre
-    [mm]; pressure_angle [deg]; curvature [1/mm], positive where the cam is convex; flank: its name. Where forces are drawn also
-    force [N] on the flank and pressure [MPa] there, else None."""
+    """Values at a point of the profile.
+
+    Attributes
+    ----------
+    flank : name of the flank
+    point : position in the frame of the cam [mm]
+    cam_angle : cam angle at which the follower touches the point [deg]
+    radius : distance from the cam centre [mm]
+    pressure_angle : [deg]
+    curvature : [1/mm], positive where the cam is convex
+    force, pressure : contact force [N] and contact pressure [MPa]; None where they are not shown
+    """
 
     flank: str
-    place: complex
+    point: complex
     cam_angle: float
     radius: float
     pressure_angle: float
@@ -452,63 +479,60 @@ class ProfileReading:
 
     @property
     def text(self) -> str:
-        """In one line."""
-        bend = abs(self.curvature)
-        if bend * self.radius * STRAIGHT < 1.0:
-            curved = "straight"
+        """The values in one line."""
+        curvature = abs(self.curvature)
+        if curvature * self.radius * STRAIGHT < 1.0:
+            shape = "straight"
         else:
-            curved = f"{'convex' if self.curvature > 0.0 else 'concave'} R {short(1.0 / bend, 4)} mm"
-        return (
+            shape = f"{'convex' if self.curvature > 0.0 else 'concave'} R {short(1.0 / curvature, 4)} mm"
+        text = (
             f"{PROFILES[self.flank]} at {self.cam_angle:.1f}°: radius {self.radius:.2f} mm, pressure angle "
-            f"{self.pressure_angle:.1f}°, {curved}{self._loaded}"
+            f"{self.pressure_angle:.1f}°, {shape}"
         )
-
-    @property
-    def _loaded(self) -> str:
-        """Force and pressure, as far as they are known."""
-        text = ""
         if self.force is not None:
-            rung = readable("N", abs(self.force))
-            text = f", force {with_unit(short(self.force / rung.size, 4), rung.symbol)}"
+            unit = readable("N", abs(self.force))
+            text += f", force {with_unit(short(self.force / unit.size, 4), unit.symbol)}"
         return text if self.pressure is None else f"{text}, contact pressure {short(self.pressure, 4)} MPa"
 
 
-def on_cam(geometry: Geometry, index: int, at: complex) -> bool:
-    """Whether a place [mm] of the global frame lies on the cam while the drawing stands at a sample."""
+def on_cam(geometry: Geometry, index: int, point: complex) -> bool:
+    """Whether a point of the global frame [mm] is on the cam at a sample."""
     if not geometry.profile.size:
         return False
-    own = at * np.exp(-1j * np.deg2rad(geometry.turned[index]))
-    outline = QPolygonF([QPointF(p.real, p.imag) for p in geometry.profile])
-    return outline.containsPoint(QPointF(own.real, own.imag), Qt.FillRule.OddEvenFill)
+    local = point * np.exp(-1j * np.deg2rad(geometry.cam_rotation[index]))
+    polygon = QPolygonF([at(p) for p in geometry.profile])
+    return polygon.containsPoint(at(local), Qt.FillRule.OddEvenFill)
 
 
 def reading_at(
-    geometry: Geometry, index: int, at: complex, reach: float, by_forces: bool = False
+    geometry: Geometry, index: int, point: complex, reach: float, with_forces: bool = False
 ) -> ProfileReading | None:
-    """The sample of the profile that is nearest to a place [mm] of the global frame while the drawing stands at a sample, no
-    farther than ``reach`` [mm]; None where none is. by_forces: with force and contact pressure there."""
+    """Values at the sample of the profile nearest to a point of the global frame [mm] while the cam is at a sample.
+
+    Returns None where the profile is farther away than ``reach`` [mm]. ``with_forces`` adds contact force and pressure.
+    """
     if geometry.shape is None:
         return None
-    local = at * np.exp(-1j * np.deg2rad(geometry.turned[index]))
-    near = [(flank, np.abs(flank.profile * MM - local)) for flank in geometry.shape.flanks]
-    flank, away = min(near, key=lambda each: float(each[1].min()))
-    i = int(away.argmin())
-    if away[i] > reach:
+    local = point * np.exp(-1j * np.deg2rad(geometry.cam_rotation[index]))
+    distances = [(flank, np.abs(flank.profile * MM - local)) for flank in geometry.shape.flanks]
+    flank, distance = min(distances, key=lambda row: float(row[1].min()))
+    i = int(distance.argmin())
+    if distance[i] > reach:
         return None
-    place = complex(flank.profile[i] * MM)
+    nearest = complex(flank.profile[i] * MM)
     return ProfileReading(
         flank.name,
-        place,
+        nearest,
         float(geometry.cam_angle[i]),
-        abs(place),
+        abs(nearest),
         float(np.rad2deg(flank.pressure_angle[i])),
         float(flank.profile_curvature[i] / MM),
-        *(_loads_at(geometry, flank.name, i) if by_forces else ()),
+        *(_loads_at(geometry, flank.name, i) if with_forces else ()),
     )
 
 
 def _loads_at(geometry: Geometry, flank: str, i: int) -> tuple[float | None, float | None]:
-    """Force [N] on a flank and contact pressure [MPa] at a sample, as far as they have an answer."""
+    """Contact force [N] and contact pressure [MPa] on a flank at a sample; None without a solution."""
     study, shape = geometry.study, geometry.shape
     assert shape is not None
     try:

@@ -1,6 +1,6 @@
-"""What a drawing of a mechanism reads from a study: places over one turn in mm, by bodies, points and pairs.
+"""Geometry of a study for the drawing: positions of bodies, points, pairs and the cam over one turn, in mm.
 
-Nothing is computed here that is not a change of unit or of frame; no follower is known by name.
+This module only changes units and frames; it contains no case for a particular follower.
 """
 
 from __future__ import annotations
@@ -26,14 +26,21 @@ MM = 1e3  # mm in a metre
 UNITS_ACROSS = 110.0  # size of a mechanism in units of its symbols
 UNIT_STEPS = 60  # sizes that symbols may have, per factor of ten
 BEARING = 8.0  # units from the centre of a cam that cannot be drawn, for its bearing
-EXTERNAL = ("external_force_n", "force_n", "torque_nm")
-FAR = 0.15  # an instant centre further outside than this part of the mechanism's size does not widen the picture
+EXTERNAL_KEYS = ("external_force_n", "force_n", "torque_nm")
+FAR = 0.15  # an instant centre farther outside than this fraction of the mechanism's size does not widen the view
 
 
 @frozen(eq=False)
 class Body:
-    """One body: origin (n,) [mm], angle (n,) [deg, counter-clockwise] and its x axis, a unit vector (n,), own points [mm] in its
-    frame, of which those that coincide count once."""
+    """One body over the turn.
+
+    Attributes
+    ----------
+    z : origin (n,) [mm]
+    angle : rotation (n,) [deg], counter-clockwise
+    turn : unit vector of its x axis (n,)
+    points : points in the frame of the body [mm]
+    """
 
     name: str
     z: np.ndarray
@@ -42,26 +49,30 @@ class Body:
     points: Mapping[str, complex]
 
     def track(self, local: complex) -> np.ndarray:
-        """Where a point of the body is (n,) [mm]."""
+        """Path (n,) [mm] of a point that is given in the frame of the body."""
         return self.z if local == 0 else self.z + local * self.turn
 
     @cached_property
     def nodes(self) -> dict[str, complex]:
-        """Name -> place [mm] in the frame of the body, of points at one place the first."""
+        """Distinct points of the body by name [mm]; of points that coincide the first."""
         size = max((abs(p) for p in self.points.values()), default=0.0)
-        kept: dict[str, complex] = {}
-        for name, place in self.points.items():
-            if all(abs(place - other) > 1e-9 * size for other in kept.values()):
-                kept[name] = place
-        return kept
+        nodes: dict[str, complex] = {}
+        for name, point in self.points.items():
+            if all(abs(point - node) > 1e-9 * size for node in nodes.values()):
+                nodes[name] = point
+        return nodes
 
 
 @frozen(eq=False)
 class Joint:
-    """One pair: where its point is (n,) [mm].
+    """One pair over the turn; the last five attributes apply to a sliding pair.
 
-    Of a sliding pair also: ``line``, its direction, and ``root``, a point of it [mm], in the frame of ``on``; ``low``
-    and ``high``, how far the point travels along it [mm]; ``own``, its direction in the frame of ``body``.
+    Attributes
+    ----------
+    track : path of its point (n,) [mm]
+    line, root : direction of the slide, and a point of it [mm], both in the frame of ``pair.on``
+    low, high : range of the travel along the slide, from ``root`` [mm]
+    body_line : direction of the slide in the frame of ``pair.body``
     """
 
     name: str
@@ -71,31 +82,28 @@ class Joint:
     root: complex = 0j
     low: float = 0.0
     high: float = 0.0
-    own: complex = 0j
+    body_line: complex = 0j
 
     @property
-    def fixed(self) -> bool:
+    def is_fixed(self) -> bool:
+        """Whether the pair is on the frame."""
         return self.pair.on == FRAME
 
     @property
-    def outwards(self) -> float:
-        """Along its line away from the cam centre: 1 or -1."""
+    def outward_sign(self) -> float:
+        """Sign of the direction along the slide that points away from the cam centre: 1 or -1."""
         return 1.0 if (self.root * self.line.conjugate()).real >= 0.0 else -1.0
 
     @property
     def farthest(self) -> float:
-        """How far the point travels outwards from the root [mm]."""
-        return self.high if self.outwards > 0 else -self.low
-
-
-def _at_rest(n: int) -> Body:
-    return Body(FRAME, np.zeros(n, dtype=complex), np.zeros(n), np.ones(n, dtype=complex), {})
+        """Travel outwards from the root [mm]."""
+        return self.high if self.outward_sign > 0 else -self.low
 
 
 def _joint(name: str, pair: Pair, bodies: Mapping[str, Body]) -> Joint:
     body, n = bodies[pair.body], bodies[pair.body].z.size
-    on = bodies.get(pair.on) or _at_rest(n)
-    if pair.kind == SLIDING and pair.on == f"link{pair.point}":  # the link that slides is the block, whichever is first
+    on = bodies.get(pair.on) or Body(FRAME, np.zeros(n, dtype=complex), np.zeros(n), np.ones(n, dtype=complex), {})
+    if pair.kind == SLIDING and pair.on == f"link{pair.point}":  # the sliding link is the block, in either order
         turn = on.turn[0] / body.turn[0]
         return _joint(name, Pair(SLIDING, pair.body, pair.on, pair.point, complex(pair.axis * turn)), bodies)
     track = body.track(body.points[pair.point])
@@ -103,24 +111,26 @@ def _joint(name: str, pair: Pair, bodies: Mapping[str, Body]) -> Joint:
         return Joint(name, pair, track)
     path = (track - on.z) * on.turn.conj()
     along = ((path - path[0]) * pair.axis.conjugate()).real
-    own = pair.axis * on.turn[0] / body.turn[0]
-    return Joint(name, pair, track, pair.axis, complex(path[0]), float(along.min()), float(along.max()), complex(own))
+    body_line = pair.axis * on.turn[0] / body.turn[0]
+    return Joint(
+        name, pair, track, pair.axis, complex(path[0]), float(along.min()), float(along.max()), complex(body_line)
+    )
 
 
 class Geometry:
-    """A study as places in mm at its n cam angles.
+    """A study's mechanism in mm at its n cam angles.
 
-    Raises NoSolution where the linkage has none; where only the cam has none, ``shape`` is None.
+    ``shape`` is None where the cam has no solution. Raises NoSolution where the linkage has none.
     """
 
     def __init__(self, study: Study) -> None:
         self.study = study
         self.kinematics: Kinematics = study.linkage
         self.shape: CamShape | None = _shape(study)
-        self.sense = study.sense
-        self.numbered, self.with_cam = lists_links(study.design), "cam" in study.stages
+        self.rotation_sign = study.sense
+        self.has_numbered_links, self.has_cam = lists_links(study.design), "cam" in study.stages
         self.cam_angle = np.rad2deg(study.theta)
-        self.turned = self.sense * self.cam_angle
+        self.cam_rotation = self.rotation_sign * self.cam_angle
         self.bodies = {
             name: Body(
                 name,
@@ -136,55 +146,56 @@ class Geometry:
         self.base_radius = self._base_radius()
 
     def _base_radius(self) -> float:
-        """As typed, or where the cam's size follows from where its roller runs, the least radius of its outline [mm]."""
+        """Base radius of the design [mm]; where the design has none, the least radius of the profile."""
         typed: float | None = getattr(self.study.design.drive.cam, "base_radius_mm", None)
         if typed is not None:
             return typed
         return float(np.abs(self.profile).min()) if self.profile.size else 0.0
 
     @property
-    def bored(self) -> tuple[tuple[str, float], ...]:
-        """The circles of hub and bore, as far as they are known: name, radius [mm]."""
+    def known_circles(self) -> tuple[tuple[str, float], ...]:
+        """Name and radius [mm] of the hub and the bore, where given."""
         cam = self.study.design.drive.cam
         known = ((name, getattr(cam, f"{name}_mm", None)) for name in ("hub", "bore"))
         return tuple((name, 0.5 * diameter) for name, diameter in known if diameter)
 
     @property
     def keyway(self) -> tuple[complex, ...]:
-        """Its corners in the cam's own frame [mm], none where it is not known."""
-        return keyway_corners(self.study.design.drive.cam) if self.with_cam else ()
+        """Corners of the keyway in the cam's frame [mm]; empty where it is not given."""
+        return keyway_corners(self.study.design.drive.cam) if self.has_cam else ()
 
     def nearest(self, theta: float) -> int:
-        """The sample nearest to an angle [rad]."""
+        """Index of the sample nearest to an angle [rad]."""
         return nearest(self.study.theta, theta)
 
     @property
-    def whole_turn(self) -> bool:
-        """Whether the mechanism can stand at every angle of the turn."""
+    def is_full_turn(self) -> bool:
+        """Whether the mechanism can be assembled at every angle of the turn."""
         return self.samples == self.study.samples
 
     @cached_property
     def moving(self) -> dict[str, Body]:
-        """The bodies that are drawn as such: all but the frame."""
+        """All bodies but the frame, by name."""
         return {name: body for name, body in self.bodies.items() if name != FRAME}
 
     @property
     def samples(self) -> int:
+        """Number n of cam angles."""
         return int(self.cam_angle.size)
 
     @cached_property
     def profile(self) -> np.ndarray:
-        """The cam's outline in its own frame (n,) [mm]; empty where there is no cam."""
+        """Cam profile in the cam's frame (n,) [mm]; empty without a cam."""
         return np.zeros(0, dtype=complex) if self.shape is None else self.shape.flank.profile * MM
 
     @cached_property
     def pitch(self) -> np.ndarray:
-        """The pitch curve in the cam's own frame (n,) [mm]; empty where there is no cam, or the face has no centre."""
+        """Pitch curve in the cam's frame (n,) [mm]; empty without a cam, or where the face has no centre."""
         return np.zeros(0, dtype=complex) if self.shape is None else self.shape.flank.pitch * MM
 
     @cached_property
     def face_radius(self) -> float:
-        """Radius of the follower's face on the cam [mm], 0 where it is flat or an edge, or there is no cam."""
+        """Radius of the follower's face [mm]; 0 for a flat face, for an edge, and without a cam."""
         if self.shape is None:
             return 0.0
         radius: float = self.study.design.drive.face.radius_mm
@@ -192,17 +203,17 @@ class Geometry:
 
     @property
     def face_angle(self) -> np.ndarray:
-        """Of the body that carries it (n,) [deg]."""
+        """Rotation of the body that carries the face (n,) [deg]."""
         return self.bodies[self.kinematics.follower_body].angle
 
     @property
-    def face_rolls(self) -> bool:
-        """Whether the face turns on its own axis."""
+    def has_rolling_face(self) -> bool:
+        """Whether the face is a roller."""
         return self.shape is not None and row_of(self.study.design.drive.face).rolls
 
     @cached_property
     def face_outline(self) -> np.ndarray:
-        """The face in the frame of the follower's body (m,) [mm], closed; empty where there is no cam."""
+        """Closed outline of the face in the frame of the follower's body (m,) [mm]; empty without a cam."""
         return np.zeros(0, dtype=complex) if self._face is None else self._face.points * MM
 
     @cached_property
@@ -213,84 +224,88 @@ class Geometry:
         return row_of(face).outline(self.shape, face, self.kinematics)
 
     @cached_property
-    def face_held(self) -> complex:
-        """From where the follower holds its face, in the frame of the follower's body [mm]: its reference point, of a face
-        without a round the middle of its back."""
+    def face_attachment(self) -> complex:
+        """Point where the face is attached, in the frame of the follower's body [mm].
+
+        It is the reference point, or the middle of the back of a face that is not round.
+        """
         return 0j if self._face is None or self.face_radius else self._face.attachment * MM
 
     def handles(self, index: int) -> dict[str, complex]:
-        """Where what may be drawn elsewhere stands at a sample [mm]: the points of bodies by their names, the middle of a
-        face that has no round, the ends of springs and the centres of mass by their paths."""
-        found = {
+        """Positions at a sample [mm] of everything that can be dragged.
+
+        These are the points of bodies by name, the middle of a face that is not round, and the ends of springs and the
+        centres of mass by field path.
+        """
+        positions = {
             name: complex(body.track(at)[index]) for body in self.bodies.values() for name, at in body.points.items()
         }
-        if self.face_held:
-            along = 1j * self.face_held.imag * np.exp(1j * np.deg2rad(self.face_angle[index]))
-            found[FACE_PLACE] = complex(self.reference[index] + along)
-        for spring, one, other in self.springs:
-            found |= {f"{spring.field}.from": complex(one[index]), f"{spring.field}.to": complex(other[index])}
+        if self.face_attachment:
+            along = 1j * self.face_attachment.imag * np.exp(1j * np.deg2rad(self.face_angle[index]))
+            positions[FACE_PLACE] = complex(self.reference[index] + along)
+        for spring, start, end in self.springs:
+            positions |= {f"{spring.field}.from": complex(start[index]), f"{spring.field}.to": complex(end[index])}
         for i, row in enumerate(getattr(self.study.design.drive.loads, "masses", ())):
-            found[f"loads.masses[{i}]"] = complex(
-                self._of_link(row.link).track(complex(row.centre_x_mm, row.centre_y_mm))[index]
-            )
-        return found
+            body = self.bodies[self.study.mechanism.bodies[row.link]]
+            track = body.track(complex(row.centre_x_mm, row.centre_y_mm))
+            positions[f"loads.masses[{i}]"] = complex(track[index])
+        return positions
 
     @property
     def face_path(self) -> str:
-        """The field of the radius of the follower's face."""
+        """Path of the field that gives the radius of the follower's face."""
         return "follower.shoe_radius_mm" if self.study.design.drive.face.slides else "cam.roller_radius_mm"
 
     def rims(self, index: int) -> dict[str, tuple[complex, float]]:
-        """The circles whose radius may be drawn larger or smaller at a sample: centre and radius [mm] by the field's path."""
+        """Circles whose radius can be dragged at a sample: centre and radius [mm] by field path."""
         round_face = {self.face_path: (complex(self.reference[index]), self.face_radius)} if self.face_radius else {}
         return {"cam.base_radius_mm": (0j, self.base_radius), **round_face}
 
-    def _of_link(self, number: int) -> Body:
-        return self.bodies[self.study.mechanism.bodies[number]]
-
     def nodes(self, body: Body) -> dict[str, complex]:
-        """The places [mm] in a body's frame between which it is drawn: its points, with the face's hold for its reference
-        where it does not slide there."""
+        """Points [mm] in a body's frame between which the body is drawn.
+
+        A follower that does not slide has the point where its face is attached in place of the reference point.
+        """
         slides = any(joint.pair.kind == SLIDING and joint.pair.body == body.name for joint in self.joints)
-        if body.name != self.kinematics.carrier or slides or not self.face_held:
+        if body.name != self.kinematics.carrier or slides or not self.face_attachment:
             return body.nodes
         turn = np.exp(-1j * np.deg2rad(body.angle[0]))
         reference = complex((self.reference[0] - body.z[0]) * turn)
-        near = 1e-9 * max(map(abs, (reference, self.face_held)))
-        held = {joint.pair.point for joint in self.joints}
-        kept = {name: place for name, place in body.nodes.items() if name in held or abs(place - reference) > near}
+        near = 1e-9 * max(map(abs, (reference, self.face_attachment)))
+        paired = {joint.pair.point for joint in self.joints}
+        nodes = {name: node for name, node in body.nodes.items() if name in paired or abs(node - reference) > near}
         return {
-            **kept,
-            "face": complex(reference + self.face_held * turn * np.exp(1j * np.deg2rad(self.face_angle[0]))),
+            **nodes,
+            "face": complex(reference + self.face_attachment * turn * np.exp(1j * np.deg2rad(self.face_angle[0]))),
         }
 
     @cached_property
-    def further(self) -> tuple[Flank, ...]:
-        """The flanks of the cam besides the first; none where there is no cam."""
+    def other_flanks(self) -> tuple[Flank, ...]:
+        """All flanks of the cam but the first; empty without a cam."""
         return () if self.shape is None else self.shape.flanks[1:]
 
     @cached_property
-    def further_rollers(self) -> tuple[tuple[str, np.ndarray, float], ...]:
-        """What touches those and is not the follower's face itself: name of the flank, centre (n,) [mm], radius [mm]."""
+    def other_rollers(self) -> tuple[tuple[str, np.ndarray, float], ...]:
+        """Rollers on the other flanks, except the follower's face: name of the flank, centre (n,) [mm], radius [mm]."""
         return tuple(
             (flank.name, flank.reference * MM, flank.radius * MM)
-            for flank in self.further
+            for flank in self.other_flanks
             if self.shape is not None and flank.reference is not self.shape.reference
         )
 
     @cached_property
     def contact(self) -> np.ndarray:
-        """Where cam and follower touch, in the global frame (n,) [mm]."""
-        return self.profile * np.exp(1j * np.deg2rad(self.turned))
+        """Contact point of cam and follower in the global frame (n,) [mm]."""
+        return self.profile * np.exp(1j * np.deg2rad(self.cam_rotation))
 
     @cached_property
     def bearing_room(self) -> float:
-        """Least distance of the cam's outline from its centre [mm]; of a cam of which nothing is known some symbols' size."""
+        """Least distance of the cam profile from the cam centre [mm]; a few symbol sizes where it is unknown."""
         return float(np.abs(self.profile).min()) if self.profile.size else self.base_radius or BEARING * self.unit
 
     @cached_property
     def centre(self) -> np.ndarray:
-        """The instant centre Q of follower and cam (n,) [mm]; infinite where it lies at infinity or is not known."""
+        """Instant centre Q of follower and cam (n,) [mm]; infinite where it is at infinity or unknown."""
         if self.shape is None:
             return np.full(self.samples, complex(np.inf, np.inf))
         return np.asarray(self.shape.centre.finite * MM)
@@ -298,25 +313,25 @@ class Geometry:
     # -- sizes --------------------------------------------------------------------------------------------
 
     def tracks(self) -> Iterator[np.ndarray]:
-        """The path of every point of every body over the turn (n,) [mm]."""
+        """Path over the turn (n,) [mm] of every point of every body."""
         for body in self.bodies.values():
-            for place in body.nodes.values():
-                yield body.track(place)
+            for node in body.nodes.values():
+                yield body.track(node)
 
     @cached_property
     def core_box(self) -> tuple[complex, complex]:
-        """Lower left and upper right corner of all that moves, over the whole turn [mm]."""
+        """Lower left and upper right corner of all moving parts over the turn [mm]."""
         widest = self.pitch if self.pitch.size else self.profile
         sweep = float(np.abs(widest).max()) if widest.size else self.base_radius
-        sweep = max([sweep, *(float(np.abs(flank.profile).max()) * MM for flank in self.further)])
-        boxes = [(-sweep, -sweep, sweep, sweep)] if self.with_cam else []
+        sweep = max([sweep, *(float(np.abs(flank.profile).max()) * MM for flank in self.other_flanks)])
+        boxes = [(-sweep, -sweep, sweep, sweep)] if self.has_cam else []
         corners = self.face_outline[:-1] if self.face_outline.size and not self.face_radius else ()
         turn = np.exp(1j * np.deg2rad(self.face_angle))
         for track in (*self.tracks(), *(self.reference + corner * turn for corner in corners)):
             boxes.append((track.real.min(), track.imag.min(), track.real.max(), track.imag.max()))
         rounds = (
             (self.reference, self.face_radius),
-            *((track, radius) for _, track, radius in self.further_rollers),
+            *((track, radius) for _, track, radius in self.other_rollers),
             *((self.centre_of(wheel), wheel.radius) for pair in self.wheels for wheel in pair.circles),
         )
         for z, r in rounds:
@@ -326,75 +341,76 @@ class Geometry:
 
     @cached_property
     def wheels(self) -> tuple[WheelPair, ...]:
-        """The wheels of second inputs whose radii are known."""
+        """Wheel pairs of the second inputs, where their radii are known."""
         drive = self.study.design.drive
-        return tuple(wheel_pairs(drive.linkage)) if self.numbered and drive.linkage.drivers else ()
+        return tuple(wheel_pairs(drive.linkage)) if self.has_numbered_links and drive.linkage.drivers else ()
 
     def centre_of(self, wheel: Wheel) -> np.ndarray:
-        """Where a wheel's centre is (n,) [mm]."""
+        """Path of a wheel's centre (n,) [mm]."""
         body = self.bodies[body_name(wheel.link)]
         return body.track(body.points[wheel.point])
 
     @property
     def middle(self) -> complex:
-        """Of all that moves [mm]."""
+        """Centre of the box around all moving parts [mm]."""
         low, high = self.core_box
         return 0.5 * (low + high)
 
     @cached_property
     def unit(self) -> float:
-        """Size of the symbols [mm], in proportion to the mechanism; in steps, so that a small edit leaves them alone."""
+        """Size of the symbols [mm] for the mechanism's size, in steps, so that a small edit does not change it."""
         low, high = self.core_box
         size = abs(high - low) / UNITS_ACROSS
         return float(10.0 ** (np.round(UNIT_STEPS * np.log10(size)) / UNIT_STEPS))
 
-    def same_places(self, other: Geometry) -> bool:
-        """Whether every part stands where it does in another reading: no more than speed or loads may differ."""
+    def has_same_positions(self, other: Geometry) -> bool:
+        """Whether all positions agree with another geometry; only speed and loads may differ."""
         return (
             self.kinematics is other.kinematics
             and self.shape is other.shape
-            and (self.sense, self.base_radius, self.bored) == (other.sense, other.base_radius, other.bored)
-            and (self.keyway, self.sprung) == (other.keyway, other.sprung)
+            and (self.rotation_sign, self.base_radius, self.known_circles)
+            == (other.rotation_sign, other.base_radius, other.known_circles)
+            and (self.keyway, self.has_spring) == (other.keyway, other.has_spring)
         )
 
     @cached_property
     def elements(self) -> tuple[Element, ...]:
-        """The force elements besides the masses; none where the loads have no answer."""
+        """Active force elements except the masses; empty where the loads have no solution."""
         try:
             return tuple(element for element in self.study.loading.others if element.is_active)
         except NoSolution:
             return ()
 
     @cached_property
-    def sprung(self) -> bool:
-        """Whether a spring closes the follower."""
-        return any(isinstance(element, OutputForce) and self.closes(element) for element in self.elements)
+    def has_spring(self) -> bool:
+        """Whether a spring holds the follower on the cam."""
+        return any(isinstance(element, OutputForce) and self.is_closing_spring(element) for element in self.elements)
 
-    def closes(self, element: OutputForce) -> bool:
-        """Whether it is a spring, and no external force alone."""
-        return not self.alone and (bool(element.rate) or not self.external)
+    def is_closing_spring(self, element: OutputForce) -> bool:
+        """Whether a force on the output is a spring, not an external force only."""
+        return not self.is_motion_only and (bool(element.rate) or not self.external)
 
     @property
-    def alone(self) -> bool:
-        """Whether a motion moves it, and no mechanism."""
+    def is_motion_only(self) -> bool:
+        """Whether the design is a motion without a mechanism."""
         return self.study.design.drive.is_alone
 
     @property
     def external(self) -> float:
-        """The external force on the output along its motion, as typed."""
+        """External force or torque on the output along its motion, as given [N or N·m]."""
         loads = self.study.design.drive.loads
-        return float(next((v for key in EXTERNAL if (v := getattr(loads, key, 0.0))), 0.0))
+        return float(next((v for key in EXTERNAL_KEYS if (v := getattr(loads, key, 0.0))), 0.0))
 
     @cached_property
     def springs(self) -> tuple[tuple[Spring, np.ndarray, np.ndarray], ...]:
-        """Springs and dampers between points, with both ends (n,) [mm]; none where the loads have no answer."""
-        found = [element for element in self.elements if isinstance(element, Spring)]
-        ends = ((spring, spring.ends(self.kinematics)) for spring in found)
+        """Springs and dampers with the paths of both ends (n,) [mm]; empty where the loads have no solution."""
+        springs = [element for element in self.elements if isinstance(element, Spring)]
+        ends = ((spring, spring.ends(self.kinematics)) for spring in springs)
         return tuple((spring, MM * start, MM * end) for spring, (start, end) in ends)
 
     @cached_property
     def near_centres(self) -> np.ndarray:
-        """Those places of the instant centre that are near enough to be kept in the picture (m,) [mm]."""
+        """Positions of the instant centre near enough to be included in the view (m,) [mm]."""
         low, high = self.core_box
         room = FAR * abs(high - low)
         q = self.centre[np.isfinite(self.centre)]

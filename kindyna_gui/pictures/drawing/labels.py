@@ -1,22 +1,23 @@
-"""Names of the parts, placed where they cover neither the part they name nor, if it can be helped, anything else.
+"""Labels of the parts, placed where they cover as little of the drawing as possible.
 
-A label keeps its side of the part over the whole turn, so that it does not jump about in motion; of a link that turns
-far it may be the link's own side, which goes round with it.
+A label stays on one side of its part over the turn, so that it does not jump during motion. The label of a link that
+turns far may stay on a side of the link instead, and turn with it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import pairwise
 
 import numpy as np
 from PySide6.QtCore import QRectF
 
 from core.frozen import frozen
+from core.mechanism import ROLLER
 from core.mechanism.kinematics import REVOLUTE, SLIDING
-from kindyna_gui.pictures.drawing.cam_parts import sense_arc
-from kindyna_gui.pictures.drawing.geometry import MM, Body, Geometry
+from kindyna_gui.pictures.drawing.cam_parts import rotation_arc
+from kindyna_gui.pictures.drawing.geometry import MM, Body, Geometry, Joint
 from kindyna_gui.pictures.drawing.parts import (
     BLOCK_HEIGHT,
     BLOCK_LENGTH,
@@ -33,99 +34,105 @@ from kindyna_gui.pictures.shapes import BAR, EYE
 from kindyna_gui.pictures.style import Theme
 
 Z_LABEL = 12.0
-SAMPLED = 8  # samples of the turn at which free room is searched
+MOST_SAMPLES = 8  # samples of the turn at which free space is searched
 DIRECTIONS = np.exp(2j * np.pi * np.arange(16) / 16)
 GAPS = (4.0, 17.0, 34.0)  # from the part to its text, pixels
-SIDES, SIDE_GAPS = np.tile(DIRECTIONS, len(GAPS)), np.repeat(GAPS, DIRECTIONS.size)  # where a text may stand
-FAR_TURN = 90.0  # [deg] of a link over the turn, from which its own sides are tried too
-PAD = 3.0  # a text wants so much free paper around, pixels
-COVERS, LEAVES, FURTHER = 6.0, 6.0, 0.5  # costs: covering a label, leaving the picture, each longer gap
-FIRST = 0.25  # of all costs: those at the first sample
-APART = 9.0  # between two labels, pixels
+SIDES, SIDE_GAPS = np.tile(DIRECTIONS, len(GAPS)), np.repeat(GAPS, DIRECTIONS.size)  # positions of a text
+FAR_TURN = 90.0  # [deg] rotation over the turn above which a label may turn with its link
+PAD = 3.0  # free margin around a text, pixels
+COVERS, LEAVES, FURTHER = 6.0, 6.0, 0.5  # costs: covering a label, leaving the view, a longer gap
+FIRST = 0.25  # weight of the first sample in the costs
+LABEL_GAP = 9.0  # between two labels, pixels
 AROUND = 240  # dots of a curve around the cam
 STEM_ROOM = STEM * EYE + BUSH  # half the width of a stem with its bush or its spring, in units
 
 
 TextBox = tuple[np.ndarray, complex]
-"""The middle of a text at the samples at which room is searched (k,) [mm], and half its size in pixels."""
+"""Centre of a text at the k samples of the search (k,) [mm], and half its size [pixels]."""
 
 
 @frozen(eq=False)
 class Label:
-    """A name for what is at ``track`` (n,) [mm] with nothing to be covered within ``room`` [mm] of it; ``foot``: how
-    far from there a line to the text starts, where one must always be drawn [mm]; ``turn``: (n,) unit vector that goes
-    round with the part, where it turns far."""
+    """Label of a part.
+
+    Attributes
+    ----------
+    track : path of the labelled point (n,) [mm]
+    room : radius around the point that the label must not cover [mm]
+    line_start : distance from the point at which a line to the label always starts [mm]; None without such a line
+    turn : unit vector that rotates with the part (n,); None where the part does not turn far
+    """
 
     key: str
     text: str
     track: np.ndarray
     room: float
     layer: str
-    foot: float | None = None
+    line_start: float | None = None
     turn: np.ndarray | None = None
 
     @property
     def gaps(self) -> np.ndarray:
-        """Pixels from part to text, by side: those that stand, then those that turn with the part."""
+        """Gap from part to text for every side [pixels]: first the fixed sides, then those that turn with the part."""
         return SIDE_GAPS if self.turn is None else np.append(SIDE_GAPS, np.full(DIRECTIONS.size, GAPS[0]))
 
-    def outwards(self, seen: np.ndarray) -> np.ndarray:
-        """Where each side lies (k, c) at the samples ``seen`` (k,), unit vectors."""
-        fixed = np.broadcast_to(SIDES, (seen.size, SIDES.size))
-        return fixed if self.turn is None else np.hstack([fixed, self.turn[seen][:, None] * DIRECTIONS])
+    def outwards(self, samples: np.ndarray) -> np.ndarray:
+        """Directions of the sides at the given samples (k,): unit vectors (k, c)."""
+        fixed = np.broadcast_to(SIDES, (samples.size, SIDES.size))
+        return fixed if self.turn is None else np.hstack([fixed, self.turn[samples][:, None] * DIRECTIONS])
 
 
 def _lean(outwards: np.ndarray, half: complex) -> np.ndarray:
-    """From a text's edge to its middle, half its size being ``half``: so the text lies outside of a point."""
+    """Offset from a point to the centre of a text with half size ``half`` outside the point."""
     x, y = np.clip(1.6 * outwards.real, -1.0, 1.0), np.clip(1.6 * outwards.imag, -1.0, 1.0)
     return np.asarray(half.real * x + 1j * half.imag * y)
 
 
 def _clear(outwards: np.ndarray, half: complex) -> np.ndarray:
-    """The same, so far that the text lies outside of a line across the direction, such as a bar that it goes round with."""
+    """Offset from a line across the direction, such as a turning bar, to the centre of a text outside the line."""
     return np.asarray(outwards * (half.real * np.abs(outwards.real) + half.imag * np.abs(outwards.imag)))
 
 
-def _off(track: np.ndarray, by: complex) -> Callable[[int], complex]:
-    """The place at a sample, so far from a moving one: where the mouse drags something, it is seen at one sample alone."""
-    return lambda i: track[i] + by
+def _offset_position(track: np.ndarray, offset: complex, i: int) -> complex:
+    """Position at a sample of a text next to a path (n,); one sample is enough while a part is dragged."""
+    return complex(track[i] + offset)
 
 
-def _beside(label: Label, side: complex, gap: float, half: complex, scale: float) -> Callable[[int], complex]:
-    """The same of a text that goes round with its part, on a side of it."""
+def _turning_position(label: Label, side: complex, gap: float, half: complex, scale: float) -> Callable[[int], complex]:
+    """Position at a sample of a text that turns with its part."""
     turn = label.turn
     assert turn is not None
 
-    def place(i: int) -> complex:
-        around = side * turn[i]
-        return complex(label.track[i] + around * label.room + (around * gap + _clear(around, half)) / scale)
+    def position(i: int) -> complex:
+        direction = side * turn[i]
+        return complex(label.track[i] + direction * label.room + (direction * gap + _clear(direction, half)) / scale)
 
-    return place
+    return position
 
 
 def _turn(geometry: Geometry, *bodies: str) -> np.ndarray | None:
-    """The unit vector that goes round with the first of these links of a linkage that turns far (n,)."""
-    for name in bodies if geometry.numbered else ():
+    """Unit vector (n,) that rotates with the first of the links that turns far; None where none does."""
+    for name in bodies if geometry.has_numbered_links else ():
         body = geometry.bodies[name]
         if np.ptp(body.angle) > FAR_TURN:
             return body.turn
     return None
 
 
-def names(geometry: Geometry) -> Iterator[Label]:
-    """What is named: cam, roller, bodies, pins, instant centre."""
+def labels_of(geometry: Geometry) -> Iterator[Label]:
+    """Labels of the cam, rollers, bodies, pins, free points and the instant centre."""
     unit = geometry.unit
     fixed = np.zeros(geometry.samples, dtype=complex)
     if geometry.face_radius:
         yield Label("roller", geometry.study.design.drive.face.noun, geometry.reference, geometry.face_radius, "roller")
-    for name, track, radius in geometry.further_rollers:
+    for name, track, radius in geometry.other_rollers:
         yield Label(f"roller.{name}", f"{name} roller", track, radius, "roller")
     slides = {j.pair.body: j for j in geometry.joints if j.pair.kind == SLIDING}
     for body in geometry.moving.values():
         places = list(geometry.nodes(body).values())
-        name = body.name.removeprefix("link") if geometry.numbered else body.name.replace("_", " ")
+        name = body.name.removeprefix("link") if geometry.has_numbered_links else body.name.replace("_", " ")
         if body.name in slides:
-            yield Label(body.name, name, *_of_slide(geometry, body.name, slides), "linkage")
+            yield Label(body.name, name, *_slide_label(geometry, slides[body.name]), "linkage")
         elif len(places) > 1:
             ends = max(bars(body, geometry), key=lambda e: abs(e[0] - e[1]))
             yield Label(
@@ -141,7 +148,7 @@ def names(geometry: Geometry) -> Iterator[Label]:
         if joint.pair.kind == REVOLUTE:
             on_block = joint.pair.body in slides or joint.pair.on in slides
             room = 0.5 * BLOCK_HEIGHT * unit if on_block else 1.3 * EYE * unit
-            turn = None if joint.fixed else _turn(geometry, joint.pair.on, joint.pair.body)
+            turn = None if joint.is_fixed else _turn(geometry, joint.pair.on, joint.pair.body)
             yield Label(f"pin.{joint.name}", joint.name.replace("_", " "), joint.track, room, "linkage", None, turn)
     yield from _free_points(geometry)
     if geometry.profile.size:
@@ -151,19 +158,19 @@ def names(geometry: Geometry) -> Iterator[Label]:
 
 
 def bars(body: Body, geometry: Geometry) -> list[tuple[complex, complex]]:
-    """The ends of a body's bars in its frame [mm]: those of a lever go out from its fixed pivot."""
+    """Ends of a body's bars in the frame of the body [mm]; the bars of a lever start at its fixed pivot."""
     nodes = geometry.nodes(body)
-    pivots = [j.pair.point for j in geometry.joints if j.fixed and j.pair.kind == REVOLUTE and j.pair.body == body.name]
+    pivots = [
+        j.pair.point for j in geometry.joints if j.is_fixed and j.pair.kind == REVOLUTE and j.pair.body == body.name
+    ]
     starts = [nodes[name] for name in pivots if name in nodes][:1] or list(nodes.values())
     return [(start, end) for start in starts for end in nodes.values() if start != end]
 
 
 def _free_points(geometry: Geometry) -> Iterator[Label]:
-    """The points of links that no pair is at, such as coupler points; only a linkage has any."""
-    if not geometry.numbered:
+    """Labels of the points of a linkage that are not in a pair, such as coupler points."""
+    if not geometry.has_numbered_links:
         return
-    from core.mechanism import ROLLER
-
     pinned_points = {joint.pair.point for joint in geometry.joints}
     for body in geometry.moving.values():
         for name, place in body.points.items():
@@ -171,54 +178,75 @@ def _free_points(geometry: Geometry) -> Iterator[Label]:
                 yield Label(f"point.{body.name}.{name}", name, body.track(place), 1.3 * EYE * geometry.unit, "linkage")
 
 
-def _of_slide(geometry: Geometry, name: str, slides: dict) -> tuple[np.ndarray, float]:
-    joint, unit = slides[name], geometry.unit
+def _slide_label(geometry: Geometry, joint: Joint) -> tuple[np.ndarray, float]:
+    """Labelled point (n,) [mm] of a sliding body, and the radius that its label must not cover [mm]."""
+    unit = geometry.unit
     if is_stem(joint, geometry):
-        beyond = max(geometry.face_radius, abs(geometry.face_held.real) if not geometry.face_radius else 0.0)
-        return joint.track + joint.outwards * joint.line * (beyond + 0.9 * unit), STEM_ROOM * unit
+        beyond = max(geometry.face_radius, abs(geometry.face_attachment.real) if not geometry.face_radius else 0.0)
+        return joint.track + joint.outward_sign * joint.line * (beyond + 0.9 * unit), STEM_ROOM * unit
     return joint.track, 0.5 * float(np.hypot(BLOCK_LENGTH, BLOCK_HEIGHT)) * unit
 
 
 def spread_samples(geometry: Geometry) -> np.ndarray:
-    """Samples (k,) that show the drawing as different as it gets: spread half over the turn, half over the paths of
-    follower and instant centre."""
+    """Samples (k,) spread half over the cam angle, half over the paths of follower and instant centre."""
     n = geometry.samples
     spread = np.full(n, 1.0 / n)
     for track in (geometry.reference, geometry.centre):
         finite = np.where(np.isfinite(track), track, 0.0)
         distance = np.minimum(np.abs(np.diff(finite, prepend=finite[:1])), 10.0 * geometry.unit)
         spread += distance / (distance.sum() or 1.0)
-    marks = np.floor(np.cumsum(spread) / spread.sum() * (SAMPLED - 1e-9))
+    marks = np.floor(np.cumsum(spread) / spread.sum() * (MOST_SAMPLES - 1e-9))
     return np.flatnonzero(np.diff(marks, prepend=-1.0) > 0.0)
 
 
 @frozen(eq=False)
 class DrawnDots:
-    """What is drawn, as dots: places (k, m) [mm], radii (m,) [mm], and how much it matters not to cover them (m,)."""
+    """The drawing as dots.
 
-    place: np.ndarray
+    Attributes
+    ----------
+    points : positions at k samples (k, m) [mm]
+    radius : radii (m,) [mm]
+    weight : cost of covering a dot (m,)
+    """
+
+    points: np.ndarray
     radius: np.ndarray
     weight: np.ndarray
 
 
 def ink(
     geometry: Geometry,
-    seen: np.ndarray,
+    samples: np.ndarray,
     strokes: Sequence[tuple[np.ndarray, np.ndarray]],
     curves: Sequence[np.ndarray] = (),
 ) -> DrawnDots:
-    """The drawing as dots at the samples ``seen`` (k,); strokes: from (n,) to (n,) [mm], such as arrows; curves: lines (m,) [mm]
-    that stand, such as the paths of points."""
+    """The drawing as dots.
+
+    Parameters
+    ----------
+    geometry : Geometry
+    samples : ndarray (k,)
+        Indices of the samples.
+    strokes : sequence of ndarray (n,), ndarray (n,) [mm]
+        Start and end of moving strokes, such as arrows.
+    curves : sequence of ndarray (m,) [mm]
+        Fixed curves, such as the paths of points.
+
+    Returns
+    -------
+    DrawnDots
+    """
     unit = geometry.unit
     rows: list[tuple[np.ndarray, float, float]] = []
 
-    def dots(one: np.ndarray, other: np.ndarray, radius: float, weight: float) -> None:
-        count = int(np.clip(np.abs(other - one).max() / (1.2 * unit), 2, 60))
+    def dots(start: np.ndarray, end: np.ndarray, radius: float, weight: float) -> None:
+        count = int(np.clip(np.abs(end - start).max() / (1.2 * unit), 2, 60))
         part = np.linspace(0.0, 1.0, count)
-        rows.append((one[:, None] + (other - one)[:, None] * part, radius, weight))
+        rows.append((start[:, None] + (end - start)[:, None] * part, radius, weight))
 
     for body in geometry.moving.values():
-        ends = [body.track(p)[seen] for p in geometry.nodes(body).values()]
+        ends = [body.track(p)[samples] for p in geometry.nodes(body).values()]
         middle = sum(ends) / max(len(ends), 1)
         for i, end in enumerate(ends[1:]):
             dots(ends[i], end, BAR * unit, 1.0)
@@ -229,63 +257,63 @@ def ink(
             rows.append((np.stack(ends, axis=1), EYE * unit, 1.5))
     around = np.exp(2j * np.pi * np.arange(80) / 80)
     rounds = [(geometry.reference, geometry.face_radius)] if geometry.face_radius else []
-    for track, radius in [*rounds, *((track, radius) for _, track, radius in geometry.further_rollers)]:
-        rows.append((track[seen][:, None] + radius * around, 0.0, 0.8))
-        rows.append((track[seen][:, None], unit, 1.5))
+    for track, radius in [*rounds, *((track, radius) for _, track, radius in geometry.other_rollers)]:
+        rows.append((track[samples][:, None] + radius * around, 0.0, 0.8))
+        rows.append((track[samples][:, None], unit, 1.5))
     if geometry.face_outline.size and not geometry.face_radius:
-        turn = np.exp(1j * np.deg2rad(geometry.face_angle[seen]))
-        places = [geometry.reference[seen] + corner * turn for corner in geometry.face_outline]
-        for one, other in pairwise(places):
-            dots(one, other, 0.0, 1.0)
+        turn = np.exp(1j * np.deg2rad(geometry.face_angle[samples]))
+        corners = [geometry.reference[samples] + corner * turn for corner in geometry.face_outline]
+        for start, end in pairwise(corners):
+            dots(start, end, 0.0, 1.0)
     if geometry.profile.size:
         thin = slice(None, None, max(1, geometry.samples // AROUND))
-        turn = np.exp(1j * np.deg2rad(geometry.turned[seen]))[:, None]
-        for loop in (geometry.profile, geometry.pitch, *(flank.profile * MM for flank in geometry.further)):
+        turn = np.exp(1j * np.deg2rad(geometry.cam_rotation[samples]))[:, None]
+        for loop in (geometry.profile, geometry.pitch, *(flank.profile * MM for flank in geometry.other_flanks)):
             rows.append((loop[thin] * turn, 0.0, 0.9))
-        for radius in (geometry.base_radius, *(radius for _, radius in geometry.bored)):
-            rows.append((np.tile(radius * around, (seen.size, 1)), 0.0, 0.6))
-        centre = np.where(np.isfinite(geometry.centre[seen]), geometry.centre[seen], 0.0)
-        dots(geometry.reference[seen], centre, 0.0, 0.6)
-    if geometry.with_cam:
-        rows.append((np.zeros((seen.size, 1), dtype=complex), 2.0 * unit, 1.0))
-        radius, begin, span = sense_arc(geometry)
+        for radius in (geometry.base_radius, *(radius for _, radius in geometry.known_circles)):
+            rows.append((np.tile(radius * around, (samples.size, 1)), 0.0, 0.6))
+        centre = np.where(np.isfinite(geometry.centre[samples]), geometry.centre[samples], 0.0)
+        dots(geometry.reference[samples], centre, 0.0, 0.6)
+    if geometry.has_cam:
+        rows.append((np.zeros((samples.size, 1), dtype=complex), 2.0 * unit, 1.0))
+        radius, begin, span = rotation_arc(geometry)
         arc = radius * np.exp(1j * np.deg2rad(begin + span * np.linspace(0.0, 1.0, 16)))
-        rows.append((np.tile(arc, (seen.size, 1)), 0.4 * unit, 0.8))
+        rows.append((np.tile(arc, (samples.size, 1)), 0.4 * unit, 0.8))
     for joint in geometry.joints:
-        track = joint.track[seen]
+        track = joint.track[samples]
         if joint.pair.kind == SLIDING:
-            line, over = joint.line * np.ones(seen.size), 4.2 * unit
+            line, over = joint.line * np.ones(samples.size), 4.2 * unit
             dots(joint.root + (joint.low - over) * line, joint.root + (joint.high + over) * line, 2.5 * unit, 0.7)
             rows.append((track[:, None], 0.6 * BLOCK_LENGTH * unit, 1.0))
             if is_stem(joint, geometry):
                 end = (bush_start(joint, geometry) + bush_length(joint, geometry)) * unit
-                dots(track, joint.root + joint.outwards * line * end, STEM_ROOM * unit, 1.0)
-        elif joint.fixed:
+                dots(track, joint.root + joint.outward_sign * line * end, STEM_ROOM * unit, 1.0)
+        elif joint.is_fixed:
             down = ground_direction(joint, geometry) * unit
             rows.append((track[:, None] + down * np.array([1.0, 2.2, 3.0]), 1.6 * unit, 1.0))
-    rows += [(np.tile(curve, (seen.size, 1)), 0.0, 0.7) for curve in curves]
+    rows += [(np.tile(curve, (samples.size, 1)), 0.0, 0.7) for curve in curves]
     for start, end in strokes:
-        dots(start[seen], np.where(np.isfinite(end), end, start)[seen], 0.5 * unit, 0.7)
-    place = np.concatenate([p for p, _, _ in rows], axis=1)
+        dots(start[samples], np.where(np.isfinite(end), end, start)[samples], 0.5 * unit, 0.7)
+    points = np.concatenate([p for p, _, _ in rows], axis=1)
     sizes = [p.shape[1] for p, _, _ in rows]
-    return DrawnDots(place, np.repeat([r for _, r, _ in rows], sizes), np.repeat([w for _, _, w in rows], sizes))
+    return DrawnDots(points, np.repeat([r for _, r, _ in rows], sizes), np.repeat([w for _, _, w in rows], sizes))
 
 
 class Labels:
-    """The labels of one drawing: tags, and how they are laid for a picture of a given scale."""
+    """The labels of one drawing, and their layout for a view of a given scale."""
 
     def __init__(self, geometry: Geometry, theme: Theme) -> None:
         self._geometry = geometry
         self._strokes: Sequence[tuple[np.ndarray, np.ndarray]] = ()
         self._curves: Sequence[np.ndarray] = ()
-        self._still: int | None = None
-        self._rows = [(label, Tag(label.text, theme.ink, theme)) for label in names(geometry)]
+        self._fixed_sample: int | None = None
+        self._rows = [(label, Tag(label.text, theme.ink, theme)) for label in labels_of(geometry)]
         self._moves: dict[str, Move] = {}
         self.sides: dict[str, int] = {}
 
     def renew(self, geometry: Geometry) -> bool:
-        """Name the parts of another drawing with the same texts; False, and nothing done, where it has others."""
-        rows = list(names(geometry))
+        """Move the labels to another drawing; returns False, without a change, where its labels differ."""
+        rows = list(labels_of(geometry))
         if [(label.key, label.text) for label in rows] != [(label.key, label.text) for label, _ in self._rows]:
             return False
         self._geometry = geometry
@@ -296,15 +324,15 @@ class Labels:
 
     @cached_property
     def samples(self) -> np.ndarray:
-        """Where room is searched (k,)."""
-        return spread_samples(self._geometry) if self._still is None else np.array([self._still])
+        """Samples at which free space is searched (k,)."""
+        return spread_samples(self._geometry) if self._fixed_sample is None else np.array([self._fixed_sample])
 
     @cached_property
     def _ink(self) -> DrawnDots:
         return ink(self._geometry, self.samples, self._strokes, self._curves)
 
     def parts(self) -> Iterator[DrawnPart]:
-        """The texts as parts of the drawing, which move with what they name."""
+        """The labels as parts of the drawing, which move with the labelled parts."""
         for label, tag in self._rows:
             self._moves[label.key] = pinned(tag, label.track)
             yield DrawnPart(f"label.{label.key}", tag, ("labels", label.layer), Z_LABEL, self._mover(label.key))
@@ -313,26 +341,33 @@ class Labels:
         return lambda i: self._moves[key](i)
 
     def avoid(self, strokes: Sequence[tuple[np.ndarray, np.ndarray]], curves: Sequence[np.ndarray] = ()) -> None:
-        """Keep clear of these too: from (n,) to (n,) [mm], and lines (m,) [mm] that stand. Takes effect when next arranged."""
+        """Avoid strokes from (n,) to (n,) [mm] and fixed curves (m,) [mm], from the next ``arrange`` on."""
         self._strokes, self._curves = strokes, curves
         self.__dict__.pop("_ink", None)
 
-    def stand_still(self, index: int) -> None:
-        """Care for this sample alone. Takes effect when next arranged."""
-        if index != self._still:
-            self._still = index
+    def use_sample(self, index: int) -> None:
+        """Consider only one sample, from the next ``arrange`` on."""
+        if index != self._fixed_sample:
+            self._fixed_sample = index
             for cached in ("samples", "_ink"):
                 self.__dict__.pop(cached, None)
 
     def arrange(self, corners: tuple[complex, complex], scale: float, texts: Sequence[TextBox] = ()) -> None:
-        """Lay all labels; corners: lower left and upper right of what is visible [mm], scale in pixels per mm; texts: others, which
-        stay where they are."""
+        """Find the best side for all labels and lay them.
+
+        Parameters
+        ----------
+        corners : tuple of complex [mm]
+            Lower left and upper right corner of the view.
+        scale : float [pixels per mm]
+        texts : sequence of TextBox
+            Other texts, which do not move.
+        """
         self._choose(corners, scale, texts)
         self.lay(scale)
 
-    def keep(self, sides: Mapping[str, int], scale: float) -> bool:
-        """Lay all labels on the sides they had in another drawing of the same parts; False where parts are new, or one
-        that turned far no longer does."""
+    def reuse_sides(self, sides: Mapping[str, int], scale: float) -> bool:
+        """Lay all labels on the sides of an earlier drawing; returns False where a label is new or has no such side."""
         if any(sides.get(label.key, label.gaps.size) >= label.gaps.size for label, _ in self._rows):
             return False
         self.sides = dict(sides)
@@ -340,7 +375,7 @@ class Labels:
         return True
 
     def lay(self, scale: float) -> None:
-        """Put each label on its side."""
+        """Place all labels on their sides."""
         for label, tag in self._rows:
             side, half = self.sides[label.key], complex(*tag.size) / 2
             gap = float(label.gaps[side])
@@ -348,23 +383,23 @@ class Labels:
                 tag.shift(0.0, 0.0)
                 tag.lead(False)
                 self._moves[label.key] = standing_at(
-                    tag, _beside(label, DIRECTIONS[side - SIDES.size], gap, half, scale)
+                    tag, _turning_position(label, DIRECTIONS[side - SIDES.size], gap, half, scale)
                 )
                 continue
             outwards = complex(SIDES[side])
-            start = label.room if label.foot is None else label.foot
+            start = label.room if label.line_start is None else label.line_start
             push = outwards * (gap + (label.room - start) * scale) + complex(_lean(SIDES[side], half))
             tag.shift(push.real, -push.imag)
-            tag.lead(gap > GAPS[0] or label.foot is not None)
-            self._moves[label.key] = standing_at(tag, _off(label.track, outwards * start))
+            tag.lead(gap > GAPS[0] or label.line_start is not None)
+            self._moves[label.key] = standing_at(tag, partial(_offset_position, label.track, outwards * start))
 
     def boxes(self, scale: float) -> list[QRectF]:
-        """The texts that are shown, in pixels of the whole scene, y downwards; scale in pixels per mm."""
+        """Boxes of the visible labels in pixels of the scene, y downwards; scale in pixels per mm."""
         shown = [(tag.pos() * scale, tag.pixel_box()) for _, tag in self._rows if tag.isVisible()]
-        return [box.translated(place.x(), -place.y()) for place, box in shown]
+        return [box.translated(position.x(), -position.y()) for position, box in shown]
 
     def _choose(self, corners: tuple[complex, complex], scale: float, texts: Sequence[TextBox]) -> None:
-        """Find the best side of each part."""
+        """Find the best side for each label."""
         taken = [(middle, half.real / scale, half.imag / scale) for middle, half in texts]
         for label, tag in self._rows:
             half = complex(*tag.size) / 2
@@ -376,28 +411,28 @@ class Labels:
             cost = self._covered(centre, half / scale, scale)
             cost += FURTHER * np.searchsorted(GAPS, label.gaps)
             cost += _leaving(centre, half / scale, corners) * LEAVES
-            for other, a, b in taken:
-                apart = (
-                    np.abs((centre - other[:, None]).real) - a - half.real / scale,
-                    np.abs((centre - other[:, None]).imag) - b - half.imag / scale,
+            for middle, half_width, half_height in taken:
+                gaps = (
+                    np.abs((centre - middle[:, None]).real) - half_width - half.real / scale,
+                    np.abs((centre - middle[:, None]).imag) - half_height - half.imag / scale,
                 )
-                cost += COVERS * _over_turn(np.maximum(*apart) < APART / scale)
+                cost += COVERS * _over_turn(np.maximum(*gaps) < LABEL_GAP / scale)
             best = self.sides[label.key] = int(np.argmin(cost))
             taken.append((centre[:, best], half.real / scale, half.imag / scale))
 
     def _covered(self, centre: np.ndarray, half: complex, scale: float) -> np.ndarray:
-        """How much ink boxes around ``centre`` (k, c) cover, mean over the turn (c,)."""
+        """Weight of the dots that boxes around ``centre`` (k, c) cover, averaged over the turn (c,)."""
         ink, pad = self._ink, PAD / scale
         low = complex(centre.real.min(), centre.imag.min()) - half * 1.5 - complex(pad, pad)
         high = complex(centre.real.max(), centre.imag.max()) + half * 1.5 + complex(pad, pad)
-        p, r = ink.place, ink.radius
+        p, r = ink.points, ink.radius
         near = (
             (p.real + r > low.real) & (p.real - r < high.real) & (p.imag + r > low.imag) & (p.imag - r < high.imag)
         ).any(axis=0)
         p, r, weight = p[:, near], r[near], ink.weight[near]
         x = _beyond(centre.real, p.real, half.real)
         y = _beyond(centre.imag, p.imag, half.imag)
-        at = np.flatnonzero(np.maximum(x, y) < np.float32(r + pad))  # few are so near
+        at = np.flatnonzero(np.maximum(x, y) < np.float32(r + pad))  # only a few dots are this near
         dot, (k, sides) = at % r.size, centre.shape
         gap = np.hypot(np.maximum(x.ravel()[at], 0.0), np.maximum(y.ravel()[at], 0.0)) - r[dot]
         covered = np.clip(1.0 - gap / pad, 0.0, 1.0) * weight[dot]
@@ -405,6 +440,7 @@ class Labels:
 
 
 def _leaving(centre: np.ndarray, half: complex, corners: tuple[complex, complex]) -> np.ndarray:
+    """Fraction of the turn in which boxes around ``centre`` (k, c) leave the view (c,)."""
     low, high = corners
     out = (
         (centre.real - half.real < low.real)
@@ -416,14 +452,16 @@ def _leaving(centre: np.ndarray, half: complex, corners: tuple[complex, complex]
 
 
 def _beyond(centre: np.ndarray, dots: np.ndarray, half: float) -> np.ndarray:
-    """How far dots (k, m) lie beyond the edges of boxes around ``centre`` (k, c) along one axis, (k, c, m): the largest arrays of the
-    drawing, in half the precision."""
-    apart = centre.astype(np.float32)[:, :, None] - dots.astype(np.float32)[:, None, :]
-    np.abs(apart, out=apart)
-    apart -= np.float32(half)
-    return np.asarray(apart)
+    """Distances (k, c, m) of dots (k, m) from the edges of boxes around ``centre`` (k, c) along one axis.
+
+    These are the largest arrays of the drawing, so they have single precision.
+    """
+    distance = centre.astype(np.float32)[:, :, None] - dots.astype(np.float32)[:, None, :]
+    np.abs(distance, out=distance)
+    distance -= np.float32(half)
+    return np.asarray(distance)
 
 
 def _over_turn(cost: np.ndarray) -> np.ndarray:
-    """Mean of costs (k, c) over the turn (c,); what is seen first, and longest, counts for a quarter."""
+    """Mean of costs (k, c) over the turn (c,); the first sample, which is visible longest, counts for a quarter."""
     return np.asarray(cost.mean(axis=0) * (1.0 - FIRST) + cost[0] * FIRST)

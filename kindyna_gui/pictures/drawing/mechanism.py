@@ -1,4 +1,7 @@
-"""The scene, layers, framing."""
+"""Scene of one mechanism: its layers, its motion, and the view that it fills.
+
+Parts of layers that are rarely shown are drawn when the layer is first shown.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,7 @@ from core.instant_centres import CentreTable
 from core.instant_centres.construction import Key
 from core.study import Study
 from kindyna_gui.pictures.drawing import cam_parts, load_parts, overlay, parts
-from kindyna_gui.pictures.drawing.cam_parts import COLOURINGS, ColouredLoop, coloured, reading_at, scale_of
+from kindyna_gui.pictures.drawing.cam_parts import COLOURINGS, ColouredLoop, colour_scale, coloured_profile, reading_at
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.drawing.labels import Labels, TextBox
 from kindyna_gui.pictures.drawing.overlay import (
@@ -32,10 +35,10 @@ from kindyna_gui.pictures.drawing.overlay import (
 from kindyna_gui.pictures.drawing.parts import (
     DIMENSIONS,
     EVERY_LAYER,
+    FORCE_LAYERS,
     LINKAGE_LAYERS,
-    OF_FORCES,
-    OF_LOADS,
-    OF_STEP,
+    LOAD_LAYERS,
+    STEP_LAYERS,
     TWIST,
     shaft,
 )
@@ -48,20 +51,19 @@ if TYPE_CHECKING:
     from kindyna_gui.pictures.drawing.centre_parts import Construct
 
 
-# -- framing ---------------------------------------------------------------------------------------------
+# -- view ------------------------------------------------------------------------------------------------
 
-FAR_CENTRES = 12.0  # sizes of the mechanism
-MARGIN_UNITS = 4.5  # around all that moves, in units of the symbols
-_STANDING = ("rails", "ground", "pedestal", "rim", "dimensions")
+FAR_CENTRES = 12.0  # instant centres farther away than this many sizes of the mechanism are not in the view
+MARGIN_UNITS = 4.5  # around the moving parts, in units of the symbols
+_FIXED_PARTS = ("rails", "ground", "pedestal", "rim", "dimensions")
 
 
-def whole(geometry: Geometry, parts: Iterable[DrawnPart]) -> QRectF:
-    """The rectangle that holds the mechanism over the whole turn [mm]: all that moves, the ground it stands on, and
-    the instant centre where it is near."""
+def full_extent(geometry: Geometry, parts: Iterable[DrawnPart]) -> QRectF:
+    """Rectangle that contains the moving parts, the ground and near instant centres over the turn [mm]."""
     low, high = geometry.core_box
     rect = QRectF(low.real, low.imag, (high - low).real, (high - low).imag)
     for part in parts:
-        if part.move is None and part.key.partition(".")[0] in _STANDING:
+        if part.move is None and part.key.partition(".")[0] in _FIXED_PARTS:
             rect = rect.united(part.item.boundingRect())
         if part.move is not None and part.key.startswith(("spring.", "load.")):
             for i in range(0, geometry.samples, max(1, geometry.samples // 8)):
@@ -81,22 +83,32 @@ def whole(geometry: Geometry, parts: Iterable[DrawnPart]) -> QRectF:
 
 
 def with_centres(rect: QRectF, table: CentreTable, index: int, only: Collection[Key] | None = None) -> QRectF:
-    """A rectangle [mm] that holds another one and the instant centres at a sample, all or the chosen ones, but those farther away than
-    ``FAR_CENTRES`` of its size, beside which the mechanism would be a dot."""
+    """Extend a rectangle [mm] by the instant centres at a sample, all or those of ``only``.
+
+    Centres farther away than ``FAR_CENTRES`` sizes are left out, because the mechanism would shrink to a dot.
+    """
     reach = FAR_CENTRES * max(rect.width(), rect.height())
     edge, middle = 0.03 * max(rect.width(), rect.height()), complex(rect.center().x(), rect.center().y())
     for key, centres in table.centres.items():
         if (only is not None and key not in only) or centres.is_far(table.size)[index]:
             continue
-        place = MM * complex(centres.finite[index])
-        if abs(place - middle) <= reach:
-            rect = rect.united(QRectF(place.real - edge, place.imag - edge, 2.0 * edge, 2.0 * edge))
+        centre = MM * complex(centres.finite[index])
+        if abs(centre - middle) <= reach:
+            rect = rect.united(QRectF(centre.real - edge, centre.imag - edge, 2.0 * edge, 2.0 * edge))
     return rect
 
 
 def fitted(rect: QRectF, width: float, height: float, list_height: float = 0.0) -> tuple[QRectF, float]:
-    """What a picture of so many pixels shows when a rectangle [mm] fills it between the strips that texts need:
-    visible rectangle [mm] and scale [pixels per mm]. list_height: of a list at the top [pixels]."""
+    """Visible rectangle [mm] and scale [pixels per mm] at which a rectangle fits a view between its strips of text.
+
+    Parameters
+    ----------
+    rect : QRectF [mm]
+    width, height : float [pixels]
+        Size of the view.
+    list_height : float [pixels]
+        Height of a list at the top of the view.
+    """
     top = sized(TOP_STRIP) + list_height
     room = max(height - top - sized(BOTTOM_STRIP), 0.3 * height)
     scale = min(width / rect.width(), room / rect.height())
@@ -106,7 +118,7 @@ def fitted(rect: QRectF, width: float, height: float, list_height: float = 0.0) 
 
 
 def filled(rect: QRectF, width: float, height: float) -> tuple[QRectF, float]:
-    """The same without strips for texts."""
+    """Visible rectangle [mm] and scale [pixels per mm] at which a rectangle fits a view without strips of text."""
     scale = min(width / rect.width(), height / rect.height())
     return _about(rect, width, height, scale), scale
 
@@ -117,9 +129,9 @@ def _about(rect: QRectF, width: float, height: float, scale: float) -> QRectF:
     return visible
 
 
-# -- mechanism -------------------------------------------------------------------------------------------
+# -- scene -----------------------------------------------------------------------------------------------
 
-USUAL_SIZE = (900.0, 675.0)  # of a picture whose size is not given, pixels
+DEFAULT_SIZE = (900.0, 675.0)  # size of a view that is not given, pixels
 
 
 BUILDERS: tuple[Callable[[Geometry, Theme], Iterator[DrawnPart]], ...] = (
@@ -131,27 +143,38 @@ BUILDERS: tuple[Callable[[Geometry, Theme], Iterator[DrawnPart]], ...] = (
 )
 LAZY: Mapping[str, Callable[[Geometry, Theme], Iterator[DrawnPart]]] = MappingProxyType(
     {
-        **{layer: partial(coloured, layer) for layer in COLOURINGS},
+        **{layer: partial(coloured_profile, layer) for layer in COLOURINGS},
         DIMENSIONS: dimensions,
         TWIST: shaft,
         "loads": load_parts.loads,
         "masses": load_parts.masses,
     }
 )
-"""Layers whose parts are made when first shown."""
+"""Layers whose parts are drawn when the layer is first shown."""
 
-DOT = 4.0  # of the place that is read, pixels
+DOT = 4.0  # radius of the mark at the profile point whose values are shown, pixels
 Z_DOT = 12.0
 
 
 class MechanismScene(QGraphicsScene):
-    """A study's mechanism in mm, y upwards: whoever shows it turns y over.
+    """The mechanism of a study in mm, y upwards; a view must invert y.
 
-    ``set_index``, ``set_fraction`` and ``set_angle`` move it; ``show_region`` must be called with what is visible and at which
-    scale, for all that is measured in pixels. Raises NoSolution where the linkage of the study has no position.
+    ``set_index``, ``set_fraction`` and ``set_angle`` move the mechanism. ``show_region`` must be called with the
+    visible rectangle and the scale, because texts and symbols have a size in pixels.
 
-    closest: by how much the picture may be enlarged with its curves still smooth
-    still: it will not move, so that labels need to suit one angle alone
+    Parameters
+    ----------
+    study : Study or None
+    theme : Theme
+    closest : float
+        Magnification up to which curves are smooth.
+    still : bool
+        Place the labels for one angle only, because the mechanism will not move.
+
+    Raises
+    ------
+    NoSolution
+        Where the linkage of the study has no position.
     """
 
     def __init__(
@@ -163,13 +186,13 @@ class MechanismScene(QGraphicsScene):
         self.theme = theme
         self.geometry: Geometry | None = None
         self.index = 0
-        self.turn = 0  # that is drawn, where each begins an advance further on
+        self.turn = 0  # number of the turn; with an advance each turn begins further on
         self._angle: float | None = None
         self.parts: dict[str, DrawnPart] = {}
         self._closest, self._still = closest, still
         self._lines: list[Loop] = []
         self._ribbons: list[ColouredLoop] = []
-        self._whole = QRectF(-100.0, -100.0, 200.0, 200.0)
+        self._extent = QRectF(-100.0, -100.0, 200.0, 200.0)
         self._shown = {name: layer.shown for name, layer in EVERY_LAYER.items()}
         self._region: tuple[QRectF, float] | None = None
         self._labels: Labels | None = None
@@ -178,19 +201,24 @@ class MechanismScene(QGraphicsScene):
         self.construct: Construct | None = None
         self._step: int | None = None
         self.overlay: Overlay | None = None
-        self._made: set[str] = set()
+        self._drawn_layers: set[str] = set()
         self._mouse: tuple[complex, float] | None = None
         self._dot: Outline | None = None
         if study is not None:
             self.update_study(study)
 
-    # -- what is drawn --------------------------------------------------------------------------------------
+    # -- study --------------------------------------------------------------------------------------
 
     def update_study(self, study: Study, keep_labels: bool = False, lay: bool = True) -> None:
-        """Draw another study; cam angle, layers and what is visible stay as they are.
+        """Draw another study at the same cam angle, with the same layers and view.
 
-        keep_labels: labels stay on their sides, which is quick and does not flicker; ``lay_labels`` finds better ones,
-        and so does the first ``show_region``. lay: False where ``show_region`` follows at once, so that nothing is laid twice.
+        Parameters
+        ----------
+        study : Study
+        keep_labels : bool
+            Leave labels on their sides, which is fast and does not flicker; ``lay_labels`` improves them later.
+        lay : bool
+            False where ``show_region`` follows immediately, so that texts are not placed twice.
         """
         geometry = Geometry(study)
         before, self.geometry = self.geometry, geometry
@@ -198,74 +226,74 @@ class MechanismScene(QGraphicsScene):
             self.index = round(self.index / before.samples * geometry.samples) % geometry.samples
         self._angle = None
         sides = self._labels.sides if self._labels is not None and keep_labels else {}
-        drew = bool(self._fields)
+        had_vectors = bool(self._fields)
         self._drop_vectors()
-        by_forces = not self._made.isdisjoint((*OF_FORCES, TWIST))  # what other loads change
-        same = before is not None and geometry.same_places(before) and not by_forces
+        shows_forces = not self._drawn_layers.isdisjoint((*FORCE_LAYERS, TWIST))
+        same = before is not None and geometry.has_same_positions(before) and not shows_forces
         if not same:
             self._rebuild(geometry)
-        elif before is not None and not load_parts.same_loads(geometry, before, self._shown["masses"]):
+        elif before is not None and not load_parts.has_same_loads(geometry, before, self._shown["masses"]):
             self._renew_loads()
-        if geometry.numbered:
+        if geometry.has_numbered_links:
             from kindyna_gui.pictures.drawing.centre_parts import Construct
 
             self.construct = Construct(geometry, self.theme, self.viewport, self._texts, self._step)
         for layer in FIELDS:
-            self._need(layer)
+            self._draw_vectors(layer)
         for layer in LINKAGE_LAYERS:
-            self._need_more(layer)
-        drew = drew or self._shown[DIMENSIONS]
-        if self._fields or drew or geometry.elements or self._shown["masses"] or self._shown["coupler"]:
+            self._draw_construction(layer)
+        with_values = had_vectors or self._shown[DIMENSIONS]
+        if self._fields or with_values or geometry.elements or self._shown["masses"] or self._shown["coupler"]:
             self._make_room()
         self._show()
         if not lay or (self._region is None and keep_labels):
-            self._move(self.index, None)  # nothing can be laid yet
-        elif not same or self._fields or drew or not keep_labels:
-            self._show_region(*(self._region or self.fit(*USUAL_SIZE)), sides)
+            self._move(self.index, None)  # the view is not known yet
+        elif not same or self._fields or with_values or not keep_labels:
+            self._show_region(*(self._region or self.fit(*DEFAULT_SIZE)), sides)
         else:
             self._move(self.index, None)
 
     def _rebuild(self, geometry: Geometry) -> None:
-        """Draw all parts anew; labels of the same names stay the items they are."""
-        named = self._labels is not None and self._labels.renew(geometry)
+        """Draw all parts again; labels with unchanged texts keep their items."""
+        same_labels = self._labels is not None and self._labels.renew(geometry)
         for key, part in self.parts.items():
-            if not (named and key.startswith("label.")):
+            if not (same_labels and key.startswith("label.")):
                 self.removeItem(part.item)
         self.parts = {}
-        self._made = set()
+        self._drawn_layers = set()
         if self.overlay is not None:
             self.overlay.drop_colours(self.removeItem)
         if self.overlay is None:
             self.overlay = Overlay(self.theme, self.addItem)
-        self.overlay.angle_name = geometry.study.angle_name if geometry.numbered else "cam angle"
+        self.overlay.angle_name = geometry.study.angle_name if geometry.has_numbered_links else "cam angle"
         for builder in BUILDERS:
             for part in builder(geometry, self.theme):
-                self._take(part)
-        if self._labels is None or not named:
+                self._add_part(part)
+        if self._labels is None or not same_labels:
             self._labels = Labels(geometry, self.theme)
         for part in self._labels.parts():
-            self._take(part)
+            self._add_part(part)
         self._lines = [part.item for part in self.parts.values() if isinstance(part.item, Loop)]
         self._ribbons = []
         for layer in LAZY:
-            self._need_parts(layer)
+            self._draw_parts(layer)
         self._frame()
 
     def _renew_loads(self) -> None:
-        """Draw what follows from the loads alone anew."""
-        for key in [key for key, part in self.parts.items() if not set(OF_LOADS).isdisjoint(part.layers)]:
+        """Draw the layers that depend on the loads only again."""
+        for key in [key for key, part in self.parts.items() if not set(LOAD_LAYERS).isdisjoint(part.layers)]:
             self.removeItem(self.parts.pop(key).item)
-        self._made -= set(OF_LOADS)
-        for layer in OF_LOADS:
-            self._need_parts(layer)
+        self._drawn_layers -= set(LOAD_LAYERS)
+        for layer in LOAD_LAYERS:
+            self._draw_parts(layer)
         self._frame()
 
     def _frame(self) -> None:
-        """Take in what the picture must hold of what is shown."""
+        """Update the extent for the layers that are shown."""
         assert self.geometry is not None
         shown = (part for part in self.parts.values() if self._shown[DIMENSIONS] or DIMENSIONS not in part.layers)
-        self._whole = whole(self.geometry, shown)
-        self.setSceneRect(self._whole)
+        self._extent = full_extent(self.geometry, shown)
+        self.setSceneRect(self._extent)
 
     def _drop_vectors(self) -> None:
         for key in [key for key in self.parts if key.partition(".")[0] in FIELDS]:
@@ -277,40 +305,40 @@ class MechanismScene(QGraphicsScene):
             self.removeItem(self.parts.pop(key).item)
         self.construct = None
 
-    def _take(self, part: DrawnPart) -> None:
+    def _add_part(self, part: DrawnPart) -> None:
         part.item.setZValue(part.z)
         if part.item.scene() is not self:
             self.addItem(part.item)
         self.parts[part.key] = part
 
-    def _need(self, layer: str) -> None:
-        """Vectors are computed when their layer is first shown."""
+    def _draw_vectors(self, layer: str) -> None:
+        """Compute the vectors of a layer when it is first shown."""
         if self.geometry is None or self.overlay is None or not self._shown[layer] or layer in self.overlay.vectors:
             return
         field = self._fields[layer] = FIELDS[layer](self.geometry)
         for part in overlay.arrows(field, layer, self.geometry, self.theme):
-            self._take(part)
+            self._add_part(part)
         self.overlay.add_scale(VectorUnit(layer, field.family, field.unit, field.mm_per_unit(self.geometry)))
 
-    def _need_parts(self, layer: str) -> None:
-        """Parts of a layer that is seldom shown, and their scale, are made when it is."""
-        if self.geometry is None or self.overlay is None or not self._shown[layer] or layer in self._made:
+    def _draw_parts(self, layer: str) -> None:
+        """Draw the parts and the scale of a layer of ``LAZY`` when it is first shown."""
+        if self.geometry is None or self.overlay is None or not self._shown[layer] or layer in self._drawn_layers:
             return
-        self._made.add(layer)
+        self._drawn_layers.add(layer)
         for part in LAZY[layer](self.geometry, self.theme):
-            self._take(part)
+            self._add_part(part)
             if isinstance(part.item, ColouredLoop):
                 self._ribbons.append(part.item)
                 part.item.look(self.viewport.scale)
-        scale = scale_of(layer, self.geometry, self.theme)
+        scale = colour_scale(layer, self.geometry, self.theme)
         if scale is not None:
             self.overlay.add_colours(layer, scale)
 
-    def _need_more(self, layer: str) -> None:
-        """What a linkage shows besides is read when its layer is first shown."""
+    def _draw_construction(self, layer: str) -> None:
+        """Draw a layer of a general linkage when it is first shown."""
         if self.construct is not None and self.layer_shown(layer):
             for part in self.construct.parts(layer):
-                self._take(part)
+                self._add_part(part)
 
     def _texts(self) -> list[QRectF]:
         if self._labels is None or self.overlay is None:
@@ -318,30 +346,32 @@ class MechanismScene(QGraphicsScene):
         return self._labels.boxes(self.viewport.scale) + self.overlay.boxes(self.viewport.visible, self.viewport.scale)
 
     def show_step(self, step: int | None, draw: bool = True) -> None:
-        """Show one step of the circle diagram: the centres known by then, and the two lines that give the next one.
-        None: no step, but the layers as they are chosen. draw: now, not with what is drawn next."""
+        """Show one step of the circle diagram: the known centres, and the two lines that give the next one.
+
+        ``None`` shows the selected layers without a step. With ``draw`` False the change appears with the next drawing.
+        """
         self._step = step
         if not draw:
             return
-        for layer in OF_STEP:
-            self._need_more(layer)
+        for layer in STEP_LAYERS:
+            self._draw_construction(layer)
         if self.construct is not None:
             self.construct.show_step(step)
         self._show()
         self._move(self.index, self._angle)
 
     def _make_room(self) -> None:
-        """Labels keep clear of the vectors that are shown."""
+        """Keep the labels clear of the vectors, dimensions, loads and curves that are shown."""
         if self._labels is not None and self.geometry is not None:
             shown = [field for layer, field in self._fields.items() if self._shown[layer]]
             values = dimension_strokes(self.geometry) if self._shown[DIMENSIONS] else []
-            values += load_parts.strokes(self.geometry, self._shown.__getitem__)
+            values += load_parts.load_strokes(self.geometry, self._shown.__getitem__)
             curves = () if self.construct is None or not self._shown["coupler"] else self.construct.paths()
             drawn = (stroke for field in shown for stroke in overlay.arrow_strokes(field, self.geometry))
             self._labels.avoid([*drawn, *values], curves)
 
-    def _written(self, samples: np.ndarray) -> Iterator[TextBox]:
-        """The texts of the picture that are no names, at these samples."""
+    def _other_texts(self, samples: np.ndarray) -> Iterator[TextBox]:
+        """All texts of the view but the labels, at the given samples."""
         if self.overlay is None:
             return
         scale = self.viewport.scale
@@ -349,8 +379,8 @@ class MechanismScene(QGraphicsScene):
             middle = complex(box.center().x(), -box.center().y()) / scale
             yield np.full(samples.size, middle), complex(box.width(), box.height()) / 2
         for part in self.parts.values():
-            own = part.key.startswith("label.") or not set(LINKAGE_LAYERS).isdisjoint(part.layers)
-            if isinstance(part.item, Tag) and part.item.isVisible() and not own:
+            placed = part.key.startswith("label.") or not set(LINKAGE_LAYERS).isdisjoint(part.layers)
+            if isinstance(part.item, Tag) and part.item.isVisible() and not placed:
                 middles = []
                 for i in samples:
                     if part.move is not None:
@@ -360,34 +390,34 @@ class MechanismScene(QGraphicsScene):
                 yield np.array(middles), complex(box.width(), box.height()) / 2
 
     def item(self, key: str) -> QGraphicsItem:
-        """The item of a part: ``cam``, ``roller``, ``body.arm``, ``pin.pivot`` ...; raises KeyError."""
+        """Item of a part, such as ``cam``, ``roller``, ``body.arm`` or ``pin.pivot``; raises KeyError."""
         return self.parts[key].item
 
     # -- layers ---------------------------------------------------------------------------------------------
 
     def layer_shown(self, name: str) -> bool:
-        """Whether a layer is shown: chosen, or needed by a step of the construction."""
-        return self._shown[name] or (self._step is not None and name in OF_STEP)
+        """Whether a layer is shown, because it is selected or a step of the construction needs it."""
+        return self._shown[name] or (self._step is not None and name in STEP_LAYERS)
 
-    def layer_wanted(self, name: str) -> bool:
-        """Whether a layer was chosen."""
+    def layer_selected(self, name: str) -> bool:
+        """Whether a layer is selected."""
         return self._shown[name]
 
     def set_layer(self, name: str, shown: bool) -> None:
-        """Show or hide one of ``LAYERS``."""
+        """Show or hide a layer."""
         self._shown[name] = shown
         if name in LINKAGE_LAYERS:
-            self._need_more(name)
+            self._draw_construction(name)
         if name in LAZY:
-            self._need_parts(name)
+            self._draw_parts(name)
         if name in FIELDS:
-            self._need(name)
-        self._show()  # before anything is laid: what is not seen takes no place
+            self._draw_vectors(name)
+        self._show()  # before the texts are placed, so that hidden parts need no space
         if name in LAZY and self._region is not None and self.overlay is not None:
             self.overlay.lay(*self._region)
         if name == DIMENSIONS and self.geometry is not None:
             self._frame()
-        if name in (*FIELDS, *OF_LOADS, DIMENSIONS, "coupler"):
+        if name in (*FIELDS, *LOAD_LAYERS, DIMENSIONS, "coupler"):
             self._make_room()
             if self._region is not None:
                 self.show_region(*self._region)
@@ -402,11 +432,11 @@ class MechanismScene(QGraphicsScene):
     # -- motion ---------------------------------------------------------------------------------------------
 
     def set_index(self, index: int) -> None:
-        """Move everything that is shown to the study's sample of this index."""
+        """Move all visible parts to the sample of this index."""
         self._move(index, None)
 
     def _move(self, index: int, angle: float | None) -> None:
-        """To a sample; angle: the text's cam angle in place of the sample's [deg]."""
+        """Move to a sample; ``angle`` [deg] is shown in place of the sample's cam angle."""
         if self.geometry is None or self.overlay is None:
             return
         self.index, self._angle = index % self.geometry.samples, angle
@@ -420,27 +450,30 @@ class MechanismScene(QGraphicsScene):
             self.read_profile(*self._mouse)
 
     def set_fraction(self, fraction: float) -> None:
-        """Move to the sample nearest to this part of a turn."""
+        """Move to the sample nearest to a fraction of a turn."""
         if self.geometry is not None:
-            n, whole = self.geometry.samples, self.geometry.whole_turn
-            # there and back where the mechanism cannot go round
-            self.set_index(round(fraction * n) if whole else round((1.0 - abs(1.0 - 2.0 * fraction)) * (n - 1)))
+            n = self.geometry.samples
+            if not self.geometry.is_full_turn:  # in both directions where the mechanism cannot rotate continuously
+                fraction, n = 1.0 - abs(1.0 - 2.0 * fraction), n - 1
+            self.set_index(round(fraction * n))
 
     def set_angle(self, theta: float) -> None:
-        """Move to the sample nearest to cam angle theta [rad]; the text in the corner shows theta itself."""
+        """Move to the sample nearest to cam angle theta [rad]; the text in the corner shows theta."""
         if self.geometry is not None:
             self._move(self.geometry.nearest(theta), degrees(theta))
 
-    # -- what is read ---------------------------------------------------------------------------------------
+    # -- values of the profile ---------------------------------------------------------------------------------------
 
-    def read_profile(self, at: complex | None, reach: float = 0.0) -> None:
-        """Show the values at the place of the profile that is nearest to ``at`` [mm], no farther than ``reach`` [mm]; None: no
-        values. What is read goes on with the cam below the place."""
-        self._mouse = None if at is None else (at, reach)
+    def read_profile(self, point: complex | None, reach: float = 0.0) -> None:
+        """Show the values of the nearest profile point within ``reach`` [mm] of a point [mm]; None shows no values.
+
+        The values are updated while the cam moves under the point.
+        """
+        self._mouse = None if point is None else (point, reach)
         if self.geometry is None or self.overlay is None:
             return
-        by_forces = any(self._shown[layer] for layer in OF_FORCES)
-        reading = None if at is None else reading_at(self.geometry, self.index, at, reach, by_forces)
+        with_forces = any(self._shown[layer] for layer in FORCE_LAYERS)
+        reading = None if point is None else reading_at(self.geometry, self.index, point, reach, with_forces)
         self.overlay.show_reading("" if reading is None else reading.text)
         if reading is None:
             if self._dot is not None:
@@ -451,29 +484,28 @@ class MechanismScene(QGraphicsScene):
             self._dot.setFlag(QGraphicsItem.GraphicsItemFlag.ItemIgnoresTransformations)
             self._dot.setZValue(Z_DOT)
             self.addItem(self._dot)
-        place = reading.place * np.exp(1j * np.deg2rad(self.geometry.turned[self.index]))
-        self._dot.setPos(place.real, place.imag)
+        position = reading.point * np.exp(1j * np.deg2rad(self.geometry.cam_rotation[self.index]))
+        self._dot.setPos(position.real, position.imag)
         self._dot.show()
 
-    # -- sight ----------------------------------------------------------------------------------------------
+    # -- view of the scene ----------------------------------------------------------------------------------
 
     def fit_rect(self) -> QRectF:
-        """The rectangle that holds the mechanism over the whole turn [mm]."""
-        return QRectF(self._whole)
+        """Rectangle that contains the mechanism over the turn [mm]."""
+        return QRectF(self._extent)
 
     def least_rect(self) -> QRectF:
-        """What a picture must hold to be no worse than fitted: the same with half the margin."""
+        """Rectangle that a well fitted view must contain [mm]: the extent with half the margin."""
         half = 0.5 * MARGIN_UNITS * self.geometry.unit if self.geometry is not None else 0.0
-        return self._whole.adjusted(half, half, -half, -half)
+        return self._extent.adjusted(half, half, -half, -half)
 
     def fit(self, width: float, height: float) -> tuple[QRectF, float]:
-        """What a picture of so many pixels shows when the mechanism fills it between the strips that texts need:
-        visible rectangle [mm] and scale [pixels per mm]."""
-        return fitted(self._whole, width, height, self.construct.strip if self.construct is not None else 0.0)
+        """Visible rectangle [mm] and scale [pixels per mm] at which the mechanism fits a view of this size [pixels]."""
+        return fitted(self._extent, width, height, self.construct.strip if self.construct is not None else 0.0)
 
     def fit_centres(self, width: float, height: float) -> tuple[QRectF, float]:
-        """The same with the instant centres at the angle at hand, of the step of the circle diagram where one is shown."""
-        rect, strip = self._whole, self.construct.strip if self.construct is not None else 0.0
+        """Visible rectangle [mm] and scale [pixels per mm] with the instant centres shown at the current angle."""
+        rect, strip = self._extent, self.construct.strip if self.construct is not None else 0.0
         if self.geometry is not None:
             marks = self.construct.marks if self.construct is not None else None
             rect = with_centres(
@@ -482,11 +514,11 @@ class MechanismScene(QGraphicsScene):
         return fitted(rect, width, height, strip)
 
     def fill(self, width: float, height: float) -> tuple[QRectF, float]:
-        """The same without strips for texts."""
-        return filled(self._whole, width, height)
+        """Visible rectangle [mm] and scale [pixels per mm] that fit the mechanism into a view without strips of text."""
+        return filled(self._extent, width, height)
 
     def show_region(self, visible: QRectF, scale: float, keep_labels: bool = False) -> None:
-        """Lay labels, scale bar and texts for a view that shows ``visible`` [mm] at ``scale`` [pixels per mm]."""
+        """Place labels, scale bar and texts for a view of ``visible`` [mm] at ``scale`` [pixels per mm]."""
         self._show_region(visible, scale, self._labels.sides if self._labels is not None and keep_labels else {})
 
     def lay_labels(self) -> None:
@@ -495,7 +527,7 @@ class MechanismScene(QGraphicsScene):
             self.show_region(*self._region)
 
     def update_style(self) -> None:
-        """Be written in the letters of now."""
+        """Take over the current fonts."""
         for item in self.items():
             if isinstance(item, Tag):
                 item.update_font()
@@ -512,8 +544,8 @@ class MechanismScene(QGraphicsScene):
             self.overlay.lay(visible, scale)
             low = complex(visible.left(), visible.top())
             if self._still:
-                self._labels.stand_still(self.index)
-            if not self._labels.keep(sides, scale):
-                texts = list(self._written(self._labels.samples))
+                self._labels.use_sample(self.index)
+            if not self._labels.reuse_sides(sides, scale):
+                texts = list(self._other_texts(self._labels.samples))
                 self._labels.arrange((low, low + complex(visible.width(), visible.height())), scale, texts)
             self._move(self.index, self._angle)

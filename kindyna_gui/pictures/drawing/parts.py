@@ -1,4 +1,7 @@
-"""Links, pins, wheels, shaft."""
+"""Layers of the drawing, and its links, pairs, rollers, wheels and flexible shaft.
+
+Symbols are sized in units of the geometry, a fixed fraction of the mechanism's size.
+"""
 
 from __future__ import annotations
 
@@ -48,12 +51,12 @@ if TYPE_CHECKING:
     from core.stability import SteadyTurn
 
 
-# -- what a drawing of a mechanism can show and hide -----------------------------------------------------
+# -- layers ----------------------------------------------------------------------------------------------
 
 
 @frozen
 class Layer:
-    """One row of what can be shown: its name for the user, and whether it is shown at first."""
+    """One layer: its label on the menu, and whether it is shown at first."""
 
     label: str
     shown: bool = True
@@ -88,8 +91,8 @@ LAYERS: Mapping[str, Layer] = MappingProxyType(
     }
 )
 
-GHOSTS: Mapping[str, int] = MappingProxyType({f"poses{n}": n for n in (10, 15, 30, 45, 90)})
-"""Layers of ghost poses, with the degrees from one to the next."""
+GHOST_POSES: Mapping[str, int] = MappingProxyType({f"poses{n}": n for n in (10, 15, 30, 45, 90)})
+"""Angle between the ghost poses of a layer [deg]."""
 
 LINKAGE_LAYERS: Mapping[str, Layer] = MappingProxyType(
     {
@@ -98,62 +101,60 @@ LINKAGE_LAYERS: Mapping[str, Layer] = MappingProxyType(
         "ratios": Layer("Velocity ratios to the driver", shown=False),
         "chain": Layer("Velocity ratios from link to link", shown=False),
         "coupler": Layer("Coupler curves", shown=False),
-        **{name: Layer(f"Ghost poses every {n}°", shown=False) for name, n in GHOSTS.items()},
+        **{name: Layer(f"Ghost poses every {n}°", shown=False) for name, n in GHOST_POSES.items()},
     }
 )
-"""What the drawing of a general linkage can show besides."""
+"""Further layers for general linkages."""
 
-OF_STEP = ("centres", "kennedy")
+STEP_LAYERS = ("centres", "kennedy")
 """Layers that a step of the circle diagram needs."""
 
-COLOURS = ("pressure_colours", "curvature_colours", "stress_colours")
-"""Layers of which one at most is shown at a time."""
+COLOUR_LAYERS = ("pressure_colours", "curvature_colours", "stress_colours")
+"""Colour layers, of which at most one is shown at a time."""
 
-OF_BODIES = ("forces", "inertia")
-"""Layers of the forces on the bodies."""
+BODY_FORCE_LAYERS = ("forces", "inertia")
+"""Layers of the forces on bodies."""
 
-OF_FORCES = (*OF_BODIES, "stress_colours")
-"""Layers that follow from the forces."""
+FORCE_LAYERS = (*BODY_FORCE_LAYERS, "stress_colours")
+"""Layers that depend on the forces."""
 
-OF_LOADS = ("loads", "masses")
-"""Layers that follow from the loads alone."""
+LOAD_LAYERS = ("loads", "masses")
+"""Layers that depend on the loads only."""
 
-_OF_CAMS = ("cam", "pitch", "base", "roller", "normal", "centre", *COLOURS)
+_CAM_LAYERS = ("cam", "pitch", "base", "roller", "normal", "centre", *COLOUR_LAYERS)
 EVERY_LAYER: Mapping[str, Layer] = MappingProxyType({**LAYERS, **LINKAGE_LAYERS})
 
 
-def goes_on(study: Study) -> bool:
-    """Whether the motion does not come back, so that each turn begins an advance further on."""
+def has_advance(study: Study) -> bool:
+    """Whether the motion has an advance, so that each turn begins further on."""
     motion = study.design.drive.motion
     return motion is not None and bool(motion.gain)
 
 
-def layers_of(study: Study) -> tuple[str, ...]:
-    """The layers that have something to show of this kind of design."""
-    without = () if "cam" in study.stages else _OF_CAMS
+def available_layers(study: Study) -> tuple[str, ...]:
+    """Layers that apply to a design."""
+    without = () if "cam" in study.stages else _CAM_LAYERS
     without = (
         *without,
-        *(() if goes_on(study) else (MODULO,)),
+        *(() if has_advance(study) else (MODULO,)),
         *(() if study.design.shaft is not None and study.design.shaft.elastic is not None else (TWIST,)),
     )
     rows = EVERY_LAYER if lists_links(study.design) else LAYERS
     return tuple(name for name in rows if name not in without)
 
 
-# -- parts -----------------------------------------------------------------------------------------------
+# -- links and pairs -------------------------------------------------------------------------------------
 
-BLOCK_LENGTH, BLOCK_HEIGHT = 5.2, 3.2  # of a slider, in units
-STEM, BUSH = (
-    0.65,
-    1.75,
-)  # half the width of a stem, in parts of an eye, and how much further out its bush ends, in units
-COILED = 6.0  # from the face at its highest to the bush, where a spring stands between them, in units
+BLOCK_LENGTH, BLOCK_HEIGHT = 5.2, 3.2  # size of a slider, in units
+STEM = 0.65  # half the width of a stem, by the radius of an eye
+BUSH = 1.75  # thickness of the bush around a stem, in units
+SPRING_ROOM = 6.0  # from the face in its highest position to the bush, where a spring is between them, in units
 Z_BEHIND, Z_GROUND, Z_GUIDE, Z_ROLLER, Z_BODY, Z_PIN = 0.5, 3.0, 1.0, 4.0, 5.0, 9.0
 _DOWN_FIRST = (-1j, -1 + 0j, 1 + 0j, 1j)
 
 
 def linkage(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
-    """Bodies as bars, levers and plates; pins; slides."""
+    """Bodies as bars, levers and plates, and the pins and slides between them."""
     for number, body in enumerate(geometry.moving.values()):
         fill = brush(theme.links[number % len(theme.links)])
         pieces = body_pieces(body, geometry)
@@ -166,24 +167,26 @@ def linkage(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
 
 
 def drawn_joints(geometry: Geometry) -> Iterator[Joint]:
-    """Every pair once: several links on one pin are one pin."""
+    """The pairs to be drawn; several links on one pin have one pin."""
     seen: set[tuple[str, str]] = set()
     for joint in geometry.joints:
         key = (joint.pair.kind, joint.pair.point)
-        if not geometry.numbered or key not in seen:
+        if not geometry.has_numbered_links or key not in seen:
             seen.add(key)
             yield joint
 
 
 def body_pieces(body: Body, geometry: Geometry) -> tuple[QPainterPath, ...]:
-    """A body as a bar between two points, a lever about its fixed pivot, or a plate; none where it has one point."""
+    """Outline of a body: a bar between two points, a lever about its fixed pivot, or a plate; empty with one point."""
     nodes = geometry.nodes(body)
     places = tuple(nodes.values())
     if len(places) < 2:
         return ()
     if len(places) == 2:
         return link(places, geometry.unit)
-    hubs = [j.pair.point for j in geometry.joints if j.fixed and j.pair.kind == REVOLUTE and j.pair.body == body.name]
+    hubs = [
+        j.pair.point for j in geometry.joints if j.is_fixed and j.pair.kind == REVOLUTE and j.pair.body == body.name
+    ]
     if hubs and hubs[0] in nodes:
         hub = nodes[hubs[0]]
         return lever(hub, tuple(p for p in places if p != hub), geometry.unit)
@@ -191,9 +194,9 @@ def body_pieces(body: Body, geometry: Geometry) -> tuple[QPainterPath, ...]:
 
 
 def passes_shaft(body: Body, geometry: Geometry) -> bool:
-    """Whether a bar runs across the camshaft somewhere in the turn: it is drawn behind the cam."""
+    """Whether a bar crosses the camshaft during the turn, so that it is drawn behind the cam."""
     places = tuple(geometry.nodes(body).values())
-    if not geometry.with_cam or len(places) != 2:
+    if not geometry.has_cam or len(places) != 2:
         return False
     start, end = (body.track(place) for place in places)
     along = end - start
@@ -204,7 +207,7 @@ def passes_shaft(body: Body, geometry: Geometry) -> bool:
 def _pin(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     item = Outline(circle(PIN * geometry.unit), theme.pen(theme.ink, OUTLINE), brush(theme.paper))
     yield DrawnPart(f"pin.{joint.name}", item, ("linkage",), Z_PIN, pinned(item, joint.track))
-    if joint.fixed:
+    if joint.is_fixed:
         yield from _pedestal(joint, geometry, theme)
 
 
@@ -222,7 +225,7 @@ def _pedestal(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[DrawnP
 
 
 def ground_direction(joint: Joint, geometry: Geometry) -> complex:
-    """Where the ground of a fixed pivot is drawn: downwards, unless a link comes from there during the turn."""
+    """Direction of the ground symbol of a fixed pivot: downwards, unless a link is in the way during the turn."""
     step = max(1, geometry.samples // 24)
     body = geometry.bodies[joint.pair.body]
     links = [body.track(p)[::step] - joint.track[::step] for p in body.nodes.values()]
@@ -234,7 +237,7 @@ def ground_direction(joint: Joint, geometry: Geometry) -> complex:
 
 
 def _slide(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
-    """A body that carries the follower's face is a stem in a bush, any other a block between rails."""
+    """A stem in a bush for a body with the follower's face, else a block between rails."""
     if is_stem(joint, geometry):
         yield from _stem(joint, geometry, theme)
     else:
@@ -242,25 +245,27 @@ def _slide(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart
 
 
 def is_stem(joint: Joint, geometry: Geometry) -> bool:
-    """Whether what slides carries the follower's face."""
-    follows = joint.fixed and joint.pair.body == geometry.kinematics.follower_body
-    return follows and not geometry.numbered and not geometry.alone
+    """Whether the sliding body has the follower's face."""
+    is_follower = joint.is_fixed and joint.pair.body == geometry.kinematics.follower_body
+    return is_follower and not geometry.has_numbered_links and not geometry.is_motion_only
 
 
 def bush_start(joint: Joint, geometry: Geometry) -> float:
-    """Where the bush of a stem begins, from the joint's root outwards, in units; behind a spring there is room for its coils."""
-    room = COILED if geometry.sprung else 1.5
+    """Start of a stem's bush, outwards from the joint's root, in units; a spring before it has its room."""
+    room = SPRING_ROOM if geometry.has_spring else 1.5
     return joint.farthest / geometry.unit + geometry.face_radius / geometry.unit + room
 
 
 def bush_length(joint: Joint, geometry: Geometry) -> float:
-    """Of the bush of a stem, in units."""
+    """Length of the bush of a stem, in units."""
     return max(6.0, 0.8 * (joint.high - joint.low) / geometry.unit)
 
 
 def behind_face(geometry: Geometry, line: complex) -> float:
-    """How far behind the follower's reference point its face ends, along a line outwards [mm]."""
-    return geometry.face_radius if geometry.face_radius else max(0.0, (geometry.face_held * line.conjugate()).real)
+    """Distance from the follower's reference point to the back of its face, along an outward direction [mm]."""
+    return (
+        geometry.face_radius if geometry.face_radius else max(0.0, (geometry.face_attachment * line.conjugate()).real)
+    )
 
 
 def _block(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
@@ -268,9 +273,9 @@ def _block(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart
     half_length, half_height = 0.5 * BLOCK_LENGTH, 0.5 * BLOCK_HEIGHT
     box = QPainterPath()
     box.addRect(QRectF(-half_length, -half_height, BLOCK_LENGTH, BLOCK_HEIGHT))
-    path = scaled(box, unit, body.points[joint.pair.point], joint.own)
+    path = scaled(box, unit, body.points[joint.pair.point], joint.body_line)
     item = Outline(path, theme.pen(theme.ink, OUTLINE), brush(theme.slider))
-    z = Z_BODY - 0.5 if joint.fixed else Z_BODY + 0.8
+    z = Z_BODY - 0.5 if joint.is_fixed else Z_BODY + 0.8
     yield DrawnPart(f"block.{joint.name}", item, ("linkage",), z, riding(item, body.z, body.angle))
     low, high = joint.low / unit - half_length - 1.6, joint.high / unit + half_length + 1.6
     yield from _rails(joint, geometry, theme, low, high, half_height)
@@ -279,11 +284,11 @@ def _block(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart
 def _rails(
     joint: Joint, geometry: Geometry, theme: Theme, low: float, high: float, half_gap: float
 ) -> Iterator[DrawnPart]:
-    """Two lines along a slide's travel, hatched outside where they are ground; lengths in units."""
+    """Two lines along the travel of a slide, hatched where the slide is on the ground; lengths in units."""
     ends = [(complex(low, side), complex(high, side)) for side in (half_gap, -half_gap)]
     lines = scaled(segments(ends), geometry.unit, joint.root, joint.line)
     item = Outline(lines, theme.pen(theme.ink, THIN))
-    if not joint.fixed:
+    if not joint.is_fixed:
         on = geometry.bodies[joint.pair.on]
         yield DrawnPart(f"rails.{joint.name}", item, ("guide",), Z_BODY + 0.7, riding(item, on.z, on.angle))
         return
@@ -295,17 +300,21 @@ def _rails(
 
 
 def _stem(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
-    """A stem from the face through a hatched bush beyond the highest position."""
+    """Stem from the face through a hatched bush beyond the highest position."""
     unit, body = geometry.unit, geometry.bodies[joint.pair.body]
-    outwards = joint.outwards
-    line, own = joint.line * outwards, joint.own * outwards
+    sign = joint.outward_sign
+    line, body_line = joint.line * sign, joint.body_line * sign
     start, length = bush_start(joint, geometry), bush_length(joint, geometry)
-    low = (joint.low if outwards > 0 else -joint.high) / unit
-    eye = min(EYE, 0.4 * geometry.face_radius / unit) if geometry.face_rolls else 0.0
+    low = (joint.low if sign > 0 else -joint.high) / unit
+    eye = min(EYE, 0.4 * geometry.face_radius / unit) if geometry.has_rolling_face else 0.0
     half = STEM * (eye or EYE)
-    inner = max(0.0, (geometry.face_held * own.conjugate()).real) / unit  # of a face without a round: on its back
+    inner = (
+        max(0.0, (geometry.face_attachment * body_line.conjugate()).real) / unit
+    )  # a face that is not round is held on its back
     shapes = stem(start + length - low + 1.8 - inner, half, eye)
-    pieces = [scaled(path, unit, body.points[joint.pair.point] + inner * unit * own, own) for path in shapes]
+    pieces = [
+        scaled(path, unit, body.points[joint.pair.point] + inner * unit * body_line, body_line) for path in shapes
+    ]
     item = Silhouette(pieces, theme.pen(theme.ink, OUTLINE), brush(theme.links[0]))
     yield DrawnPart(f"stem.{joint.name}", item, ("linkage",), Z_BODY, riding(item, body.z, body.angle))
     walls, strokes = QPainterPath(), QPainterPath()
@@ -322,13 +331,13 @@ def _stem(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]
 
 
 def roller(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
-    """The follower's face: a roller with its centre mark, else its outline; and the rollers on further flanks."""
-    if geometry.face_rolls and geometry.face_radius:
+    """Follower's face, a roller with its centre mark or another outline, and the rollers on the other flanks."""
+    if geometry.has_rolling_face and geometry.face_radius:
         yield from _roller("roller", geometry.reference, geometry.face_radius, geometry, theme)
     elif geometry.face_outline.size:
         item = Outline(outline(geometry.face_outline), theme.pen(theme.ink, OUTLINE), brush(theme.links[0]))
         yield DrawnPart("roller", item, ("roller",), Z_ROLLER, riding(item, geometry.reference, geometry.face_angle))
-    for name, track, radius in geometry.further_rollers:
+    for name, track, radius in geometry.other_rollers:
         yield from _roller(f"roller.{name}", track, radius, geometry, theme)
 
 
@@ -346,33 +355,33 @@ JOINTS: Mapping[str, Callable[[Joint, Geometry, Theme], Iterator[DrawnPart]]] = 
 )
 
 
-# -- shaft parts -----------------------------------------------------------------------------------------
+# -- flexible shaft --------------------------------------------------------------------------------------
 
-# The cam stands where the drawing has it; the pulley is ahead of it by the wind-up of the steady response, times a round number
-# that is stated beside it.
+# The pulley is ahead of the cam by the wind-up of the steady response times a round magnification, which a text gives.
 
-SEEN = 30.0  # [deg] the largest twist is drawn at most so large, unless it is larger
+SHOWN_TWIST = 30.0  # [deg] the largest twist is magnified to this angle at most
 COILS, POINTS = 3, 240  # turns of the spring at rest, and points of its line
-INNER, OUTER = 0.3, 0.66  # its ends, in parts of the room about the cam's centre
-BEYOND, RIM = 1.06, 0.95  # of the pulley's rim: beyond the cam's edge; its inner edge in parts of the outer
+INNER, OUTER = 0.3, 0.66  # radii of the spring's ends, by the free radius around the cam centre
+BEYOND, RIM = 1.06, 0.95  # outer radius of the pulley's rim by the cam's, and its inner radius by its outer
 Z_PULLEY, Z_SPRING, Z_TWIST = 0.5, 3.2, 8.5
 
 
 def shaft(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
-    """Pulley, spring and twist; a sentence in their place where there is no steady response."""
-    turn, why = _steady(geometry)
-    rim = _rim(geometry)
+    """Pulley, spring and twist; a sentence instead where there is no steady response."""
+    turn, reason = _steady(geometry)
+    curves = [curve for curve in (geometry.profile, geometry.pitch) if curve.size]
+    rim = BEYOND * max((float(np.abs(curve).max()) for curve in curves), default=geometry.base_radius)
     below = float(geometry.reference.imag.mean()) >= 0.0  # away from the follower
-    said = Tag("", theme.letters(VERMILION), theme, TEXT, lean=(0.5, 0.0 if below else 1.0), backing=True)
-    said.setPos(0.0, -BEYOND * rim if below else BEYOND * rim)
+    note = Tag("", theme.letters(VERMILION), theme, TEXT, lean=(0.5, 0.0 if below else 1.0), backing=True)
+    note.setPos(0.0, -BEYOND * rim if below else BEYOND * rim)
     if turn is None:
-        said.set_text(why)
-        yield DrawnPart("twist.text", said, (TWIST,), Z_TWIST)
+        note.set_text(reason)
+        yield DrawnPart("twist.text", note, (TWIST,), Z_TWIST)
         return
     twist = np.rad2deg(turn.wind_up_at_cam(geometry.study.theta))
     times = magnification(twist)
-    drawn = geometry.sense * times * twist
-    ahead = geometry.turned + drawn
+    shown_twist = geometry.rotation_sign * times * twist
+    ahead = geometry.cam_rotation + shown_twist
     room = geometry.bearing_room
     pulley = Outline(joined(circle(rim), circle(RIM * rim)), theme.pen(theme.quiet, OUTLINE))
     yield DrawnPart("twist.pulley", pulley, (TWIST,), Z_PULLEY)
@@ -386,21 +395,21 @@ def shaft(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
         theme.pen(theme.seen(VERMILION), THIN),
         brush(theme.seen(VERMILION)),
     )
-    yield DrawnPart("twist.fixed", fixed, (TWIST,), Z_SPRING, turning(fixed, geometry.turned))
-    yield DrawnPart("twist.cam", behind, (TWIST,), Z_SPRING, turning(behind, geometry.turned))
+    yield DrawnPart("twist.fixed", fixed, (TWIST,), Z_SPRING, turning(fixed, geometry.cam_rotation))
+    yield DrawnPart("twist.cam", behind, (TWIST,), Z_SPRING, turning(behind, geometry.cam_rotation))
     spring, arc = (Outline(QPainterPath(), theme.pen(theme.seen(VERMILION), width)) for width in (THIN, 3.0))
 
     def move(i: int) -> None:
-        """In the cam's frame: the spring's inner end stays on the cam, its outer end and the arc's go with the pulley."""
-        spring.redraw(_spiral(INNER * room, OUTER * room, geometry.sense * 360.0 * COILS + drawn[i]))
-        arc.redraw(_spiral(RIM * rim, RIM * rim, drawn[i]))
+        # in the frame of the cam: the spring's inner end is on the cam, its outer end and the arc's on the pulley
+        spring.redraw(_spiral(INNER * room, OUTER * room, geometry.rotation_sign * 360.0 * COILS + shown_twist[i]))
+        arc.redraw(_spiral(RIM * rim, RIM * rim, shown_twist[i]))
         for item in (spring, arc):
-            item.setRotation(float(geometry.turned[i]))
-        said.set_text(f"Twist {digits(twist[i], 3)}\N{DEGREE SIGN}, drawn {times:g} \N{MULTIPLICATION SIGN} as large")
+            item.setRotation(float(geometry.cam_rotation[i]))
+        note.set_text(f"Twist {digits(twist[i], 3)}\N{DEGREE SIGN}, drawn {times:g} \N{MULTIPLICATION SIGN} as large")
 
     yield DrawnPart("twist.spring", spring, (TWIST,), Z_SPRING, move)
     yield DrawnPart("twist.arc", arc, (TWIST,), Z_TWIST)
-    yield DrawnPart("twist.text", said, (TWIST,), Z_TWIST)
+    yield DrawnPart("twist.text", note, (TWIST,), Z_TWIST)
     name = Tag("input", theme.letters(VERMILION), theme, backing=True)
     yield DrawnPart(
         "twist.name", name, (TWIST, "labels"), Z_TWIST, pinned(name, BEYOND * rim * np.exp(1j * np.deg2rad(ahead)))
@@ -408,13 +417,13 @@ def shaft(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
 
 
 def magnification(twist: np.ndarray) -> float:
-    """A round number that makes the largest twist (n,) [deg] well visible; 1 where it is that already."""
+    """Round number that makes the largest twist (n,) [deg] visible; 1 where the twist is large enough."""
     largest = float(np.abs(twist).max(initial=0.0))
-    return max(1.0, nice_below(SEEN / largest)) if largest > 0.0 else 1.0
+    return max(1.0, nice_below(SHOWN_TWIST / largest)) if largest > 0.0 else 1.0
 
 
 def _steady(geometry: Geometry) -> tuple[SteadyTurn | None, str]:
-    """The steady response, or why there is none to be drawn."""
+    """Steady response, or the reason why there is none."""
     if geometry.profile.size:
         try:
             return geometry.study.steady_turn, ""
@@ -422,29 +431,22 @@ def _steady(geometry: Geometry) -> tuple[SteadyTurn | None, str]:
             return None, f"{error.problem[:1].upper()}{error.problem[1:]}"
         except NoSolution:
             pass
-    return None, "The flexible shaft has no steady response to be drawn"
-
-
-def _rim(geometry: Geometry) -> float:
-    """Beyond the cam, and where its roller runs [mm]."""
-    curves = [each for each in (geometry.profile, geometry.pitch) if each.size]
-    far = max((float(np.abs(each).max()) for each in curves), default=geometry.base_radius)
-    return BEYOND * far
+    return None, "The flexible shaft has no steady response"
 
 
 def _spiral(inner: float, outer: float, span: float) -> QPainterPath:
-    """From a radius at angle 0 to another at the angle ``span`` [deg], about the origin."""
+    """Spiral about the origin from a radius at angle 0 to another at the angle ``span`` [deg]."""
     part = np.linspace(0.0, 1.0, POINTS)
     return polyline((inner + (outer - inner) * part) * np.exp(1j * np.deg2rad(span) * part))
 
 
-# -- wheel parts -----------------------------------------------------------------------------------------
+# -- wheels ----------------------------------------------------------------------------------------------
 
 Z_WHEELS = 0.6
 
 
 def wheels(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
-    """Of a linkage with wheels whose radii are known."""
+    """Wheels of a linkage with known radii, with their rack or belt."""
     for number, pair in enumerate(geometry.wheels, 1):
         for name, wheel in zip(("first", "second"), pair.circles, strict=False):
             body = geometry.bodies[body_name(wheel.link)]
@@ -462,7 +464,7 @@ def wheels(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
 
 
 def _wheel(wheel: Wheel, centre: complex) -> QPainterPath:
-    """The pitch circle, and a mark from its centre to it, along the link's x axis."""
+    """Pitch circle with its radius along the link's x axis."""
     path = circle(wheel.radius, centre)
     path.moveTo(at(centre))
     path.lineTo(at(centre + wheel.radius))
@@ -470,34 +472,34 @@ def _wheel(wheel: Wheel, centre: complex) -> QPainterPath:
 
 
 def _belt(pair: WheelPair, geometry: Geometry) -> QPainterPath:
-    """Both straight parts of an open belt, in the frame of the link that carries the wheels."""
+    """Both straight parts of an open belt, in the frame of the wheels' carrier."""
     carrier = geometry.bodies[body_name(pair.carrier)]
-    turned = np.exp(-1j * np.deg2rad(carrier.angle[0]))
-    one, other = (
-        complex((geometry.centre_of(wheel)[0] - carrier.z[0]) * turned) for wheel in (pair.first, pair.second)
+    back = np.exp(-1j * np.deg2rad(carrier.angle[0]))
+    first, second = (
+        complex((geometry.centre_of(wheel)[0] - carrier.z[0]) * back) for wheel in (pair.first, pair.second)
     )
-    way = other - one
-    lean = (pair.first.radius - pair.second.radius) / abs(way)
+    along = second - first
+    lean = (pair.first.radius - pair.second.radius) / abs(along)
     path = QPainterPath()
     for side in (1.0, -1.0):
-        across = way / abs(way) * (lean + 1j * side * np.sqrt(max(1.0 - lean * lean, 0.0)))
-        path.moveTo(at(one + pair.first.radius * across))
-        path.lineTo(at(other + pair.second.radius * across))
+        across = along / abs(along) * (lean + 1j * side * np.sqrt(max(1.0 - lean * lean, 0.0)))
+        path.moveTo(at(first + pair.first.radius * across))
+        path.lineTo(at(second + pair.second.radius * across))
     return path
 
 
 def _rack(pair: WheelPair, geometry: Geometry) -> QPainterPath:
-    """The pitch line of a rack in its own frame, as far as its pinion rolls on it and half a radius more, and a mark where it begins."""
+    """Pitch line of a rack in the rack's frame, over the pinion's range and half a radius more, with a start mark."""
     carrier, rack = (geometry.bodies[body_name(n)] for n in (pair.carrier, pair.second.link))
     along = pair.along * carrier.turn
-    touching = geometry.centre_of(pair.first) - 1j * along * pair.first.radius
-    turned = rack.turn.conj()
-    local, way = (touching - rack.z) * turned, complex((along * turned).flat[0])
-    places = (local * way.conjugate()).real
-    base = 1j * way * float((local * way.conjugate()).imag.flat[0])
-    ends = [base + way * s for s in (places.min() - 0.5 * pair.first.radius, places.max() + 0.5 * pair.first.radius)]
+    contact = geometry.centre_of(pair.first) - 1j * along * pair.first.radius
+    back = rack.turn.conj()
+    local, line = (contact - rack.z) * back, complex((along * back).flat[0])
+    travel = (local * line.conjugate()).real
+    base = 1j * line * float((local * line.conjugate()).imag.flat[0])
+    ends = [base + line * s for s in (travel.min() - 0.5 * pair.first.radius, travel.max() + 0.5 * pair.first.radius)]
     path = QPainterPath()
-    path.moveTo(at(ends[0] - 1j * way * 0.2 * pair.first.radius))
+    path.moveTo(at(ends[0] - 1j * line * 0.2 * pair.first.radius))
     path.lineTo(at(ends[0]))
     path.lineTo(at(ends[1]))
     return path

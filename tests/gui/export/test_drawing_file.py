@@ -211,11 +211,11 @@ def test_a_drawing_goes_from_the_dialog_into_a_file(user: User, tmp_path: Path) 
         if not isinstance(dialog, DrawingDialog):
             QTimer.singleShot(5, act)
             return
-        wait_for(lambda: dialog.made is not None)
+        wait_for(lambda: dialog.computed is not None)
         QTest.keyClick(dialog.form.boxes["paper"], Qt.Key.Key_Down)
-        assert dialog.made is None, "nothing can be written before it is computed"
+        assert dialog.computed is None, "nothing can be written before it is computed"
         assert not dialog.export.isEnabled()
-        wait_for(lambda: dialog.made is not None)
+        wait_for(lambda: dialog.computed is not None)
         dialog.grab()
         seen.append(dialog.result.text())
         QTest.mouseClick(dialog.export, Qt.MouseButton.LeftButton)
@@ -241,7 +241,7 @@ def test_an_undercut_cam_is_refused_in_the_dialog(user: User) -> None:
         if not isinstance(dialog, DrawingDialog):
             QTimer.singleShot(5, act)
             return
-        wait_for(lambda: not dialog.result.text().startswith("computing"))
+        wait_for(lambda: not dialog.result.text().startswith("Calculating"))
         seen.append(dialog.result.text())
         assert not dialog.export.isEnabled()
         QTest.keyClick(dialog, Qt.Key.Key_Escape)

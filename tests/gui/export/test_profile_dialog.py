@@ -50,7 +50,7 @@ def chosen(dialog: ProfileDialog) -> Any:
 
 def computed(dialog: ProfileDialog) -> str:
     """What the dialog says once the preview is there."""
-    wait_for(lambda: not dialog.result.text().startswith("computing"))
+    wait_for(lambda: not dialog.result.text().startswith("Calculating"))
     return dialog.result.text()
 
 
@@ -115,7 +115,7 @@ def test_formats_points_and_cutters_are_chosen_and_refused(user: User, tmp_path:
         type_number(chosen(dialog), "0.01")
         type_number(feed, "450")
         assert "at most 0.01 mm from the exact curve" in computed(dialog)
-        assert b"F450.\n" in files(dialog.made.job, Path("cam.nc"))["cam.nc"]
+        assert b"F450.\n" in files(dialog.computed.job, Path("cam.nc"))["cam.nc"]
         type_number(dialog.form.boxes["cutter_mm"], "0")
         assert "G-code needs the radius of a cutter" in computed(dialog)
         dialog.grab()
@@ -173,7 +173,7 @@ def test_both_flanks_of_a_groove_are_shown_and_drawn(user: User, tmp_path: Path)
         pick(dialog.form.boxes["flank"], "Outer")
         computed(dialog)
         assert len(dialog.picture.shown.profiles) == 1
-        assert {"PROFILE_INNER", "PROFILE_OUTER"} <= set(layers(dialog.made.job))
+        assert {"PROFILE_INNER", "PROFILE_OUTER"} <= set(layers(dialog.computed.job))
         dialog.reject()
 
     with answering(ProfileDialog, act):

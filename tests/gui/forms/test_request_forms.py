@@ -82,8 +82,8 @@ def test_a_field_of_a_stranger_is_an_option_and_stands_in_the_dialog(
         QTest.keyClicks(pace, "45.5")
         QTest.keyClick(side, Qt.Key.Key_Down)
         dry.click()
-        wait_for(lambda: dialog.made is not None)
-        taken.append(dialog.made.setup.request)
+        wait_for(lambda: dialog.computed is not None)
+        taken.append(dialog.computed.setup.request)
         dialog.reject()
 
     with answering(InspectionDialog, act):

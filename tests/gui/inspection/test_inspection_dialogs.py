@@ -43,7 +43,7 @@ def test_a_table_goes_from_the_dialog_into_a_file(user: User, tmp_path: Path) ->
         assert dialog.result.text().startswith("72 rows; largest lift ")
         (x, lift), (_, upper) = dialog.lift.lines[0], dialog.band.lines[0]
         assert (x.size, x[-1], lift[0]) == (73, 360.0, lift[-1])
-        assert lift[:-1].tolist() == dialog.made.table.lift.tolist()
+        assert lift[:-1].tolist() == dialog.computed.table.lift.tolist()
         assert upper.min() > 99.999, "the band is wider in lift than normal to the profile"
         QTest.mouseClick(dialog.export, Qt.MouseButton.LeftButton)
 
@@ -109,7 +109,7 @@ def opened(user: User, exact: np.ndarray, tmp_path: Path, monkeypatch: pytest.Mo
 
 
 def computed(dialog: MeasuredCamDialog) -> str:
-    wait_for(lambda: not dialog.verdict.text().startswith("computing"))
+    wait_for(lambda: not dialog.verdict.text().startswith("Calculating"))
     return dialog.verdict.text()
 
 

@@ -380,15 +380,17 @@ def test_a_point_that_cannot_be_is_told(user: User) -> None:
     good = curve(user)
     enter_point(user, 0, 0, "50")
     assert curve(user) == good
-    assert "point 1 angle: beyond its segment; allowed: 0 ... 41.5°" in user.motion().draft.trouble.text()
+    assert "point 1 angle: beyond its segment; allowed: 0 ... 41.5°" in user.motion().incomplete_bar.trouble.text()
     assert points(user).model.faulty(0, 0)
     enter_point(user, 0, 1, "")  # a point that says nothing
-    assert user.motion().draft.trouble.text().endswith("has no value; allowed: value, velocity or acceleration")
+    assert (
+        user.motion().incomplete_bar.trouble.text().endswith("has no value; allowed: value, velocity or acceleration")
+    )
     enter_point(user, 0, 1, "-60")
     assert curve(user) == good
     enter_point(user, 0, 0, "30")
     assert curve(user) == SplineCurve((SplinePoint(30.0, -60.0),))
-    assert not user.motion().draft.isVisible()
+    assert not user.motion().incomplete_bar.isVisible()
 
 
 def test_points_on_top_of_one_another_wait(same_window: Open) -> None:
@@ -401,7 +403,7 @@ def test_points_on_top_of_one_another_wait(same_window: Open) -> None:
     good = curve(user)
     enter_point(user, 0, 0, "30.75000000001")
     assert curve(user) == good
-    assert "Motion: two points of the spline are less than" in user.motion().draft.trouble.text()
+    assert "Motion: two points of the spline are less than" in user.motion().incomplete_bar.trouble.text()
 
 
 def test_every_parameter_has_a_name(user: User) -> None:

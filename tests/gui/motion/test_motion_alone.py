@@ -96,10 +96,10 @@ def test_an_indexer_is_begun(user: User) -> None:
         dialog.form.boxes["stops"].setValue(8)
         dialog.form.boxes["dwell_deg"].setValue(100.0)
         assert not dialog.accept_button.isEnabled()
-        assert "whole" not in dialog.told.text()
-        assert "index angle and dwell add up to 370" in dialog.told.text()
+        assert "whole" not in dialog.summary.text()
+        assert "index angle and dwell add up to 370" in dialog.summary.text()
         dialog.form.boxes["index_deg"].setValue(260.0)
-        assert "advance 45" in dialog.told.text()
+        assert "advance 45" in dialog.summary.text()
         next(b for b in dialog.findChildren(QPushButton) if b.text() == "Copy as command").click()
         dialog.accept_button.click()
 

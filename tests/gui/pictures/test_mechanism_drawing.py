@@ -477,7 +477,7 @@ def test_labels_cover_neither_the_part_they_name_nor_each_other_nor_the_edge(
             boxes[name] = box = box_in_mm(item, scale)
             assert visible.contains(box), name
         assert distance(boxes["roller"], complex(reading.reference[i])) > reading.face_radius
-        turn = np.exp(1j * np.deg2rad(reading.turned[i]))
+        turn = np.exp(1j * np.deg2rad(reading.cam_rotation[i]))
         assert min(distance(boxes["cam"], complex(z)) for z in reading.profile[::3] * turn) > 0.0
         assert distance(boxes["cam"], 0j) > reading.base_radius
         for name, body in reading.bodies.items():
@@ -509,7 +509,7 @@ def test_the_followers_name_keeps_clear_of_its_stem_bush_and_spring() -> None:
     for i in INDICES:
         scene.set_index(i)
         box = box_in_mm(label, scale)
-        stem = complex(reading.reference[i]) + guide.outwards * guide.line * np.linspace(
+        stem = complex(reading.reference[i]) + guide.outward_sign * guide.line * np.linspace(
             0.0, rails.bottom() - rails.top(), 60
         )
         assert min(distance(box, complex(z)) for z in stem) > reading.unit, i

@@ -83,7 +83,12 @@ def test_each_flank_has_the_colour_of_its_pressure_angle(changes: dict[str, str]
         assert angle.max() > 30.5
         assert unlike(colour_at(scene, complex(beyond), QColor(LIGHT.limit)), QColor(LIGHT.limit)) < 25
     assert scene.overlay is not None
-    assert scene.overlay.colours["pressure_colours"].texts == ["Pressure angle to the usual limit", "0°", "15°", "30°"]
+    assert scene.overlay.colours["pressure_colours"].texts == [
+        "Pressure angle to the typical limit",
+        "0°",
+        "15°",
+        "30°",
+    ]
 
 
 def test_each_flank_has_the_colour_of_its_contact_pressure_and_other_loads_change_it() -> None:
@@ -106,7 +111,7 @@ def test_each_flank_has_the_colour_of_its_contact_pressure_and_other_loads_chang
             assert unlike(colour_at(scene, complex(place), QColor(wanted)), QColor(wanted)) < 60, (flank.name, wanted)
     assert scene.overlay is not None
     assert scene.overlay.colours["stress_colours"].texts == [
-        "Contact pressure to what is allowed",
+        "Contact pressure to the allowable value",
         "0",
         "50",
         "100 MPa",

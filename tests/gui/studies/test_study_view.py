@@ -62,9 +62,9 @@ def rested(user: User) -> StudyView:
 
 def ask_alone(view: StudyView, key: str) -> None:
     """Take all that is asked away but this: what nobody reads takes time."""
-    for each in list(view.asked):
+    for each in list(view.request.figures):
         if each != key:
-            QTest.mouseClick(view.asks.removers[each], Qt.MouseButton.LeftButton)
+            QTest.mouseClick(view.figure_rows.removers[each], Qt.MouseButton.LeftButton)
             settle()
 
 
@@ -118,7 +118,7 @@ def test_f1_opens_the_page_on_studies(user: User) -> None:
     user.press(Qt.Key.Key_F1)
     pages = user.window.findChild(HelpWindow)
     wait_for(pages.isVisible)
-    assert "Worked through on the lift" in pages.text.toPlainText()
+    assert "An example with the lift" in pages.text.toPlainText()
     pages.close()
 
 
@@ -127,7 +127,7 @@ def test_teeth_are_varied_by_right_click_and_stand_as_steps(open_user: Open, tmp
     save(geared(kind="gear", teeth_first=18, teeth_second=12, module_mm=4.0), tmp_path / "geared.toml")
     user = open_user(tmp_path / "geared.toml", whole=True, size=(1280, 720))
     view = vary(user, TEETH)
-    assert (view.spans[TEETH].low, view.spans[TEETH].high) == (7, 17)
+    assert (view.request.spans[TEETH].low, view.request.spans[TEETH].high) == (7, 17)
     assert (TEETH, "width") not in view.rows.boxes, "no tolerance of a count"
     bound(user, view, TEETH, "10", "14")
     plot = view.curves[0]
@@ -143,7 +143,7 @@ def test_teeth_are_varied_by_right_click_and_stand_as_steps(open_user: Open, tmp
     assert plot.own[0] == 13.0, "the line goes to what can be made"
     type_into(view.rows.boxes[TEETH, "low"], "10.5")
     assert view.rows.boxes[TEETH, "low"].text() == "10.5", "unfinished input stays"
-    assert view.spans[TEETH].low == 10
+    assert view.request.spans[TEETH].low == 10
     assert "must be a whole number; allowed: 0 ... 100000" in view.rows.message.text()
 
 
@@ -157,13 +157,13 @@ def test_two_fields_by_right_click_then_the_cross_is_drawn_through_what_cannot_b
     assert view.map.isVisible()
     bound(user, view, X, "300", "1600")
     bound(user, view, Y, "-600", "600")
-    type_into(view.asks.boxes[PRESSURE, "most"], "30")
-    type_into(view.asks.boxes[TORQUE, "most"], "7700")
+    type_into(view.figure_rows.boxes[PRESSURE, "most"], "30")
+    type_into(view.figure_rows.boxes[TORQUE, "most"], "7700")
     rested(user)
     assert {"Pressure angle 30°", "Cam torque 7700 N·m"} <= set(view.map.texts), "limits as lines with their value"
     assert view.map.own == pivot(user)
-    assert view.found.count == 64  # type: ignore[union-attr]
-    assert view.found.is_refined, "finer where limits run"  # type: ignore[union-attr]
+    assert view.surveys.survey.count == 64  # type: ignore[union-attr]
+    assert view.surveys.survey.is_refined, "finer where limits run"  # type: ignore[union-attr]
     # all values where the mouse is, or why there is none
     move(view.map, (1500.0, 100.0))
     assert "do not reach" in view.tip.text()
@@ -184,7 +184,7 @@ def test_two_fields_by_right_click_then_the_cross_is_drawn_through_what_cannot_b
     assert user.window.view("mechanism").up_to_date  # type: ignore[union-attr]
     move(view.map, (1500.0, 100.0))
     assert pivot(user) == near, "the last good design stays"
-    assert "the roller cannot reach the base circle" in view.told.text()
+    assert "the roller cannot reach the base circle" in view.message.text()
     move(view.map, (760.0, 80.0))
     there = pivot(user)
     assert there == pytest.approx((760.0, 80.0), abs=8.0)
@@ -213,19 +213,19 @@ def test_two_fields_by_right_click_then_the_cross_is_drawn_through_what_cannot_b
 def test_the_map_is_computed_anew_for_other_numbers_only_and_never_while_it_is_hidden(user: User) -> None:
     view = vary(user, X)
     vary(user, Y)
-    first, counted = view.found, evaluations["many"]
+    first, counted = view.surveys.survey, evaluations["many"]
     press(view.map, pivot(user))
     for at in ((880.0, -60.0), (890.0, -50.0), (870.0, -70.0)):
         move(view.map, at)
     let_go(view.map, (870.0, -70.0))
     rested(user)
     assert pivot(user) == pytest.approx((870.0, -70.0), abs=2.0)
-    assert view.found is first, "the map does not depend on where the design stands in it"
+    assert view.surveys.survey is first, "the map does not depend on where the design stands in it"
     assert evaluations["many"] == counted
     user.session.put(edited(user.design, BASE, 430.0), "Base radius")
     rested(user)
-    assert view.found is not first
-    assert evaluations["many"] == counted + 16 * 16 + view.found.reason.size, (
+    assert view.surveys.survey is not first
+    assert evaluations["many"] == counted + 16 * 16 + view.surveys.survey.reason.size, (
         "coarse, then fine, then finer where limits run"
     )  # type: ignore[union-attr]
     user.window.show_task("kine")
@@ -239,7 +239,7 @@ def test_the_map_is_computed_anew_for_other_numbers_only_and_never_while_it_is_h
     assert evaluations["many"] == counted, "nothing is computed that nobody sees"
     user.window.show_task("study")
     rested(user)
-    assert evaluations["many"] == counted + 16 * 16 + view.found.reason.size  # type: ignore[union-attr]
+    assert evaluations["many"] == counted + 16 * 16 + view.surveys.survey.reason.size  # type: ignore[union-attr]
 
 
 def test_one_number_is_drawn_along_its_curves(user: User) -> None:
@@ -255,7 +255,7 @@ def test_one_number_is_drawn_along_its_curves(user: User) -> None:
     assert get(user.design, BASE) == pytest.approx(450.0, abs=2.0)
     assert user.steps == ["Vary base radius Br"]
     rested(user)
-    assert view.asks.values[PRESSURE].text().startswith(f"{y[abs(x - 450.0).argmin()]:.1f}"[:3])
+    assert view.figure_rows.values[PRESSURE].text().startswith(f"{y[abs(x - 450.0).argmin()]:.1f}"[:3])
 
 
 @pytest.mark.stress
@@ -265,19 +265,19 @@ def test_more_numbers_are_brushed_and_a_line_taken_over(user: User) -> None:
         vary(user, path)
     plot = view.parallel
     assert plot.isVisible()
-    every = plot.kept.size
+    every = plot.selected.size
     place = plot.viewport()
     start, end = (plot.pixel(2, value).toPoint() for value in (330.0, 360.0))
     QTest.mousePress(place, Qt.MouseButton.LeftButton, pos=start)
     QTest.mouseMove(place, end)
     QTest.mouseRelease(place, Qt.MouseButton.LeftButton, pos=end)
     settle()
-    radii = view.found.points[2, plot.kept]  # type: ignore[union-attr]
+    radii = view.surveys.survey.points[2, plot.selected]  # type: ignore[union-attr]
     assert 0 < radii.size < 0.5 * every
     assert 328.0 <= radii.min() < radii.max() <= 362.0
-    assert f"{radii.size} of 1024 designs kept" in plot.legend.text
-    number = int(plot.kept[0])
-    values = view.found.points[:, number]  # type: ignore[union-attr]
+    assert f"{radii.size} of 1024 designs selected" in plot.legend.text
+    number = int(plot.selected[0])
+    values = view.surveys.survey.points[:, number]  # type: ignore[union-attr]
     middle = 0.5 * (plot.pixel(0, values[0]) + plot.pixel(1, values[1]))
     QTest.mouseClick(place, Qt.MouseButton.LeftButton, pos=QPointF(middle).toPoint())
     settle()
@@ -285,7 +285,7 @@ def test_more_numbers_are_brushed_and_a_line_taken_over(user: User) -> None:
     assert user.steps == ["Vary 3 numbers"]
     QTest.mouseClick(place, Qt.MouseButton.LeftButton, pos=start)
     settle()
-    assert plot.kept.size == every, "a click on the axis takes its brush away"
+    assert plot.selected.size == every, "a click on the axis takes its brush away"
 
 
 def test_designs_are_kept_as_cards_sorted_and_reopened(user: User) -> None:
@@ -366,7 +366,7 @@ def test_the_board_is_there_again_when_the_design_is_opened_again(open_user: Ope
 
 def test_what_is_typed_wrong_stays_and_says_what_is_allowed(user: User) -> None:
     view = vary(user, BASE)
-    found = view.found
+    survey = view.surveys.survey
     for end, text, says in (
         ("low", "500", "bounds are reversed; allowed: below 480 mm"),
         ("low", "-3", "outside its range; allowed: above 0 ..."),
@@ -377,9 +377,9 @@ def test_what_is_typed_wrong_stays_and_says_what_is_allowed(user: User) -> None:
         assert box.refused
         assert says in view.rows.message.text()
         QTest.keyClick(box, Qt.Key.Key_Escape)
-    assert rested(user).found is found
-    type_into(view.asks.boxes[PRESSURE, "least"], "60")
-    assert "limits are reversed" in view.asks.message.text()
+    assert rested(user).surveys.survey is survey
+    type_into(view.figure_rows.boxes[PRESSURE, "least"], "60")
+    assert "limits are reversed" in view.figure_rows.message.text()
     QTest.mouseClick(view.rows.removers[BASE], Qt.MouseButton.LeftButton)
     settle()
     assert "Vary this" in view.map.message
@@ -390,8 +390,8 @@ def test_the_share_of_machines_within_the_limits_stands_in_the_same_dock(user: U
     view = vary(user, X)
     ask_alone(view, PRESSURE)
     vary(user, Y)
-    type_into(view.asks.boxes[PRESSURE, "most"], "30")
-    assert "A tolerance" in view.share.text()
+    type_into(view.figure_rows.boxes[PRESSURE, "most"], "30")
+    assert "Enter a tolerance" in view.share.text()
     for path in (X, Y):
         type_into(view.rows.boxes[path, "width"], "0.05")
     rested(user)
@@ -400,7 +400,7 @@ def test_the_share_of_machines_within_the_limits_stands_in_the_same_dock(user: U
     user.session.put(edited(user.design, X, 968.0), "Pivot")
     rested(user)
     tight = get_pressure(view)
-    type_into(view.asks.boxes[PRESSURE, "most"], f"{tight:.6f}")
+    type_into(view.figure_rows.boxes[PRESSURE, "most"], f"{tight:.6f}")
     rested(user)
     assert 40.0 < float(view.share.text()[3:].partition(" ")[0]) < 60.0, "the limit lies at the nominal value"
     assert LIGHT.limit in view.share.text()
@@ -420,7 +420,7 @@ def test_a_study_is_saved_for_the_commands(open_user: Open, tmp_path: Path) -> N
     own.write_bytes(example("transfer_lift").read_bytes())
     user = open_user(own, whole=True, size=(1440, 900))
     view = vary(user, X)
-    type_into(view.asks.boxes[PRESSURE, "most"], "30")
+    type_into(view.figure_rows.boxes[PRESSURE, "most"], "30")
     suggested = user.picks("study_to_save", tmp_path / "pivot.toml")
     QTest.mouseClick(view.save, Qt.MouseButton.LeftButton)
     settle()
@@ -428,7 +428,7 @@ def test_a_study_is_saved_for_the_commands(open_user: Open, tmp_path: Path) -> N
     study = load_study(tmp_path / "pivot.toml")
     assert study.base == user.design
     assert [(row.field, row.low, row.high) for row in study.file.vary] == [(X, 700.0, 1050.0)]
-    assert [row.key for row in study.file.quantities] == list(view.asked)
+    assert [row.key for row in study.file.quantities] == list(view.request.figures)
     assert [(row.key, row.max) for row in study.file.limits] == [(PRESSURE, 30.0)]
 
 
@@ -443,9 +443,9 @@ def test_right_clicks_and_a_drag_lead_to_the_share_of_machines_in_twelve_actions
     did(2)  # right click, Vary this
     view = vary(user, Y)
     did(2)
-    type_into(view.asks.boxes[PRESSURE, "most"], "30")
+    type_into(view.figure_rows.boxes[PRESSURE, "most"], "30")
     did(1)
-    type_into(view.asks.boxes[TORQUE, "most"], "7550")
+    type_into(view.figure_rows.boxes[TORQUE, "most"], "7550")
     did(1)
     rested(user)
     assert {"Pressure angle 30°", "Cam torque 7550 N·m"} <= set(view.map.texts)
@@ -480,9 +480,9 @@ def test_a_cell_of_the_motion_and_a_word_are_varied_by_right_click(user: User) -
         settle()
         view = rested(user)
         user.see("motion")
-    assert list(view.spans) == ["motion.segments[1].rise_mm"]
+    assert list(view.request.spans) == ["motion.segments[1].rise_mm"]
     law = "motion.segments[1].law"
-    assert view.words[law] == ("cycloidal", "modified-sine", "modified-trapezoid", "3-4-5", "4-5-6-7")
+    assert view.request.words[law] == ("cycloidal", "modified-sine", "modified-trapezoid", "3-4-5", "4-5-6-7")
     user.window.show_task("kine")
     layout = user.field("follower.face").editor
     assert "Vary this" in [plain(each.text()) for each in menu_of(layout).actions()]
@@ -497,7 +497,9 @@ def test_bands_of_machines_are_shaded_in_the_plots_once_they_are_asked_for(user:
     rested(user)
     assert plot.bands == [], "nobody has asked"
     QTest.mouseClick(view.tabs.tabBar(), Qt.MouseButton.LeftButton, pos=view.tabs.tabBar().tabRect(1).center())
-    QTest.mouseClick(view.made.bands, Qt.MouseButton.LeftButton, pos=QPoint(8, view.made.bands.height() // 2))
+    QTest.mouseClick(
+        view.tolerances.bands, Qt.MouseButton.LeftButton, pos=QPoint(8, view.tolerances.bands.height() // 2)
+    )
     wait_for(lambda: not view.bands.busy)
     (band,) = plot.bands
     study = user.session.study
@@ -507,7 +509,7 @@ def test_bands_of_machines_are_shaded_in_the_plots_once_they_are_asked_for(user:
     assert np.ptp(band[:, 60]) == pytest.approx(6.0 * np.ptp(band[1:4, 60]) / (2 * 1.645), rel=0.2), (
         "nearly a normal one"
     )
-    assert "Pivot x" in view.made.parts.text()
+    assert "Pivot x" in view.tolerances.parts.text()
     graph = user.see("curves")
     assert isinstance(graph, CurvesView)
     graph.show_channel("pressure_angle")
@@ -534,7 +536,9 @@ def test_bands_of_machines_are_shaded_in_the_plots_once_they_are_asked_for(user:
     settle()
     assert plot.bands == [], "those of another design are gone"
     wait_for(lambda: len(plot.bands) == 1 and not view.bands.busy)
-    QTest.mouseClick(view.made.bands, Qt.MouseButton.LeftButton, pos=QPoint(8, view.made.bands.height() // 2))
+    QTest.mouseClick(
+        view.tolerances.bands, Qt.MouseButton.LeftButton, pos=QPoint(8, view.tolerances.bands.height() // 2)
+    )
     settle()
     assert plot.bands == []
     user.see("curves")
@@ -546,21 +550,21 @@ def test_bands_of_machines_are_shaded_in_the_plots_once_they_are_asked_for(user:
 def test_which_tolerance_to_tighten_is_told_where_too_few_machines_keep_the_limits(user: User) -> None:
     view = vary(user, X)
     ask_alone(view, PRESSURE)
-    type_into(view.asks.boxes[PRESSURE, "most"], "17.9")
+    type_into(view.figure_rows.boxes[PRESSURE, "most"], "17.9")
     view.tabs.setCurrentIndex(1)
-    view.made.rows.wanted.emit(X)
+    view.tolerances.rows.add_requested.emit(X)
     settle()
-    type_into(view.made.rows.boxes[X, "plus"], "5")
+    type_into(view.tolerances.rows.boxes[X, "plus"], "5")
     rested(user)
-    assert "Tighten Pivot x to 1/2" in view.made.tighter.text()
-    type_into(view.made.rows.boxes[X, "plus"], "0.1")
+    assert "Tighten Pivot x to 1/2" in view.tolerances.tighter.text()
+    type_into(view.tolerances.rows.boxes[X, "plus"], "0.1")
     rested(user)
-    assert view.made.tighter.text() == ""
+    assert view.tolerances.tighter.text() == ""
     assert [row.plus for row in user.design.tolerances] == [0.1]
-    QTest.mouseClick(view.made.rows.removers[X], Qt.MouseButton.LeftButton)
+    QTest.mouseClick(view.tolerances.rows.removers[X], Qt.MouseButton.LeftButton)
     settle()
     assert user.design.tolerances == ()
-    waves = view.made.waves
+    waves = view.tolerances.waves
     assert not waves.boxes["lobes_from", ""].isEnabled()
     type_into(waves.boxes["amplitude_mm", ""], "0.004")
     type_into(waves.boxes["lobes_to", ""], "5")
@@ -588,8 +592,8 @@ def test_a_ready_study_finds_the_smallest_cam_with_its_path_and_is_taken_over(us
     assert not study_entry(view, "Least contact pressure").isEnabled(), "no width of the face is known"
     study_entry(view, "Smallest cam").trigger()
     rested(user)
-    assert list(view.spans) == ["cam.base_radius_mm", X]
-    assert view.goals == {"radius_mm:max": True}
+    assert list(view.request.spans) == ["cam.base_radius_mm", X]
+    assert view.request.goals == {"radius_mm:max": True}
     paths: list[int] = []
     view.best.stepped.connect(lambda: paths.append(len(view.map.path)))
     before = user.design
@@ -599,8 +603,8 @@ def test_a_ready_study_finds_the_smallest_cam_with_its_path_and_is_taken_over(us
     assert paths[0] == 0
     assert len(set(paths)) > 2, "the path grows while it runs"
     assert user.design == before, "nothing is taken over by itself"
-    assert "Cam radius 398.93 mm</b>, before 475 mm (−16.0 %)" in view.best.told.text()
-    assert "Held by profile curvature" in view.best.told.text()
+    assert "Cam radius 398.93 mm</b>, before 475 mm (−16.0 %)" in view.best.result_text.text()
+    assert "Limited by profile curvature" in view.best.result_text.text()
     QTest.mouseClick(view.best.take, Qt.MouseButton.LeftButton)
     settle()
     assert get(user.design, BASE) == pytest.approx(323.7236, abs=1e-3)
@@ -616,7 +620,7 @@ def test_a_search_is_stopped_and_words_are_tried(user: User) -> None:
     assert isinstance(view, StudyView)
     study_entry(view, "All lengths together").trigger()
     rested(user)
-    assert len(view.spans) == 9
+    assert len(view.request.spans) == 9
     QTest.mouseClick(view.best.start, Qt.MouseButton.LeftButton)
     wait_for(lambda: len(view.best.path) > 1)
     assert view.parallel.path.shape[1] == 9
@@ -626,10 +630,10 @@ def test_a_search_is_stopped_and_words_are_tried(user: User) -> None:
     assert not view.best.take.isVisible()
     study_entry(view, "The law with the least jerk").trigger()
     rested(user)
-    assert view.words["motion.segments[3].law"] == ("modified-sine", "modified-trapezoid", "cycloidal", "3-4-5")
+    assert view.request.words["motion.segments[3].law"] == ("modified-sine", "modified-trapezoid", "cycloidal", "3-4-5")
     QTest.mouseClick(view.best.start, Qt.MouseButton.LeftButton)
     wait_for(lambda: not view.best.busy)
-    assert "Segment 2, law Cycloidal" in view.best.told.text()
+    assert "Segment 2, law Cycloidal" in view.best.result_text.text()
     QTest.mouseClick(view.best.take, Qt.MouseButton.LeftButton)
     settle()
     assert [segment.curve.law for segment in user.design.drive.motion.segments][1::2] == ["cycloidal", "cycloidal"]
@@ -651,8 +655,8 @@ def test_a_study_file_is_opened_with_its_design(open_user: Open, tmp_path: Path)
     view.open.opened.emit(tmp_path / "study.toml")
     rested(user)
     assert user.session.path == own
-    assert [(span.low, span.high) for span in view.spans.values()] == [(800.0, 900.0)]
-    assert view.asked == {"pressure_angle_deg:max": (None, 30.0), "contact_force_n:max": (None, None)}
+    assert [(span.low, span.high) for span in view.request.spans.values()] == [(800.0, 900.0)]
+    assert view.request.figures == {"pressure_angle_deg:max": (None, 30.0), "contact_force_n:max": (None, None)}
     user.picks("study_to_save", tmp_path / "again.toml")
     QTest.mouseClick(view.save, Qt.MouseButton.LeftButton)
     again = load_study(tmp_path / "again.toml").file
@@ -678,12 +682,12 @@ def test_two_goals_give_a_front_of_which_a_click_takes_one_over(user: User) -> N
         word.setCurrentIndex(word.findData(key))
         word.activated.emit(word.currentIndex())
         settle()
-    assert list(view.goals) == [TORQUE, FORCE]
+    assert list(view.request.goals) == [TORQUE, FORCE]
     QTest.mouseClick(view.best.start, Qt.MouseButton.LeftButton)
     wait_for(lambda: not view.best.busy)
     settle()
     assert view.front.isVisible()
-    front = view.best.answer.front  # type: ignore[union-attr]
+    front = view.best.optimum.front  # type: ignore[union-attr]
     assert len(front) >= 20
     assert (np.diff(view.front.points[0]) >= 0.0).all()
     assert (np.diff(view.front.points[1]) <= 0.0).all(), "none is dominated"

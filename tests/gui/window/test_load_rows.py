@@ -129,7 +129,7 @@ def test_a_spring_without_length_and_a_damper_at_rest_are_named_as_they_are_type
     user.enter("loads.springs[0].rate_n_per_mm", "0")
     user.enter("loads.springs[0].damping_n_s_per_mm", "0")
     assert codes(user) == ["spring-idle", "no-load"]
-    box = user.parameters().loads.holds["loads.springs[0]"].boxes["to"]
+    box = user.parameters().loads.attachments["loads.springs[0]"].boxes["to"]
     box.setCurrentIndex(box.findText("O4 of frame"))
     box.activated.emit(box.currentIndex())
     settle()

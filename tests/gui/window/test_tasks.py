@@ -196,7 +196,7 @@ def test_what_another_task_shows_rests(whole: User) -> None:
 
 @pytest.mark.stress
 def test_forces_are_drawn_where_they_are_read_and_each_task_keeps_what_was_shown_in_it(whole: User) -> None:
-    drawn = whole.window.view("mechanism").scene.layer_wanted  # type: ignore[union-attr]
+    drawn = whole.window.view("mechanism").scene.layer_selected  # type: ignore[union-attr]
     assert not drawn("forces")
     press(whole, "dyna")
     assert drawn("forces")
