@@ -102,13 +102,8 @@ class MotionHeader(QWidget):
         super().__init__()
         self._session = session
         self.fields: dict[str, Field] = {}
-<<<<<<< HEAD:kindyna_gui/motion/header.py
         self.has_stroke = False
         self._fields_area, self.errors = ContentArea(session), ContentArea(session)
-=======
-        self.moves = False  # there is a stroke to be changed
-        self._place, self.troubles = ContentArea(session), ContentArea(session)
->>>>>>> trunk:kindyna_gui/motion/head.py
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
         column.addWidget(self._fields_area)
