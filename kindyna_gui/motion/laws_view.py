@@ -38,7 +38,7 @@ from kindyna_gui.labels import law_label, value_text
 from kindyna_gui.look import coloured, icon, text_button
 from kindyna_gui.motion.laws_plot import QUANTITIES, LawsLegend, LineStyle, RankingPanel, show_laws, stroke_of
 from kindyna_gui.pictures.plots.xy import XYPlot
-from kindyna_gui.pictures.style import SCREEN, of_theme
+from kindyna_gui.pictures.style import SCREEN, cached_by_theme
 from kindyna_gui.pictures.units import digits
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import clear_menu
@@ -266,7 +266,7 @@ def _aligned(column: int) -> Qt.AlignmentFlag:
     return _LEFT if column == NAME else _RIGHT if column < ENDS else Qt.AlignmentFlag.AlignCenter
 
 
-@of_theme
+@cached_by_theme
 def swatch(number: int) -> QIcon:
     """A short line in a stroke; a blank of the same size for -1, so that names stand below each other."""
     picture = QPixmap(QSize(56, 24))
