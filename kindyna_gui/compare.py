@@ -1,4 +1,4 @@
-"""What changed, explain."""
+"""Views What changed, which compares the design with the pinned variant, and Explain, which shows how a number is calculated."""
 
 from __future__ import annotations
 
@@ -45,11 +45,11 @@ COMPARE_HEADINGS = (
     TableHeading("Now", number=True),
     TableHeading("Change", number=True),
 )
-MOST = 9  # letters of a number
+MOST = 9  # characters of a number
 
 
 class CompareView(View):
-    """The table of what changed, worst first."""
+    """Table of the differences from the pinned variant, largest first."""
 
     is_design_wide = True
     stages = STAGES
@@ -71,8 +71,8 @@ class CompareView(View):
         self.pin.clicked.connect(lambda: self.pins.pin(self.session.full_design))
         self.unpin.clicked.connect(self.pins.unpin)
         self.save.clicked.connect(self._save)
-        self.found: Comparison | None = None
-        self._side: tuple[Study, ComparedDesign] | None = None  # of the variant, which an edit leaves as it is
+        self.comparison: Comparison | None = None
+        self._pinned: tuple[Study, ComparedDesign] | None = None  # of the pinned variant, which edits do not change
         row = QHBoxLayout()
         row.setContentsMargins(6, 3, 6, 3)
         for widget in (self.choice, self.pin, self.unpin, self.save):
@@ -85,39 +85,39 @@ class CompareView(View):
 
     def refresh(self, study: Study) -> None:
         self.choice.clear()
-        for each in reversed(self.pins.rows):
-            self.choice.addItem(each.name, each)
+        for row in reversed(self.pins.rows):
+            self.choice.addItem(row.name, row)
         pinned = self.pins.full_study
         if pinned is None:
-            self.found = None
+            self.comparison = None
             raise Unavailable(NOT_PINNED)
         now = compared_design(self.session.full_study)
-        if self._side is None or self._side[0] is not pinned:
+        if self._pinned is None or self._pinned[0] is not pinned:
             with self.pins.named():
-                self._side = pinned, compared_design(pinned)
-        self.found = compare_designs(self._side[1], now)
-        self.table.show_rows(_rows(self.found, self.session))
+                self._pinned = pinned, compared_design(pinned)
+        self.comparison = compare_designs(self._pinned[1], now)
+        self.table.show_rows(_rows(self.comparison, self.session))
 
-    def _choose(self, place: int) -> None:
-        self.pins.bring(self.choice.itemData(place))
+    def _choose(self, row: int) -> None:
+        self.pins.bring(self.choice.itemData(row))
 
     def _save(self) -> None:
         path = dialogs.comparison_to_save(self, Settings().folder / "what_changed.html")
-        found = self.found
-        if path is None or found is None:
+        comparison = self.comparison
+        if path is None or comparison is None:
             return
 
-        def made() -> bytes:
+        def content() -> bytes:
             if path.suffix.lower() == ".csv":
-                return comparison_csv(found).encode()
-            from core.output.report.document import html
+                return comparison_csv(comparison).encode()
+            from core.output.report.document import html  # loaded when a file is written
 
-            return html(comparison_document(found), {}).encode()
+            return html(comparison_document(comparison), {}).encode()
 
-        self.status_message.emit(written(self, path, made))
+        self.status_message.emit(written(self, path, content))
 
 
-def _rows(found: Comparison, session: Session) -> list[TableRow]:
+def _rows(comparison: Comparison, session: Session) -> list[TableRow]:
     rows = [
         TableRow(
             (
@@ -127,29 +127,27 @@ def _rows(found: Comparison, session: Session) -> list[TableRow]:
             ),
             tip=f"{row.quantity}: {row.texts[0]} → {row.texts[1]}",
         )
-        for row in found.inputs
+        for row in comparison.inputs
     ]
-    for mark, findings in (("gone", found.gone), ("new", found.new)):
-        icons = (sign("none" if mark == "gone" else each.severity) for each in findings)
-        rows += [
-            TableRow((sentence(each.message), mark, "", "", ""), icon)
-            for each, icon in zip(findings, icons, strict=True)
-        ]
+    for mark, findings in (("gone", comparison.gone), ("new", comparison.new)):
+        for finding in findings:
+            icon = sign("none" if mark == "gone" else finding.severity)
+            rows.append(TableRow((sentence(finding.message), mark, "", "", ""), icon))
     known, labels = set(explainable(session.study)), labels_of(session.study)
-    for row in found.changed:
-        words = _in_words(row.quantity, labels)
+    for row in comparison.changed:
+        words = _quantity_text(row.quantity, labels)
         number = ExplainableNumber(row.quantity) if row.quantity in known else None
         rows.append(TableRow((words, row.of, *row.texts), tip=f"{words} ({row.quantity})", number=number))
-    return rows or [TableRow(("The design and its results are as pinned.", "", "", "", ""))]
+    return rows or [TableRow(("No difference from the pinned variant.", "", "", "", ""))]
 
 
 def _brief(value: object, text: str) -> str:
-    """An input as typed; one that was found, with all its digits, as results are: it would leave no room for names."""
+    """An input as typed; a long number from a search is shortened, to leave room for the names."""
     return digits(value) if isinstance(value, float) and len(text) > MOST else text
 
 
-def _in_words(quantity: str, labels: Mapping[str, str]) -> str:
-    """``Contact force, N`` of a column, ``feed: Contact force, N`` of one of a drive; the column itself where nobody has a word for it."""
+def _quantity_text(quantity: str, labels: Mapping[str, str]) -> str:
+    """Label of a column, ``Contact force, N`` or ``feed: Contact force, N``; the column itself where it has no label."""
     drive, dot, column = quantity.rpartition(".")
     label, unit = labels.get(column), split_unit(column)[1].symbol
     return quantity if label is None else f"{drive}{': ' if dot else ''}{label}{', ' if unit else ''}{unit}"
@@ -168,9 +166,9 @@ FIRST = ("drive_torque_nm", "driver_torque_nm", "torque_nm")
 
 
 class ExplainView(View):
-    """One number at a time, chosen in the box above, or by a right click on a plot.
+    """Equation and symbols of one number, selected in the box above or by a right click on a plot.
 
-    field_requested   (path): a letter was clicked that is typed, or follows from a section of what is
+    - field_requested (path): a symbol was clicked that is an input, or follows from a section of the inputs
     """
 
     stages = STAGES
@@ -191,25 +189,25 @@ class ExplainView(View):
             completer.setFilterMode(Qt.MatchFlag.MatchContains)
             completer.setCompletionMode(QCompleter.CompletionMode.PopupCompletion)
         self.largest = QCheckBox("Where it is largest")
-        self.head = QLabel(wordWrap=True, textFormat=Qt.TextFormat.PlainText)
-        self.head.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-        self.head.setMargin(6)
-        written = self.head.font()
-        written.setFamilies([*SERIF, *written.families()])
-        self.head.setFont(written)
+        self.header = QLabel(wordWrap=True, textFormat=Qt.TextFormat.PlainText)
+        self.header.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.header.setMargin(6)
+        font = self.header.font()
+        font.setFamilies([*SERIF, *font.families()])
+        self.header.setFont(font)
         self.proof = QLabel(wordWrap=True, textFormat=Qt.TextFormat.PlainText)
         self.proof.setMargin(6)
         coloured(self.proof, SCREEN.quiet)
         self.table = RowsTable(EXPLAIN_HEADINGS)
-        self.table.setFont(written)
+        self.table.setFont(font)
         row = QHBoxLayout()
         row.setContentsMargins(6, 3, 6, 0)
         row.addWidget(self.choice)
         row.addWidget(self.largest)
-        self.set_column(row, self.head, self.table, self.proof, grows=self.table)
+        self.set_column(row, self.header, self.table, self.proof, grows=self.table)
         self._names: list[str] = []
         self._chosen = ""
-        self._whole: frozenset[str] = frozenset()
+        self._machine_names: frozenset[str] = frozenset()  # numbers of all drives, by machine angle
         self.choice.activated.connect(self._choose)
         self.largest.toggled.connect(self.invalidate)
         self.table.clicked.connect(self._go)
@@ -220,17 +218,17 @@ class ExplainView(View):
         self.field_requested.connect(window.focus_field)
 
     def explain(self, number: ExplainableNumber) -> None:
-        """Show where this number comes from, at its own angle where it has one."""
+        """Show how this number is calculated, at its angle where it has one."""
         self._chosen = number.name
         if number.theta is not None:
             self.largest.setChecked(False)
             self.player.play(False)
-            go = self.player.set_machine if number.name in self._of_whole() else self.player.set_theta
+            go = self.player.set_machine if number.name in self._machine_numbers() else self.player.set_theta
             go(number.theta)
         self.invalidate()
 
-    def _of_whole(self) -> list[str]:
-        """What is one of the whole shaft, where several drives turn with it; nothing while that is being looked for."""
+    def _machine_numbers(self) -> list[str]:
+        """Numbers of the shaft with all its drives; none while they are being calculated."""
         try:
             return explainable(self.session.full_study) if self.session.several else []
         except ResultPending:
@@ -238,8 +236,8 @@ class ExplainView(View):
 
     def refresh(self, study: Study) -> None:
         labels = labels_of(study)
-        self._whole = frozenset(self._of_whole())
-        names = [name for name in explainable(study) if name not in self._whole] + sorted(self._whole)
+        self._machine_names = frozenset(self._machine_numbers())
+        names = [name for name in explainable(study) if name not in self._machine_names] + sorted(self._machine_names)
         if names != self._names:
             self._names = names
             self.choice.clear()
@@ -249,34 +247,34 @@ class ExplainView(View):
         self.choice.setCurrentIndex(names.index(self._chosen))
 
     def follow(self, theta: float) -> None:
-        """At the angle at hand, else at the largest value."""
-        whole = self._chosen in self._whole
-        at = None if self.largest.isChecked() else degrees(self.player.machine_of(theta) if whole else theta)
+        """Explain the number at the current angle, or where it is largest."""
+        by_machine = self._chosen in self._machine_names
+        at = None if self.largest.isChecked() else degrees(self.player.machine_of(theta) if by_machine else theta)
         try:
-            made = explained(self.session.full_study if whole else self.session.study, self._chosen, at)
+            number = explained(self.session.full_study if by_machine else self.session.study, self._chosen, at)
         except KindynaError as error:
-            self.head.setText(str(error))
+            self.header.setText(str(error))
             self.table.show_rows([])
             self.proof.clear()
             return
-        self.head.setText("\n".join([made.headline(7), *made.equations, f"after {made.source}"]))
+        self.header.setText("\n".join([number.headline(7), *number.equations, f"after {number.source}"]))
         self.table.update_rows(
             [
                 TableRow(
-                    (each.symbol, digits(each.value, 7), each.unit, sentence(each.meaning), each.origin),
-                    number=ExplainableNumber(each.column) if each.column else None,
+                    (symbol.symbol, digits(symbol.value, 7), symbol.unit, sentence(symbol.meaning), symbol.origin),
+                    number=ExplainableNumber(symbol.column) if symbol.column else None,
                 )
-                for each in made.letters
+                for symbol in number.letters
             ]
         )
-        self.proof.setText("" if made.residual is None else _told(*made.residual))
+        self.proof.setText("" if number.residual is None else _residual_text(*number.residual))
 
-    def _choose(self, place: int) -> None:
-        if 0 <= place < len(self._names):
-            self.explain(ExplainableNumber(self._names[place]))
+    def _choose(self, row: int) -> None:
+        if 0 <= row < len(self._names):
+            self.explain(ExplainableNumber(self._names[row]))
 
     def _go(self, index: QModelIndex) -> None:
-        """To where a letter comes from: its own explanation, else its field, or those of its stage."""
+        """Show the source of a symbol: its explanation, its field, or the fields of its stage."""
         row = self.table.rows.rows[index.row()]
         origin = row.cells[-1]
         if row.number is not None and row.number.name in self._names:
@@ -286,5 +284,5 @@ class ExplainView(View):
             self.field_requested.emit("follower" if follower else origin)
 
 
-def _told(name: str, residual: Any) -> str:
+def _residual_text(name: str, residual: Any) -> str:
     return f"Proved by {name.replace('_', ' ')}: residual {residual.value:.2g}, bound {residual.bound:.2g}."

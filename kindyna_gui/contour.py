@@ -1,4 +1,4 @@
-"""Motion from a drawing."""
+"""Motion from a DXF curve: the dialog that rolls the follower over a drawn cam and shows the motion."""
 
 from __future__ import annotations
 
@@ -31,26 +31,28 @@ from kindyna_gui.labels import reason, sentence
 from kindyna_gui.look import bold_label, sign
 from kindyna_gui.pictures.plots.plot import shown_range
 from kindyna_gui.pictures.plots.xy import WHOLE_TURN, Dots, Line, XYPlot
-from kindyna_gui.pictures.shapes import at, circle, outline, segments
+from kindyna_gui.pictures.shapes import at, circle, cross, fit_transform, outline
 from kindyna_gui.pictures.style import CHAIN, OUTLINE, SCREEN, THIN, brush, no_pen
 from kindyna_gui.pictures.units import readable
 
 # -- picture ---------------------------------------------------------------------------------------------
 
-DRAWN = 97  # points of an arc
+ARC_POINTS = 97  # drawn points of an arc
 MARGIN = 18  # pixels
-DOT, CROSS = 3.0, 5.0  # radius of a jump's mark, half the size of the cam centre's, pixels
+DOT, CROSS = 3.0, 5.0  # radius of the mark of a jump, half the size of the mark of the cam centre, pixels
 MARK = 8.0  # of a jump in the plot, pixels
-SMOOTH = np.linspace(0.0, 360.0, 2881)  # where the motion is drawn
+PLOT_ANGLES = np.linspace(0.0, 360.0, 2881)  # cam angles of the plotted motion, degrees
 
 
 def points(elements: Sequence[ContourElement]) -> np.ndarray:
-    """A chain of lines and arcs as points (n,) that a picture needs."""
-    return np.concatenate([each.at(np.linspace(0.0, 1.0, 2 if each.is_line else DRAWN)) for each in elements])
+    """Return a chain of lines and arcs as complex points (n,) [mm] for drawing."""
+    return np.concatenate(
+        [element.at(np.linspace(0.0, 1.0, 2 if element.is_line else ARC_POINTS)) for element in elements]
+    )
 
 
 class CurvePicture(QWidget):
-    """The curve at cam angle 0, mm upwards and to the right."""
+    """Drawing of the curve at cam angle 0 [mm], with the path of the follower and the jumps."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -65,14 +67,14 @@ class CurvePicture(QWidget):
         return QSize(380, 380)
 
     def show_traced(self, traced: TracedMotion | None) -> None:
-        """The curve that was read; None: nothing."""
+        """Draw a curve and the path of the follower on it; None: draw nothing."""
         self._traced, self._chosen = traced, None
         if traced is not None:
             self._curve, self._path = points(traced.contour.elements), points(traced.path)
         self.update()
 
     def point_out(self, jump: int | None) -> None:
-        """The follower's round where a jump is."""
+        """Draw the roller at a jump; None: at none."""
         self._chosen = jump
         self.update()
 
@@ -85,7 +87,7 @@ class CurvePicture(QWidget):
 
     def _draw(self, painter: QPainter, traced: TracedMotion) -> None:
         radius = traced.design.drive.face.radius_mm
-        mm, size = self._scale(radius)
+        mm = self._scale(radius)
         if radius:
             painter.setPen(SCREEN.pen(SCREEN.quiet, THIN, CHAIN))
             painter.drawPath(mm.map(outline(self._path)))
@@ -93,12 +95,11 @@ class CurvePicture(QWidget):
         painter.drawPath(mm.map(outline(self._curve)))
         painter.setPen(SCREEN.pen(SCREEN.quiet, THIN))
         middle = mm.map(QPointF(0.0, 0.0))
-        place = complex(middle.x(), middle.y())
-        painter.drawPath(segments([(place - CROSS, place + CROSS), (place - 1j * CROSS, place + 1j * CROSS)]))
+        painter.drawPath(cross(CROSS, complex(middle.x(), middle.y())))
         if self._chosen is not None and self._chosen < len(traced.jumps):
             chosen = mm.map(at(traced.jumps[self._chosen].place))
             painter.strokePath(
-                circle(max(radius * size, 2.0 * DOT), complex(chosen.x(), chosen.y())),
+                circle(max(radius * mm.m11(), 2.0 * DOT), complex(chosen.x(), chosen.y())),
                 SCREEN.pen(SCREEN.limit, OUTLINE),
             )
         painter.setPen(no_pen())
@@ -106,28 +107,25 @@ class CurvePicture(QWidget):
             painter.setBrush(brush(SCREEN.limit if jump.order == 1 else SCREEN.family("acceleration")))
             painter.drawEllipse(mm.map(at(jump.place)), DOT, DOT)
 
-    def _scale(self, radius: float) -> tuple[QTransform, float]:
-        """From mm, y upwards, to pixels, with room for the round all around; and pixels to the millimetre."""
+    def _scale(self, radius: float) -> QTransform:
+        """Transform from mm, y upwards, to pixels, with room for the roller on all sides."""
         z = np.concatenate((self._curve, self._path, [0.0]))
         room = complex(radius, radius) if radius else 0j
-        low, high = complex(z.real.min(), z.imag.min()) - room, complex(z.real.max(), z.imag.max()) + room
-        size, middle = high - low, 0.5 * (low + high)
-        scale = min((self.width() - 2 * MARGIN) / size.real, (self.height() - 2 * MARGIN) / size.imag)
-        made = QTransform().translate(0.5 * self.width(), 0.5 * self.height())
-        return made.scale(scale, -scale).translate(-middle.real, -middle.imag), scale
+        corners = (complex(z.real.min(), z.imag.min()) - room, complex(z.real.max(), z.imag.max()) + room)
+        return fit_transform(np.array(corners), self.size(), MARGIN)
 
 
 def show_motion(plot: XYPlot, traced: TracedMotion) -> None:
-    """The motion that comes of a curve over one turn, with a dot where velocity or acceleration jumps."""
+    """Plot the motion over one turn, with a dot where velocity or acceleration jumps."""
     motion = require_motion(traced.design)
     compiled = program(motion)
     angles = np.array([jump.angle for jump in traced.jumps], dtype=float)
-    heights = [compiled.state(compiled.angles(np.deg2rad(a))).y[0] / motion.scale for a in (SMOOTH, angles)]
+    heights = [compiled.state(compiled.angles(np.deg2rad(a))).y[0] / motion.scale for a in (PLOT_ANGLES, angles)]
     rung = readable(UNITS[motion.unit].symbol, float(np.abs(heights[0]).max()))
     colour = SCREEN.family("displacement")
     plot.name_axes("Cam angle, °", f"Displacement, {rung.symbol}", colour)
     colours = [SCREEN.limit if jump.order == 1 else SCREEN.family("acceleration") for jump in traced.jumps]
-    curve = Line(SMOOTH, heights[0] / rung.size, colour)
+    curve = Line(PLOT_ANGLES, heights[0] / rung.size, colour)
     plot.show_lines([curve], dots=[Dots(angles, heights[1] / rung.size, colours, MARK)])
     plot.point_out(None)
     plot.show_range(WHOLE_TURN, shown_range([curve.y], {"displacement"}, ()))
@@ -137,12 +135,12 @@ def show_motion(plot: XYPlot, traced: TracedMotion) -> None:
 
 DRAWINGS = "DXF drawings (*.dxf)"
 GAP = field_info(MotionFromArguments, "gap_mm")
-LEFT_WIDTH, TABLE_WIDTH, USUAL, LEAST = 280, 340, QSize(1080, 720), QSize(900, 560)
+LEFT_WIDTH, TABLE_WIDTH, DEFAULT_SIZE, LEAST_SIZE = 280, 340, QSize(1080, 720), QSize(900, 560)
 JUMPS = {1: ("Velocity", "/°", ERROR), 2: ("Acceleration", "/°²", WARNING)}
 
 
 class CurveDialog(PutDialog):
-    """Shows a curve and the motion that the design's follower has on it, and puts that into the design as one step."""
+    """Dialog that shows a curve and the motion of the follower on it, and puts the motion into the design as one step."""
 
     help_page = "making#A cam that is drawn"
 
@@ -186,7 +184,7 @@ class CurveDialog(PutDialog):
         form.addRow(name)
         form.addRow("&Unit", self.unit)
         for text, box in zip(("Cam centre &x", "Cam centre &y"), self.centre, strict=True):
-            box.setToolTip("Where the cam turns about, in the drawing's own units")
+            box.setToolTip("Axis of the cam, in units of the drawing")
             form.addRow(text, box)
         self.gap.setToolTip(sentence(GAP.help))
         form.addRow("&Gap, mm", self.gap)
@@ -207,7 +205,7 @@ class CurveDialog(PutDialog):
         right.setSpacing(6)
         right.addLayout(above, 5)
         right.addWidget(self.plot, 4)
-        self.frame(left, LEFT_WIDTH, right, USUAL, LEAST)
+        self.frame(left, LEFT_WIDTH, right, DEFAULT_SIZE, LEAST_SIZE)
 
     def _take(self, box: NumberBox, value: float) -> None:
         box.show_value(value)
@@ -243,12 +241,12 @@ class CurveDialog(PutDialog):
                     (f"{jump.angle:.3f}", name, *values, f"{unit}{per}"), sign(severity), "Click to see it on the curve"
                 )
             )
-        self.jumps.show_rows(rows or [TableRow(("", "Nothing jumps", "", "", ""))])
-        self.show_message("Motion and base radius of the design are replaced; Undo brings them back.")
+        self.jumps.show_rows(rows or [TableRow(("", "No jumps", "", "", ""))])
+        self.show_message("Motion and base radius of the design are replaced; Undo restores them.")
 
     def _show_fault(self, text: str) -> None:
         self.picture.show_traced(None)
-        self.plot.show_message("Nothing can be drawn before the curve can be followed")
+        self.plot.show_message("No motion: the follower cannot follow the curve")
         self._show_figures({})
         self.jumps.show_rows([])
         self.show_message(sentence(text.removeprefix(sentence(f"{self._path.name}: "))), wrong=True)
@@ -266,30 +264,30 @@ class CurveDialog(PutDialog):
             self.picture.point_out(index.row())
             self.plot.point_out(self.traced.jumps[index.row()].angle)
 
-    # -- the end --------------------------------------------------------------------------------------------
+    # -- result ---------------------------------------------------------------------------------------------
 
     def _as_command(self) -> str:
-        place = session_options(self._session)
+        source = session_options(self._session)
         x, y = (box.value or 0.0 for box in self.centre)
-        asked = {
-            "design": place["into"],
-            "drive": place["drive"],
+        options = {
+            "design": source["into"],
+            "drive": source["drive"],
             "curve": self._path,
             "out": f"{self._path.stem}.toml",
             "units": self.unit.currentData(),
             "centre": f"{x!r},{y!r}" if x or y else None,
             "gap_mm": GAP_MM if self.gap.value is None else self.gap.value,
         }
-        return command_text("motion-from", command_words(MotionFromArguments, asked))
+        return command_text("motion-from", command_words(MotionFromArguments, options))
 
     def accept(self) -> None:
-        """Put motion and base radius into the design, where the curve gives them."""
+        """Put motion and base radius into the design."""
         if self.traced is not None:
             self.put(self.traced.design, f"Motion from {self._path.name}")
 
 
 def motion_from_curve(session: Session, parent: QWidget) -> CurveDialog | None:
-    """Ask for a drawing and open the dialog over a window; it is deleted once closed."""
+    """Ask for a drawing and open the dialog; it is deleted once closed."""
     opened = dialogs.opened_file(parent, "Motion from a DXF curve", DRAWINGS)
     if opened is None:
         return None

@@ -1,4 +1,4 @@
-"""Drives."""
+"""Edits of the list of drives, each one undo step, and the strip of buttons that selects a drive."""
 
 from __future__ import annotations
 
@@ -33,109 +33,105 @@ from kindyna_gui.labels import reason
 from kindyna_gui.look import sign, tool_bar
 from kindyna_gui.pictures.style import BALANCE, SCREEN
 
-# -- edits of the list of drives, each one step of the undo stack ----------------------------------------
+# -- edits of the list -----------------------------------------------------------------------------------
 
 
 def add(session: Session, design: Design, name: str = "") -> bool:
-    """The drives of a design behind those that there are; the first of them is chosen. Where the session's design is of one
-    drive, it becomes the first of a list. False where it is refused."""
-    whole, first = _with_shaft(session.full_design), len(session.full_design.drives)
+    """Add the drives of a design and select the first of them; False where this is refused.
+
+    A session with one drive becomes a shaft with a list of drives.
+    """
+    edited_design, first = _with_shaft(session.full_design), len(session.full_design.drives)
     names = []
     try:
         for index in range(len(design.drives)):
-            whole = add_drive(whole, only(design, index), name)
-            names.append(whole.drives[-1].name or "")
+            edited_design = add_drive(edited_design, only(design, index), name)
+            names.append(edited_design.drives[-1].name or "")
     except KindynaError as error:
-        session.refuse("drives", reason(whole, error))
+        session.refuse("drives", reason(edited_design, error))
         return False
-    return _done(session, whole, f"Add {', '.join(names)}", first)
+    return _put(session, edited_design, f"Add {', '.join(names)}", first)
 
 
 def listed(design: Design, name: str) -> Design:
-    """A design of one drive as a shaft of this name with it as the first of a list."""
-    return replace(as_list(_with_shaft(design), free_slug(design.name)), name=name)
+    """Return a shaft of this name whose list has the drive of a design as its first."""
+    return replace(as_list(_with_shaft(design), usable_name(design.name)), name=name)
 
 
 def list_them(session: Session) -> bool:
-    """The session's design, of one drive, as the first of a list."""
-    whole = listed(session.full_design, session.full_design.name)
-    return _done(session, whole, f"Put {session.full_design.name} on a shaft of several", 0)
+    """Put the session's single drive on a shaft with a list of drives."""
+    name = session.full_design.name
+    return _put(session, listed(session.full_design, name), f"Put {name} on a shaft with several drives", 0)
 
 
-def free_slug(name: str) -> str:
-    """The name, where a drive may be called so; else one that it may be called."""
-    wanted = slug(name).strip("_")
-    return name if wanted and slug(name) not in RESERVED else "Drive"
+def usable_name(name: str) -> str:
+    """Return the name where a drive can have it, else ``Drive``."""
+    return name if slug(name).strip("_") and slug(name) not in RESERVED else "Drive"
 
 
 def add_balancer(session: Session) -> bool:
-    """A balance cam to begin with, which is then chosen. False where there is one, or nothing can be balanced."""
-    from core.shaft import with_balancer
+    """Add a balance cam and select it; False where the shaft has one already, or nothing can be balanced."""
+    from core.shaft import with_balancer  # loaded when a balance cam is added
 
-    whole = session.full_design
+    design = session.full_design
     try:
-        made = with_balancer(whole, session.shaft.flywheel.energy_swing)
+        balanced = with_balancer(design, session.shaft.flywheel.energy_swing)
     except KindynaError as error:
-        session.refuse(BALANCER, reason(whole, error))
+        session.refuse(BALANCER, reason(design, error))
         return False
-    return whole.balancer is None and _done(session, made, "Add a balance cam", len(whole.drives))
+    return design.balancer is None and _put(session, balanced, "Add a balance cam", len(design.drives))
 
 
 def _with_shaft(design: Design) -> Design:
-    """A linkage alone says by its driver how fast it turns; on a shaft with others the shaft does."""
+    """Add a shaft to a single linkage, whose driver states the speed otherwise."""
     return with_shaft(design) if design.shaft is None else design
 
 
 def copy(session: Session) -> bool:
-    """The chosen drive once more, behind it."""
+    """Duplicate the selected drive, behind it in the list."""
     index = session.chosen
-    return _done(session, copy_drive(session.full_design, index), f"Copy {session.names[index]}", index + 1)
+    return _put(session, copy_drive(session.full_design, index), f"Copy {session.names[index]}", index + 1)
 
 
 def replace_chosen(session: Session, design: Design, label: str) -> bool:
-    """Another mechanism in place of the chosen drive's, which keeps its name and its place on the shaft."""
-    alone = replace(design, name=session.design.name, shaft=session.design.shaft)
-    whole = with_only(session.full_design, session.chosen, alone)
-    whole = edited(
-        whole, "shaft.speed_rpm", session.full_design.camshaft.speed_rpm
-    )  # a linkage's driver turns as the shaft does
-    return _done(session, whole, label, session.chosen)
+    """Replace the mechanism of the selected drive, which keeps its name and its position on the shaft."""
+    single = replace(design, name=session.design.name, shaft=session.design.shaft)
+    full_design = with_only(session.full_design, session.chosen, single)
+    speed = session.full_design.camshaft.speed_rpm  # a linkage's driver turns at the speed of the shaft
+    return _put(session, edited(full_design, "shaft.speed_rpm", speed), label, session.chosen)
 
 
 def remove(session: Session) -> bool:
-    """The chosen drive, or the balance cam, taken away; the last drive stays."""
+    """Remove the selected drive or the balance cam; the last drive cannot be removed."""
     index, name = session.chosen, session.names[session.chosen]
     if session.on_balancer:
-        kept = tuple(path for path in session.full_design.assumed if not path.startswith(f"{BALANCER}."))
-        return _done(session, replace(session.full_design, balancer=None, assumed=kept), f"Remove {name}", 0)
-    return _done(
-        session,
-        remove_drive(session.full_design, index),
-        f"Remove {name}",
-        min(index, len(session.full_design.drives) - 2),
-    )
+        assumed = tuple(path for path in session.full_design.assumed if not path.startswith(f"{BALANCER}."))
+        return _put(session, replace(session.full_design, balancer=None, assumed=assumed), f"Remove {name}", 0)
+    last = len(session.full_design.drives) - 2
+    return _put(session, remove_drive(session.full_design, index), f"Remove {name}", min(index, last))
 
 
 def move(session: Session, by: int) -> bool:
-    """The chosen drive further up or down in the list."""
+    """Move the selected drive up or down in the list."""
     index, to = session.chosen, session.chosen + by
     if session.on_balancer or not 0 <= to < len(session.full_design.drives):
         return False
-    way = "up" if by < 0 else "down"
-    return _done(session, move_drive(session.full_design, index, to), f"Move {session.names[index]} {way}", to)
+    label = f"Move {session.names[index]} {'up' if by < 0 else 'down'}"
+    return _put(session, move_drive(session.full_design, index, to), label, to)
 
 
 def rename(session: Session, index: int, name: str) -> bool:
-    """Another name of a drive, in the timing too."""
+    """Rename a drive, also in the sequence conditions."""
     session.end_gesture()
     return session.edit(f"drives[{index}].name", name, f"Rename {session.names[index]} to {name}")
 
 
-def _done(session: Session, whole: Design, label: str, chosen: int) -> bool:
+def _put(session: Session, full_design: Design, label: str, chosen: int) -> bool:
+    """Put a design of all drives as one undo step, and select a drive."""
     session.end_gesture()
-    done = session.put_full_design(whole, label, chosen=max(chosen, 0))
+    accepted = session.put_full_design(full_design, label, chosen=max(chosen, 0))
     session.end_gesture()
-    return done
+    return accepted
 
 
 # -- rows ------------------------------------------------------------------------------------------------
@@ -143,7 +139,7 @@ def _done(session: Session, whole: Design, label: str, chosen: int) -> bool:
 
 @frozen
 class DriveRow:
-    """One drive, or the balance cam behind them: its name, its colour, and why it cannot be assembled, empty where it can."""
+    """Name and colour of a drive or the balance cam, and why it cannot be assembled; empty where it can."""
 
     name: str
     colour: str
@@ -151,12 +147,12 @@ class DriveRow:
 
     @property
     def icon(self) -> QIcon:
-        """A swatch of its colour, or the sign of an error."""
+        """Swatch of the colour, or the sign of an error."""
         return sign(ERROR) if self.problem else swatch(self.colour)
 
 
 def drive_rows(session: Session) -> tuple[DriveRow, ...]:
-    """The drives in the order of the list. Of each only where its bodies stand is computed."""
+    """Return the drives in the order of the list; only their positions are calculated."""
     rows = []
     for number, study in enumerate(session.shaft.drives.values()):
         problem = ""
@@ -170,8 +166,8 @@ def drive_rows(session: Session) -> tuple[DriveRow, ...]:
 
 @lru_cache(maxsize=64)
 def swatch(colour: str) -> QIcon:
-    """A small square of a colour."""
-    made = QIcon()
+    """Return a small square of a colour."""
+    icon = QIcon()
     for scale in (1, 2):
         picture = QPixmap(16 * scale, 16 * scale)
         picture.setDevicePixelRatio(scale)
@@ -182,32 +178,35 @@ def swatch(colour: str) -> QIcon:
         painter.setBrush(QColor(colour))
         painter.drawRoundedRect(QRectF(2.0, 2.0, 12.0, 12.0), 3.0, 3.0)
         painter.end()
-        for mode in (QIcon.Mode.Normal, QIcon.Mode.Selected):  # a chosen row must not tint it
-            made.addPixmap(picture, mode)
-    return made
+        for mode in (QIcon.Mode.Normal, QIcon.Mode.Selected):  # the selection must not tint it
+            icon.addPixmap(picture, mode)
+    return icon
 
 
 # -- strip -----------------------------------------------------------------------------------------------
 
-ONE, BESIDE, ON_SHAFT = "one", "beside", "shaft"
+ONE, SIDE_BY_SIDE, ON_SHAFT = "one", "beside", "shaft"
 ARRANGEMENTS: Mapping[str, tuple[str, str]] = MappingProxyType(
     {
-        ONE: ("One", "Draw the chosen drive alone, with all its layers; its joints can be dragged"),
-        BESIDE: (
+        ONE: ("One", "Draw the selected drive alone, with all its layers; its joints can be dragged"),
+        SIDE_BY_SIDE: (
             "Side by side",
-            "Draw all drives beside each other, to one scale, at one machine angle; a click chooses",
+            "Draw all drives side by side, to one scale, at one machine angle; click a drive to select it",
         ),
-        ON_SHAFT: ("On the shaft", "Draw all drives about their common shaft, as seen from this end; a click chooses"),
+        ON_SHAFT: (
+            "On the shaft",
+            "Draw all drives about their common shaft, seen from this end; click a drive to select it",
+        ),
     }
 )
-"""How the drives are drawn: text and tip of each way."""
+"""Arrangements of the drives in the drawing: text and tip."""
 
 
 class DriveStrip(QWidget):
-    """A button for each drive, the chosen one down; at the right end how they are drawn.
+    """A button for each drive, and at the right end the arrangement of the drives in the drawing.
 
-    chosen    (number): a drive was clicked
-    arranged  (name in ``ARRANGEMENTS``): another way to draw them was clicked
+    - chosen (number): a drive was clicked
+    - arranged (name in ``ARRANGEMENTS``): an arrangement was clicked
     """
 
     chosen = Signal(int)
@@ -216,34 +215,35 @@ class DriveStrip(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self._rows: tuple[DriveRow, ...] = ()
-        self.bar, self.ways = tool_bar("Drives on the shaft", self), tool_bar("How the drives are drawn", self)
+        self.bar = tool_bar("Drives on the shaft", self)
+        self.arrangement_bar = tool_bar("Arrangement of the drives", self)
         self.bar.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         self.bar.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         self.bar.setIconSize(QSize(14, 14))
         self._group: QActionGroup | None = None
-        ways = QActionGroup(self)
+        arrangements = QActionGroup(self)
         self.arrangements: dict[str, QAction] = {}
         for name, (text, tip) in ARRANGEMENTS.items():
-            action = ways.addAction(text)
+            action = arrangements.addAction(text)
             action.setCheckable(True)
             action.setToolTip(tip)
             action.setStatusTip(tip)
             action.triggered.connect(partial(self._arrange, name))
             self.arrangements[name] = action
-            self.ways.addAction(action)
+            self.arrangement_bar.addAction(action)
         self.arrangements[ONE].setChecked(True)
         row = QHBoxLayout(self)
         row.setContentsMargins(4, 1, 4, 1)
         row.setSpacing(0)
         row.addWidget(self.bar, 1)
-        row.addWidget(self.ways)
+        row.addWidget(self.arrangement_bar)
         self.hide()
 
     def _arrange(self, name: str, *_: object) -> None:
         self.arranged.emit(name)
 
     def show_drives(self, rows: Sequence[DriveRow], chosen: int) -> None:
-        """Name these drives, of which one is chosen."""
+        """Show these drives, and the selected one."""
         if tuple(rows) != self._rows:
             self._rows = tuple(rows)
             self._build()
@@ -252,7 +252,7 @@ class DriveStrip(QWidget):
 
     @property
     def actions_of_drives(self) -> list[QAction]:
-        """One for each drive, in their order."""
+        """Actions of the drives, in their order."""
         return [] if self._group is None else self._group.actions()
 
     def _build(self) -> None:

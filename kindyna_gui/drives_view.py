@@ -1,4 +1,4 @@
-"""The drives of a design file on the shaft at hand."""
+"""View of the list of drives on the shaft, with the form of the selected drive."""
 
 from __future__ import annotations
 
@@ -33,16 +33,16 @@ from kindyna_gui.labels import reason
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import digits, readable, short
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import Rebuilt, clear_menu
+from kindyna_gui.rebuilt import ContentArea, clear_menu
 from kindyna_gui.requirements import ONE_DRIVE, require_list
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import View, ViewHost
 
-# -- the drives of a design file on the shaft at hand ----------------------------------------------------
+# -- drives from a file ----------------------------------------------------------------------------------
 
 
 def add_from_file(session: Session, parent: QWidget) -> bool:
-    """Ask for a file, whose drives come behind those there are; False where none is added."""
+    """Ask for a design file and add its drives to the shaft; False where none is added."""
     path = dialogs.design_to_open(parent, Settings().folder)
     if path is None:
         return False
@@ -56,16 +56,16 @@ def add_from_file(session: Session, parent: QWidget) -> bool:
 # -- drives view -----------------------------------------------------------------------------------------
 
 HEADINGS = ("Drive", "Phase", "Side", "Peak torque")
-TORQUE_MS = 150  # after an edit, before the torques are found anew: they take longer than all else that is listed
-HIGHEST, LOWEST = 210, 60  # of the form, pixels; where there is no room for more it is rolled
+TORQUE_MS = 150  # pause in editing before the torques, the slowest column, are calculated
+HIGHEST, LOWEST = 210, 60  # height of the form, pixels; it scrolls where it needs more
 NAME, PHASE, SIDE, TORQUE = range(4)
 
 
 class DrivesTable(QTableWidget):
-    """The list itself: a row is chosen by click or arrow key; F2 or a double click renames.
+    """Table of the drives: a click or an arrow key selects a row, F2 or a double click renames.
 
-    moved     (-1 or 1): Alt+Up, Alt+Down
-    removed   Delete
+    - moved (-1 or 1): Alt+Up, Alt+Down
+    - removed: Delete
     """
 
     moved = Signal(int)
@@ -82,15 +82,15 @@ class DrivesTable(QTableWidget):
         self.setTabKeyNavigation(False)
         self.verticalHeader().hide()
         self.update_style()
-        head = self.horizontalHeader()
-        head.setHighlightSections(False)
-        head.setMinimumSectionSize(30)
-        head.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
-        head.setSectionResizeMode(NAME, QHeaderView.ResizeMode.Stretch)
+        header = self.horizontalHeader()
+        header.setHighlightSections(False)
+        header.setMinimumSectionSize(30)
+        header.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
+        header.setSectionResizeMode(NAME, QHeaderView.ResizeMode.Stretch)
         self.setAccessibleName("Drives on the shaft")
 
     def update_style(self) -> None:
-        """As high and wide as its letters want it."""
+        """Adapt the row height to the font."""
         self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + LEADING)
 
     def sizeHint(self) -> QSize:
@@ -102,9 +102,9 @@ class DrivesTable(QTableWidget):
 
 
 class DrivesView(View):
-    """The list, buttons for it, and the form of the chosen row.
+    """List of the drives with buttons, and the form of the selected drive.
 
-    picture_requested   a drive is to be chosen by its picture
+    - picture_requested: the user selects a new drive by its picture
     """
 
     picture_requested = Signal()
@@ -116,24 +116,22 @@ class DrivesView(View):
         super().__init__(session, player)
         self.table = DrivesTable()
         self.buttons = {
-            "add": list_button("Add", "insert", "A drive more, behind the others", None),
-            "copy": list_button("Copy", "duplicate", "The chosen drive once more", partial(drives.copy, session)),
+            "add": list_button("Add", "insert", "Add a drive", None),
+            "copy": list_button("Copy", "duplicate", "Duplicate the selected drive", partial(drives.copy, session)),
             "remove": list_button(
-                "Remove", "delete", "Take the chosen drive off the shaft (Del)", partial(drives.remove, session)
+                "Remove", "delete", "Remove the selected drive (Del)", partial(drives.remove, session)
             ),
-            "up": list_button("Up", "up", "Further up in the list (Alt+Up)", partial(drives.move, session, -1)),
-            "down": list_button(
-                "Down", "down", "Further down in the list (Alt+Down)", partial(drives.move, session, 1)
-            ),
+            "up": list_button("Up", "up", "Move up (Alt+Up)", partial(drives.move, session, -1)),
+            "down": list_button("Down", "down", "Move down (Alt+Down)", partial(drives.move, session, 1)),
         }
         menu = QMenu(self)
         menu.aboutToShow.connect(partial(self._fill, menu))
         self.buttons["add"].setMenu(menu)
         self.buttons["add"].setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         bar = row_of_buttons(self.buttons.values(), above=2)
-        self._place = Rebuilt(session)
+        self._form_holder = ContentArea(session)
         self._form: Form | None = None
-        self._of = ""
+        self._section = ""
         self._torque_timer = QTimer(self, singleShot=True, interval=TORQUE_MS)
         self._torque_timer.timeout.connect(self._show_torques)
         column = QVBoxLayout()
@@ -141,7 +139,7 @@ class DrivesView(View):
         column.setSpacing(0)
         column.addWidget(self.table, 1)
         column.addLayout(bar)
-        column.addWidget(self._place)
+        column.addWidget(self._form_holder)
         self.set_content_layout(column)
         self.table.currentCellChanged.connect(self._choose)
         self.table.itemChanged.connect(self._rename)
@@ -155,7 +153,7 @@ class DrivesView(View):
         self.picture_requested.connect(window.add_drive_by_picture)
 
     def refresh(self, study: Study) -> None:
-        self._torque_timer.stop()  # the rows that it waits for are of another design
+        self._torque_timer.stop()  # it belongs to the previous design
         require_list(self.session.full_design, ONE_DRIVE)
         rows = drive_rows(self.session)
         with QSignalBlocker(self.table):
@@ -177,23 +175,23 @@ class DrivesView(View):
             self._torque_timer.start()
 
     def _show_row(self, number: int, row: DriveRow) -> None:
-        whole = self.session.full_design
-        if number < len(whole.drives):
-            drive = whole.drives[number]
+        design = self.session.full_design
+        if number < len(design.drives):
+            drive = design.drives[number]
             phase, side = f"{short(drive.phase_deg)}°", "mirrored" if drive.mirrored else ""
         else:
-            phase, side = f"{short(whole.balancer.phase_deg)}°", ""
+            phase, side = f"{short(design.balancer.phase_deg)}°", ""
         for column, text in enumerate((row.name, phase, side)):
             self._write(number, column, text, row.problem)
-        named = self._cell(number, NAME)
+        name_item = self._cell(number, NAME)
         flags = Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable
-        named.setFlags(flags | Qt.ItemFlag.ItemIsEditable if number < len(whole.drives) else flags)
-        if named.data(Qt.ItemDataRole.UserRole) != row.colour + row.problem:
-            named.setData(Qt.ItemDataRole.UserRole, row.colour + row.problem)
-            named.setIcon(row.icon)
+        name_item.setFlags(flags | Qt.ItemFlag.ItemIsEditable if number < len(design.drives) else flags)
+        if name_item.data(Qt.ItemDataRole.UserRole) != row.colour + row.problem:
+            name_item.setData(Qt.ItemDataRole.UserRole, row.colour + row.problem)
+            name_item.setIcon(row.icon)
 
     def _cell(self, row: int, column: int) -> QTableWidgetItem:
-        """What stands there, made now where nothing does."""
+        """Return the item of a cell, created where it is missing."""
         item: QTableWidgetItem | None = self.table.item(row, column)
         if item is None:
             item = QTableWidgetItem()
@@ -204,7 +202,7 @@ class DrivesView(View):
         return item
 
     def _write(self, row: int, column: int, text: str, problem: str) -> None:
-        """A text into a cell, red where there is a problem."""
+        """Write a text into a cell, red where there is a problem."""
         item = self._cell(row, column)
         if (item.text(), item.toolTip()) == (text, problem):
             return
@@ -213,7 +211,7 @@ class DrivesView(View):
         item.setForeground(QColor(SCREEN.limit) if problem else self.table.palette().text())
 
     def _show_torques(self) -> None:
-        """The last column, once editing pauses; of a design that came since then when it is shown."""
+        """Fill the column of torques, if the view shows the current design."""
         self._torque_timer.stop()
         if not self.up_to_date:
             return
@@ -227,26 +225,26 @@ class DrivesView(View):
             self._show_torques()
 
     def _torque(self, number: int) -> tuple[str, str]:
-        """The peak torque of a drive as a text, and why there is none."""
+        """Peak torque of a drive as text, and the reason where there is none."""
         shaft = self.session.shaft
         try:
             if number < len(self.session.full_design.drives):
                 name = self.session.names[number]
                 if name not in shaft.loading_drives:
-                    return "not by the shaft", ""
+                    return "not driven by the shaft", ""
                 peak = shaft.drive_peak(name).value
             else:
                 peak = shaft.balancer_peak.value
         except NoSolution as error:
-            return "no answer", reason(self.session.full_design, error)
+            return "not calculated", reason(self.session.full_design, error)
         rung = readable("N·m", abs(peak))
         return f"{digits(peak / rung.size, 4)} {rung.symbol}", ""
 
     def _show_form(self) -> None:
         section = BALANCER if self.session.on_balancer else f"drives[{self.session.chosen}]"
-        if section != self._of:
-            self._of, self._form = section, Form(self.session, section)
-            self._place.replace(self._form)
+        if section != self._section:
+            self._section, self._form = section, Form(self.session, section)
+            self._form_holder.replace(self._form)
         assert self._form is not None
         self._form.refresh(self.session.full_design)
         height = min(self._form.wanted_height, HIGHEST)
@@ -278,22 +276,22 @@ class DrivesView(View):
         clear_menu(menu)
         for kind, row in FOLLOWER_KINDS.items():
             action = menu.addAction(row.label)
-            action.setStatusTip(f"A drive of this kind: {row.label}")
+            action.setStatusTip(f"Add a drive: {row.label}")
             action.triggered.connect(partial(self._add, kind))
         for text, tip, slot in (
             (
                 "Chosen by its picture...",
-                "A follower with its face and the form of its cam, or a linkage",
+                "Select a follower with its face and the form of its cam, or a linkage",
                 self.picture_requested.emit,
             ),
-            ("From a file...", "All drives of a design file", self._add_from_file),
+            ("From a file...", "Add all drives of a design file", self._add_from_file),
         ):
             action = menu.addAction(text)
             action.setStatusTip(tip)
             action.triggered.connect(partial(_without_state, slot))
         menu.addSeparator()
         action = menu.addAction("Balance cam")
-        action.setStatusTip("A cam against a spring that takes the swing out of the shaft's torque")
+        action.setStatusTip("Balance cam: a spring-loaded cam that evens out the torque")
         action.setEnabled(self.session.full_design.balancer is None)
         action.triggered.connect(lambda: drives.add_balancer(self.session))
 
@@ -304,7 +302,7 @@ class DrivesView(View):
         drives.add(self.session, beginning(slug, name=FOLLOWER_KINDS[slug].label))
 
     def focus_field(self, path: str) -> bool:
-        """Bring a field of the form, or ``drives[1].phase_deg`` of the whole, before the reader; False where it has none of that path."""
+        """Show and focus the field of a path, such as ``drives[1].phase_deg``; False where the form has no such field."""
         name, number, inside = row_at(path, "drives")
         if name and not (inside and self.session.choose_drive(number)):
             return False
@@ -316,5 +314,5 @@ class DrivesView(View):
 
 
 def _without_state(slot: Callable[[], object], *_: object) -> None:
-    """Call a slot without the checked state that ``triggered`` brings."""
+    """Call a slot without the argument of ``triggered``."""
     slot()

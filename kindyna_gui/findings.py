@@ -1,4 +1,4 @@
-"""Findings, certificate."""
+"""Views of the findings, with a button for each remedy, and of the certificate: residuals that prove the results."""
 
 from __future__ import annotations
 
@@ -34,40 +34,40 @@ CERTIFICATE_HEADINGS = (
 PROVES: Mapping[str, tuple[str, str]] = MappingProxyType(
     {
         "motion_closure": (
-            "back where it began",
-            "after one turn the follower is back where it began, relative to the stroke",
+            "returns to its start",
+            "after one turn the follower returns to its start, relative to the stroke",
         ),
         "loop_closure": (
             "the bodies fit together",
             "the bodies fit together at every cam angle, relative to their lengths",
         ),
         "instant_centre": (
-            "sliding as Q asks",
-            "cam and follower slide past each other as their instant centre asks, at every cam angle",
+            "sliding about Q",
+            "the sliding velocity of cam and follower agrees with their instant centre Q, at every cam angle",
         ),
         "roller_tangency": (
             "touches, cuts nowhere",
-            "the roller touches the profile and cuts into it nowhere, tried point by point; left out is what an undercut takes away",
+            "the roller touches the profile and cuts into it nowhere, checked point by point, except where the cam is undercut",
         ),
         "face_tangency": (
             "touches, cuts nowhere",
-            "the face touches the profile and cuts into it nowhere, tried point by point; left out is what an undercut takes away",
+            "the face touches the profile and cuts into it nowhere, checked point by point, except where the cam is undercut",
         ),
         "outer_tangency": (
             "touches, cuts nowhere",
-            "the roller with its play touches the outer flank and cuts into it nowhere, tried point by point",
+            "the roller with its play touches the outer flank and cuts into it nowhere, checked point by point",
         ),
         "second_tangency": (
             "touches, cuts nowhere",
-            "the second roller touches the second cam and cuts into it nowhere, tried point by point",
+            "the second roller touches the second cam and cuts into it nowhere, checked point by point",
         ),
         "second_centre": (
-            "sliding as Q asks",
-            "the second roller and its cam slide past each other as their instant centre asks, at every cam angle",
+            "sliding about Q",
+            "the sliding velocity of the second roller and its cam agrees with their instant centre Q, at every cam angle",
         ),
         "power_balance": (
-            "power in is power out",
-            "what the cam puts in is what kinetic energy, weight, load and friction take, at every cam angle",
+            "power balance",
+            "the power of the cam equals that of inertia, weight, load and friction, at every cam angle",
         ),
         "momentum_balance": (
             "forces add up",
@@ -75,17 +75,17 @@ PROVES: Mapping[str, tuple[str, str]] = MappingProxyType(
         ),
         "three_centres": (
             "three centres in line",
-            "the instant centres of three links lie on one line, each centre in one such triple at least; of more than 12 bodies each "
-            "centre on the frame and of two links that are joined",
+            "the instant centres of three links lie on one line, each centre in at least one such triple; with more than 12 bodies: "
+            "the centres on the frame and those of joined links",
         ),
     }
 )
-"""Residual -> what it proves: in few words for the table, and in full."""
+"""What each residual proves: in few words for the table, and in full."""
 
 
 def certificate_row(name: str, residual: Residual) -> TableRow:
-    """A residual as a line of the table."""
-    short, proves = PROVES.get(name.rpartition(".")[2], ("", ""))  # of a drive, its slug before it
+    """Row of the table for a residual."""
+    short, proves = PROVES.get(name.rpartition(".")[2], ("", ""))  # the slug of a drive precedes the name
     return TableRow(
         (
             sentence(name.replace("_", " ").replace(".", ": ")),
@@ -101,7 +101,7 @@ def certificate_row(name: str, residual: Residual) -> TableRow:
 
 
 class CertificateView(View):
-    """The table of residuals."""
+    """Table of the residuals."""
 
     is_design_wide = True
     stages = STAGES
@@ -116,7 +116,7 @@ class CertificateView(View):
         self.offer_explanation(self.table, "Explain what it proves")
 
     def selected_number(self) -> ExplainableNumber | None:
-        from core.output.explain import number_of_residual
+        from core.output.explain import number_of_residual  # loaded when a number is explained
 
         row = self.table.currentIndex().row()
         name = number_of_residual(self.session.study, self._names[row]) if 0 <= row < len(self._names) else ""
@@ -132,16 +132,16 @@ class CertificateView(View):
 
 FINDING_HEADINGS = (TableHeading("Finding", wide=True), TableHeading("Remedy"), TableHeading("Angle °", number=True))
 REMEDY = 1  # column
-GAP = 4  # pixels above and below the sentence
-SHOWN, MOST = 2, 110  # findings that are seen at least, in so many pixels at most
+GAP = 4  # above and below the sentence, pixels
+LEAST_ROWS, MOST_HEIGHT = 2, 110  # findings that the view shows at least; their largest height, pixels
 
 
 class FindingsView(View):
-    """The list of findings.
+    """List of the findings.
 
-    field_requested   (path): a finding was clicked whose field this is
-    remedy_chosen    (remedy): the button of one was
-    height_wanted     (pixels, whole): what it has to show needs at least so much, and no more where that is the whole of it
+    - field_requested (path): a finding of this field was clicked
+    - remedy_chosen (remedy): the button of a remedy was clicked
+    - height_requested (pixels, is_fixed): least height of the content; is_fixed: the content needs no more
     """
 
     is_design_wide = True
@@ -149,7 +149,7 @@ class FindingsView(View):
     pause_ms = 150
     field_requested = Signal(str)
     remedy_chosen = Signal(object)
-    height_wanted = Signal(int, bool)
+    height_requested = Signal(int, bool)
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
@@ -158,7 +158,7 @@ class FindingsView(View):
         coloured(self.empty, SCREEN.quiet)
         self.table.setMinimumHeight(1)
         self._findings: tuple[Finding, ...] = ()
-        # of the content from the start: without a parent its first page would flash up as a window
+        # without a parent its first page would flash up as a window
         self._pages = QStackedLayout(self.content)
         self._pages.addWidget(self.table)
         self._pages.addWidget(self.empty)
@@ -168,7 +168,7 @@ class FindingsView(View):
 
     @property
     def findings(self) -> tuple[Finding, ...]:
-        """What is listed."""
+        """The listed findings."""
         return self._findings
 
     def belong_to(self, window: ViewHost) -> None:
@@ -177,41 +177,41 @@ class FindingsView(View):
         self.remedy_chosen.connect(window.apply_remedy)
 
     def selected_number(self) -> ExplainableNumber | None:
-        from core.output.explain import number_of_finding
+        from core.output.explain import number_of_finding  # loaded when a number is explained
 
         row = self.table.currentIndex().row()
         name = number_of_finding(self.session.study, self._findings[row]) if 0 <= row < len(self._findings) else ""
         return ExplainableNumber(name) if name else None
 
     def refresh(self, study: Study) -> None:
-        whole = self.session.full_study
-        self._findings = findings_of(whole)
-        rows, remedies = [], _remedies(whole.design, self._findings)
+        study = self.session.full_study
+        self._findings = findings_of(study)
+        rows, remedies = [], _remedies(study.design, self._findings)
         for f, remedy in zip(self._findings, remedies, strict=True):
-            tip = f"{sentence(f.severity)}. Click to go to its cam angle and to: {name_of(whole.design, f.field)}"
-            label = remedy.label.format(name=in_sentence(name_of(whole.design, remedy.field)))
+            tip = f"{sentence(f.severity)}. Click to go to its cam angle and to: {name_of(study.design, f.field)}"
+            label = remedy.label.format(name=in_sentence(name_of(study.design, remedy.field)))
             rows.append(TableRow((sentence(f.message), sentence(label), _angle(f)), sign(f.severity), tip))
         self.table.show_rows(rows)
         self.table.show_buttons(REMEDY, map(self._button, rows, remedies))
         self._pages.setCurrentWidget(self.table if rows else self.empty)
-        self.height_wanted.emit(
+        self.height_requested.emit(
             *((self._height(), False) if rows else (self.empty.sizeHint().height() + 2 * GAP, True))
         )
 
     def _height(self) -> int:
-        """Pixels of the head and the first findings."""
-        rows = sum(self.table.rowHeight(row) for row in range(min(self.table.model().rowCount(), SHOWN)))
-        return min(self.table.horizontalHeader().sizeHint().height() + rows + GAP, MOST)
+        """Height of the header and the first findings, pixels."""
+        rows = sum(self.table.rowHeight(row) for row in range(min(self.table.model().rowCount(), LEAST_ROWS)))
+        return min(self.table.horizontalHeader().sizeHint().height() + rows + GAP, MOST_HEIGHT)
 
     def _button(self, row: TableRow, remedy: Remedy) -> QPushButton:
         button = QPushButton(row.cells[REMEDY], autoDefault=False)
-        button.setToolTip("Search for the value that keeps the limit" if remedy.find else "Go to where it is typed")
+        button.setToolTip("Find the value that meets the limit" if remedy.find else "Go to the field")
         button.clicked.connect(lambda: self.remedy_chosen.emit(remedy))
         return button
 
     def _go(self, index: QModelIndex) -> None:
         finding = self._findings[index.row()]
-        self.field_requested.emit(finding.field)  # first: the angle is that of the drive which it shows
+        self.field_requested.emit(finding.field)  # first, since it can select another drive
         if finding.cam_angle_deg is not None:
             self.player.play(False)
             go = self.player.set_machine if finding.field.startswith("shaft.") else self.player.set_theta
@@ -219,7 +219,7 @@ class FindingsView(View):
 
 
 def _remedies(design: Design, findings: tuple[Finding, ...]) -> list[Remedy]:
-    if not findings:  # then no search need be loaded
+    if not findings:  # without findings Find is not loaded
         return []
     from core.find import remedy_of
 

@@ -19,7 +19,7 @@ from kindyna_gui.background import Background, Job
 from kindyna_gui.documents.session import Session
 from kindyna_gui.look import coloured
 from kindyna_gui.pictures.plots.stability_chart import ACROSS, UPWARDS, ChartPlot
-from kindyna_gui.pictures.plots.xy import PulledPoint
+from kindyna_gui.pictures.plots.xy import DraggablePoint
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.requirements import NO_SHAFT, RIGID_SHAFT, Unavailable, turned_shaft
@@ -39,7 +39,7 @@ from kindyna_gui.view import View
 # -- chart -----------------------------------------------------------------------------------------------
 
 
-class StabilityChart(PulledPoint, ChartPlot):
+class StabilityChart(DraggablePoint, ChartPlot):
     """The chart with its reactions; all points are (η, Q)."""
 
     def point_at(self, pixel: QPointF) -> tuple[float, float] | None:
@@ -47,7 +47,7 @@ class StabilityChart(PulledPoint, ChartPlot):
 
     def own_pixel(self) -> QPointF | None:
         machine = self.chart.machine if self.chart is not None else None
-        return None if machine is None or not self.own.isVisible() else self.pixel(machine.eta, machine.q)
+        return None if machine is None or not self.machine_point.isVisible() else self.pixel(machine.eta, machine.q)
 
 
 # -- point reading ---------------------------------------------------------------------------------------
@@ -253,7 +253,7 @@ class StabilityView(View):
         self.chart.picked.connect(self._pick)
         self.fields.entered.connect(self.look_at)
         self.fields.returned.connect(self.look_at_own)
-        self.chart.pulled.connect(self._pulled)
+        self.chart.dragged.connect(self._pulled)
         self.chart.released.connect(self._released)
         self.reading.changed.connect(self._rest)
         self.pages.lacking.connect(self._lacks)
@@ -351,7 +351,7 @@ class StabilityView(View):
         if self.drawn is None:
             return
         self.chart.show_chart(self.drawn, self.across.currentData(), self.upwards.currentData())
-        self.chart.look_at(*(self.picked or (None,)))
+        self.chart.ring_point(*(self.picked or (None,)))
 
     # -- what takes longer ----------------------------------------------------------------------------------
 
@@ -477,7 +477,7 @@ class StabilityView(View):
 
     def _choose(self, point: tuple[float, float] | None) -> None:
         self.picked = point
-        self.chart.look_at(*(point or (None,)))
+        self.chart.ring_point(*(point or (None,)))
         if self.found is not None:
             self.chosen = self._unknown(self.found)
             self._show_fields(self.found, self.chosen)
@@ -499,7 +499,7 @@ class StabilityView(View):
         if self.found is None:
             return
         self.wanted = (eta, q)
-        self.chart.move_own(eta, q)
+        self.chart.move_machine_point(eta, q)
         self.reading.show_text(wanted_text(self.found.machine, eta, q))
 
     def _released(self, kept: bool) -> None:

@@ -247,7 +247,7 @@ class Field(QObject):
         box = NumberBox(self.spec.info, self.spec.unit)
         box.entered.connect(self._enter)
         box.unreadable.connect(lambda: self.session.refuse(self.spec.path, no_number(box.text())))
-        box.withdrawn.connect(lambda: self.session.take_back(self.spec.path))
+        box.withdrawn.connect(lambda: self.session.clear_refusal(self.spec.path))
         box.finished.connect(self.session.end_gesture)
         if not names_a_link(self.spec.path, self.spec.info):
             for part in (self.label, box):
@@ -282,7 +282,7 @@ class Field(QObject):
     def _word_box(self) -> WordBox:
         box = self._words()
         box.activated.connect(self._choose)
-        box.withdrawn.connect(lambda: self.session.take_back(self.spec.path))
+        box.withdrawn.connect(lambda: self.session.clear_refusal(self.spec.path))
         for part in (self.label, box):
             part.menu_requested.connect(self._open_menu)
         self.label.released.connect(box.setFocus)

@@ -190,7 +190,7 @@ class AttachmentRows(QWidget):
         put_attachment(self._session, self._path, end, self._values[end.key][index])
 
     def _take_back(self, end: AttachedEnd) -> None:
-        self._session.take_back(self._paths(end)[0])
+        self._session.clear_refusal(self._paths(end)[0])
         self._shown = None
         self.refresh(self._session.typed)
 

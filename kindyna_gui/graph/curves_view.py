@@ -77,7 +77,7 @@ from kindyna_gui.graph.curve_form import (
 from kindyna_gui.graph.graph_choice import GraphSources
 from kindyna_gui.graph.live_graph import LiveGraph
 from kindyna_gui.look import SteadyText, text_button
-from kindyna_gui.pictures.plots.graph import LETTERS
+from kindyna_gui.pictures.plots.graph import POINT_NAMES
 from kindyna_gui.pictures.plots.graph import Bands as CurveBands
 from kindyna_gui.pictures.plots.lines import closed_band
 from kindyna_gui.pictures.units import readable, short, with_unit
@@ -361,7 +361,7 @@ class CurvesView(View):
         """Show the values of points A and B, and their differences."""
         points, data = self.plot.points, self.data
         parts = []
-        for letter, point in zip(LETTERS, points, strict=False):
+        for letter, point in zip(POINT_NAMES, points, strict=False):
             axis = self.plot.axis_of(point.series)
             rung = self.plot.rungs[axis]
             y = with_unit(short(point.y / rung.size, 6), rung.symbol) if isfinite(point.y) else "no value"

@@ -25,7 +25,7 @@ from kindyna_gui.pictures.paper.sheets import columns_for, polar_file
 from kindyna_gui.pictures.plots.quantities import first_graph, stages_of, why_missing
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player, obey
-from kindyna_gui.rebuilt import Rebuilt
+from kindyna_gui.rebuilt import ContentArea
 from kindyna_gui.saving import save_numbers, save_picture
 
 LEAST_STRAIGHT, LEAST_POLAR = 118, 280  # height of a plot before the column scrolls, pixels
@@ -135,7 +135,7 @@ class GraphView(MarkedView):
         self._reasons: dict[str, str] = {}
         self._built: tuple[object, ...] = ()  # form and number of the plots
         self._has_sizes = False
-        self._paper = Rebuilt(session, player)
+        self._paper = ContentArea(session, player)
         self._paper.setBackgroundRole(QPalette.ColorRole.Base)
         self._paper.setAutoFillBackground(True)
         self.area = QScrollArea(widgetResizable=True)

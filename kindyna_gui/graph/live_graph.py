@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QWidget
 
 from core.output.graph import Graph, GraphData, GraphPoint, point_at
 from kindyna_gui.pictures.plots.graph import NO_CHANNEL_BANDS, Bands, GraphPlot
-from kindyna_gui.pictures.plots.graph_ranges import Shown, about, moved, narrower
+from kindyna_gui.pictures.plots.graph_ranges import GraphRange, narrowed, shifted, zoomed
 
 CLICK = 4.0  # pixels: a shorter drag is a click
 NOTCH = 0.8  # factor of the range for one notch of the wheel
@@ -33,9 +33,9 @@ class LiveGraph(GraphPlot):
     part_changed = Signal()
 
     def __init__(self, parent: QWidget | None = None) -> None:
-        self._past: list[Shown] = []
+        self._past: list[GraphRange] = []
         self._pressed: QPointF | None = None
-        self._moved_from: Shown | None = None  # visible part at the start of a move
+        self._moved_from: GraphRange | None = None  # visible part at the start of a move
         super().__init__(parent)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setToolTip(TIP)
@@ -57,7 +57,7 @@ class LiveGraph(GraphPlot):
     @property
     def part(self) -> dict[str, Any]:
         """The visible part as plain data; empty if all is visible."""
-        if not self._past or not self.found.series or self.shown == self.all_of_it():
+        if not self._past or not self.data.series or self.shown == self.full_range():
             return {}
         return {
             "axes": self._axis_keys(),
@@ -67,59 +67,58 @@ class LiveGraph(GraphPlot):
 
     def restore_part(self, data: Mapping[str, Any]) -> None:
         """Show a saved part if the axes are the same; ``back`` shows all."""
-        if not self.found.series or data.get("axes") != self._axis_keys():
+        if not self.data.series or data.get("axes") != self._axis_keys():
             return
         try:
             across, values = _ends(data["x"]), tuple(_ends(row) for row in data["values"])
         except (KeyError, TypeError, ValueError):
             return
-        if len(values) == len(self.found.axes):
-            self._step(Shown(across, values))
+        if len(values) == len(self.data.axes):
+            self._step(GraphRange(across, values))
 
     def _axis_keys(self) -> list[str]:
         """Side, unit and scale of each axis."""
         keys = [
-            f"{axis.side} {rung.symbol} {axis.scale.log}"
-            for axis, rung in zip(self.found.axes, self.rungs, strict=True)
+            f"{axis.side} {rung.symbol} {axis.scale.log}" for axis, rung in zip(self.data.axes, self.rungs, strict=True)
         ]
-        return [f"x {self.found.x_unit} {self.graph.x.log}", *keys]
+        return [f"x {self.data.x_unit} {self.graph.x.log}", *keys]
 
     @property
     def can_go_back(self) -> bool:
         """Whether there is a step of zooming to undo."""
         return bool(self._past)
 
-    def _step(self, shown: Shown) -> None:
+    def _step(self, shown: GraphRange) -> None:
         """Show another part, as a step that ``back`` undoes."""
         if shown != self.shown:
             self._past = [*self._past[1 - MOST_STEPS :], self.shown]
-            self.show_part(shown)
+            self.show_range(shown)
             self.part_changed.emit()
 
     def back(self) -> None:
         """Undo one step of zooming."""
         if self._past:
-            self.show_part(self._past.pop())
+            self.show_range(self._past.pop())
             self.part_changed.emit()
 
     def show_all(self) -> None:
         """Show all curves, or the ranges set for the axes."""
-        if self.found.series:
-            self._step(self.all_of_it())
+        if self.data.series:
+            self._step(self.full_range())
 
-    def _zoomed(self, box: QRectF) -> Shown:
-        x = narrower(self.shown.x, box.left(), box.right())
-        return Shown(x, tuple(narrower(ends, box.top(), box.bottom()) for ends in self.shown.values))
+    def _zoomed(self, box: QRectF) -> GraphRange:
+        x = narrowed(self.shown.x, box.left(), box.right())
+        return GraphRange(x, tuple(narrowed(ends, box.top(), box.bottom()) for ends in self.shown.values))
 
-    def _wheeled(self, at: QPointF, factor: float) -> Shown:
+    def _wheeled(self, at: QPointF, factor: float) -> GraphRange:
         """Zoom about a point of the plot; over an axis zoom this axis only."""
-        x = about(self.shown.x, at.x(), factor) if 0.0 <= at.x() <= 1.0 else self.shown.x
+        x = zoomed(self.shown.x, at.x(), factor) if 0.0 <= at.x() <= 1.0 else self.shown.x
         values = self.shown.values
         if at.y() >= 0.0:
             side = self._axis_at(at)
-            zoomed = range(len(values)) if 0.0 <= at.x() <= 1.0 else () if side is None else (side,)
-            values = tuple(about(ends, at.y(), factor) if i in zoomed else ends for i, ends in enumerate(values))
-        return Shown(x, values)
+            indices = range(len(values)) if 0.0 <= at.x() <= 1.0 else () if side is None else (side,)
+            values = tuple(zoomed(ends, at.y(), factor) if i in indices else ends for i, ends in enumerate(values))
+        return GraphRange(x, values)
 
     def _axis_at(self, at: QPointF) -> int | None:
         """Index of the axis of values at a point outside the plot."""
@@ -127,7 +126,7 @@ class LiveGraph(GraphPlot):
             return self._slots.index(0) if 0 in self._slots else None
         scene = self._view.sceneBoundingRect()
         x = scene.left() + at.x() * scene.width()
-        for slot, (axis, _) in enumerate(self._further, 1):
+        for slot, (axis, _) in enumerate(self._right_axes, 1):
             box = axis.sceneBoundingRect()
             if slot in self._slots and box.left() <= x <= box.right():
                 return self._slots.index(slot)
@@ -137,7 +136,7 @@ class LiveGraph(GraphPlot):
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         event.accept()
-        if not self.found.series:
+        if not self.data.series:
             return
         is_move = event.button() == Qt.MouseButton.MiddleButton or bool(
             event.modifiers() & Qt.KeyboardModifier.ShiftModifier
@@ -150,8 +149,10 @@ class LiveGraph(GraphPlot):
             return
         begin, end = self.fraction(self._pressed), self.fraction(event.position())
         if self._moved_from is not None:
-            x = moved(self._moved_from.x, begin.x() - end.x())
-            self.show_part(Shown(x, tuple(moved(ends, begin.y() - end.y()) for ends in self._moved_from.values)))
+            x = shifted(self._moved_from.x, begin.x() - end.x())
+            self.show_range(
+                GraphRange(x, tuple(shifted(ends, begin.y() - end.y()) for ends in self._moved_from.values))
+            )
         elif self._is_drag(event.position()):
             self.show_rubber(self._box(begin, end))
 
@@ -193,11 +194,11 @@ class LiveGraph(GraphPlot):
     def wheelEvent(self, event: QWheelEvent) -> None:
         event.accept()
         delta = event.angleDelta().y() or event.angleDelta().x()
-        if not self.found.series or not delta:
+        if not self.data.series or not delta:
             return
         shown = self._wheeled(self.fraction(event.position()), NOTCH ** (delta / 120.0))
         if self._wheel.isActive():
-            self.show_part(shown)
+            self.show_range(shown)
             self.part_changed.emit()
         else:
             self._step(shown)
@@ -230,12 +231,12 @@ class LiveGraph(GraphPlot):
     def _shift_point(self, sign: float) -> None:
         """Move the last point by a pixel; on a curve whose x is not ordered, to its next point."""
         *before, last = self.points
-        series = self.found.series[last.series]
+        series = self.data.series[last.series]
         if series.is_ordered:
             wide = self.shown.x[1] - self.shown.x[0]
             pixel = sign * wide / max(self._view.width(), 1.0)
             at = last.x * 10.0**pixel if self.graph.x.log else last.x + pixel
-            point = point_at(self.found, last.series, at)
+            point = point_at(self.data, last.series, at)
         else:
             nearest = int(np.nanargmin((series.x - last.x) ** 2 + (series.y - last.y) ** 2))
             i = min(max(nearest + int(sign), 0), series.x.size - 1)

@@ -16,7 +16,7 @@ from kindyna_gui.pictures.plots.curves import CurvePlot
 from kindyna_gui.pictures.plots.lines import Frame
 from kindyna_gui.pictures.plots.marks import TEXT_ROOM, Extreme
 from kindyna_gui.pictures.plots.polar import PolarPlot
-from kindyna_gui.pictures.plots.xy import UnderMouse
+from kindyna_gui.pictures.plots.xy import AngleMouse
 from kindyna_gui.pictures.style import SMALL, font
 from kindyna_gui.pictures.units import UNSEEN, measure
 from kindyna_gui.player import Player
@@ -24,7 +24,7 @@ from kindyna_gui.view import View
 
 if TYPE_CHECKING:
     from core.find import Trade
-    from kindyna_gui.touch_targets import BesideMouse
+    from kindyna_gui.touch_targets import MouseReadout
 
 
 DRAGGED = ("pressure_angle",)  # first letters of the quantities whose peaks can be dragged
@@ -49,7 +49,7 @@ class PeakDrag:
         self._trade: Trade | None = None
         self._work: object = None
         self._unit, self._typed = "", ""
-        self._text: BesideMouse | None = None
+        self._text: MouseReadout | None = None
         self.lines: list[tuple[str, bool]] = []
 
     def can_grab(self, name: str) -> bool:
@@ -99,16 +99,16 @@ class PeakDrag:
 
     def _show_effect(self, refusal: str = "") -> None:
         """Update the texts: the effect on the design, and why a value was refused."""
-        from kindyna_gui.touch_targets import answers
+        from kindyna_gui.touch_targets import readout_lines
 
         assert self._trade is not None
         stages = tuple(self._session.stages_on_screen())
-        self.lines = answers(self._session.study, self._trade.path, stages)
+        self.lines = readout_lines(self._session.study, self._trade.path, stages)
         self.lines += [(refusal, True)] if refusal else []
 
     def key(self, event: QKeyEvent) -> bool:
         """Handle a key: Escape cancels the drag, Return sets the peak to the typed number. False: not a key of the drag."""
-        from kindyna_gui.touch_targets import typed_on
+        from kindyna_gui.touch_targets import extended_input
 
         trade = self._trade
         if trade is None:
@@ -125,7 +125,7 @@ class PeakDrag:
                 self.release()
             self._typed = ""
         else:
-            typed = typed_on(self._typed, event)
+            typed = extended_input(self._typed, event)
             if typed is None:
                 return False
             self._typed = typed
@@ -144,25 +144,25 @@ class PeakDrag:
 
     def show_lines(self, on_screen: QPoint) -> None:
         """Show the texts next to the mouse."""
-        from kindyna_gui.touch_targets import BesideMouse
+        from kindyna_gui.touch_targets import MouseReadout
 
         if self._text is None:
-            self._text = BesideMouse(self._view)
+            self._text = MouseReadout(self._view)
         typed = [(f"{self._typed}_", False)] if self._typed else []
-        self._text.tell([*typed, *self.lines] if self.active else [], on_screen)
+        self._text.show_lines([*typed, *self.lines] if self.active else [], on_screen)
 
 
 # -- plots -----------------------------------------------------------------------------------------------
 
 
-class _AnglePlot(UnderMouse):
+class _AnglePlot(AngleMouse):
     """A plot whose curves set the cam angle with the mouse."""
 
     readings: Any
     angle_at: Any
     angle_moved: Any
 
-    def _go(self, event: QMouseEvent) -> None:
+    def _set_angle_at(self, event: QMouseEvent) -> None:
         if self.readings():
             self.angle_moved.emit(radians(self.angle_at(event.position())))
 

@@ -115,16 +115,16 @@ class MarkedView(View):
 
         def open_at(at: QPoint) -> None:
             from core.find import traded_field
-            from kindyna_gui.touch_targets import Thing, open_menu
+            from kindyna_gui.touch_targets import MouseTarget, open_menu
 
             if self._host is None:
                 return
-            shown, thing = [] if self.in_trouble else rows(), None
+            shown, target = [] if self.in_trouble else rows(), None
             if shown:
                 path = traded_field(self.session.design, shown[0].name)
-                thing = Thing(shown[0].label, path, value=next(iter(plot.readings()), ""))
+                target = MouseTarget(shown[0].label, path, value=next(iter(plot.readings()), ""))
             area = plot.viewport() if isinstance(plot, LivePlot) else plot
-            open_menu(thing, self, self._host, area.mapToGlobal(at), plot)
+            open_menu(target, self, self._host, area.mapToGlobal(at), plot)
 
         if isinstance(plot, LivePlot):
             plot.peaks = PeakDrag(self, self.player)

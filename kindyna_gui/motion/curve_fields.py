@@ -59,7 +59,7 @@ from kindyna_gui.motion.diagram import snapped_angle
 from kindyna_gui.motion.segments_table import readable
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import Rebuilt
+from kindyna_gui.rebuilt import ContentArea
 from kindyna_gui.settings import DISPLAY, symbol_of
 
 # -- fields ----------------------------------------------------------------------------------------------
@@ -162,7 +162,7 @@ class EndField(CurveField):
         box.entered.connect(self._enter)
         box.emptied.connect(self._leave_open)
         box.unreadable.connect(lambda: self.session.refuse(self.spec.path, "a number is wanted, or nothing"))
-        box.withdrawn.connect(lambda: self.session.take_back(self.spec.path))
+        box.withdrawn.connect(lambda: self.session.clear_refusal(self.spec.path))
         box.finished.connect(self.session.end_gesture)
         self.label.dragged.connect(box.stepBy)
         self.label.released.connect(self._label_released)
@@ -474,7 +474,7 @@ class SegmentCurveForm(QWidget):
         self._column = QVBoxLayout(self)
         self._column.setContentsMargins(10, 3, 6, 0)
         self._column.setSpacing(2)
-        self._place = Rebuilt(session, player)
+        self._place = ContentArea(session, player)
         self._column.addWidget(self._place)
         self.update_style()
 

@@ -393,7 +393,7 @@ class MotionDiagram(CurvePlot):
         self._view.setRange(yRange=(low / size, high / size), padding=0.0)
         self._shade([] if band is None else [(curve, band)])
         if QAccessible.isActive():
-            self._speak()
+            self._describe()
         self._view.updateMatrix()  # else painting updates it, and all is painted again
         self._lay()
         self.point_out()

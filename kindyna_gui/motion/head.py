@@ -29,7 +29,7 @@ from kindyna_gui.dialogs import FIELD, HELP
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import Field, FieldSpec
 from kindyna_gui.labels import segment_of
-from kindyna_gui.rebuilt import Rebuilt
+from kindyna_gui.rebuilt import ContentArea
 
 STROKE = Info(
     "Stroke",
@@ -103,7 +103,7 @@ class MotionHead(QWidget):
         self._session = session
         self.fields: dict[str, Field] = {}
         self.moves = False  # there is a stroke to be changed
-        self._place, self.troubles = Rebuilt(session), Rebuilt(session)
+        self._place, self.troubles = ContentArea(session), ContentArea(session)
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
         column.addWidget(self._place)

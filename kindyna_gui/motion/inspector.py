@@ -21,7 +21,7 @@ from kindyna_gui.motion.law_picker import LawBox
 from kindyna_gui.motion.segments_table import COLUMNS, LAW
 from kindyna_gui.motion.segments_view import SegmentBar, perform
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import Rebuilt
+from kindyna_gui.rebuilt import ContentArea
 from kindyna_gui.settings import DISPLAY
 
 SPACING = 6  # pixels between a name and its field
@@ -50,7 +50,7 @@ class LawField(SegmentField):
     def edit(self, value: Any, text: str) -> None:
         """The law that is there already is no edit: what was set of it would be lost."""
         if not self.obsolete and value == self.spec.read(self.session.typed):
-            self.session.take_back(self.spec.path)
+            self.session.clear_refusal(self.spec.path)
         else:
             super().edit(value, text)
 
@@ -93,7 +93,7 @@ class MotionPage(QScrollArea):
         self.which.setToolTip("The segment whose law, span and rise stand below")
         self.curve = SegmentCurveForm(session, player)
         self.bar = SegmentBar()
-        self._place = Rebuilt(session)
+        self._place = ContentArea(session)
         self._rows: dict[str, Field] = {}
         label = QLabel("Segment ")
         label.setBuddy(self.which)

@@ -19,7 +19,7 @@ from kindyna_gui.pictures.items import wrapped
 from kindyna_gui.pictures.plots.quantities import paint_law
 from kindyna_gui.pictures.style import SCREEN, SMALL, font
 from kindyna_gui.pictures.units import short
-from kindyna_gui.rebuilt import soon
+from kindyna_gui.rebuilt import call_soon
 
 # -- law list --------------------------------------------------------------------------------------------
 
@@ -257,7 +257,7 @@ class LawPicker(QFrame):
         self.move(x, y)
         self.show()
         self.filter.setFocus(Qt.FocusReason.PopupFocusReason)
-        soon(self.grid, self._reveal)
+        call_soon(self.grid, self._reveal)
 
     def _reveal(self) -> None:
         box = self.grid.box(self.grid.current)

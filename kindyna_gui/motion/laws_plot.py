@@ -42,7 +42,7 @@ from kindyna_gui.pictures.plots.plot import RIGHT_MARGIN, shown_range
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SCREEN, SKY, SMALL, VERMILION, Theme, font
 from kindyna_gui.pictures.units import digits
-from kindyna_gui.rebuilt import Rebuilt
+from kindyna_gui.rebuilt import ContentArea
 from kindyna_gui.requirements import NO_RANKING
 from kindyna_gui.settings import sized
 
@@ -279,7 +279,7 @@ class RankingPanel(QWidget):
         for button, do in ((self.cancel, self._work.cancel), (self.again, self._begin)):
             button.setAutoDefault(False)
             button.clicked.connect(lambda _=False, do=do: do())
-        self._table = Rebuilt()
+        self._table = ContentArea()
         row = QHBoxLayout()
         row.setContentsMargins(6, 3, 6, 3)
         for part in (self.text, self.bar, self.cancel, self.again):

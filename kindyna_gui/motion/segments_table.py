@@ -47,7 +47,7 @@ from kindyna_gui.motion.diagram import FIRST, Parts, join_help, join_text, marks
 from kindyna_gui.motion.editor import DIRECTIONS
 from kindyna_gui.motion.law_picker import LawBox, law_tip
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.rebuilt import soon
+from kindyna_gui.rebuilt import call_soon
 from kindyna_gui.settings import DISPLAY, number_text, point, size_of, symbol_of
 
 # -- segments model --------------------------------------------------------------------------------------
@@ -199,7 +199,7 @@ class SegmentsModel(QAbstractTableModel):
         self.error_changed.emit("")
         self._all_changed()
         for path in wrong:
-            self._session.take_back(path)
+            self._session.clear_refusal(path)
         return True
 
     # -- the table ----------------------------------------------------------------------------------------
@@ -399,7 +399,7 @@ class SegmentDelegate(CellDelegate):
             laws.setParent(parent)
             laws.activated.connect(lambda _: self._choose(laws))
             laws.cancelled.connect(lambda: self.closeEditor.emit(laws, QAbstractItemDelegate.EndEditHint.NoHint))
-            soon(laws, laws.showPopup)
+            call_soon(laws, laws.showPopup)
             self.opened(laws, index)
             return laws
         box = NumberBox(COLUMNS[index.column()].info, self._model.unit_of(index.column()), parent)

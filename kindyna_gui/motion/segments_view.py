@@ -55,7 +55,7 @@ from kindyna_gui.motion.segments_table import LAW, RISE, SPAN, SegmentsModel, Se
 from kindyna_gui.pictures.plots.quantities import rows_of
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import soon
+from kindyna_gui.rebuilt import call_soon
 from kindyna_gui.requirements import require_motion as require_motion_of_view
 from kindyna_gui.view import ViewHost
 
@@ -302,7 +302,7 @@ class SegmentForm(QScrollArea):
 
     def bring(self, part: QWidget) -> None:
         """Scroll a text that has come into sight, once it has its place; not while the keys are in what would move."""
-        soon(part, partial(self._bring, part))
+        call_soon(part, partial(self._bring, part))
 
     def _bring(self, part: QWidget) -> None:
         focused = self.focusWidget()

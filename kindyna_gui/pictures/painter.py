@@ -27,7 +27,7 @@ from kindyna_gui.pictures.drawing.parts import EVERY_LAYER
 from kindyna_gui.pictures.drawing.polygons import PolygonSheet, velocity_box, velocity_diagram
 from kindyna_gui.pictures.plots.curves import NO_BANDS, CurvePlot
 from kindyna_gui.pictures.plots.marks import TEXT_ROOM
-from kindyna_gui.pictures.plots.quantities import channel_extremes, different, quantities_for
+from kindyna_gui.pictures.plots.quantities import channel_extremes, quantities_for, without_equal_curves
 from kindyna_gui.pictures.style import LIGHT, Theme
 from kindyna_gui.pictures.units import UNSEEN
 
@@ -184,7 +184,9 @@ def plot_rows(study: Study, rows: Sequence[Sequence[str]]) -> list[list[Quantity
     """What plots of these quantities show: what a design does not have is left out, and links stand for a follower."""
     available = {row.name: row for row in existing(study, channels(study.design))}
     rows_here = [quantities_for(study, names) for names in rows]
-    shown = [different(study, [available[name] for name in names if name in available]) for names in rows_here]
+    shown = [
+        without_equal_curves(study, [available[name] for name in names if name in available]) for names in rows_here
+    ]
     return [row for row in shown if row]
 
 
@@ -258,7 +260,7 @@ def _polygon_file(snapshot: Snapshot, ending: str) -> bytes:
     study = snapshot.study
     sheet = PolygonSheet()
     sheet.resize(*SHEET_OF_POLYGON)
-    sheet.frame_for(velocity_box(velocity_polygon(study.linkage), study.omega))
+    sheet.set_box(velocity_box(velocity_polygon(study.linkage), study.omega))
     at_angle = study.at_theta(np.array([radians(snapshot.angle_deg)]))
     name = study.angle_name.capitalize()
     sheet.show_diagram(

@@ -11,7 +11,7 @@ from PySide6.QtGui import QColor, QMouseEvent, QPainterPath, QPen
 from core.frozen import frozen
 from core.varying import Survey
 from kindyna_gui.pictures.items import Outline, Tag, wrapped
-from kindyna_gui.pictures.plots.xy import REACH, Dots, Line, PulledPoint, Rule, XYPlot
+from kindyna_gui.pictures.plots.xy import REACH, Dots, DraggablePoint, Line, Rule, XYPlot
 from kindyna_gui.pictures.style import PURPLE, SCREEN, SMALL, rgb
 from kindyna_gui.pictures.units import short, ticks, with_unit
 
@@ -95,7 +95,7 @@ class SurveyQuantity:
         return with_unit(short(value, LABEL_FIGURES + 1), self.unit)
 
 
-class SurveyPlot(PulledPoint, XYPlot):
+class SurveyPlot(DraggablePoint, XYPlot):
     """Plot with the current design as a cross, or as an upright line if one number is varied; the mouse can drag it."""
 
     def __init__(self, upright: bool = False) -> None:
@@ -143,7 +143,7 @@ class SurveyPlot(PulledPoint, XYPlot):
         at = self._view.mapSceneToView(self.mapToScene(pixel.toPoint()))
         (low, high), (bottom, top) = self._view.viewRange()
         inside = low <= at.x() <= high and bottom <= at.y() <= top
-        if self._pulling:  # outside the plot the point remains at its edge
+        if self._is_dragging:  # outside the plot the point remains at its edge
             return min(max(at.x(), low), high), min(max(at.y(), bottom), top)
         return (at.x(), at.y()) if inside else None
 
@@ -155,10 +155,10 @@ class SurveyPlot(PulledPoint, XYPlot):
         shown = self._line if self._upright else self._cross
         return self.pixel(*self.own) if self.own is not None and shown.isVisible() else None
 
-    def _over_own(self, place: QPointF) -> bool:
+    def _is_over_point(self, place: QPointF) -> bool:
         pixel = self.own_pixel()
         if pixel is None or not self._upright:
-            return super()._over_own(place)
+            return super()._is_over_point(place)
         return abs(pixel.x() - place.x()) <= REACH
 
     def show_curve(self, x: np.ndarray, y: np.ndarray, quantity: SurveyQuantity, x_title: str) -> None:

@@ -201,7 +201,7 @@ class StudyView(BackgroundView):
         self.tolerances.rows.changed.connect(self._set_tolerance)
         self.tolerances.rows.removed.connect(self._remove_tolerance)
         self.tolerances.waves.changed.connect(self._set_waves)
-        self.tolerances.bands.toggled.connect(self.bands.ask)
+        self.tolerances.bands.toggled.connect(self.bands.set_shown)
         self.best.goals_changed.connect(self._set_goals)
         self.best.robust_changed.connect(self._set_robust)
         self.best.search_requested.connect(self._search)
@@ -216,7 +216,7 @@ class StudyView(BackgroundView):
         for plot in (self.map, *self.curves):
             plot.picked.connect(self._pick)
             plot.grabbed.connect(self._grab)
-            plot.pulled.connect(self._drag_to)
+            plot.dragged.connect(self._drag_to)
             plot.released.connect(self._release)
         self.parallel.brushed.connect(self._draw)
         self.parallel.picked.connect(self._pick_line)

@@ -1,5 +1,7 @@
-"""What the menus do to the design: segments, blends, measured tables, the flexible shaft, another mechanism, another
-size."""
+"""Slots of the menus that change the design: motion, mechanism, size, shaft, servo.
+
+Dialogs are imported when they are opened, to keep the start short.
+"""
 
 from __future__ import annotations
 
@@ -42,9 +44,9 @@ from kindyna_gui.window.base import Window
 
 
 class DesignActions(QObject):
-    """Edits that begin in a menu. Dialogs are imported when they are opened.
+    """Edits of the design that begin in a menu.
 
-    status_message (str): what has been done, or why not, for the status line
+    Signal ``status_message``: what was done, or why not, for the status line.
     """
 
     status_message = Signal(str)
@@ -56,50 +58,50 @@ class DesignActions(QObject):
     # -- the motion ---------------------------------------------------------------------------------------
 
     def segment(self, name: str) -> None:
-        """One of ``motion_actions.ACTIONS`` on the chosen segment."""
+        """Apply one of the Motion view's edits to the selected segment."""
         view: Any = self._window.show_view("motion")
-        if self._moves():
+        if self._has_motion():
             view.act(name)
 
     def blend(self) -> None:
-        """Ask for a blended motion."""
+        """Open the dialog of blended motions."""
         from kindyna_gui.blend.wizard import open_blend
 
-        if self._moves():
+        if self._has_motion():
             open_blend(self._session, self._window)
 
     def blend_sequence(self) -> None:
-        """Ask for curves in a row."""
+        """Open the dialog that joins any curves."""
         from kindyna_gui.blend.sequence_dialog import open_sequence
 
-        if self._moves():
+        if self._has_motion():
             open_sequence(self._session, self._window)
 
     def import_measured(self) -> None:
-        """Ask for a measured table and for how it shall become the motion."""
+        """Open the dialog that fits a motion to a measured table."""
         from kindyna_gui.measured.dialog import import_measured
 
-        if self._moves():
+        if self._has_motion():
             import_measured(self._session, self._window)
 
     def import_linkage(self) -> None:
-        """Begin with a linkage of another program."""
+        """Begin with a linkage imported from another program."""
         from kindyna_gui.files.beginnings import linkage_wanted
 
         if self._window.documents.may_leave():
-            made = linkage_wanted(self._window)
-            if made is not None:
-                self._window.documents.begin(made.design, made.design.name)
+            linkage = linkage_wanted(self._window)
+            if linkage is not None:
+                self._window.documents.begin(linkage.design, linkage.design.name)
 
     def import_controller(self) -> None:
-        """Ask for a controller's table, which becomes the motion as the controller runs it."""
+        """Open the dialog that imports a controller's table as the motion that the controller makes of it."""
         from kindyna_gui.measured.sheet import import_controller
 
-        if self._moves():
+        if self._has_motion():
             import_controller(self._session, self._window)
 
     def inspect_measured(self) -> None:
-        """Ask for a measured table of lift and lay it on the profile."""
+        """Open the dialog that compares a measured table of lift with the profile."""
         from kindyna_gui.inspection import inspect_measured
 
         self._window.documents.settle()
@@ -109,23 +111,25 @@ class DesignActions(QObject):
             inspect_measured(self._window, self._session.design)
 
     def motion_from_curve(self) -> None:
-        """Ask for a drawing of a cam, over which the follower is rolled."""
+        """Open the dialog that calculates the motion of a follower on a drawn cam."""
         from kindyna_gui.contour import motion_from_curve
 
-        if self._moves():
+        if self._has_motion():
             motion_from_curve(self._session, self._window)
 
     def shift_motion(self) -> None:
-        """Ask by how much, and let the motion do the same so much later."""
+        """Ask for an angle and shift the motion by it."""
         from core.motion.split import shift_motion
 
-        by = dialogs.shift_wanted(self._window, lambda by: self._taking(shift_deg=by)) if self._moves() else None
-        if by is not None:
-            self.change(lambda: shift_motion(self._session.design, by), f"Shift the motion by {shortest(by)}°")
+        angle = (
+            dialogs.shift_wanted(self._window, lambda deg: self._command(shift_deg=deg)) if self._has_motion() else None
+        )
+        if angle is not None:
+            self.change(lambda: shift_motion(self._session.design, angle), f"Shift the motion by {shortest(angle)}°")
 
     def save_motion(self) -> None:
-        """Ask for a file, and write the motion by itself."""
-        if not self._moves():
+        """Ask for a file and save the motion in it."""
+        if not self._has_motion():
             return
         design = self._session.design
         path = dialogs.design_to_save(self._window, Path(f"{design.name} motion.toml"))
@@ -138,67 +142,68 @@ class DesignActions(QObject):
                 self.status_message.emit(f"Saved the motion to {path}")
 
     def take_motion(self) -> None:
-        """Ask for a file, whose motion comes in place of this one."""
-        path = dialogs.design_to_open(self._window, Settings().folder) if self._moves() else None
+        """Ask for a file and replace the motion by that of the file."""
+        path = dialogs.design_to_open(self._window, Settings().folder) if self._has_motion() else None
         if path is None:
             return
         try:
-            whole = load(path)
+            design = load(path)
         except KindynaError as error:
             dialogs.show_faults(self._window, f"{path.name} cannot be read.", str(error).splitlines())
             return
-        spell = partial(self._taking, path)
-        number = dialogs.drive_wanted(self._window, drive_names(whole), spell) if whole.listed else 0
+        command = partial(self._command, path)
+        number = dialogs.drive_wanted(self._window, drive_names(design), command) if design.listed else 0
         if number is not None:
-            other = only(whole, number)
-            self.change(lambda: with_motion_of(self._session.design, other), f"Take the motion of {other.name}")
+            source = only(design, number)
+            self.change(lambda: with_motion_of(self._session.design, source), f"Take the motion of {source.name}")
 
-    def _taking(self, path: Path | None = None, drive: str = "", shift_deg: float = 0.0) -> str:
-        """The command that takes a motion into the design: of a file's drive, else its own."""
+    def _command(self, path: Path | None = None, drive: str = "", shift_deg: float = 0.0) -> str:
+        """The command that copies the motion of a file's drive, or shifts that of the design."""
         from core.commands.motions import MotionArguments
 
-        here = session_options(self._session)
-        whose = {"design": here["into"], "drive": here["drive"]} if path is None else {"design": path, "drive": drive}
-        taken = {**whose, "shift_deg": shift_deg, "into": here["into"], "into_drive": here["drive"]}
-        return command_text("motion", command_words(MotionArguments, taken))
+        target = session_options(self._session)
+        into, into_drive = target["into"], target["drive"]
+        source = {"design": into, "drive": into_drive} if path is None else {"design": path, "drive": drive}
+        options = {**source, "shift_deg": shift_deg, "into": into, "into_drive": into_drive}
+        return command_text("motion", command_words(MotionArguments, options))
 
     def follow_files(self) -> None:
-        """Ask for a table or designs, from which the motion follows from now on."""
+        """Ask for a table or designs and link the motion to them."""
         from core.project.origins import output_units, with_linked_motion
 
         session = self._session
-        paths = dialogs.motion_files_to_open(self._window, Settings().folder) if self._moves() else []
+        paths = dialogs.motion_files_to_open(self._window, Settings().folder) if self._has_motion() else []
         if not paths:
             return
         output: str | None = ""
         if len(paths) == 1 and paths[0].suffix.lower() == ".toml":
             try:
-                other = load(paths[0])
+                source = load(paths[0])
             except KindynaError as error:
                 dialogs.show_faults(self._window, f"{paths[0].name} cannot be read.", str(error).splitlines())
                 return
-            if outputs := output_units(other):
+            if outputs := output_units(source):
                 unit = require_motion(session.design).unit
-                output = dialogs.output_wanted(self._window, {n: each for n, each in outputs.items() if each == unit})
+                output = dialogs.output_wanted(self._window, {n: u for n, u in outputs.items() if u == unit})
         if output is not None:
             home = str(session.path) if session.path is not None else None
             link, files = output, [str(path) for path in paths]
-            told = ", ".join(path.name for path in paths)
-            self.change(lambda: with_linked_motion(session.design, files, home, load_linked, link), f"Follow {told}")
+            names = ", ".join(path.name for path in paths)
+            self.change(lambda: with_linked_motion(session.design, files, home, load_linked, link), f"Follow {names}")
 
     def segment_from_table(self) -> None:
-        """Ask for a table that becomes the chosen segment."""
+        """Ask for a table and replace the selected segment by it."""
         opened = (
             dialogs.opened_file(self._window, "Segment from table", "Tables (*.csv *.txt *.dat *.tsv)")
-            if self._moves()
+            if self._has_motion()
             else None
         )
         if opened is not None:
             self._segment_from(opened[1], opened[0].name, opened[0])
 
     def segment_from_clipboard(self) -> None:
-        """The same of what was copied from a spreadsheet."""
-        if self._moves():
+        """Replace the selected segment by a table copied from a spreadsheet."""
+        if self._has_motion():
             self._segment_from(QApplication.clipboard().text().encode(), "clipboard")
 
     def _segment_from(self, data: bytes, name: str, path: Path | None = None) -> None:
@@ -209,26 +214,26 @@ class DesignActions(QObject):
         try:
             sheet = read_sheet(data, name)
         except KindynaError as error:
-            dialogs.show_faults(self._window, f"{name} is no table.", str(error).splitlines())
+            dialogs.show_faults(self._window, f"{name} cannot be read as a table.", str(error).splitlines())
             return
         index = session.segment
 
-        def command(taken: tuple[bool, bool]) -> str:
+        def command(choice: tuple[bool, bool]) -> str:
             from core.commands.tables import MeasuredArguments
 
-            how = {"as_is": taken[0], "joined": taken[1], "segment": index + 1}
+            options = {"as_is": choice[0], "joined": choice[1], "segment": index + 1}
             return command_text(
-                "measured", command_words(MeasuredArguments, {"table": path, **how, **session_options(session)})
+                "measured", command_words(MeasuredArguments, {"table": path, **options, **session_options(session)})
             )
 
-        wanted = dialogs.segment_wanted(self._window, command if path is not None else None)
-        if wanted is not None:
-            as_is, joined = wanted
+        choice = dialogs.segment_wanted(self._window, command if path is not None else None)
+        if choice is not None:
+            as_is, joined = choice
             make = partial(segment_from_table, session.typed, index, sheet, as_is=as_is, joined=joined)
             self.lay_out(make, f"Segment {index + 1} from {name}")
 
-    def _moves(self) -> bool:
-        """Whether there is a motion to be edited; else the status line tells how to get one."""
+    def _has_motion(self) -> bool:
+        """Whether the design has a motion to edit; if not, the status line says how to add one."""
         self._window.documents.settle()
         if motion_of(self._session.design) is None:
             self.status_message.emit(NO_MOTION)
@@ -238,17 +243,17 @@ class DesignActions(QObject):
     # -- the mechanism ------------------------------------------------------------------------------------
 
     def new_by_picture(self) -> None:
-        """Begin with a mechanism chosen by its picture, and with its own motion."""
+        """Begin with a mechanism chosen from images, and with its motion."""
         self._choose_mechanism(keeps_motion=False)
 
     def choose_mechanism(self) -> None:
-        """Begin with a mechanism chosen by its picture; the motion that is there goes on where it suits."""
+        """Begin with a mechanism chosen from images, and keep the current motion where possible."""
         self._choose_mechanism(keeps_motion=True)
 
     def _choose_mechanism(self, keeps_motion: bool) -> None:
         from kindyna_gui.window import gallery
 
-        replaces = keeps_motion and self._session.several  # one drive, which Undo brings back
+        replaces = keeps_motion and self._session.several  # replaces one drive, as an undo step
         if replaces or self._window.documents.may_leave():
             ask = gallery.ask_mechanism if keeps_motion else gallery.ask_new_mechanism
             choice = ask(self._window)
@@ -259,46 +264,49 @@ class DesignActions(QObject):
                 else:
                     self._window.documents.begin(choice.with_motion(motion), choice.step_name)
                     if not keeps_motion and motion_of(self._session.design) is not None:
-                        self._window.focus_field("motion.stroke")  # what a designer says first
+                        self._window.focus_field("motion.stroke")  # the value a designer types first
 
     def save_as_signs(self) -> None:
-        """The linkage is assembled by signs, as it is drawn."""
+        """Store the assembly of the linkage as branch signs."""
         from core.mechanism.drivers import with_signs
 
         design = self._session.design
         if not design.drive.links or design.drive.linkage.drawn is None:
-            self.status_message.emit("Only a linkage that is told as it is drawn can be told by signs instead")
+            links = bool(design.drive.links)
+            self.status_message.emit(
+                "This linkage already stores branch signs" if links else "Only a linkage is assembled by branch signs"
+            )
         else:
             self.change(lambda: with_signs(design), "Save as signs")
 
     def choose_circuit(self) -> None:
-        """Ask which of its circuits the linkage is in."""
+        """Ask for the circuit in which the linkage is assembled."""
         from core.mechanism.drivers import circuits
         from kindyna_gui.window.gallery import ask_circuit
 
         self._window.documents.settle()
         design = self._session.design
         if not design.drive.links:
-            self.status_message.emit("Only a linkage is put together in one of several ways")
+            self.status_message.emit("Only a linkage has circuits")
             return
         try:
-            found = beside(self._window, "Looking how the links can be put together", lambda: circuits(design))
+            rows = beside(self._window, "Calculating the circuits of the linkage", lambda: circuits(design))
         except KindynaError as error:
             self.status_message.emit(reason(design, error))
             return
-        wanted = None if found is None else ask_circuit(self._window, found)
-        if wanted is not None:
-            self.change(lambda: wanted, "Choose another circuit")
+        chosen = None if rows is None else ask_circuit(self._window, rows)
+        if chosen is not None:
+            self.change(lambda: chosen, "Choose another circuit")
 
     def change(self, make: Callable[[], Design], text: str) -> None:
-        """Another design in one step, made from the one in place; where it cannot be made or is refused, the status line shows why."""
-        self._take(self._session.put, make, text)
+        """Replace the design in one undo step; if it cannot be made or is refused, the status line shows why."""
+        self._apply(self._session.put, make, text)
 
     def lay_out(self, make: Callable[[], Design], text: str) -> None:
-        """The same, made from what is typed; it need not fit together."""
-        self._take(self._session.lay_out, make, text)
+        """Replace the typed design in one undo step; the new one may be incomplete."""
+        self._apply(self._session.lay_out, make, text)
 
-    def _take(self, take: Callable[[Design, str], bool], make: Callable[[], Design], text: str) -> None:
+    def _apply(self, put: Callable[[Design, str], bool], make: Callable[[], Design], text: str) -> None:
         session = self._session
         self._window.documents.settle()
         session.end_gesture()
@@ -309,7 +317,7 @@ class DesignActions(QObject):
 
         session.refused.connect(listen)
         try:
-            done = take(make(), text)
+            done = put(make(), text)
         except KindynaError as error:
             done = False
             reasons.append(reason(session.design, error))
@@ -321,24 +329,21 @@ class DesignActions(QObject):
         )
 
     def scale(self) -> None:
-        """Ask for a factor, and scale all lengths of all that the file has."""
+        """Ask for a factor and scale all lengths of the design."""
         from kindyna_gui.forms.request_form import ask_scale
 
         self._window.documents.settle()
-        wanted = ask_scale(self._window)
-        if wanted is not None:
-            factor, masses = wanted
-            made = partial(rescaled, self._session.typed_full_design, factor, masses=masses)
-            self._take(
-                self._session.lay_out_full_design,
-                made,
-                f"Scale the design by {shortest(factor)}{'' if masses else ', masses kept'}",
-            )
+        choice = ask_scale(self._window)
+        if choice is not None:
+            factor, masses = choice
+            text = f"Scale the design by {shortest(factor)}{'' if masses else ', masses kept'}"
+            make = partial(rescaled, self._session.typed_full_design, factor, masses=masses)
+            self._apply(self._session.lay_out_full_design, make, text)
 
     # -- the shaft ----------------------------------------------------------------------------------------
 
     def give_shaft(self) -> None:
-        """A linkage gets a shaft that turns as its driver does; where there is one, its fields come before the reader."""
+        """Add a shaft that turns with the linkage's driver, if there is none, and show its fields."""
         design = self._session.design
         if design.shaft is None:
             self._session.put(give_shaft(design), "Add a shaft")
@@ -346,10 +351,10 @@ class DesignActions(QObject):
         self._window.focus_field("shaft.flywheel_inertia_kg_m2")
 
     def give_servo(self) -> None:
-        """A motor makes the motion in place of the cam; where there is one, its fields come before the reader."""
+        """Add a motor that makes the motion instead of the cam, if there is none, and show its fields."""
         design = self._session.design
         if design.drive.motion is None:
-            self.status_message.emit("A crank turns at constant speed: there is no motion for a servo to make")
+            self.status_message.emit("The crank turns at constant speed: a servo needs a motion")
             return
         if design.drive.servo is None:
             self._session.put(with_servo(design), "Add a servo")
@@ -357,13 +362,13 @@ class DesignActions(QObject):
         self._window.focus_field("servo.gear_ratio")
 
     def take_servo(self) -> None:
-        """The servo is taken away."""
+        """Remove the servo."""
         if self._session.design.drive.servo is not None:
             self._session.put(without_servo(self._session.design), "Remove the servo")
             self._session.end_gesture()
 
     def make_flexible(self) -> None:
-        """Give the shaft an elasticity to begin with, all of it assumed; where it has one, bring it before the reader."""
+        """Give the shaft an assumed elasticity, if it has none, and show its fields."""
         from core.stability import with_flexible_shaft
 
         if self._elastic is None:
@@ -374,10 +379,10 @@ class DesignActions(QObject):
             except KindynaError as error:
                 self.status_message.emit(reason(self._session.design, error))
                 return
-            whole = self._session.full_design
-            marks = tuple(path for path in changed.assumed if path.startswith("shaft.") and path not in whole.assumed)
-            made = replace(with_elastic(whole, changed.camshaft.elastic), assumed=(*whole.assumed, *marks))
-            self._session.put_full_design(made, "Make the shaft flexible")
+            full = self._session.full_design
+            marks = tuple(path for path in changed.assumed if path.startswith("shaft.") and path not in full.assumed)
+            elastic = replace(with_elastic(full, changed.camshaft.elastic), assumed=(*full.assumed, *marks))
+            self._session.put_full_design(elastic, "Make the shaft flexible")
             self._session.end_gesture()
         self._window.show_view("stability")
         self._window.focus_field("shaft.stiffness_nm_per_rad")
@@ -388,7 +393,7 @@ class DesignActions(QObject):
         return design.shaft.elastic if design.shaft is not None else None
 
     def make_rigid(self) -> None:
-        """Take the elasticity out of the design."""
+        """Remove the elasticity of the shaft."""
         if self._elastic is not None:
             self._session.put_full_design(with_elastic(self._session.full_design, None), "Make the shaft rigid")
             self._session.end_gesture()

@@ -346,8 +346,8 @@ class Dock(QDockWidget):
         """Return the view, made at the first call."""
         if self._view is None:
             self._view = self._make()
-            if hasattr(self._view, "height_wanted"):
-                self._view.height_wanted.connect(self._limit)
+            if hasattr(self._view, "height_requested"):
+                self._view.height_requested.connect(self._limit)
             self.setWidget(self._view)
             self._blank.deleteLater()
         return self._view

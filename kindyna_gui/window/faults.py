@@ -1,8 +1,8 @@
-"""Faults of the program: an exception that nothing else catches is logged, shown where it happened, and leaves the design as it
-was before the action.
+"""Uncaught exceptions: they are logged and shown, and the design returns to its state before the action.
 
-Python hands the exception of a slot, an event handler or a timer to ``sys.excepthook``, one that it cannot raise, as in a
-finalizer, to ``sys.unraisablehook``, and one of a thread to ``threading.excepthook``. All three lead here.
+Python passes an exception of a slot, an event handler or a timer to ``sys.excepthook``, one that it cannot raise, as in
+a finalizer, to ``sys.unraisablehook``, and one of a thread to ``threading.excepthook``. All three call a window's
+``Faults``.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ from kindyna_gui.window.docks import VIEWS
 
 
 @frozen
-class _Place:
-    """Work that no fault has touched, and where it stands on the undo stack of which document."""
+class _State:
+    """A state of the design without a fault: its document, and its index on the undo stack."""
 
     document: int
     index: int
@@ -39,12 +39,12 @@ class _Place:
 
 
 class Faults(QObject):
-    """The faults of one window, from now until it is closed.
+    """The faults of one window, until it is closed.
 
-    The design is taken for good once the event that brought it has ended without a fault. A fault takes it back to the last
-    good one, by the undo stack, so that Redo makes the step again. A document that was opened stays open.
+    A design is good once the event that changed it has ended without a fault. After a fault the undo stack goes back to
+    the last good design, so that Redo repeats the step. A document that was opened stays open.
 
-    status_message (str): what failed, in a sentence
+    Signal ``status_message``: a sentence that says what failed.
     """
 
     status_message = Signal(str)
@@ -54,9 +54,9 @@ class Faults(QObject):
         super().__init__(window)
         self._window, self._session = window, window.session
         self.log = FaultLog()
-        self._good = self._place()
-        self._action = ""  # of a menu, in the event at hand
-        self._failures: list[tuple[str, str]] = []  # in the event at hand: title of the view, the exception in a line
+        self._good = self._current()
+        self._action = ""  # menu entry of the current event
+        self._failures: list[tuple[str, str]] = []  # of the current event: title of the view, exception in one line
         self._going_back = False
         self._event_end = QTimer(self, singleShot=True, interval=0)
         self._event_end.timeout.connect(self._settle)
@@ -68,7 +68,7 @@ class Faults(QObject):
         self._in_thread.connect(self._report_from_thread)
         _install(self)
 
-    # -- what the user does -------------------------------------------------------------------------------
+    # -- actions of the user, for the log -----------------------------------------------------------------
 
     def _chosen(self, action: QAction) -> None:
         self._action = action.text().replace("&&", "\0").replace("&", "").replace("\0", "&").rstrip(".")
@@ -83,25 +83,25 @@ class Faults(QObject):
     def _refused(self, refusal: Refusal) -> None:
         self.log.note(f"Refused: {refusal.path}")
 
-    # -- a fault ------------------------------------------------------------------------------------------
+    # -- faults -------------------------------------------------------------------------------------------
 
     def handle(self, error: BaseException) -> None:
         """Handle an exception raised in the window's own thread."""
-        if not self._going_back:  # else it is shown already
+        if not self._going_back:  # else one is shown already
             self._failures.append((self._view_of(error.__traceback__), short(error)))
             self._event_end.start()
         self.log.write(error, self._state())
 
     def handle_in_thread(self, error: BaseException, thread: str) -> None:
-        """Handle an exception raised in another thread; nothing of the window is touched from there."""
+        """Handle an exception raised in another thread, from which no widget may be used."""
         self.log.write(error, f"In the thread {thread}")
-        self._in_thread.emit(None, f"Work beside the window failed ({short(error)}). The log tells more.")
+        self._in_thread.emit(None, f"A calculation in the background failed ({short(error)}). See Help > Log.")
 
     def _report_from_thread(self, _: object, sentence: str) -> None:
         self._report(sentence)
 
     def _view_of(self, trace: TracebackType | None) -> str:
-        """The title of the innermost view that a traceback goes through; empty where there is none."""
+        """The title of the innermost view in a traceback; empty where there is none."""
         title = ""
         while trace is not None:
             view = trace.tb_frame.f_locals.get("self")
@@ -121,13 +121,13 @@ class Faults(QObject):
         }
         return "\n".join(f"{name}: {text}" for name, text in rows.items())
 
-    # -- once the event has ended -------------------------------------------------------------------------
+    # -- at the end of the event --------------------------------------------------------------------------
 
-    def _place(self) -> _Place:
-        return _Place(self._session.document, self._session.stack.index(), self._session.work)
+    def _current(self) -> _State:
+        return _State(self._session.document, self._session.stack.index(), self._session.work)
 
     def _settle(self) -> None:
-        """The event has ended: what it brought is good, or is taken back."""
+        """Accept the design if the event had no fault, else go back and report."""
         failures, self._failures = self._failures, []
         action, self._action = self._action, ""
         if failures:
@@ -136,17 +136,19 @@ class Faults(QObject):
                 step, again = self._go_back()
             finally:
                 self._going_back = False
-                self._good = self._place()  # also where going back failed: it is not tried again
+                self._good = self._current()  # also where going back failed: it is not tried again
             sentence = _sentence(failures, step or action, again)
             if step:
                 self.log.add(sentence)
             self._report(sentence)
         else:
-            self._good = self._place()
+            self._good = self._current()
 
     def _go_back(self) -> tuple[str, str]:
-        """Put the last good design back. The name of what is taken back, and of the menu entry that makes it again; both
-        empty where the design has not changed."""
+        """Return to the last good design.
+
+        Returns the name of the step undone and the menu entry that repeats it, empty where the design has not changed.
+        """
         session, stack, good = self._session, self._session.stack, self._good
         if session.document != good.document or all(
             now is then for now, then in zip(self._session.work, good.work, strict=True)
@@ -162,7 +164,7 @@ class Faults(QObject):
         return step, again
 
     def _report(self, sentence: str) -> None:
-        """In the dialog in front, where there is one, and in the status line."""
+        """Show a sentence in the front dialog, if any, and in the status line."""
         front = QApplication.activeModalWidget() or QApplication.activeWindow()
         if isinstance(front, QDialog) and (layout := front.layout()) is not None:
             note = front.findChild(Note, "fault")
@@ -179,22 +181,22 @@ class Faults(QObject):
 
 
 def _sentence(failures: list[tuple[str, str]], action: str, again: str) -> str:
-    """What failed, where, why, and what has become of the design."""
+    """Say what failed, where, why, and that the design is as before."""
     view, why = failures[0]
     what = f"{action} failed in {view}" if action and view else f"{action or view or 'The window'} failed"
     more = f", and {len(failures) - 1} more" if len(failures) > 1 else ""
-    end = f"; {again} makes the change again" if again else ""
-    return f"{what} ({why}{more}). The design is as it was before{end}. The log tells more."
+    end = f"; {again} repeats the change" if again else ""
+    return f"{what} ({why}{more}). The design is as it was before{end}. See Help > Log."
 
 
 # -- Python's hooks -------------------------------------------------------------------------------------------
 
 
 def _install(faults: Faults) -> None:
-    """Lead Python's three hooks to a window, as long as it lives, and on to those that were there before."""
+    """Set Python's three hooks to call the previous hooks and then the window, while it exists."""
     window = ref(faults)
 
-    def lead(error: BaseException | None, report: Callable[[Faults, BaseException], None]) -> None:
+    def forward(error: BaseException | None, report: Callable[[Faults, BaseException], None]) -> None:
         listener = window()
         if error is None or isinstance(error, KeyboardInterrupt | SystemExit):
             return
@@ -203,21 +205,21 @@ def _install(faults: Faults) -> None:
 
     def uncaught(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
         before[0](kind, error, trace)
-        lead(error, Faults.handle)
-        for name in ("last_type", "last_value", "last_traceback"):  # they would keep the widgets of its frames
+        forward(error, Faults.handle)
+        for name in ("last_type", "last_value", "last_traceback"):  # their frames would keep widgets alive
             vars(sys).pop(name, None)
 
     def unraisable(args: Any) -> None:
         before[1](args)
-        own = threading.current_thread() is threading.main_thread()
-        lead(
+        in_main = threading.current_thread() is threading.main_thread()
+        forward(
             args.exc_value,
-            Faults.handle if own else lambda f, e: f.handle_in_thread(e, threading.current_thread().name),
+            Faults.handle if in_main else lambda f, e: f.handle_in_thread(e, threading.current_thread().name),
         )
 
     def in_thread(args: Any) -> None:
         before[2](args)
-        lead(
+        forward(
             args.exc_value,
             lambda f, e: f.handle_in_thread(e, args.thread.name if args.thread is not None else "unknown"),
         )
@@ -227,7 +229,7 @@ def _install(faults: Faults) -> None:
     sys.excepthook, sys.unraisablehook, threading.excepthook = after
 
     def restore(_: object = None) -> None:
-        """Where nobody else has put a hook in since."""
+        """Restore the previous hooks, except those that were replaced since."""
         if sys.excepthook is uncaught:
             sys.excepthook = before[0]
         if sys.unraisablehook is unraisable:

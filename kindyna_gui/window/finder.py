@@ -1,4 +1,7 @@
-"""Find anything: commands, fields, channels, examples, help, findings by words or symbol; a value behind a field's name sets it."""
+"""Edit > Find anything: searches commands, fields, channels, examples, help and findings by words or symbols.
+
+A value after the name of a field sets the field. ``rank`` orders the matches; ``SOURCES`` lists what is searched.
+"""
 
 from __future__ import annotations
 
@@ -31,36 +34,43 @@ from kindyna_gui.settings import symbol_of
 from kindyna_gui.window.base import Window
 from kindyna_gui.window.docks import VIEWS
 
-MOST = 40  # rows that are listed
-WIDTH, ROW, SHOWN = 620, 24, 14  # pixels of list and row; rows without rolling
-NOTHING = "Nothing is called"
-HINT = "Command, field, channel, example, help, finding; base radius 420 sets it"
+MOST = 40  # largest number of rows in the list
+WIDTH, ROW, SHOWN = 620, 24, 14  # width of the list and height of a row [pixels]; rows visible without scrolling
+NOTHING = "No match for"
+HINT = "Command, field, channel, example, help, finding; base radius 420 sets the field"
 _MOVES = MappingProxyType(
     {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1, Qt.Key.Key_PageUp: -SHOWN, Qt.Key.Key_PageDown: SHOWN}
 )
-BY_WEIGHT, SYMBOL = 0.2, 3.0  # of a field's rank; less for one that is its symbol
-FIRST, BEHIND_NAMES = -100.0, 10.0  # of values that are set; of those refused: a name ``segment 2 span`` is no amount
+BY_WEIGHT, SYMBOL = 0.2, 3.0  # rank added for each weight a field lacks; rank subtracted for a symbol
+FIRST, AFTER_NAMES = -100.0, 10.0  # rank added for a value to set; for a refused one: ``segment 2 span`` is a name
 _AMOUNT = re.compile(r"[-+\u2212]?[\d.,]+\s*([^\W\d_]|[°%\"/]).*|[-+\u2212]?\d+,\d+")
 _WORD = re.compile(r"[\w°%µ/|∠.+-]+")
 
 
 @frozen
-class Found:
+class Match:
     """One thing that can be found.
 
-    kind    what it is, in a word
-    title   as it is called; beside: its keys, value or unit; tip: what it is about
-    words   title, symbol and more, folded; the title's own stand first, up to ``own`` characters
-    act     what choosing it does
-    entry   of a field, with its path in the whole file of the drive that holds it
+    Attributes
+    ----------
+    kind, title, tip : str
+        As listed.
+    detail : str
+        Its keys, value or unit.
+    words : str
+        Folded title, symbol and further words; the first ``title_length`` characters are the title.
+    act : Callable
+        Called when it is chosen.
+    entry, path : Entry, str
+        Of a field, with its path in the design's file.
     """
 
     kind: str
     title: str
-    beside: str
+    detail: str
     tip: str
     words: str
-    own: int
+    title_length: int
     act: Callable[[], object]
     entry: Entry | None = None
     path: str = ""
@@ -68,60 +78,60 @@ class Found:
 
 @lru_cache(maxsize=8192)
 def folded(text: str) -> str:
-    """A text without capitals, indices set low, marks and accents: ``α₀`` and ``α_0`` are ``α0``."""
+    """Return a text without capitals, accents and subscripts: ``α₀`` and ``α_0`` become ``α0``."""
     plain = unicodedata.normalize("NFKC", text).casefold().replace("_", "").replace("\u2212", "-")
     return "".join(letter for letter in plain if not unicodedata.combining(letter) and letter not in "&…")
 
 
 def spelled(symbol: str) -> str:
-    """The Greek letters of a symbol, spelled for keyboards without them: ``alpha``."""
+    """Return the names of the Greek letters in a symbol: ``alpha``."""
     names = (unicodedata.name(letter, "") for letter in symbol)
     return " ".join(name.rpartition(" ")[2].lower() for name in names if name.startswith("GREEK"))
 
 
-def _found(
-    kind: str, title: str, beside: str, tip: str, act: Callable[[], object], more: str = "", **field: Any
-) -> Found:
-    own = folded(title)
-    return Found(kind, title, beside, tip, f"{own} {folded(more)} {folded(tip)}", len(own), act, **field)
+def _match(
+    kind: str, title: str, detail: str, tip: str, act: Callable[[], object], more: str = "", **field: Any
+) -> Match:
+    name = folded(title)
+    return Match(kind, title, detail, tip, f"{name} {folded(more)} {folded(tip)}", len(name), act, **field)
 
 
-# -- what can be found ------------------------------------------------------------------------------------
+# -- what is searched -------------------------------------------------------------------------------------
 
 
-def _commands(window: Window) -> Iterator[Found]:
-    """The entries of all menus, as they stand now."""
+def _commands(window: Window) -> Iterator[Match]:
+    """Entries of all menus for the current design."""
     for top in window.menuBar().actions():
         menu = top.menu()
         if isinstance(menu, QMenu):
             menu.aboutToShow.emit()
-            yield from _of_menu(window, menu, _plain(top.text()), "")
+            yield from _entries(window, menu, _plain(top.text()), "")
 
 
-def _of_menu(window: Window, menu: QMenu, top: str, below: str) -> Iterator[Found]:
+def _entries(window: Window, menu: QMenu, top: str, below: str) -> Iterator[Match]:
     for action in menu.actions():
         text, inner = _plain(action.text()), action.menu()
         if not action.isVisible() or action.isSeparator() or action.objectName().startswith("show_help"):
             continue
         if isinstance(inner, QMenu):
-            yield from _of_menu(window, inner, top, text)
+            yield from _entries(window, inner, top, text)
         else:
             kind = "Example" if below == "Examples" else "Command"
             title = f"{below}: {text}" if below and kind == "Command" else text
             keys = action.shortcut().toString(QKeySequence.SequenceFormat.NativeText)
             if action.isEnabled():
-                yield _found(kind, title, keys, action.statusTip(), action.trigger, top)
-            else:  # else another one would be first, and done in its place
-                say = partial(window.status.show_message, f"{title} cannot be done now")
-                yield _found(kind, title, "not now", action.statusTip(), say, top)
+                yield _match(kind, title, keys, action.statusTip(), action.trigger, top)
+            else:  # listed too, else Enter would trigger another command
+                say = partial(window.status.show_message, f"{title} is not available now")
+                yield _match(kind, title, "not available", action.statusTip(), say, top)
 
 
 def _plain(text: str) -> str:
     return text.partition("\t")[0].replace("&&", "\0").replace("&", "").replace("\0", "&").removesuffix("...")
 
 
-def _fields(window: Window) -> Iterator[Found]:
-    """Every field of the drive at hand, then of the others on its shaft."""
+def _fields(window: Window) -> Iterator[Match]:
+    """Fields of the current drive, then of the other drives on its shaft."""
     session = window.session
     design, whole = session.typed, session.typed_full_design
     for table in design.tables:
@@ -139,12 +149,12 @@ def _fields(window: Window) -> Iterator[Found]:
                         yield _field(window, drive, row, path_of(i, row.path), f"{whole.drives[i].name}: ")
 
 
-def _field(window: Window, design: Design, row: Entry, path: str, drive: str) -> Found:
+def _field(window: Window, design: Design, row: Entry, path: str, drive: str) -> Match:
     name = f"{drive}{entry_name(design, row)}"
     symbol = symbol_of(row.unit.symbol)
     number = isinstance(row.value, int | float) and not row.info.choices and not row.info.flag
     shown = value_text(row.value, row.unit) if number else choice_text(row.value) if row.value is not None else symbol
-    return _found(
+    return _match(
         "Field",
         name,
         shown,
@@ -156,8 +166,8 @@ def _field(window: Window, design: Design, row: Entry, path: str, drive: str) ->
     )
 
 
-def _channels(window: Window) -> Iterator[Found]:
-    """Every channel of the design: its plot, else a curve more in the graph."""
+def _channels(window: Window) -> Iterator[Match]:
+    """Channels of the design; choosing one shows its plot, or else adds it to the graph."""
     plots = {name: view for view, row in VIEWS.items() for name in row.quantities}
     for name in names_of(window.session.design):
         row = quantity(name)
@@ -165,7 +175,7 @@ def _channels(window: Window) -> Iterator[Found]:
             act = partial(window.show_view, plots[name]) if name in plots else partial(_draw, window, name)
             symbol = legible(row.symbol)
             more = f"{symbol} {row.symbol} {spelled(row.symbol)} {row.slug}"
-            yield _found(
+            yield _match(
                 "Channel", row.label, f"{symbol}, {row.unit.symbol}".rstrip(", "), legible(row.equation), act, more
             )
 
@@ -176,62 +186,64 @@ def _draw(window: Window, name: str) -> None:
     view.show_channel(name)
 
 
-def _help(window: Window) -> Iterator[Found]:
-    """The pages of the help, and their sections."""
+def _help(window: Window) -> Iterator[Match]:
+    """Pages and sections of the help."""
     for page, title, heading, text in sections():
         name = f"{title}: {heading}" if heading else title
-        yield _found("Help", name, "", "", partial(window.show_help, page, heading), text)
+        yield _match("Help", name, "", "", partial(window.show_help, page, heading), text)
 
 
-def _findings(window: Window) -> Iterator[Found]:
+def _findings(window: Window) -> Iterator[Match]:
     study = window.session.full_study
     try:
-        found = findings_of(study, tuple(window.stages_on_screen()))
+        findings = findings_of(study, tuple(window.stages_on_screen()))
     except KindynaError:
         return
-    for finding in found:
-        yield _found("Finding", sentence(finding.message), "", "", partial(window.focus_field, finding.field))
+    for finding in findings:
+        yield _match("Finding", sentence(finding.message), "", "", partial(window.focus_field, finding.field))
 
 
 SOURCES = (_commands, _fields, _channels, _findings, _help)
-"""In the order in which equals are listed."""
+"""Sources in the order in which equal matches are listed."""
 
 
-# -- what matches -------------------------------------------------------------------------------------------
+# -- how matches are ranked -------------------------------------------------------------------------------
 
 
-def rank(found: Found, words: list[str]) -> float | None:
-    """How well something matches: less is better; None where a word is not in it. Of fields that match alike the weightier comes
-    first, what is limited before its limit."""
+def rank(match: Match, words: list[str]) -> float | None:
+    """Return how well a match fits the words, less is better; None where a word is missing.
+
+    Of fields that fit equally, the more important comes first, and a value before its limit.
+    """
     cost = 0.0
-    if found.entry is not None:
-        is_limit = found.entry.path.startswith("limits.")
-        cost = BY_WEIGHT * (USUAL - found.entry.info.weight + is_limit)
+    if match.entry is not None:
+        is_limit = match.entry.path.startswith("limits.")
+        cost = BY_WEIGHT * (USUAL - match.entry.info.weight + is_limit)
     for word in words:
-        at = found.words.find(word)
+        at = match.words.find(word)
         if at < 0:
             return None
-        begins = at == 0 or not found.words[at - 1].isalnum()
-        cost += (0.0 if at == 0 else 1.0 if begins else 3.0) if at < found.own else 12.0
-        if len(word) == 1 and word in found.words[: found.own].split():  # a symbol, ``H``, before what begins with it
+        begins = at == 0 or not match.words[at - 1].isalnum()
+        cost += (0.0 if at == 0 else 1.0 if begins else 3.0) if at < match.title_length else 12.0
+        if len(word) == 1 and word in match.words[: match.title_length].split():  # a symbol comes before longer words
             cost -= SYMBOL
-    return cost + 0.02 * found.own
+    return cost + 0.02 * match.title_length
 
 
 def splits(text: str) -> Iterator[tuple[list[str], str]]:
-    """A name and a value behind it, in every way a text can be read so."""
+    """Yield each way to read a text as the words of a name and a value."""
     parts = text.split()
     for at in range(1, len(parts)):
         yield _WORD.findall(folded(" ".join(parts[:at]))), " ".join(parts[at:])
 
 
 def is_amount(text: str) -> bool:
-    """Whether a text is one number and one unit, of whatever kind, or a number with a comma."""
+    """Whether a text is a number with any unit, or a number with a comma."""
     return _AMOUNT.fullmatch(text) is not None and len(text.split()) <= 2
 
 
 def value_in(entry: Entry, text: str) -> Any:
-    """The value that a text behind a field's name means; None where it means none."""
+    """Return the value that a text means for a field; None where it is not a value of the field."""
     if entry.info.choices:
         words = {folded(str(word)): word for word in entry.info.choices}
         words |= {folded(choice_text(str(word))): word for word in entry.info.choices}
@@ -243,13 +255,13 @@ def value_in(entry: Entry, text: str) -> Any:
 
 
 class Finder(QFrame):
-    """A line above a list, over the window; Enter does what is chosen, Escape goes back to where the keys were."""
+    """A search line above a list, over the window; Enter chooses a row, Escape returns the focus."""
 
     def __init__(self, window: Window) -> None:
         super().__init__(window)
         self._window = window
-        self.all: list[Found] = []
-        self.shown: list[Found] = []
+        self.all: list[Match] = []
+        self.shown: list[Match] = []
         self._back: QWidget | None = None
         self.setFrameShape(QFrame.Shape.StyledPanel)
         self.setAutoFillBackground(True)
@@ -275,7 +287,7 @@ class Finder(QFrame):
         self.list.setColumnWidth(0, 80)
         self.list.setColumnWidth(2, 150)
         self.list.horizontalHeader().setSectionResizeMode(1, QHeaderView.ResizeMode.Stretch)
-        self.list.clicked.connect(lambda _: self.take())
+        self.list.clicked.connect(lambda _: self.choose())
         column = QVBoxLayout(self)
         column.setContentsMargins(6, 6, 6, 6)
         column.addWidget(self.line)
@@ -283,13 +295,13 @@ class Finder(QFrame):
         self.hide()
 
     def open(self) -> None:
-        """Come to the front, empty; where it is there already, go."""
+        """Show the finder, empty; hide it if it is visible."""
         if self.isVisible():
             self.leave()
             return
         self._back = self._window.focusWidget()
         self._window.documents.settle()
-        self.all = [found for source in SOURCES for found in source(self._window)]
+        self.all = [match for source in SOURCES for match in source(self._window)]
         room = self._window.contentsRect()
         width = min(WIDTH, room.width() - 20)
         self.setGeometry((room.width() - width) // 2, 60, width, 60 + ROW * SHOWN)
@@ -300,7 +312,7 @@ class Finder(QFrame):
         self.line.setFocus(Qt.FocusReason.ShortcutFocusReason)
 
     def leave(self) -> None:
-        """Go, and give the keys back."""
+        """Hide the finder and return the focus."""
         self.hide()
         if self._back is not None and isValid(self._back) and self._back.isVisible():
             self._back.setFocus(Qt.FocusReason.OtherFocusReason)
@@ -308,71 +320,71 @@ class Finder(QFrame):
 
     def _search(self, text: str) -> None:
         words = _WORD.findall(folded(text))
-        ranked = [(cost, i, found) for i, found in enumerate(self.all) if (cost := rank(found, words)) is not None]
+        ranked = [(cost, i, match) for i, match in enumerate(self.all) if (cost := rank(match, words)) is not None]
         ranked += self._settings(text, len(self.all))
-        ranked.sort(key=lambda each: each[:2])
-        self.shown = [found for _, _, found in ranked[:MOST]]
-        rows = [TableRow((found.kind, found.title, found.beside), tip=found.tip) for found in self.shown]
+        ranked.sort(key=lambda row: row[:2])
+        self.shown = [match for _, _, match in ranked[:MOST]]
+        rows = [TableRow((match.kind, match.title, match.detail), tip=match.tip) for match in self.shown]
         self.rows.show(rows or [TableRow(("", f"{NOTHING} {text.strip()}", ""))])
         if self.shown:
             self.list.selectRow(0)
 
-    def _settings(self, text: str, first: int) -> Iterator[tuple[float, int, Found]]:
-        """Fields that a typed value is for; they come before all else, those that refuse its unit behind what is called so."""
+    def _settings(self, text: str, first: int) -> Iterator[tuple[float, int, Match]]:
+        """Fields that a typed value can set, ranked before all matches; those that refuse its unit, after names."""
         for words, typed in splits(text):
-            for i, found in enumerate(self.all):
-                if found.entry is not None and (cost := rank(found, words)) is not None and cost < 10.0:
-                    made = self._setting(found, typed)
-                    if made is not None:
-                        yield cost + (FIRST if made.kind == "Set" else BEHIND_NAMES), first + i, made
+            for i, match in enumerate(self.all):
+                if match.entry is not None and (cost := rank(match, words)) is not None and cost < 10.0:
+                    setting = self._setting(match, typed)
+                    if setting is not None:
+                        yield cost + (FIRST if setting.kind == "Set" else AFTER_NAMES), first + i, setting
 
-    def _setting(self, found: Found, typed: str) -> Found | None:
-        assert found.entry is not None
-        info, unit = found.entry.info, found.entry.unit
-        value = value_in(found.entry, typed)
+    def _setting(self, match: Match, typed: str) -> Match | None:
+        assert match.entry is not None
+        info, unit = match.entry.info, match.entry.unit
+        value = value_in(match.entry, typed)
         if value is None:
-            return self._refusal(found, typed)
+            return self._refusal(match, typed)
         shown = value_text(value, unit) if not info.choices else choice_text(str(value))
         if not info.admits(value):
             tip = f"outside its range; allowed: {allowed_text(info, unit)}"
-            return _found("Set", f"{found.title}: {shown} is {tip}", "", tip, found.act)
-        return _found("Set", f"{found.title} to {shown}", found.beside, found.tip, partial(self._set, found, value))
+            return _match("Set", f"{match.title}: {shown} is {tip}", "", tip, match.act)
+        return _match("Set", f"{match.title} to {shown}", match.detail, match.tip, partial(self._set, match, value))
 
-    def _refusal(self, found: Found, typed: str) -> Found | None:
-        """Why a number with a unit behind it, ``420 kg``, sets nothing; None where it is no such thing."""
-        entry = found.entry
+    def _refusal(self, match: Match, typed: str) -> Match | None:
+        """Why a number with a unit, ``420 kg``, cannot be set; None where the text is no such number."""
+        entry = match.entry
         if entry is None or entry.info.choices or entry.info.flag or not is_amount(typed):
             return None
         units = ", ".join(compatible_units(entry.unit.symbol))
         tip = f"its units are {units}" if units else "it has no unit"
         if "," in typed and value_in(entry, typed.replace(",", ".")) is not None:
             tip = no_number(typed)
-        return _found("Refused", f"{found.title}: {typed} is none of its values; {tip}", "", tip, found.act)
+        return _match("Refused", f"{match.title}: {typed} is not a valid value; {tip}", "", tip, match.act)
 
-    def _set(self, found: Found, value: Any) -> None:
-        session, entry = self._window.session, found.entry
+    def _set(self, match: Match, value: Any) -> None:
+        session, entry = self._window.session, match.entry
         assert entry is not None
         session.end_gesture()
-        text = step_text(found.title, value, entry.unit)
-        if session.edit(found.path, value, text):
+        text = step_text(match.title, value, entry.unit)
+        if session.edit(match.path, value, text):
             self._window.status.show_message(text)
         session.end_gesture()
 
-    def take(self) -> None:
-        """Do what is chosen."""
+    def choose(self) -> None:
+        """Act on the selected row."""
         if self.shown:
-            found = self.shown[self.list.currentIndex().row()]
+            match = self.shown[self.list.currentIndex().row()]
             self.leave()
-            found.act()
+            match.act()
 
     def move_by(self, rows: int) -> None:
-        """Choose another row."""
+        """Select a row further down, or up where ``rows`` is negative."""
         if self.shown:
             self.list.selectRow(min(max(self.list.currentIndex().row() + rows, 0), len(self.shown) - 1))
 
 
 class _Line(QLineEdit):
-    """Where is typed; the keys that choose go to the list."""
+    """The search line; keys that select or choose a row act on the list."""
 
     def __init__(self, finder: Finder) -> None:
         super().__init__(finder)
@@ -383,7 +395,7 @@ class _Line(QLineEdit):
         if key in _MOVES:
             self._finder.move_by(_MOVES[key])
         elif key in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
-            self._finder.take()
+            self._finder.choose()
         elif key == Qt.Key.Key_Escape:
             self._finder.leave()
         else:
@@ -395,4 +407,4 @@ class _Line(QLineEdit):
             self._finder.hide()
 
 
-__all__ = ["Finder", "Found", "folded", "rank", "splits", "value_in"]
+__all__ = ["Finder", "Match", "folded", "rank", "splits", "value_in"]

@@ -1,4 +1,4 @@
-"""Menus of links and loads."""
+"""Submenus of a linkage, Compo > Driver, Cam roller, Drawing, and edits of the loads' rows, Dyna > Add to the loads."""
 
 from __future__ import annotations
 
@@ -23,37 +23,42 @@ from kindyna_gui.player import TURN
 from kindyna_gui.requirements import lists_links
 from kindyna_gui.window.base import Window
 
-# -- linkage menus ---------------------------------------------------------------------------------------
+MASSES = "masses"
+ONCE: Mapping[str, Callable[[Any], object]] = MappingProxyType(
+    {MASSES: lambda target: target.link, "pair_friction": lambda target: target}
+)
+"""Lists of the loads with at most one row for each link, or pair -> the link, or pair, of a row's target."""
+SEARCH = "Calculating how the links can be assembled"
+
+# -- the driver, the cam roller and drawing ----------------------------------------------------------------
 
 
 def fill_drivers(window: Window, menu: QMenu) -> None:
-    """Every link that can lead the linkage, at speed or by a motion."""
+    """Add each link that can drive the linkage, at constant speed or by a motion."""
     design = _linkage(window, menu)
     if design is None:
         return
     group, now = QActionGroup(menu), design.drive.linkage.driver
     for driver in drivers(design):
         action = _choice(menu, group, driver_text(driver).replace("the motion", "a motion"), _same(driver, now))
-        loses = _loses(design, driver)
-        action.setStatusTip(
-            f"The linkage goes on from the position in which it stands now{f', without {loses}' if loses else ''}"
-        )
+        removed = _removed(design, driver)
+        action.setStatusTip(f"Starts from the current position{f'; removes {removed}' if removed else ''}")
         action.triggered.connect(partial(_drive, window, driver))
 
 
-def _same(one: Driver, other: Driver) -> bool:
-    return (one.link, one.kind) == (other.link, other.kind)
+def _same(first: Driver, second: Driver) -> bool:
+    return (first.link, first.kind) == (second.link, second.kind)
 
 
-def _loses(design: Design, driver: Driver) -> str:
-    """What the design loses with another driver: a crank at speed has neither motion nor cam."""
+def _removed(design: Design, driver: Driver) -> str:
+    """What another driver removes from the design: a crank at constant speed has no motion and no cam."""
     if driver.kind != CRANK or design.drive.motion is None:
         return ""
     return "its motion" if design.drive.cam is None else "its motion and its cam"
 
 
 def _drive(window: Window, driver: Driver, *_: object) -> None:
-    """Let another link lead; the drawing stays as it stands."""
+    """Make another link the driver, in the current position of the linkage."""
     session, player = window.session, window.player
     if _same(driver, session.design.drive.linkage.driver):
         return
@@ -61,47 +66,44 @@ def _drive(window: Window, driver: Driver, *_: object) -> None:
     player.play(False)
 
     def changed() -> Design:
-        made = beside(
-            window, "Looking how the links can be put together", partial(with_driver, before, driver, kinematics)
-        )
-        if made is None:
-            raise KindynaError("stopped before it was done")
-        return made
+        design = beside(window, SEARCH, partial(with_driver, before, driver, kinematics))
+        if design is None:
+            raise KindynaError("cancelled")
+        return design
 
     kinematics = session.at(player.theta).linkage
-    step, loses = (
-        f"Let link {driver.link} {'turn at speed' if driver.kind == CRANK else 'follow a motion'}",
-        _loses(before, driver),
-    )
-    window.designing.change(changed, f"{step}, without {loses}" if loses else step)
+    step = f"Drive link {driver.link} {'at constant speed' if driver.kind == CRANK else 'by a motion'}"
+    removed = _removed(before, driver)
+    window.designing.change(changed, f"{step}, without {removed}" if removed else step)
     if session.design is not before:
-        if loses:
-            window.status.show_message(f"{step}: the linkage has lost {loses}, Undo brings back what it had")
+        if removed:
+            window.status.show_message(f"{step}: removed {removed}; Undo restores it")
         player.set_theta(
             driver_position(session.design.drive.mechanism, kinematics) % TURN if driver.kind == CRANK else 0.0
         )
 
 
 def fill_rollers(window: Window, menu: QMenu) -> None:
-    """No cam, or one under a roller at any point that moves; greyed where a crank turns at speed."""
+    """Add the entry without a cam, and one for each moving point that can carry a roller; these need a motion."""
     design = _linkage(window, menu)
     if design is None:
         return
     group, cam = QActionGroup(menu), design.drive.cam
     none = _choice(menu, group, "No cam", cam is None)
-    none.triggered.connect(partial(_change, window, without_roller(design), "Take the cam away"))
+    none.triggered.connect(partial(_change, window, without_roller(design), "Remove the cam"))
     menu.addSeparator()
     for link, point in roller_points(design):
-        here = cam is not None and cam.point == point
-        action = _choice(menu, group, f"{point} on link {link}", here)
+        is_current = cam is not None and cam.point == point
+        action = _choice(menu, group, f"{point} on link {link}", is_current)
         action.setEnabled(design.drive.motion is not None)
-        tip = "A cam about the origin under a roller here makes the linkage follow its motion"
+        tip = "Put a roller on this point; a cam around the origin moves it, and the linkage follows its motion"
         action.setStatusTip(
-            tip if design.drive.motion is not None else "First let a link follow a motion: Driver does that"
+            tip if design.drive.motion is not None else "First drive a link by a motion: Compo > Driver"
         )
-        if design.drive.motion is not None and not here:
-            made = with_roller(design, link, point)
-            action.triggered.connect(partial(_change, window, made, f"Put the cam roller on {point} of link {link}"))
+        if design.drive.motion is not None and not is_current:
+            with_cam = with_roller(design, link, point)
+            text = f"Put the cam roller on {point} of link {link}"
+            action.triggered.connect(partial(_change, window, with_cam, text))
 
 
 def _change(window: Window, design: Design, text: str, *_: object) -> None:
@@ -109,7 +111,7 @@ def _change(window: Window, design: Design, text: str, *_: object) -> None:
 
 
 def fill_drawing(window: Window, menu: QMenu) -> None:
-    """The tools of Draw, and what is done with what is chosen; greyed where no linkage is there."""
+    """Add the tools of Draw and the actions on selected parts; disabled without a linkage."""
     menu.menuAction().setEnabled(bool(window.session.typed.drive.links))
     from kindyna_gui.linkage.draw_tools import TOOLS
     from kindyna_gui.linkage.drawing_actions import ACTIONS
@@ -137,7 +139,7 @@ def _do(window: Window, action: str, *_: object) -> None:
 
 
 def _linkage(window: Window, menu: QMenu) -> Design | None:
-    """The design, where it is a linkage; else the menu is not there."""
+    """The design, if it is a linkage; else None, and the menu is hidden."""
     design = window.session.design
     menu.menuAction().setVisible(lists_links(design))
     return design if lists_links(design) else None
@@ -151,37 +153,31 @@ def _choice(menu: QMenu, group: QActionGroup, text: str, checked: bool) -> QActi
     return action
 
 
-# -- load rows -------------------------------------------------------------------------------------------
-
-MASSES = "masses"
-ONCE: Mapping[str, Callable[[Any], object]] = MappingProxyType(
-    {MASSES: lambda held: held.link, "pair_friction": lambda held: held}
-)
-"""List of the loads in which each place stands once -> what of the place tells it."""
+# -- rows of the loads -----------------------------------------------------------------------------------
 
 
 class LoadActions(QObject):
-    """Rows of the loads of the chosen drive, added, attached elsewhere and brought before the reader."""
+    """Adds, attaches and shows rows of the selected drive's loads."""
 
     def __init__(self, window: Window) -> None:
         super().__init__(window)
         self._window, self._session = window, window.session
 
     def add(self, name: str) -> None:
-        """A row more in one of the lists of the loads, where the user clicks in the drawing."""
+        """Add a row to one of the lists of the loads, attached where the user clicks in the drawing."""
         self._window.documents.settle()
-        holds = [hold for hold in holds_of(self._session.typed.drive, name) if not hold.output]
+        ends = [end for end in holds_of(self._session.typed.drive, name) if not end.output]
         added = partial(self._added, name)
-        if not holds or not self._ask(f"Add {what_of(name)}", holds, added, can_be_left=True):
+        if not ends or not self._pick(f"Add {what_of(name)}", ends, added, can_be_left=True):
             added(())
 
-    def _added(self, name: str, held: Sequence[Target | None]) -> None:
+    def _added(self, name: str, targets: Sequence[Target | None]) -> None:
         before = self._session.typed
-        if there := self._once(name, held):
-            self.open(there)
-            self._window.status.show_message(f"{row_name(before, there)} is there already: these are its values")
+        if existing := self._existing(name, targets):
+            self.open(existing)
+            self._window.status.show_message(f"{row_name(before, existing)} exists already: change its values here")
             return
-        make = partial(with_new_row, before, f"loads.{name}", held)
+        make = partial(with_new_row, before, f"loads.{name}", targets)
         self._window.designing.lay_out(make, f"Add {what_of(name)}")
         if self._session.typed is not before:
             if name == MASSES:
@@ -189,58 +185,59 @@ class LoadActions(QObject):
             self.open(f"loads.{name}[{len(getattr(self._session.typed.drive.loads, name)) - 1}]")
 
     def _show_masses(self) -> None:
-        """Draw the centres of mass, where they can be dragged."""
+        """Show the layer of the centres of mass, which can be dragged."""
         view: Any = self._window.view("mechanism")
         for action in view.layer_actions():
             if action.objectName() == f"layer:{MASSES}":
                 action.setChecked(True)
 
-    def _once(self, name: str, held: Sequence[Target | None]) -> str:
-        """The row that holds on there already, of a list in which each link, or each pair, stands once; empty where none does."""
-        if name in ONCE and held:
+    def _existing(self, name: str, targets: Sequence[Target | None]) -> str:
+        """Path of the row of the same link or pair in a list that has one for each; empty where there is none."""
+        if name in ONCE and targets:
             drive = self._session.typed.drive
-            (hold,) = holds_of(drive, name)
+            (end,) = holds_of(drive, name)
             for i, row in enumerate(getattr(drive.loads, name)):
-                if ONCE[name](hold.read(row)) == ONCE[name](held[0]):
+                if ONCE[name](end.read(row)) == ONCE[name](targets[0]):
                     return f"loads.{name}[{i}]"
         return ""
 
     def pick(self, path: str, key: str) -> None:
-        """Let a row hold on elsewhere, where the user clicks in the drawing."""
+        """Attach an end of a row where the user clicks in the drawing."""
         name, _ = parts_of(path)
         design = self._session.typed
-        hold = next(hold for hold in holds_of(design.drive, name) if hold.key == key)
-        others = [each.read(get(design, path)) for each in holds_of(design.drive, name) if each.key != key]
+        ends = holds_of(design.drive, name)
+        end = next(end for end in ends if end.key == key)
+        others = [end.read(get(design, path)) for end in ends if end.key != key]
 
-        def taken(held: Sequence[Target | None]) -> None:
-            if put_attachment(self._session, path, hold, held[0]):
+        def picked(targets: Sequence[Target | None]) -> None:
+            if put_attachment(self._session, path, end, targets[0]):
                 self.open(path)
 
-        self._ask(row_name(design, path), [hold], taken, beside=others)
+        self._pick(row_name(design, path), [end], picked, others=others)
 
-    def _ask(
+    def _pick(
         self,
         what: str,
-        holds: Sequence[AttachedEnd],
-        taken: Any,
+        ends: Sequence[AttachedEnd],
+        picked: Any,
         can_be_left: bool = False,
-        beside: Sequence[Target | None] = (),
+        others: Sequence[Target | None] = (),
     ) -> bool:
-        """Whether there is a drawing in which it can be asked for."""
+        """Let the user pick targets in the drawing; False where there is no drawing."""
         view: Any = self._window.show_view("mechanism")
         view.pull()
         if view.in_trouble:
             return False
-        view.pick(what, holds, taken, can_be_left, beside)
+        view.pick(what, ends, picked, can_be_left, others)
         return True
 
     def open(self, path: str) -> None:
-        """Choose a row, and bring its form before the reader; empty: what belongs to no row."""
+        """Select a row and show its form; empty path: the fields of no row."""
         self._session.choose_load(path)
         self._window.focus_field(first_field(self._session.typed, path) if path else "loads")
 
     def give_masses(self) -> None:
-        """What nothing has: of links the first mass, asked for in the drawing where there is none; of a follower its fields."""
+        """Show the fields of the masses; a linkage without masses gets its first one by a click in the drawing."""
         drive = self._session.typed.drive
         if MASSES not in load_lists(drive):
             self._session.choose_load("")
@@ -253,7 +250,7 @@ class LoadActions(QObject):
 
 
 def fill_added(window: Window, menu: QMenu) -> None:
-    """One entry for each list of loads that the design can have."""
+    """Add an entry for each list of loads that the design can have."""
     for name in load_lists(window.session.typed.drive):
         text, tip = WHAT[name]
         action = menu.addAction(text)
@@ -266,22 +263,22 @@ def _add(window: Window, name: str, *_: object) -> None:
 
 
 def fill_taken(window: Window, menu: QMenu) -> None:
-    """One entry for each row that there is."""
+    """Add an entry that removes each row of the loads."""
     design = window.session.typed
     for name in load_lists(design.drive):
         rows = getattr(design.drive.loads, name)
         for index in range(len(rows)):
             action = menu.addAction(row_name(design, f"loads.{name}[{index}]"))
-            action.setStatusTip("Taken out of the loads; Undo brings it back")
+            action.setStatusTip("Remove this row from the loads")
             action.triggered.connect(partial(_take, window, name, index))
     if menu.isEmpty():
-        action = menu.addAction("Nothing there")
-        action.setStatusTip("The loads have no rows yet: Add to the loads begins one")
+        action = menu.addAction("No loads")
+        action.setStatusTip("The loads have no rows yet: use Add to the loads")
         action.setEnabled(False)
 
 
 def _take(window: Window, name: str, index: int, *_: object) -> None:
     design = window.session.typed
-    left = [i for i in range(len(getattr(design.drive.loads, name))) if i != index]
+    remaining = [i for i in range(len(getattr(design.drive.loads, name))) if i != index]
     text = f"Remove {row_name(design, f'loads.{name}[{index}]').lower()}"
-    window.designing.lay_out(lambda: reordered(window.session.typed, name, left), text)
+    window.designing.lay_out(lambda: reordered(window.session.typed, name, remaining), text)

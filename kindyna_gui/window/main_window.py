@@ -32,7 +32,7 @@ from kindyna_gui.look import wear
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.places import default_design, example
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import soon
+from kindyna_gui.rebuilt import call_soon
 from kindyna_gui.requirements import STRANGE
 from kindyna_gui.saving import copy_picture, save_picture
 from kindyna_gui.settings import Settings
@@ -261,7 +261,7 @@ class MainWindow(Window):
     def show_search(self, what: str) -> None:
         """Show Find, set to calculate this quantity if the design has it."""
         view: Any = self.show_view("find")
-        view.want(what)
+        view.search_for(what)
 
     def vary(self, path: str) -> None:
         """Vary a value in Study; if that view is not visible, change to its task."""
@@ -287,7 +287,7 @@ class MainWindow(Window):
             self.loads.give_masses()
         if remedy.find:
             view: Any = self.show_view("find")
-            view.want(remedy.find, afresh=True)
+            view.search_for(remedy.find, afresh=True)
 
     def can(self, entry: str) -> bool:
         """Whether an entry of the menus, or any entry of a submenu, can be chosen for the current design."""
@@ -470,7 +470,7 @@ class MainWindow(Window):
 
     def _place_drive(self) -> None:
         """Give the player the phase and rotation sign of the selected drive."""
-        place = self.session.place
+        place = self.session.shaft_position
         self.player.show_drive(place.phase, place.rotation_sign)
 
     def _show_refusal(self, refusal: Refusal) -> None:
@@ -612,7 +612,7 @@ class MainWindow(Window):
         super().paintEvent(event)
         if not self._painted:
             self._painted = True
-            soon(self, self._furnish)
+            call_soon(self, self._furnish)
 
     def _furnish(self) -> None:
         for dock in self.docks.values():

@@ -1,4 +1,4 @@
-"""The bar below the drawing: play, step, turn by hand, speed."""
+"""The player bar below the drawing: play, step, angle and speed."""
 
 from __future__ import annotations
 
@@ -36,26 +36,28 @@ from kindyna_gui.forms.number_box import TextKeys
 from kindyna_gui.look import icon
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import digits
-from kindyna_gui.player import KEYS_HELP, TURN, Player, Speed, obey, speeds, step_of, usual
+from kindyna_gui.player import KEYS_HELP, TURN, Player, Speed, initial_speed, obey, speeds, step_of
 from kindyna_gui.view import View
 
 FINE = 100  # steps of the slider in a degree
-LEAST = 330  # pixels of width of the bar
-EDGES = 24  # pixels at both ends of the bar and between its parts
-HANDY = 72  # pixels of the slider, for which buttons make room whose keys do the same
-NEAR = 1e-9  # a join so near [rad] is where the cam stands
+LEAST = 330  # least width of the bar [pixels]
+EDGES = 24  # sum of the gaps at the ends of the bar and between its parts [pixels]
+HANDY = 72  # width of the slider below which buttons are hidden [pixels]
+NEAR = 1e-9  # distance of a join from the current angle that counts as none [rad]
 JOIN_KEYS: Mapping[int, int] = MappingProxyType({Qt.Key.Key_PageUp: -1, Qt.Key.Key_PageDown: 1})
 
 
 def speed_text(speed: Speed) -> str:
-    """Part of true time, and what a turn takes."""
+    """Return the speed as a multiple of the true speed, and the time of one turn."""
     named = "true" if speed.part == 1 else f"{speed.part} \u00d7"
     return f"{named}, {digits(speed.seconds, 2)} s"
 
 
 class AngleSlider(QAbstractSlider):
-    """A strip of one turn: every other segment shaded as in the plots, a tick every 30 degrees, a handle at the cam
-    angle. A click anywhere goes there."""
+    """A strip of one turn with a handle at the cam angle; a click moves the cam there.
+
+    Every other segment is shaded as in the plots; a tick is at every 30 degrees.
+    """
 
     GROOVE, HANDLE, EDGE = 12.0, 9.0, 7.0
 
@@ -71,9 +73,9 @@ class AngleSlider(QAbstractSlider):
         self.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
         self._joins: tuple[float, ...] = ()
 
-    def show_joins(self, degrees_of: tuple[float, ...]) -> None:
-        """The cam angles where segments meet, 0 or 360 included [deg]."""
-        joins = tuple(sorted({0.0, 360.0, *degrees_of}))
+    def show_joins(self, angles_deg: tuple[float, ...]) -> None:
+        """Show the cam angles where segments meet [deg]."""
+        joins = tuple(sorted({0.0, 360.0, *angles_deg}))
         if joins != self._joins:
             self._joins = joins
             self.update()
@@ -82,10 +84,10 @@ class AngleSlider(QAbstractSlider):
         return QSize(240, 30)
 
     def minimumSizeHint(self) -> QSize:
-        return QSize(32, 30)  # large letters beside it are not to be cut
+        return QSize(32, 30)  # leaves room for a large font next to it
 
-    def place_of(self, angle: float) -> float:
-        """Where an angle [deg] stands [pixels]."""
+    def position_of(self, angle: float) -> float:
+        """Return the position of an angle [deg] on the strip [pixels]."""
         return self.EDGE + angle / 360.0 * (self.width() - 2.0 * self.EDGE)
 
     def _go(self, x: float) -> None:
@@ -115,18 +117,18 @@ class AngleSlider(QAbstractSlider):
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         top = (self.height() - self.GROOVE) / 2.0 - 3.0
         bottom = top + self.GROOVE
-        strip = QRectF(QPointF(self.place_of(0.0), top), QPointF(self.place_of(360.0), bottom))
+        strip = QRectF(QPointF(self.position_of(0.0), top), QPointF(self.position_of(360.0), bottom))
         painter.fillRect(strip, QColor(SCREEN.paper))
         for start, end in zip(self._joins[1::2], self._joins[2::2], strict=False):
-            band = QRectF(QPointF(self.place_of(start), top), QPointF(self.place_of(end), bottom))
+            band = QRectF(QPointF(self.position_of(start), top), QPointF(self.position_of(end), bottom))
             painter.fillRect(band, QColor(SCREEN.dwell))
         painter.setPen(QPen(QColor(SCREEN.line), 1.0))
         painter.drawRect(strip)
         painter.setPen(QPen(QColor(SCREEN.quiet), 1.0))
         for angle in range(0, 361, 30):
-            x = self.place_of(float(angle))
+            x = self.position_of(float(angle))
             painter.drawLine(QPointF(x, bottom + 1.5), QPointF(x, bottom + (5.5 if angle % 90 == 0 else 4.0)))
-        x = self.place_of(self.sliderPosition() / FINE)
+        x = self.position_of(self.sliderPosition() / FINE)
         colour = QColor(SCREEN.chosen) if self.isEnabled() else self.palette().color(QPalette.ColorRole.Mid)
         painter.setPen(QPen(QColor(SCREEN.paper), 1.0))
         painter.setBrush(colour)
@@ -140,28 +142,28 @@ class AngleBox(TextKeys, QDoubleSpinBox):
 
 
 class PlayerBar(View):
-    """What moves the cam by hand and by time; several drives by the angle of the machine that turns them."""
+    """Buttons, slider and angle that move the cam; with several drives, the angle of the machine."""
 
     is_design_wide = True
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
         self._joins: tuple[float, ...] = ()
-        self._chosen = False  # the speed was chosen by hand
+        self._chosen = False  # whether the user has chosen the speed
         self._watched: QObject | None = None
         self.join_back = self._button("join_back", "Previous join of segments (Page Up)")
         self.back = self._button("step_back", "1° back (Left; with Shift 0.1°, with Ctrl 10°)")
         self.play = self._button("play", "Play (Space)")
         self.forward = self._button("step_forward", "1° forward (Right; with Shift 0.1°, with Ctrl 10°)")
         self.join_forward = self._button("join_forward", "Next join of segments (Page Down)")
-        self.reverse = self._button("reverse", "Turn backwards (F8)")
+        self.reverse = self._button("reverse", "Play backwards (F8)")
         self.reverse.setCheckable(True)
         self.slider = AngleSlider()
         self.angle = self._angle_box()
         self.speed = QComboBox()
         self.speed.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
         self.speed.setAccessibleName("Speed of playing")
-        self.speed.setToolTip("Speed: part of the shaft's own, and how many seconds one turn takes then")
+        self.speed.setToolTip("Speed of playing, as a multiple of the shaft's speed, and the seconds of one turn")
         self.speed.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToContents)
         row = QHBoxLayout()
         row.setContentsMargins(6, 3, 6, 3)
@@ -181,15 +183,15 @@ class PlayerBar(View):
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
-        self._make_room()
+        self._fit_buttons()
 
     def changeEvent(self, event: QEvent) -> None:
         super().changeEvent(event)
         if event.type() in (QEvent.Type.FontChange, QEvent.Type.StyleChange):
-            self._make_room()
+            self._fit_buttons()
 
-    def _make_room(self) -> None:
-        """Numbers in full, then the slider, then as many buttons as have room."""
+    def _fit_buttons(self) -> None:
+        """Show angle and speed in full, the slider, and the buttons for which there is room."""
         self.speed.setMinimumWidth(self.speed.sizeHint().width())  # else a narrow bar would cut the seconds
         room = self.width() - EDGES - self.angle.sizeHint().width() - self.speed.sizeHint().width() - HANDY
         room -= self.play.sizeHint().width()
@@ -199,14 +201,14 @@ class PlayerBar(View):
                 button.setVisible(room >= 0)
 
     def _button(self, name: str, tip: str) -> QToolButton:
-        made = QToolButton(autoRaise=True)
-        made.setIcon(icon(name))
-        made.setIconSize(QSize(18, 18))
-        made.setToolTip(tip)
-        made.setStatusTip(tip)
-        made.setAccessibleName(tip.partition(" (")[0])
-        made.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        return made
+        button = QToolButton(autoRaise=True)
+        button.setIcon(icon(name))
+        button.setIconSize(QSize(18, 18))
+        button.setToolTip(tip)
+        button.setStatusTip(tip)
+        button.setAccessibleName(tip.partition(" (")[0])
+        button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        return button
 
     def _angle_box(self) -> QDoubleSpinBox:
         box = AngleBox(decimals=2, minimum=0.0, maximum=360.0, singleStep=1.0)
@@ -254,21 +256,21 @@ class PlayerBar(View):
             self.speed.clear()
             for row in rows:
                 self.speed.addItem(speed_text(row), row)
-            self._make_room()
+            self._fit_buttons()
             self.speed.view().setMinimumWidth(self.speed.view().sizeHintForColumn(0) + 24)
         if not self._chosen:
-            self.player.set_speed(float(usual(study.omega).part))
+            self.player.set_speed(float(initial_speed(study.omega).part))
         self._show_speed()
 
     def show_reason(self, error: KindynaError) -> None:
-        """There is one line, and the drawing has the whole of it."""
-        super().show_reason(KindynaError("Nothing can be turned: the drawing says why."))
+        """Show a short reason; the bar has one line, and the drawing gives the full reason."""
+        super().show_reason(KindynaError("Cannot play: the drawing shows why."))
 
     def follow(self, theta: float) -> None:
         angle = degrees(self.player.machine)
         with QSignalBlocker(self.slider), QSignalBlocker(self.angle):
             self.slider.setSliderPosition(round(angle * FINE))
-            if self.angle.value() != round(angle, self.angle.decimals()):  # it would be painted all the same
+            if self.angle.value() != round(angle, self.angle.decimals()):  # else Qt would paint it again
                 self.angle.setValue(angle)
 
     def _show_playing(self, playing: bool) -> None:
@@ -295,13 +297,13 @@ class PlayerBar(View):
         self.player.set_speed(float(self.speed.itemData(index).part))
 
     def _forget_speed(self) -> None:
-        """Another shaft turns at another speed."""
+        """Use the default speed of a new design's shaft."""
         self._chosen = False
 
     def go_to_join(self, direction: int) -> None:
-        """Go to the next join of segments, or with -1 to the one before."""
-        here = self.player.theta
-        gaps = [(direction * (theta - here)) % TURN for theta in self._joins]
+        """Move to the next join of segments, with -1 to the previous one."""
+        current = self.player.theta
+        gaps = [(direction * (theta - current)) % TURN for theta in self._joins]
         ahead = [gap if NEAR < gap < TURN - NEAR else inf for gap in gaps]
         if ahead and min(ahead) < inf:
             self.player.play(False)
@@ -316,7 +318,7 @@ class PlayerBar(View):
             self._watched.installEventFilter(self)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Keys that no widget of the window wanted come to the window itself."""
+        """Handle keys that no widget of the window has used."""
         if watched is self._watched and isinstance(event, QKeyEvent) and event.type() == QEvent.Type.KeyPress:
             return self._obey(event)
         return super().eventFilter(watched, event)

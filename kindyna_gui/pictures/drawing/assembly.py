@@ -80,7 +80,7 @@ class _Root(QGraphicsItem):
 
 
 class DriveFigure:
-    """One drive of the drawing: its parts under one item, which is mirrored where the drive is seen from its other end."""
+    """One drive of the drawing: its parts under one item, mirrored for a drive seen from its other end."""
 
     def __init__(
         self,
@@ -349,7 +349,7 @@ class Assembly(QGraphicsScene):
         self.set_machine(fraction * TURN)
 
     def number_at(self, point: QPointF) -> int | None:
-        """Number of the drive with a part at a point [mm], or whose extent contains the point; None where no drive does."""
+        """Number of the drive with a part at a point [mm], else of the drive whose extent contains it, else None."""
         for item in self.items(point):
             root = item.topLevelItem()
             if isinstance(root, _Root):
@@ -439,7 +439,7 @@ def _grid(boxes: Sequence[QRectF], columns: int) -> tuple[list[complex], complex
 
 
 def _rows(shaft: Camshaft[Study], theme: Theme) -> Iterator[tuple[int, str, Study | None, ShaftPosition, bool, str]]:
-    """Number, name, study (None without a solution), position, mirrored and colour of each drive, then of the balance cam."""
+    """Number, name, study (None without a solution), position, mirrored and colour of each drive and the balance cam."""
     for number, ((name, study), drive) in enumerate(zip(shaft.drives.items(), shaft.design.drives, strict=True)):
         solved: Study | None = study
         try:

@@ -308,7 +308,7 @@ def _curvature_scale(geometry: Geometry, theme: Theme) -> ColourScale:
 
 
 def _stress_scale(geometry: Geometry, theme: Theme) -> ColourScale | None:
-    """Scale from 0 to the allowable pressure, with the colour of limits above; without a limit to the highest pressure."""
+    """Scale from 0 to the allowable pressure, with the colour of limits above; else to the highest pressure."""
     study = geometry.study
     try:
         if not study.stress or has_undercut(study) or study.jam is not None:

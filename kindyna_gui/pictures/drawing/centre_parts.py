@@ -1,4 +1,7 @@
-"""Centres, ratios, constructions."""
+"""Drawing of a general linkage's instant centres, velocity ratios, coupler curves and ghost poses.
+
+Also the circle diagram, which shows how Kennedy's theorem gives each instant centre from the known ones.
+"""
 
 from __future__ import annotations
 
@@ -49,21 +52,21 @@ from kindyna_gui.pictures.style import (
 from kindyna_gui.pictures.units import digits
 from kindyna_gui.settings import sized
 
-# -- centre parts ----------------------------------------------------------------------------------------
+# -- instant centres -------------------------------------------------------------------------------------
 
-Z_LINES, Z_WAYS, Z_COUPLER, Z_CENTRES = 7.0, 0.5, 6.8, 13.0  # a coupler curve is seen over its own plate
-DOT, EDGE, ARROW = 4.5, 26.0, 15.0  # radius of a centre, distance of an arrow from the edge, its length, pixels
+Z_LINES, Z_PATHS, Z_COUPLER, Z_CENTRES = 7.0, 0.5, 6.8, 13.0  # coupler curves are in front of the links
+DOT, EDGE, ARROW = 4.5, 26.0, 15.0  # radius of a centre, distance and length of an arrow at the edge, pixels
 Key = tuple[str, str]
 
 
 def centre_name(key: Key) -> str:
-    """``13``; with a comma where a number has two digits."""
-    one, other = (link_number(body) for body in key)
-    return f"{one}{other}" if max(one, other) < 10 else f"{one},{other}"
+    """Name of a centre, such as ``13``; ``3,12`` where a number has two digits."""
+    first, second = (link_number(body) for body in key)
+    return f"{first}{second}" if max(first, second) < 10 else f"{first},{second}"
 
 
 class Group(QGraphicsItem):
-    """Holds others; nothing of its own."""
+    """Parent item of other items."""
 
     def __init__(self, children: Sequence[QGraphicsItem]) -> None:
         super().__init__()
@@ -75,11 +78,11 @@ class Group(QGraphicsItem):
         return QRectF()
 
     def paint(self, *_: object) -> None:
-        """Nothing of its own."""
+        """Draw nothing: the children draw themselves."""
 
 
 class _Mark:
-    """One centre: a dot where it is visible, else an arrow at the edge that points to it; its number beside."""
+    """One centre with its number: a dot where it is visible, else an arrow at the edge that points to it."""
 
     def __init__(self, key: Key, known: bool, theme: Theme) -> None:
         colour = theme.ink if known else theme.limit
@@ -101,37 +104,37 @@ class _Mark:
         for item in (self.dot, self.arrow, self.tag):
             item.setVisible(on)
 
-    def place(self, place: complex, infinite: bool, viewport: Viewport, room: TakenSpace) -> complex:
-        """place [mm], or where ``infinite`` a direction; returns where its number belongs [mm]."""
-        seen = not infinite and viewport.holds(place)
-        self.dot.setVisible(seen)
-        self.arrow.setVisible(not seen)
-        here = place
-        if not seen:
-            towards = place if infinite else place - viewport.centre
-            here = room.inwards(viewport.edge(towards, EDGE))
-            self.arrow.setPos(at(here))
-            self.arrow.setRotation(float(-np.degrees(np.angle(towards))))
+    def place(self, centre: complex, infinite: bool, viewport: Viewport, space: TakenSpace) -> complex:
+        """Place the mark of a centre [mm], or of a direction where ``infinite``; returns the mark's position [mm]."""
+        visible = not infinite and viewport.holds(centre)
+        self.dot.setVisible(visible)
+        self.arrow.setVisible(not visible)
+        position = centre
+        if visible:
+            self.dot.setPos(at(centre))
         else:
-            self.dot.setPos(at(place))
+            direction = centre if infinite else centre - viewport.centre
+            position = space.inwards(viewport.edge(direction, EDGE))
+            self.arrow.setPos(at(position))
+            self.arrow.setRotation(float(-np.degrees(np.angle(direction))))
         self.tag.set_text(f"{self.name} ∞" if infinite else self.name)
-        room.dot(here, DOT if seen else 0.5 * ARROW)
-        return here
+        space.dot(position, DOT if visible else 0.5 * ARROW)
+        return position
 
 
 class CentreMarks:
-    """Marks for all centres of a table, or for the chosen ones (``only``), at one sample after the other."""
+    """Marks of all centres of a table, or of those in ``only``."""
 
-    def __init__(self, table: CentreTable, theme: Theme, viewport: Viewport, room: Callable[[], TakenSpace]) -> None:
-        self._table, self._viewport, self._room = table, viewport, room
+    def __init__(self, table: CentreTable, theme: Theme, viewport: Viewport, space: Callable[[], TakenSpace]) -> None:
+        self._table, self._viewport, self._space = table, viewport, space
         self.marks = [_Mark(key, key in table.primary, theme) for key in table.centres]
         self._far = {key: centres.is_far(table.size) for key, centres in table.centres.items()}
         self.only: frozenset[Key] | None = None
         self._placed: list[tuple[_Mark, complex]] = []
         self.item = Group([item for mark in self.marks for item in (mark.dot, mark.arrow, mark.tag)])
 
-    def dots(self, i: int, room: TakenSpace) -> None:
-        """Put the marks where their centres are; their numbers follow once all else has its place."""
+    def dots(self, i: int, space: TakenSpace) -> None:
+        """Place the marks at a sample; ``move`` places their numbers after everything else."""
         self._placed = []
         for mark in self.marks:
             centres = self._table.centres[mark.key]
@@ -140,111 +143,102 @@ class CentreMarks:
             mark.show(shown)
             if shown:
                 far = bool(self._far[mark.key][i])
-                here = mark.place(point if far else point / weight * MM, far, self._viewport, room)
-                self._placed.append((mark, here))
+                position = mark.place(point if far else point / weight * MM, far, self._viewport, space)
+                self._placed.append((mark, position))
 
     def move(self, i: int) -> None:
-        room = self._room()
-        for mark, here in self._placed:
-            room.settle(mark.tag, (here,))
+        space = self._space()
+        for mark, position in self._placed:
+            space.settle(mark.tag, (position,))
 
 
 class KennedyLines:
-    """The two lines that give each centre, of all centres or of the chosen ones."""
+    """The two lines of Kennedy's theorem through each centre, or through the centre ``only``."""
 
     def __init__(self, table: CentreTable, steps: Sequence[KennedyStep], theme: Theme, viewport: Viewport) -> None:
         self._table, self._viewport = table, viewport
+        self._lines: dict[Triangle, np.ndarray] = {}
         self.rows: list[tuple[KennedyStep, Triangle, QGraphicsLineItem]] = []
         for step in steps:
             for triangle in step.triangles[:2]:
                 line = QGraphicsLineItem()
                 line.setPen(theme.pen(theme.quiet, THIN, SPARSE))
                 self.rows.append((step, triangle, line))
-        self._loud = theme.pen(theme.limit, OUTLINE)
+        self._emphasised = theme.pen(theme.limit, OUTLINE)
         self._quiet = theme.pen(theme.quiet, THIN, SPARSE)
         self.only: Key | None = None
         self.hidden = False
         self.item = Group([line for _, _, line in self.rows])
 
     def emphasise(self, key: Key | None) -> None:
-        """Draw only the lines of one centre, and these boldly; None: quietly those of all."""
+        """Draw only the lines of one centre, boldly; None draws the lines of all centres as thin lines."""
         self.only = key
         for _, _, line in self.rows:
-            line.setPen(self._quiet if key is None else self._loud)
+            line.setPen(self._quiet if key is None else self._emphasised)
 
     def move(self, i: int) -> None:
         for step, triangle, item in self.rows:
-            wanted = not self.hidden and (self.only is None or step.key == self.only)
-            ends = self._ends(triangle, i) if wanted else None
+            shown = not self.hidden and (self.only is None or step.key == self.only)
+            line = self._line(triangle)[:, i] * np.array([1.0, 1.0, MM]) if shown else None
+            ends = self._viewport.across(line) if line is not None else None
             item.setVisible(ends is not None)
             if ends is not None:
                 item.setLine(QLineF(at(ends[0]), at(ends[1])))
 
-    def _ends(self, triangle: Triangle, i: int) -> tuple[complex, complex] | None:
-        line = self._line(triangle)[:, i]
-        return self._viewport.across(line * np.array([1.0, 1.0, MM]))
-
     def _line(self, triangle: Triangle) -> np.ndarray:
-        kept = self.__dict__.setdefault("_lines", {})
-        if triangle not in kept:
-            kept[triangle] = triangle_line(self._table.centres, triangle)
-        lines: np.ndarray = kept[triangle]
-        return lines
-
-
-def coupler_paths(geometry: Geometry) -> Iterator[np.ndarray]:
-    """What ``coupler_curves`` draws (n,) [mm]."""
-    return (track for _, track, _ in _paths(geometry))
+        if triangle not in self._lines:
+            self._lines[triangle] = triangle_line(self._table.centres, triangle)
+        return self._lines[triangle]
 
 
 def _paths(geometry: Geometry) -> Iterator[tuple[str, np.ndarray, bool]]:
-    """Every named point of the links: its name, its path (n,) [mm], and whether no pair holds its link on the frame."""
-    held = {j.pair.body for j in geometry.joints if j.is_fixed}
-    pinned = {name for body in held | {FRAME} for name in geometry.bodies[body].points}
-    seen: set[str] = set()
+    """Name and path (n,) [mm] of each named point, and whether its link is a coupler, without a pair on the frame."""
+    grounded = {j.pair.body for j in geometry.joints if j.is_fixed}
+    grounded_points = {name for body in grounded | {FRAME} for name in geometry.bodies[body].points}
+    names: set[str] = set()
     for body in geometry.moving.values():
-        for name, place in body.points.items():
-            if name in seen or name == ROLLER or name.isdecimal() or name in geometry.bodies[FRAME].points:
+        for name, point in body.points.items():
+            if name in names or name == ROLLER or name.isdecimal() or name in geometry.bodies[FRAME].points:
                 continue
-            seen.add(name)
-            yield name, body.track(place), name not in pinned
+            names.add(name)
+            yield name, body.track(point), name not in grounded_points
 
 
 def coupler_curves(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
-    """The path of every named point over the turn: of points on links that no pair holds on the frame boldly."""
-    for name, track, free in _paths(geometry):
-        pen = theme.pen(theme.seen(BLUE), OUTLINE) if free else theme.pen(theme.quiet, THIN, DOTTED)
+    """Paths of all named points over the turn; the curves of coupler points are bold."""
+    for name, track, on_coupler in _paths(geometry):
+        pen = theme.pen(theme.seen(BLUE), OUTLINE) if on_coupler else theme.pen(theme.quiet, THIN, DOTTED)
         item = Loop(track, pen) if geometry.is_full_turn else Outline(polyline(track), pen)
-        yield DrawnPart(f"coupler.{name}", item, ("coupler",), Z_COUPLER if free else Z_WAYS)
+        yield DrawnPart(f"coupler.{name}", item, ("coupler",), Z_COUPLER if on_coupler else Z_PATHS)
 
 
 def ghost_poses(geometry: Geometry, theme: Theme, layer: str) -> Iterator[DrawnPart]:
-    """Where the links stand every so many degrees of the turn, as thin lines between their points."""
+    """Poses of the links at equal steps of the turn, as thin lines between their points."""
     turn = np.arange(0, 360, GHOST_POSES[layer])
     indices = sorted({geometry.nearest(float(theta)) for theta in np.deg2rad(turn)})
     path = QPainterPath()
     for body in geometry.moving.values():
-        tracks = [body.track(place)[indices] for place in body.nodes.values()]
+        tracks = [body.track(node)[indices] for node in body.nodes.values()]
         if len(tracks) > 1:
-            for places in np.array(tracks).T:
-                path.addPath(polyline(np.append(places, places[0]) if places.size > 2 else places))
-    yield DrawnPart(f"{layer}.all", Outline(path, theme.pen(theme.quiet, THIN)), (layer,), Z_WAYS)
+            for pose in np.array(tracks).T:
+                path.addPath(polyline(np.append(pose, pose[0]) if pose.size > 2 else pose))
+    yield DrawnPart(f"{layer}.all", Outline(path, theme.pen(theme.quiet, THIN)), (layer,), Z_PATHS)
 
 
-# -- ratio parts -----------------------------------------------------------------------------------------
+# -- velocity ratios -------------------------------------------------------------------------------------
 
 Z_RATIOS = 9.0
-COLOURS = (BLUE, VERMILION, PURPLE, "#8C6D1F", "#00796B")  # of one ratio after the other
-OFF, STEP = 15.0, 9.0  # from the line of the centres to the first dimension, and from one to the next, pixels
-HEAD, TICK = 6.0, 4.0  # of a dimension line: its heads, and how far its ends reach beyond it, pixels
-LINE, UNDER_ANGLE = 17.0, 28.0  # of the list: its lines, its place under the angle, pixels
-FIGURES = 4
-ALONG, GAPS = (0.5, 0.3, 0.7, 0.1, 0.9), (2.0, 10.0, 22.0, 38.0)  # where a length may stand
+COLOURS = (BLUE, VERMILION, PURPLE, "#8C6D1F", "#00796B")  # colours of the ratios in turn
+OFFSET, STEP = 15.0, 9.0  # from the line of the centres to the first dimension, and from one to the next, pixels
+ARROW_HEAD, TICK = 6.0, 4.0  # arrow head of a dimension, and extension line beyond the dimension, pixels
+LINE, UNDER_ANGLE = 17.0, 28.0  # height of a line of the list, and distance of the list from the top, pixels
+DIGITS = 4
+ALONG, GAPS = (0.5, 0.3, 0.7, 0.1, 0.9), (2.0, 10.0, 22.0, 38.0)  # positions of a length along and across its line
 Pairs = Callable[[CentreTable, str], Sequence[tuple[str, str]]]
 
 
 def ratio_text(arms: RatioArms, i: int, base_speed: float, body_speed: float) -> str:
-    """One ratio in figures at a sample; speeds [rad/s] of both links. Of a body that does not turn, its velocity."""
+    """Text of a velocity ratio at a sample; a body that does not turn has its velocity. Speeds in rad/s."""
     body, base = link_number(arms.body), link_number(arms.base)
     names = tuple(f"I{centre_name(key)}" for key in (arms.base_key, arms.body_key, arms.common_key))
     above, below = float(arms.base_arm[i]) * MM, float(arms.body_arm[i]) * MM
@@ -259,16 +253,16 @@ def ratio_text(arms: RatioArms, i: int, base_speed: float, body_speed: float) ->
         return f"ω{body}/ω{base}: the centres coincide"
     if far == (True, True):
         return f"ω{body}/ω{base} = {_figure(ratio)}, {names[2]} at infinity"
-    by = f"{names[0]}{names[2]} / {names[1]}{names[2]} = {_figure(above)} / {_figure(below)} mm"
-    return f"ω{body}/ω{base} = {by} = {_figure(ratio)}"
+    fraction = f"{names[0]}{names[2]} / {names[1]}{names[2]} = {_figure(above)} / {_figure(below)} mm"
+    return f"ω{body}/ω{base} = {fraction} = {_figure(ratio)}"
 
 
 def _figure(value: float) -> str:
-    return digits(float(f"{value:.9g}") if abs(value) > 1e-9 else 0.0, FIGURES)
+    return digits(float(f"{value:.9g}") if abs(value) > 1e-9 else 0.0, DIGITS)
 
 
 class _Dimension:
-    """The distance between two centres beside their line, with its length in the middle."""
+    """Dimension of the distance between two centres, parallel to their line."""
 
     def __init__(self, start: Key, end: Key, colour: str, theme: Theme) -> None:
         self.start, self.end = start, end
@@ -281,27 +275,27 @@ class _Dimension:
         self.tag.setVisible(on)
 
     def lay(
-        self, start: complex, end: complex, off: complex, length: float, viewport: Viewport, room: TakenSpace
+        self, start: complex, end: complex, offset: complex, length: float, viewport: Viewport, space: TakenSpace
     ) -> None:
-        """start, end: the centres [mm]; off: how far beside them [mm]; length: the number shown, with its sign [mm]."""
+        """Draw the dimension between two centres [mm] at an offset [mm]; ``length`` [mm] is shown with its sign."""
         pixel = 1.0 / viewport.scale
-        part = _seen(start + off, end + off, viewport)
-        self.show(part is not None and abs(end - start) > 2.0 * HEAD * pixel)
+        part = _visible_part(start + offset, end + offset, viewport)
+        self.show(part is not None and abs(end - start) > 2.0 * ARROW_HEAD * pixel)
         if part is None or not self.line.isVisible():
             return
         along = (end - start) / abs(end - start)
         path = QPainterPath()
-        one, other = (start + off + t * (end - start) for t in part)
-        _stroke(path, one, other)
-        for foot, whole, direction in ((start, part[0] <= 0.0, along), (end, part[1] >= 1.0, -along)):
-            if whole:
-                _stroke(path, foot, foot + off * (1.0 + TICK * pixel / abs(off)))
-                tip = foot + off
+        first, second = (start + offset + t * (end - start) for t in part)
+        _stroke(path, first, second)
+        for centre, is_visible, direction in ((start, part[0] <= 0.0, along), (end, part[1] >= 1.0, -along)):
+            if is_visible:
+                _stroke(path, centre, centre + offset * (1.0 + TICK * pixel / abs(offset)))
+                tip = centre + offset
                 for side in (0.35j, -0.35j):
-                    _stroke(path, tip, tip + HEAD * pixel * direction * (1.0 + side))
+                    _stroke(path, tip, tip + ARROW_HEAD * pixel * direction * (1.0 + side))
         self.line.redraw(path)
         self.tag.set_text(f"{self.name} {_figure(length)} mm")
-        room.settle(self.tag, [one + t * (other - one) for t in ALONG], GAPS)
+        space.settle(self.tag, [first + t * (second - first) for t in ALONG], GAPS)
 
 
 def _stroke(path: QPainterPath, start: complex, end: complex) -> None:
@@ -309,8 +303,8 @@ def _stroke(path: QPainterPath, start: complex, end: complex) -> None:
     path.lineTo(end.real, end.imag)
 
 
-def _seen(start: complex, end: complex, viewport: Viewport) -> tuple[float, float] | None:
-    """The visible part of a stretch, from 0 at its start to 1 at its end; None where nothing of it is."""
+def _visible_part(start: complex, end: complex, viewport: Viewport) -> tuple[float, float] | None:
+    """Visible range of a line segment, from 0 at its start to 1 at its end; None where it is not visible."""
     direction = end - start
     if direction == 0.0:
         return None
@@ -324,13 +318,14 @@ def _seen(start: complex, end: complex, viewport: Viewport) -> tuple[float, floa
 
 
 class RatioDimensions:
-    """Every ratio of a chain at one sample after the other: two dimensions each, and a line of the list under the angle."""
+    """Velocity ratios of a chain: two dimensions for each ratio, and a list below the angle."""
 
     def __init__(
-        self, geometry: Geometry, pairs: Pairs, theme: Theme, viewport: Viewport, room: Callable[[], TakenSpace]
+        self, geometry: Geometry, pairs: Pairs, theme: Theme, viewport: Viewport, space: Callable[[], TakenSpace]
     ) -> None:
-        self._geometry, self._viewport, self._room = geometry, viewport, room
+        self._geometry, self._viewport, self._space = geometry, viewport, space
         self._table = geometry.study.centres
+        self._far: dict[Key, np.ndarray] = {}
         driver = body_name(geometry.study.design.drive.linkage.driver.link)
         self.rows: list[tuple[RatioArms, tuple[_Dimension, _Dimension], Tag]] = []
         for number, (body, base) in enumerate(pairs(self._table, driver)):
@@ -346,38 +341,32 @@ class RatioDimensions:
 
     @property
     def texts(self) -> list[str]:
-        """The list as it stands."""
+        """Lines of the list."""
         return [tag.text for _, _, tag in self.rows]
 
     def move(self, i: int) -> None:
         for number, (arms, (base, body), _) in enumerate(self.rows):
-            places = [self._at(key, i) for key in (arms.base_key, arms.body_key, arms.common_key)]
-            spans = ((base, places[0], 1.0, arms.base_arm[i]), (body, places[1], -1.0, arms.body_arm[i]))
-            for line, place, side, length in spans:
-                end = places[2]
+            centres = [self._position(key, i) for key in (arms.base_key, arms.body_key, arms.common_key)]
+            spans = ((base, centres[0], 1.0, arms.base_arm[i]), (body, centres[1], -1.0, arms.body_arm[i]))
+            for line, start, side, length in spans:
+                end = centres[2]
                 line.show(False)
-                if place is None or end is None or place == end or not math.isfinite(length):
+                if start is None or end is None or start == end or not math.isfinite(length):
                     continue
-                across = 1j * self._along(places) * side * (OFF + STEP * number) / self._viewport.scale
-                line.lay(place, end, across, float(length) * MM, self._viewport, self._room())
+                across = 1j * self._along(centres) * side * (OFFSET + STEP * number) / self._viewport.scale
+                line.lay(start, end, across, float(length) * MM, self._viewport, self._space())
 
-    def _at(self, key: Key, i: int) -> complex | None:
-        """Where a centre is [mm]; None at infinity."""
+    def _position(self, key: Key, i: int) -> complex | None:
+        """Position of a centre at a sample [mm]; None at infinity."""
         centre = self._table.centres[key]
-        point, weight = complex(centre.point[i]), float(centre.weight[i])
-        return None if bool(self._far(key)[i]) else point / weight * MM
-
-    def _far(self, key: Key) -> np.ndarray:
-        kept = self.__dict__.setdefault("_kept", {})
-        if key not in kept:
-            kept[key] = self._table.centres[key].is_far(self._table.size)
-        far: np.ndarray = kept[key]
-        return far
+        if key not in self._far:
+            self._far[key] = centre.is_far(self._table.size)
+        return None if self._far[key][i] else complex(centre.point[i]) / float(centre.weight[i]) * MM
 
     @staticmethod
-    def _along(places: Sequence[complex | None]) -> complex:
-        """The direction of the line of the centres, the same for both senses along it."""
-        finite = [p for p in places if p is not None]
+    def _along(centres: Sequence[complex | None]) -> complex:
+        """Direction of the line of the centres; opposite directions count as one."""
+        finite = [p for p in centres if p is not None]
         direction = max((b - a for a in finite for b in finite), key=abs)
         direction = direction / abs(direction)
         return direction if direction.real > 0.0 or (direction.real == 0.0 and direction.imag > 0.0) else -direction
@@ -386,94 +375,93 @@ class RatioDimensions:
 
     @property
     def height(self) -> float:
-        """Of the list [pixels]."""
+        """Height of the list [pixels]."""
         return LINE * len(self.rows)
 
-    def list(self, i: int, room: TakenSpace, down: float) -> None:
-        """All ratios in figures, one below the other under the angle; down: so many pixels further."""
+    def list(self, i: int, space: TakenSpace, down: float) -> None:
+        """Write the list at a sample, ``down`` [pixels] below its highest position."""
         omega, bodies = self._geometry.study.omega, self._geometry.kinematics.bodies
-        seen, scale = self._viewport.visible, self._viewport.scale
-        x, y = seen.left() * scale + MARGIN, -seen.bottom() * scale + sized(UNDER_ANGLE) + down
+        visible, scale = self._viewport.visible, self._viewport.scale
+        x, y = visible.left() * scale + MARGIN, -visible.bottom() * scale + sized(UNDER_ANGLE) + down
         for number, (arms, _, tag) in enumerate(self.rows):
             tag.set_text(
                 ratio_text(arms, i, *(float(bodies[name].turn[1][i]) * omega for name in (arms.base, arms.body)))
             )
             tag.setPos(QPointF(x / scale, -(y + LINE * number) / scale))
-            room.take(QRectF(x, y + LINE * number, tag.size[0], LINE))
+            space.take(QRectF(x, y + LINE * number, tag.size[0], LINE))
 
 
-# -- construct -------------------------------------------------------------------------------------------
-
-# Each layer is read and drawn when it is first shown.
+# -- layers of a general linkage -------------------------------------------------------------------------
 
 
 class Construct:
-    """The layers of one reading; ``begin`` before each move, ``show_step`` for the circle diagram.
+    """Layers of one linkage, each drawn when it is first shown.
 
-    texts   gives the boxes of the labels that are shown, in pixels of the whole scene
+    Call ``begin`` before each move, and ``show_step`` for a step of the circle diagram. ``texts`` returns the boxes of
+    the visible labels in pixels of the scene.
     """
 
     def __init__(
         self, geometry: Geometry, theme: Theme, viewport: Viewport, texts: Callable[[], list[QRectF]], step: int | None
     ) -> None:
         self._geometry, self._theme, self._viewport, self._texts = geometry, theme, viewport, texts
-        self._step, self._made = step, set[str]()
+        self._step, self._drawn_layers = step, set[str]()
         self._index = 0
-        self._room: TakenSpace | None = None
+        self._space: TakenSpace | None = None
         self.marks: CentreMarks | None = None
         self.kennedy: KennedyLines | None = None
         self.ratios: dict[str, RatioDimensions] = {}
 
     def parts(self, layer: str) -> Iterator[DrawnPart]:
-        """The parts of a layer, made the first time it is shown."""
-        if layer not in self._made:
-            self._made.add(layer)
+        """Draw a layer; nothing where it is drawn already."""
+        if layer not in self._drawn_layers:
+            self._drawn_layers.add(layer)
             yield from _LAYERS[layer](self, layer)
             self.show_step(self._step)
 
     def begin(self, index: int) -> None:
-        """The drawing moves to a sample: all texts find their places anew."""
-        self._index, self._room = index, None
+        """Prepare a move to a sample, where all texts are placed again."""
+        self._index, self._space = index, None
 
-    def room(self) -> TakenSpace:
-        """What is taken at the sample at hand."""
-        if self._room is None:
+    def space(self) -> TakenSpace:
+        """Occupied space at the current sample."""
+        if self._space is None:
             drawn = ink(self._geometry, np.array([self._index]), ())
-            self._room = TakenSpace(self._viewport, drawn, self._texts())
+            self._space = TakenSpace(self._viewport, drawn, self._texts())
             down = 0.0
             for ratios in self._listed():
-                ratios.list(self._index, self._room, down)
+                ratios.list(self._index, self._space, down)
                 down += ratios.height
             if self.marks is not None and self.marks.item.isVisible():
-                self.marks.dots(self._index, self._room)
-        return self._room
+                self.marks.dots(self._index, self._space)
+        return self._space
 
     @property
     def strip(self) -> float:
-        """Height of what is listed at the top of the picture [pixels]."""
+        """Height of the lists at the top of the view [pixels]."""
         return sum(ratios.height for ratios in self._listed())
 
     def _listed(self) -> list[RatioDimensions]:
         return [ratios for ratios in self.ratios.values() if ratios.item.isVisible()]
 
     def show_step(self, step: int | None) -> None:
-        """Only the centres known at a step of the circle diagram, and the lines that find the next; None: all."""
+        """Show the known centres at a step of the circle diagram, and the lines of the next one; None shows all."""
         self._step = step
         if self.marks is None and self.kennedy is None:
             return
         plan = self._geometry.study.centres.construction
         known = None if step is None else frozenset((*plan.known, *(w.key for w in plan.steps[:step])))
-        wanted = plan.steps[step - 1].key if step and step <= len(plan.steps) else None
+        target = plan.steps[step - 1].key if step and step <= len(plan.steps) else None
         if self.marks is not None:
             self.marks.only = known
         if self.kennedy is not None:
-            self.kennedy.emphasise(wanted if step is not None else None)
+            self.kennedy.emphasise(target if step is not None else None)
             self.kennedy.hidden = step == 0
 
     # -- layers ---------------------------------------------------------------------------------------------
 
     def _centres(self, layer: str) -> Iterator[DrawnPart]:
-        self.marks = CentreMarks(self._geometry.study.centres, self._theme, self._viewport, self.room)
+        self.marks = CentreMarks(self._geometry.study.centres, self._theme, self._viewport, self.space)
         yield DrawnPart(f"{layer}.all", self.marks.item, (layer,), Z_CENTRES, self.marks.move)
 
     def _kennedy(self, layer: str) -> Iterator[DrawnPart]:
@@ -482,13 +470,13 @@ class Construct:
         yield DrawnPart(f"{layer}.all", self.kennedy.item, (layer,), Z_LINES, self.kennedy.move)
 
     def _ratios(self, layer: str) -> Iterator[DrawnPart]:
-        drawn = RatioDimensions(self._geometry, CHAINS[layer], self._theme, self._viewport, self.room)
+        drawn = RatioDimensions(self._geometry, CHAINS[layer], self._theme, self._viewport, self.space)
         self.ratios[layer] = drawn
         yield DrawnPart(f"{layer}.all", drawn.item, (layer,), Z_RATIOS, drawn.move)
 
     def paths(self) -> list[np.ndarray]:
-        """The coupler curves (n,) [mm]."""
-        return list(coupler_paths(self._geometry))
+        """Paths of the coupler layer (n,) [mm]."""
+        return [track for _, track, _ in _paths(self._geometry)]
 
     def _coupler(self, layer: str) -> Iterator[DrawnPart]:
         yield from coupler_curves(self._geometry, self._theme)
@@ -511,11 +499,11 @@ _LAYERS: Mapping[str, Callable[[Construct, str], Iterator[DrawnPart]]] = Mapping
 
 # -- circle diagram --------------------------------------------------------------------------------------
 
-_TINTS = (BLUE, GREEN)  # of the two triangles
+_TINTS = (BLUE, GREEN)  # tints of the two triangles
 
 
-class Diagram(QWidget):
-    """Links as numbers on a circle, centres as lines between them."""
+class CircleDiagram(QWidget):
+    """Circle diagram: links as numbers on a circle, centres as lines between them."""
 
     NUMBER = 11.0  # radius of a number's disc, pixels
 
@@ -526,7 +514,7 @@ class Diagram(QWidget):
         self.bodies: tuple[str, ...] = ()
         self.solid: tuple[tuple[str, str], ...] = ()
         self.dotted: tuple[tuple[str, str], ...] = ()
-        self.wanted: KennedyStep | None = None
+        self.target: KennedyStep | None = None
 
     def sizeHint(self) -> QSize:
         return QSize(220, 200)
@@ -535,15 +523,15 @@ class Diagram(QWidget):
         return QSize(120, 110)
 
     def show_step(self, bodies: tuple[str, ...], plan: Construction, step: int) -> None:
-        """step: 0 shows what is known at sight; then one centre more each time."""
+        """Show a step: 0 shows the primary centres, each further step one more centre."""
         self.bodies = bodies
-        self.wanted = plan.steps[step - 1] if step else None
+        self.target = plan.steps[step - 1] if step else None
         self.solid = (*plan.known, *(w.key for w in plan.steps[: max(step - 1, 0)]))
         self.dotted = tuple(w.key for w in plan.steps[max(step - 1, 0) :])
         self.update()
 
     def place(self, body: str) -> QPointF:
-        """Where a link's number stands; the first at the top, then clockwise [pixels]."""
+        """Position of a link's number [pixels], clockwise from the top."""
         part = self.bodies.index(body) / len(self.bodies)
         radius = 0.5 * min(self.width(), self.height()) - self.NUMBER - 4.0
         turn = cmath.rect(radius, 2.0 * math.pi * part - math.pi / 2.0 - math.pi / len(self.bodies))
@@ -559,16 +547,17 @@ class Diagram(QWidget):
 
     def _paint(self, painter: QPainter) -> None:
         middle = QPointF(self.width() / 2.0, self.height() / 2.0)
-        radius = abs(complex((self.place(self.bodies[0]) - middle).x(), (self.place(self.bodies[0]) - middle).y()))
+        offset = self.place(self.bodies[0]) - middle
+        radius = abs(complex(offset.x(), offset.y()))
         painter.setPen(QPen(QColor(SCREEN.shaft), 1.0))
         painter.drawEllipse(middle, radius, radius)
-        if self.wanted is not None:
-            for triangle, colour in zip(self.wanted.triangles, _TINTS, strict=False):
+        if self.target is not None:
+            for triangle, colour in zip(self.target.triangles, _TINTS, strict=False):
                 tint = QColor(colour)
                 tint.setAlphaF(0.16)
                 painter.setPen(Qt.PenStyle.NoPen)
                 painter.setBrush(tint)
-                painter.drawPolygon(QPolygonF([self.place(b) for b in (*self.wanted.key, triangle.third)]))
+                painter.drawPolygon(QPolygonF([self.place(b) for b in (*self.target.key, triangle.third)]))
         painter.setBrush(Qt.BrushStyle.NoBrush)
         for keys, pen in (
             (self.dotted, QPen(QColor(SCREEN.quiet), 1.0, Qt.PenStyle.DotLine)),
@@ -577,9 +566,9 @@ class Diagram(QWidget):
             painter.setPen(pen)
             for key in keys:
                 painter.drawLine(self.place(key[0]), self.place(key[1]))
-        if self.wanted is not None:
+        if self.target is not None:
             painter.setPen(QPen(QColor(SCREEN.limit), 2.0, Qt.PenStyle.DotLine))
-            painter.drawLine(self.place(self.wanted.key[0]), self.place(self.wanted.key[1]))
+            painter.drawLine(self.place(self.target.key[0]), self.place(self.target.key[1]))
         painter.setFont(font(12))
         for body in self.bodies:
             box = QRectF(0.0, 0.0, 2.0 * self.NUMBER, 2.0 * self.NUMBER)
@@ -591,17 +580,14 @@ class Diagram(QWidget):
 
 
 def construction_text(plan: Construction, step: int) -> str:
-    """A sentence that describes a step."""
+    """Sentence that describes a step of the circle diagram."""
     if step == 0:
         names = ", ".join(centre_name(key) for key in plan.known)
-        return f"Known at sight, by pins and guides: {names}. Wanted: {len(plan.steps)} more."
-    wanted = plan.steps[step - 1]
-    lines = [
-        f"{centre_name(t.first)}\u2013{centre_name(t.second)} (links {_three(wanted, t.third)})"
-        for t in wanted.triangles[:2]
-    ]
-    return f"{centre_name(wanted.key)} lies on the lines {' and '.join(lines)}: where they cross."
-
-
-def _three(wanted: KennedyStep, third: str) -> str:
-    return ", ".join(str(n) for n in sorted(link_number(body) for body in (*wanted.key, third)))
+        return f"Pins and guides give the centres {names}. {len(plan.steps)} more are to be constructed."
+    target = plan.steps[step - 1]
+    lines = []
+    for triangle in target.triangles[:2]:
+        links = sorted(link_number(body) for body in (*target.key, triangle.third))
+        ends = f"{centre_name(triangle.first)}\u2013{centre_name(triangle.second)}"
+        lines.append(f"{ends} (links {', '.join(map(str, links))})")
+    return f"{centre_name(target.key)} is the intersection of the lines {' and '.join(lines)}."

@@ -18,7 +18,7 @@ _DIRECTIONS = np.array([1 + 1j, 1 - 1j, -1 + 1j, -1 - 1j, 1, -1, 1j, -1j])
 
 
 class TakenSpace:
-    """Space that is occupied at one sample: dots of the drawing and boxes of texts, in pixels of the scene, y downwards."""
+    """Occupied space at one sample: dots of the drawing and boxes of texts, in pixels of the scene, y downwards."""
 
     def __init__(self, viewport: Viewport, ink: DrawnDots, texts: Iterable[QRectF]) -> None:
         self._viewport = viewport

@@ -146,7 +146,7 @@ class Geometry:
         self.base_radius = self._base_radius()
 
     def _base_radius(self) -> float:
-        """Base radius [mm]: the design's, or the least radius of the profile where the roller's path sets the cam's size."""
+        """Base radius of the design [mm]; where the design has none, the least radius of the profile."""
         typed: float | None = getattr(self.study.design.drive.cam, "base_radius_mm", None)
         if typed is not None:
             return typed
@@ -300,7 +300,7 @@ class Geometry:
 
     @cached_property
     def bearing_room(self) -> float:
-        """Least distance of the cam profile from the cam centre [mm]; a few symbol sizes where nothing of the cam is known."""
+        """Least distance of the cam profile from the cam centre [mm]; a few symbol sizes where it is unknown."""
         return float(np.abs(self.profile).min()) if self.profile.size else self.base_radius or BEARING * self.unit
 
     @cached_property
@@ -358,7 +358,7 @@ class Geometry:
 
     @cached_property
     def unit(self) -> float:
-        """Size of the symbols [mm], proportional to the mechanism, in steps, so that a small edit does not change it."""
+        """Size of the symbols [mm] for the mechanism's size, in steps, so that a small edit does not change it."""
         low, high = self.core_box
         size = abs(high - low) / UNITS_ACROSS
         return float(10.0 ** (np.round(UNIT_STEPS * np.log10(size)) / UNIT_STEPS))
@@ -403,7 +403,7 @@ class Geometry:
 
     @cached_property
     def springs(self) -> tuple[tuple[Spring, np.ndarray, np.ndarray], ...]:
-        """Springs and dampers between points, with the paths of both ends (n,) [mm]; empty where the loads have no solution."""
+        """Springs and dampers with the paths of both ends (n,) [mm]; empty where the loads have no solution."""
         springs = [element for element in self.elements if isinstance(element, Spring)]
         ends = ((spring, spring.ends(self.kinematics)) for spring in springs)
         return tuple((spring, MM * start, MM * end) for spring, (start, end) in ends)

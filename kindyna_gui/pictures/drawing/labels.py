@@ -94,7 +94,7 @@ def _clear(outwards: np.ndarray, half: complex) -> np.ndarray:
 
 
 def _offset_position(track: np.ndarray, offset: complex, i: int) -> complex:
-    """Position at a sample of a text beside a path (n,): computed at one sample, because a dragged part shows only one."""
+    """Position at a sample of a text next to a path (n,); one sample is enough while a part is dragged."""
     return complex(track[i] + offset)
 
 
@@ -188,7 +188,7 @@ def _slide_label(geometry: Geometry, joint: Joint) -> tuple[np.ndarray, float]:
 
 
 def spread_samples(geometry: Geometry) -> np.ndarray:
-    """Samples (k,) that represent the turn: spread half over the angle, half over the paths of follower and instant centre."""
+    """Samples (k,) spread half over the cam angle, half over the paths of follower and instant centre."""
     n = geometry.samples
     spread = np.full(n, 1.0 / n)
     for track in (geometry.reference, geometry.centre):
@@ -312,7 +312,7 @@ class Labels:
         self.sides: dict[str, int] = {}
 
     def renew(self, geometry: Geometry) -> bool:
-        """Move the labels to another drawing with the same labels; returns False, without a change, where they differ."""
+        """Move the labels to another drawing; returns False, without a change, where its labels differ."""
         rows = list(labels_of(geometry))
         if [(label.key, label.text) for label in rows] != [(label.key, label.text) for label, _ in self._rows]:
             return False
@@ -341,7 +341,7 @@ class Labels:
         return lambda i: self._moves[key](i)
 
     def avoid(self, strokes: Sequence[tuple[np.ndarray, np.ndarray]], curves: Sequence[np.ndarray] = ()) -> None:
-        """Keep the labels clear of strokes from (n,) to (n,) [mm] and of fixed curves (m,) [mm], from the next ``arrange`` on."""
+        """Avoid strokes from (n,) to (n,) [mm] and fixed curves (m,) [mm], from the next ``arrange`` on."""
         self._strokes, self._curves = strokes, curves
         self.__dict__.pop("_ink", None)
 

@@ -159,8 +159,8 @@ Z_DOT = 12.0
 class MechanismScene(QGraphicsScene):
     """The mechanism of a study in mm, y upwards; a view must invert y.
 
-    ``set_index``, ``set_fraction`` and ``set_angle`` move the mechanism. ``show_region`` must be called with the visible
-    rectangle and the scale, because texts and symbols have a size in pixels.
+    ``set_index``, ``set_fraction`` and ``set_angle`` move the mechanism. ``show_region`` must be called with the
+    visible rectangle and the scale, because texts and symbols have a size in pixels.
 
     Parameters
     ----------
@@ -488,7 +488,7 @@ class MechanismScene(QGraphicsScene):
         self._dot.setPos(position.real, position.imag)
         self._dot.show()
 
-    # -- view of the scene ----------------------------------------------------------------------------------------------
+    # -- view of the scene ----------------------------------------------------------------------------------
 
     def fit_rect(self) -> QRectF:
         """Rectangle that contains the mechanism over the turn [mm]."""
@@ -504,7 +504,7 @@ class MechanismScene(QGraphicsScene):
         return fitted(self._extent, width, height, self.construct.strip if self.construct is not None else 0.0)
 
     def fit_centres(self, width: float, height: float) -> tuple[QRectF, float]:
-        """Visible rectangle [mm] and scale [pixels per mm] that include the shown instant centres at the current angle."""
+        """Visible rectangle [mm] and scale [pixels per mm] with the instant centres shown at the current angle."""
         rect, strip = self._extent, self.construct.strip if self.construct is not None else 0.0
         if self.geometry is not None:
             marks = self.construct.marks if self.construct is not None else None
@@ -514,7 +514,7 @@ class MechanismScene(QGraphicsScene):
         return fitted(rect, width, height, strip)
 
     def fill(self, width: float, height: float) -> tuple[QRectF, float]:
-        """Visible rectangle [mm] and scale [pixels per mm] at which the mechanism fits a view without strips of text."""
+        """Visible rectangle [mm] and scale [pixels per mm] that fit the mechanism into a view without strips of text."""
         return filled(self._extent, width, height)
 
     def show_region(self, visible: QRectF, scale: float, keep_labels: bool = False) -> None:

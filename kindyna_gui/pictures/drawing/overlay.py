@@ -510,7 +510,7 @@ def inertia(geometry: Geometry) -> Field:
 
 
 def _force_field(geometry: Geometry, is_shown: Callable[[ForceOnBody], bool]) -> Field:
-    """Selected forces on the bodies: for a pair the force from ``on`` on ``body``, for the cam the force on the follower."""
+    """Selected forces on the bodies: in a pair the force from ``on`` on ``body``, at the cam that on the follower."""
     try:
         bodies = geometry.study.free_bodies
     except NoSolution:

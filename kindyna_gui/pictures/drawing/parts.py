@@ -251,7 +251,7 @@ def is_stem(joint: Joint, geometry: Geometry) -> bool:
 
 
 def bush_start(joint: Joint, geometry: Geometry) -> float:
-    """Start of a stem's bush, outwards from the root of the joint, in units; a spring between face and bush has room."""
+    """Start of a stem's bush, outwards from the joint's root, in units; a spring before it has its room."""
     room = SPRING_ROOM if geometry.has_spring else 1.5
     return joint.farthest / geometry.unit + geometry.face_radius / geometry.unit + room
 
@@ -489,7 +489,7 @@ def _belt(pair: WheelPair, geometry: Geometry) -> QPainterPath:
 
 
 def _rack(pair: WheelPair, geometry: Geometry) -> QPainterPath:
-    """Pitch line of a rack in the frame of the rack, over the pinion's range and half a radius more, with a start mark."""
+    """Pitch line of a rack in the rack's frame, over the pinion's range and half a radius more, with a start mark."""
     carrier, rack = (geometry.bodies[body_name(n)] for n in (pair.carrier, pair.second.link))
     along = pair.along * carrier.turn
     contact = geometry.centre_of(pair.first) - 1j * along * pair.first.radius

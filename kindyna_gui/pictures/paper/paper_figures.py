@@ -20,7 +20,7 @@ from core.stability import Chart
 from core.study import Study
 from kindyna_gui.pictures.drawing import mechanism
 from kindyna_gui.pictures.drawing.assembly import Assembly
-from kindyna_gui.pictures.drawing.centre_parts import Diagram, construction_text
+from kindyna_gui.pictures.drawing.centre_parts import CircleDiagram, construction_text
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.pictures.drawing.polygons import PolygonSheet, velocity_box, velocity_diagram
 from kindyna_gui.pictures.painter import ENLARGED, MARGIN, RATIO, SHEET_OF_CHART, MechanismSheet, PaperSheet, png, svg
@@ -94,7 +94,7 @@ def _posed(posed: MechanismPicture, ending: str) -> bytes:
     if posed.step is None:
         return _file(_Titled(posed.title, theme, sheet), ending, posed.title)
     plan = there.centres.construction
-    diagram = Diagram()
+    diagram = CircleDiagram()
     diagram.setFixedSize(BESIDE, BESIDE)
     diagram.show_step(there.centres.bodies, plan, min(posed.step, len(plan.steps)))
     below = construction_text(plan, min(posed.step, len(plan.steps)))
@@ -155,7 +155,7 @@ def _polygon(polygon: Polygon, ending: str) -> bytes:
     study = polygon.study
     sheet = PolygonSheet()
     sheet.resize(*POLYGON)
-    sheet.frame_for(velocity_box(velocity_polygon(study.linkage), study.omega))
+    sheet.set_box(velocity_box(velocity_polygon(study.linkage), study.omega))
     there = study.at_theta(np.array([radians(polygon.angle_deg)]))
     words = f"{study.angle_name.capitalize()} {polygon.angle_deg:.1f}°"
     sheet.show_diagram(velocity_diagram(velocity_polygon(there.linkage), study.omega), words)

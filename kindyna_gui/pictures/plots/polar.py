@@ -1,4 +1,4 @@
-"""Channels over the cam angle in polar form: the angle goes round counter-clockwise, the value outwards."""
+"""Polar plot over the cam angle: the angle increases counter-clockwise, the value outwards."""
 
 from __future__ import annotations
 
@@ -34,21 +34,27 @@ from kindyna_gui.pictures.style import SCREEN, SMALL, TEXT, THIN, Theme, brush, 
 from kindyna_gui.pictures.units import DisplayUnit, decimals_of, measure, nearest, needed, nice_step, number, readable
 from kindyna_gui.settings import sized
 
-HOLE = 0.16  # of the radius: where values may be negative the lowest circle is this large
-CIRCLE_PIXELS, MOST_CIRCLES = 30.0, 6  # least distance of circles, so that their values do not touch
+HOLE = 0.16  # of the radius: size of the innermost circle where values may be negative
+CIRCLE_PIXELS, MOST_CIRCLES = 30.0, 6  # least distance of circles, so that their texts do not touch
 EDGE, TITLE = 32.0, 22.0  # pixels around the outer circle for angles, above it for the name
-SPOKES = 30  # degrees between
-LETTER_ANGLE = 15.0  # deg: where the circles' values stand, between two spokes
+SPOKES = 30  # angle between two spokes, deg
+TEXT_ANGLE = 15.0  # of the circles' texts, between two spokes, deg
 HINTS = QPainter.RenderHint.Antialiasing | QPainter.RenderHint.TextAntialiasing
 
 
 class PolarPlot(QWidget):
-    """One or several channels of one unit against the cam angle.
+    """Quantities of one unit over the cam angle, with a ray at the current angle.
 
-    angle_moved   the user has clicked at, or drawn the ray to, this cam angle [rad]
-    unseen        pixels by which a curve may be off where that saves points; on paper none
-    message       what stands there where nothing is drawn
-    circles       the values whose circles are drawn
+    Signals
+    -------
+    angle_moved : the user has clicked at, or dragged the ray to, this cam angle [rad]
+
+    Attributes
+    ----------
+    unseen : error of a curve that is allowed where it saves points [pixels]; 0 on paper
+    message : text shown where nothing is drawn
+    circles : values whose circles are drawn
+    rung : unit that the values are shown in
     """
 
     angle_moved = Signal(float)
@@ -71,69 +77,81 @@ class PolarPlot(QWidget):
         self._range = (0.0, 1.0)
         self._low, self._high, self.circles, self._step = 0.0, 1.0, [0.0, 1.0], 1.0
         self._paths: list[QPainterPath] | None = None
-        self._kept: QPixmap | None = None
+        self._pixmap: QPixmap | None = None
         self.setMinimumSize(120, 120)
 
-    # -- what is drawn ------------------------------------------------------------------------------------
+    # -- curves -------------------------------------------------------------------------------------------
 
     def set_curves(
         self, study: Study, channels: Sequence[Quantity], *, bands: Mapping[str, np.ndarray] = NO_BANDS
     ) -> None:
-        """Draw these channels of the study; bands: column -> percentiles (5, n), evenly over the turn, within which machines lie, shaded.
-        Raises NoSolution where one has none."""
+        """Draw quantities of a study.
+
+        Parameters
+        ----------
+        study : Study
+        channels : sequence of Quantity, of one unit
+        bands : mapping of str to ndarray (5, n)
+            Column of a channel -> percentiles of the machines at equal steps over the turn, drawn as shaded bands.
+
+        Raises
+        ------
+        NoSolution
+            Where a quantity has no solution.
+        """
         self._curves = read_curves(study, channels, self._theme)
         shaded = [(curve, bands[curve.channel.slug]) for curve in self._curves if curve.channel.slug in bands]
         values = [*(curve.values for curve in self._curves), *(band[i] for _, band in shaded for i in (0, -1))]
         self.rung = readable(channels[0].unit.symbol, peak(values))
         shown = [v / self.rung.size for v in values]
-        sides = [typical_range(v) for v in shown]
-        self._range = (min(0.0, *(side[0] for side in sides)), max(0.0, *(side[1] for side in sides)))
+        ranges = [typical_range(v) for v in shown]
+        self._range = (min(0.0, *(low for low, _ in ranges)), max(0.0, *(high for _, high in ranges)))
         self._scale()
-        self._theta, self._whole = study.theta, study.theta.size == study.samples
+        self._theta, self._is_full_turn = study.theta, study.theta.size == study.samples
         colours = [self._theme.quiet if curve.channel.approximates else curve.colour for curve in self._curves]
         self._rows = list(zip(channels, shown[: len(channels)], colours, strict=True))
         self._shaded = [
             (*closed_band(band / self.rung.size, curve.gain / self.rung.size), curve.colour) for curve, band in shaded
         ]
         self._spans, self.message, self._paths = spans(motion_of(study.design)), "", None
-        self._ranges = self._marks = self._kept = None
+        self._ranges = self._marks = self._pixmap = None
         self._read()
         self.update()
 
     def update_style(self) -> None:
-        """Theme or letters have changed; the view draws the curves anew."""
-        self._marks = self._paths = self._kept = None
+        """Lay out again after a change of theme or font size; the view sets the curves again."""
+        self._marks = self._paths = self._pixmap = None
         self._scale()
         self.update()
 
     def show_message(self, text: str) -> None:
-        """Nothing but a line of text: what would fill this plot."""
+        """Show only a text, such as the input that is missing."""
         self._rows, self._curves, self._shaded, self._spans, self._values, self.message = [], [], [], [], [], text
-        self._ranges = self._marks = self._paths = self._kept = None
+        self._ranges = self._marks = self._paths = self._pixmap = None
         self.update()
 
-    def show_extremes(self, found: Mapping[str, Extremes] | None) -> None:
-        """Mark the highest and lowest value of each curve; found: by quantity, in SI. None: mark none."""
-        self._ranges = found
-        self._marks = self._kept = None
+    def show_extremes(self, extremes: Mapping[str, Extremes] | None) -> None:
+        """Mark the highest and lowest value of each curve (by quantity, in SI); None: mark none."""
+        self._ranges = extremes
+        self._marks = self._pixmap = None
         self.update()
 
     @property
     def lacks_extremes(self) -> bool:
-        """Whether other curves are drawn than those whose extremes were shown last."""
+        """Whether the extremes of the current curves have not been shown yet."""
         return bool(self._rows) and self._ranges is None
 
     def marked(self) -> list[Extreme]:
-        """The extremes that are marked, each at its angle, in the unit of the circles."""
-        known = [
+        """Extremes that are marked, in the unit of the circles."""
+        ends = [
             (curve, (self._ranges or {}).get(curve.channel.name))
             for curve in self._curves
             if not curve.channel.approximates
         ]
-        return [each for curve, ends in known if ends for each in both_ends(curve, curve.ends(ends), self.rung.size)]
+        return [row for curve, pair in ends if pair for row in both_ends(curve, curve.ends(pair), self.rung.size)]
 
     def _scale(self) -> None:
-        """Round values for the circles; where none is negative the centre is 0, so that shapes are true."""
+        """Choose round values for the circles; where none is negative the centre is 0, so that shapes are true."""
         low, high = self._range
         if high == low:
             high = low + 1.0
@@ -147,58 +165,65 @@ class PolarPlot(QWidget):
     # -- cursor -------------------------------------------------------------------------------------------
 
     def set_angle(self, theta: float, at_angle: Study | None = None) -> None:
-        """Turn the ray to cam angle theta [rad]; at_angle: the same study at this very angle, for exact readings."""
+        """Turn the ray to a cam angle.
+
+        Parameters
+        ----------
+        theta : float [rad]
+        at_angle : Study, optional
+            The same study evaluated at this angle, for exact values; else those of the nearest sample are shown.
+        """
         self._angle = theta
         self._read(at_angle)
         self.update()
 
     def show_cursor(self, shown: bool) -> None:
-        """Pictures on paper have no cursor."""
+        """Show or hide the ray and its values; images on paper have none."""
         self._with_cursor = shown
         self.update()
 
     def readings(self) -> list[str]:
-        """The values at the cursor, in the order of the curves."""
+        """Values at the ray, in the order of the curves."""
         return [measure(value, self.rung.symbol) for value in self._values]
 
     def _read(self, at_angle: Study | None = None) -> None:
         if not self._rows:
             return
         at = nearest(self._theta, self._angle)
-        known = [
+        exact_or_sampled = [
             float(values[at]) if at_angle is None else float(row.values(at_angle)[0]) / self.rung.size
             for row, values, _ in self._rows
         ]
         self._values = [
             0.0 if abs(value) * self.rung.size <= curve.floor else value
-            for value, curve in zip(known, self._curves, strict=True)
+            for value, curve in zip(exact_or_sampled, self._curves, strict=True)
         ]
 
     # -- geometry -----------------------------------------------------------------------------------------
 
     @property
     def centre(self) -> QPointF:
-        """Of the circles [pixels]."""
+        """Centre of the circles [pixels]."""
         return QPointF(self.width() / 2.0, (self.height() + sized(TITLE)) / 2.0)
 
     @property
     def radius(self) -> float:
-        """Of the outermost circle, pixels."""
+        """Radius of the outermost circle [pixels]."""
         return max(10.0, min(self.width() / 2.0, (self.height() - sized(TITLE)) / 2.0) - sized(EDGE))
 
     def distance(self, value: float) -> float:
-        """From the centre to a value's circle, pixels."""
+        """Radius of a value's circle [pixels]."""
         hole = HOLE if self._low < 0.0 else 0.0
         part = (min(max(value, self._low), self._high) - self._low) / (self._high - self._low)
         return self.radius * (hole + (1.0 - hole) * part)
 
-    def place(self, angle: float, distance: float) -> QPointF:
-        """A place by cam angle [deg] and distance from the centre [pixels]."""
+    def position(self, angle: float, distance: float) -> QPointF:
+        """Pixel at a cam angle [deg] and a distance from the centre [pixels]."""
         turn = math.radians(angle)
         return self.centre + QPointF(distance * math.cos(turn), -distance * math.sin(turn))
 
     def angle_at(self, pixel: QPointF) -> float:
-        """The cam angle [deg] of a place of the widget."""
+        """Cam angle [deg] at a pixel of the widget."""
         away = pixel - self.centre
         return math.degrees(math.atan2(-away.y(), away.x())) % 360.0
 
@@ -207,34 +232,36 @@ class PolarPlot(QWidget):
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
         self._scale()
-        self._paths = self._marks = self._kept = None
+        self._paths = self._marks = self._pixmap = None
 
     def paintEvent(self, event: QPaintEvent) -> None:
         painter = QPainter(self)
         if not self._with_cursor:
             self._paint_background(painter)
-        else:  # on the screen the cursor moves over what is kept as pixels
-            if self._kept is None or self._kept.devicePixelRatio() != self.devicePixelRatioF():
-                self._kept = QPixmap(self.size() * self.devicePixelRatioF())
-                self._kept.setDevicePixelRatio(self.devicePixelRatioF())
-                pixels = QPainter(self._kept)
+        else:  # on the screen the ray moves over cached pixels
+            if self._pixmap is None or self._pixmap.devicePixelRatio() != self.devicePixelRatioF():
+                self._pixmap = QPixmap(self.size() * self.devicePixelRatioF())
+                self._pixmap.setDevicePixelRatio(self.devicePixelRatioF())
+                pixels = QPainter(self._pixmap)
                 self._paint_background(pixels)
                 pixels.end()
-            painter.drawPixmap(0, 0, self._kept)
+            painter.drawPixmap(0, 0, self._pixmap)
             painter.setRenderHints(HINTS)
             if self._rows:
                 self._paint_cursor(painter)
         painter.end()
 
     def _paint_background(self, painter: QPainter) -> None:
-        """All but the cursor."""
+        """Paint everything except the ray and its values."""
         painter.setRenderHints(HINTS)
         painter.fillRect(self.rect(), QColor(self._theme.paper))
         if self._rows:
-            self._paint_paper(painter)
+            self._paint_axes(painter)
             for path, fill in self.areas:
                 painter.fillPath(path, fill)
-            self._paint_curves(painter)
+            for path, (_, _, colour) in zip(self.paths, self._rows, strict=True):
+                painter.setPen(self._theme.pen(colour, THIN))
+                painter.drawPath(path)
             for mark in self.marks:
                 mark.paint(painter, self._theme)
             names = [(row.label, self._theme.letters(colour)) for row, _, colour in self._rows]
@@ -247,7 +274,8 @@ class PolarPlot(QWidget):
             room = self.rect().adjusted(16, 16, -16, -16)
             painter.drawText(room, Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap, self.message)
 
-    def _paint_paper(self, painter: QPainter) -> None:
+    def _paint_axes(self, painter: QPainter) -> None:
+        """Paint segments, circles, spokes and their texts."""
         theme, centre, radius = self._theme, self.centre, self.radius
         inner = self.distance(self._low)
         painter.setPen(Qt.PenStyle.NoPen)
@@ -264,71 +292,66 @@ class PolarPlot(QWidget):
             painter.drawEllipse(centre, self.distance(value), self.distance(value))
         painter.setPen(faint)
         for angle in range(0, 360, SPOKES):
-            painter.drawLine(self.place(angle, inner), self.place(angle, radius))
+            painter.drawLine(self.position(angle, inner), self.position(angle, radius))
         painter.setFont(font(SMALL))
         painter.setPen(QColor(theme.ink))
-        for text, box in self.letters():
+        for text, box in self.texts():
             painter.fillRect(box, QColor(theme.paper))
             painter.drawText(box, Qt.AlignmentFlag.AlignCenter, text)
 
-    def letters(self) -> list[tuple[str, QRectF]]:
-        """The angles around the circles, the values on them, and where they stand [pixels]."""
-        rows = [(f"{angle}°", self.place(angle, self.radius + 14.0)) for angle in range(0, 360, SPOKES)]
+    def texts(self) -> list[tuple[str, QRectF]]:
+        """Angles around the circles and values on them, with their boxes [pixels]."""
+        rows = [(f"{angle}°", self.position(angle, self.radius + 14.0)) for angle in range(0, 360, SPOKES)]
         for value in self.circles:
             if self.distance(value) > 0.0:
-                place = self.place(LETTER_ANGLE, self.distance(value))
-                rows.append((number(value, decimals_of(self._step)), place))
-        made = []
-        for text, place in rows:
+                point = self.position(TEXT_ANGLE, self.distance(value))
+                rows.append((number(value, decimals_of(self._step)), point))
+        result = []
+        for text, point in rows:
             width, height = text_size(text)
             box = QRectF(0.0, 0.0, width + 4.0, height)
-            box.moveCenter(place)
-            made.append((text, box))
-        return made
+            box.moveCenter(point)
+            result.append((text, box))
+        return result
 
     @property
     def paths(self) -> list[QPainterPath]:
-        """The lines that are drawn [pixels], one for each curve."""
+        """Lines of the curves [pixels]."""
         if self._paths is None:
             self._paths = [self._curve(values) for _, values, _ in self._rows]
         return self._paths
 
     @property
     def marks(self) -> list[PolarMark]:
-        """The marks of extremes as they are laid."""
+        """Dots and texts of the extremes."""
         if self._marks is None:
-            curves = [self._places(values) for _, values, _ in self._rows]
+            curves = [self._points(values) for _, values, _ in self._rows]
             self._marks = lay_polar_marks(
                 self.marked(),
-                lambda each: self.place(each.angle, self.distance(each.value)),
+                lambda extreme: self.position(extreme.angle, self.distance(extreme.value)),
                 (self._low, self._high),
                 curves,
-                [box for _, box in self.letters()],
+                [box for _, box in self.texts()],
                 QRectF(self.rect()).adjusted(0.0, sized(TITLE), 0.0, 0.0),
             )
         return self._marks
 
-    def _paint_curves(self, painter: QPainter) -> None:
-        for path, (_, _, colour) in zip(self.paths, self._rows, strict=True):
-            painter.setPen(self._theme.pen(colour, THIN))
-            painter.drawPath(path)
-
     @property
     def bands(self) -> list[np.ndarray]:
-        """The percentiles that are shaded, of each curve that has any, in the unit of the circles."""
-        return [ends for _, ends, _ in self._shaded]
+        """Percentiles (5, n + 1) of the bands that are shaded, in the unit of the circles."""
+        return [band for _, band, _ in self._shaded]
 
     @property
     def areas(self) -> list[tuple[QPainterPath, QBrush]]:
-        """Within which machines lie [pixels], and how each is filled."""
+        """Outlines of the shaded bands [pixels], with their fills."""
         return [
-            (outline(self._places(values, np.deg2rad(angles))), brush(colour, strength))
-            for x, ends, colour in self._shaded
-            for angles, values, strength in band_outlines(x, ends)
+            (outline(self._points(values, np.deg2rad(angles))), brush(colour, opacity))
+            for x, band, colour in self._shaded
+            for angles, values, opacity in band_outlines(x, band)
         ]
 
-    def _places(self, values: np.ndarray, theta: np.ndarray | None = None) -> np.ndarray:
-        """Where values (n,) at the study's angles, or at others [rad], stand, x + iy [pixels]."""
+    def _points(self, values: np.ndarray, theta: np.ndarray | None = None) -> np.ndarray:
+        """Points (n,) x + iy [pixels] of values (n,) at the study's angles, or at given angles [rad]."""
         hole = HOLE if self._low < 0.0 else 0.0
         part = (np.clip(values, self._low, self._high) - self._low) / (self._high - self._low)
         away = self.radius * (hole + (1.0 - hole) * part)
@@ -337,45 +360,44 @@ class PolarPlot(QWidget):
         )
 
     def _curve(self, values: np.ndarray) -> QPainterPath:
-        """One closed line, broken where a value is infinite."""
-        place = self._places(values)
+        """One closed line, interrupted where a value is infinite."""
+        points = self._points(values)
         finite = np.isfinite(values)
-        if finite.all() and self._whole:
-            round_about = np.append(place, place[:1])
-            return outline(round_about[needed(round_about, self.unseen / self.devicePixelRatioF())[:-1]])
+        if finite.all() and self._is_full_turn:
+            closed = np.append(points, points[:1])
+            return outline(closed[needed(closed, self.unseen / self.devicePixelRatioF())[:-1]])
         path = QPainterPath()
         for run in np.split(np.arange(values.size), np.flatnonzero(np.diff(finite)) + 1):
             if finite[run[0]]:
-                path.addPolygon(QPolygonF([QPointF(p.real, p.imag) for p in place[run].tolist()]))
+                path.addPolygon(QPolygonF([QPointF(p.real, p.imag) for p in points[run].tolist()]))
         return path
 
     def readouts(self) -> list[tuple[str, QRectF]]:
-        """The values at the cursor, and where they stand [pixels]: inwards, where there is room, clear of each other, of
-        the letters and of the marks."""
-        left, taken, room = math.cos(self._angle) > 0.0, [box for _, box in self.letters()], QRectF(self.rect())
-        taken += [mark.box for mark in self.marks]
-        made = []
+        """Values at the ray and their boxes [pixels]: inwards and, where there is room, clear of all other texts."""
+        left, occupied, room = math.cos(self._angle) > 0.0, [box for _, box in self.texts()], QRectF(self.rect())
+        occupied += [mark.box for mark in self.marks]
+        result = []
         for value, text in zip(self._values, self.readings(), strict=True):
             width, height = text_size(text)
-            box = box_near(self._place_of(value), QSizeF(width + 6.0, height), left, taken, room)
-            taken.append(box)
-            made.append((text, box))
-        return made
+            box = box_near(self._on_ray(value), QSizeF(width + 6.0, height), left, occupied, room)
+            occupied.append(box)
+            result.append((text, box))
+        return result
 
-    def _place_of(self, value: float) -> QPointF:
-        """Where the cursor meets a curve; the outermost circle where its value is infinite."""
-        return self.place(math.degrees(self._angle), self.distance(value if math.isfinite(value) else self._high))
+    def _on_ray(self, value: float) -> QPointF:
+        """Pixel of a value on the ray; on the outermost circle where it is infinite."""
+        return self.position(math.degrees(self._angle), self.distance(value if math.isfinite(value) else self._high))
 
     def _paint_cursor(self, painter: QPainter) -> None:
         theme, angle = self._theme, math.degrees(self._angle)
         painter.setPen(theme.pen(theme.quiet))
-        painter.drawLine(self.place(angle, self.distance(self._low)), self.place(angle, self.radius))
+        painter.drawLine(self.position(angle, self.distance(self._low)), self.position(angle, self.radius))
         painter.setFont(font(SMALL))
         for value, (text, box), (_, _, colour) in zip(self._values, self.readouts(), self._rows, strict=True):
             if math.isfinite(value):
                 painter.setPen(QPen(QColor(theme.paper), THIN))
                 painter.setBrush(QColor(colour))
-                painter.drawEllipse(self._place_of(value), 3.5, 3.5)
+                painter.drawEllipse(self._on_ray(value), 3.5, 3.5)
                 painter.setBrush(Qt.BrushStyle.NoBrush)
             painter.fillRect(box, brush(theme.paper, 0.85))
             painter.setPen(QColor(theme.letters(colour)))

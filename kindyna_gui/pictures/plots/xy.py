@@ -1,4 +1,7 @@
-"""One quantity over another."""
+"""Plot of quantities over any quantity: curves, dots, rules, a cursor, and a point that the mouse drags.
+
+It also draws the map of the contact force over cam angle and speed.
+"""
 
 from __future__ import annotations
 
@@ -53,60 +56,78 @@ if TYPE_CHECKING:
     from core.stability import Plot
 
 
-# -- pulled point ----------------------------------------------------------------------------------------
+REACH = 9.0  # distance from the draggable point within which a press takes hold of it, pixels
+NO_UNIT = DisplayUnit("", 1.0, 0.0)
+FREE = 0.06  # of the range, left free around the curves
+FOR_MARKS = 0.06  # of the range, left free in addition for the texts of vertical lines
+RULE_GAP = 3.0  # of a text from its horizontal line, pixels
+RULE_ROOM = 10.0  # more than its width that a text needs to the right of its vertical line, pixels
+Z_IMAGE, Z_BEHIND, Z_DOTS = -5.0, -1.0, Z_CURVE + 1.0
+Ends = tuple[float, float]
+WHOLE_TURN = (0.0, 360.0)  # an axis of cam angles
+ROWS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE)
+"""Colours of the curves of a plot in order."""
+MACHINE_ANGLE, MACHINE_TIP = "Machine angle, °", "Click or drag to set the machine angle"
 
-REACH = 9.0  # pixels from the own point
+# -- point that the mouse drags --------------------------------------------------------------------------
 
 
-class PulledPoint(FixedPlot):
-    """A mixin before the class of the plot, which says in the numbers of its points what lies at a place, and where its own stands.
-    ``mouse_at``: where the mouse was last [pixels].
+class DraggablePoint(FixedPlot):
+    """Mixin for a plot with a point that the mouse drags; the plot's class gives the coordinates.
 
-    hovered   (object): the point under the mouse, None where it is beside the plot
-    picked    (float, float): a click
-    pulled    (float, float): the own point is drawn there; released (bool): it was let go there, or Escape gave it up
+    Signals
+    -------
+    hovered (object) : the mouse is over this point of the plot, None outside
+    picked (float, float) : this point was clicked
+    grabbed () : dragging has started
+    dragged (float, float) : the draggable point is now here
+    released (bool) : dragging has ended, True by releasing the button, False by Escape
+
+    Attributes
+    ----------
+    mouse_at : last position of the mouse [pixels]
     """
 
     hovered = Signal(object)
     picked = Signal(float, float)
-    pulled = Signal(float, float)
+    dragged = Signal(float, float)
     released = Signal(bool)
     grabbed = Signal()
 
     def __init__(self, *arguments: Any, **more: Any) -> None:
         super().__init__(*arguments, **more)
-        self._pulling = False
+        self._is_dragging = False
         self.mouse_at = QPointF()
         self.setMouseTracking(True)
         self.viewport().setMouseTracking(True)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
 
     def point_at(self, pixel: QPointF) -> tuple[float, float] | None:
-        """The point at a place of the widget; None beside the plot."""
+        """Coordinates at a pixel of the widget; None outside the plot."""
         raise NotImplementedError
 
     def own_pixel(self) -> QPointF | None:
-        """Where the own point stands in the widget; None where it is not seen."""
+        """Pixel of the draggable point; None where it is not visible."""
         raise NotImplementedError
 
     @property
-    def pulling(self) -> bool:
-        """Whether the own point is held with the mouse."""
-        return self._pulling
+    def is_dragging(self) -> bool:
+        """Whether the mouse drags the point."""
+        return self._is_dragging
 
-    def _over_own(self, place: QPointF) -> bool:
-        own = self.own_pixel()
-        if own is None:
+    def _is_over_point(self, pixel: QPointF) -> bool:
+        point = self.own_pixel()
+        if point is None:
             return False
-        away = own - place
+        away = point - pixel
         return away.x() ** 2 + away.y() ** 2 <= REACH**2
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         event.accept()
         if event.button() != Qt.MouseButton.LeftButton:
             return
-        if self._over_own(event.position()):
-            self._pulling = True
+        if self._is_over_point(event.position()):
+            self._is_dragging = True
             self.grabbed.emit()
             return
         point = self.point_at(event.position())
@@ -116,23 +137,23 @@ class PulledPoint(FixedPlot):
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         self.mouse_at = event.position()
         point = self.point_at(event.position())
-        if self._pulling:
+        if self._is_dragging:
             if point is not None:
-                self.pulled.emit(*point)
+                self.dragged.emit(*point)
             return
-        over = self._over_own(event.position())
+        over = self._is_over_point(event.position())
         self.viewport().setCursor(Qt.CursorShape.SizeAllCursor if over else Qt.CursorShape.CrossCursor)
         self.hovered.emit(point)
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         event.accept()
-        if event.button() == Qt.MouseButton.LeftButton and self._pulling:
-            self._pulling = False
+        if event.button() == Qt.MouseButton.LeftButton and self._is_dragging:
+            self._is_dragging = False
             self.released.emit(True)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         if event.key() == Qt.Key.Key_Escape:
-            self._pulling = False
+            self._is_dragging = False
             self.released.emit(False)
         else:
             event.ignore()
@@ -142,27 +163,22 @@ class PulledPoint(FixedPlot):
         self.hovered.emit(None)
 
 
-# -- xy --------------------------------------------------------------------------------------------------
-
-NO_UNIT = DisplayUnit("", 1.0, 0.0)
-FREE = 0.06  # of the range, left free around the curves
-FOR_MARKS = 0.06  # of it, and so much more above them where upright lines have texts
-APART, BESIDE = (
-    3.0,
-    10.0,
-)  # of a text from its level rule, and what it needs more than its width beside an upright one, pixels
-Z_IMAGE, Z_BEHIND, Z_DOTS = -5.0, -1.0, Z_CURVE + 1.0
-Ends = tuple[float, float]
-WHOLE_TURN = (0.0, 360.0)  # an axis of cam angles
-ROWS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE)
-"""Colours of the curves of a plot, one after the other."""
+# -- curves, dots and rules ------------------------------------------------------------------------------
 
 
 @frozen(eq=False)
 class Line:
-    """One curve: x and y (n,), nan where it is broken, its colour, its name in the legend, dashes, how many times as wide as
-    others it is; read: its value stands beside the cursor; band: x (m,) and percentiles (5, m) within which
-    machines lie, shaded."""
+    """A curve of a plot.
+
+    Attributes
+    ----------
+    x, y : ndarray (n,), in the units of the axes; y is NaN where the curve is interrupted
+    colour, label : colour, and name in the legend
+    dash : pattern of dashes, empty for a solid line
+    width : in multiples of the normal width
+    read : whether its value is shown at the cursor
+    band : x (m,) and percentiles (5, m) of the machines, drawn as a shaded band
+    """
 
     x: np.ndarray
     y: np.ndarray
@@ -176,8 +192,16 @@ class Line:
 
 @frozen(eq=False)
 class Dots:
-    """Single points: x and y (n,), one colour for all or one each, their diameter [pixels]; hollow: band_outlines; behind: the
-    curves."""
+    """Single points of a plot.
+
+    Attributes
+    ----------
+    x, y : ndarray (n,), in the units of the axes
+    colour : one for all points, or one for each point
+    size : diameter [pixels]
+    hollow : draw circles without fill
+    behind : draw them behind the curves
+    """
 
     x: np.ndarray
     y: np.ndarray
@@ -189,7 +213,14 @@ class Dots:
 
 @frozen
 class Rule:
-    """A line with a text: upright at a place of the x axis, or level at a value; low: the text stands at its lower end."""
+    """A line with a text over the full plot.
+
+    Attributes
+    ----------
+    at : position on the x axis, or the value of a horizontal line
+    level : whether it is horizontal, else vertical
+    low : whether the text is at the lower end of a vertical line
+    """
 
     at: float
     text: str
@@ -199,10 +230,12 @@ class Rule:
 
 
 class XYPlot(FixedPlot):
-    """Curves with axes of their own, dots and rules among them, such as where the follower leaves the cam.
+    """Plot of curves, dots and rules over any quantity.
 
-    rung    the unit that values beside the cursor are written in
-    shown   the curves that were drawn last
+    Attributes
+    ----------
+    rung : unit of the values at the cursor
+    shown : curves that were drawn last
     """
 
     def __init__(self, across: str, upwards: str, parent: QWidget | None = None, theme: Theme = SCREEN) -> None:
@@ -223,33 +256,34 @@ class XYPlot(FixedPlot):
         self._cursor: Cursor | None = None
         self._title_colour = theme.ink
         self._alike = False
-        self._wanted = ((0.0, 1.0), (0.0, 1.0))
+        self._ranges = ((0.0, 1.0), (0.0, 1.0))
         self.show_message("")
 
-    # -- what is drawn --------------------------------------------------------------------------------------
+    # -- contents -------------------------------------------------------------------------------------------
 
     @property
     def lines(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """x and y of the curves that are drawn."""
+        """Points of the curves that are drawn, x and y."""
         return [(item.xData, item.yData) for item in self._drawn]
 
     @property
     def message(self) -> str:
+        """Text shown in place of curves; empty where there are curves."""
         return self._message_text
 
     @property
     def dots(self) -> tuple[Dots, ...]:
-        """The single points that are drawn."""
+        """Single points that are drawn."""
         return self._dots
 
     @property
     def rules(self) -> list[Rule]:
-        """The lines with a text that are drawn."""
+        """Lines with a text that are drawn."""
         return [rule for rule, _, _ in self._ruled]
 
     @property
     def cursor_at(self) -> float | None:
-        """Where the cursor stands on the x axis; None where it is not seen."""
+        """Position of the cursor on the x axis; None where it is not visible."""
         return self._cursor.value() if self._cursor is not None and self._cursor.isVisible() else None
 
     def show_lines(
@@ -266,40 +300,59 @@ class XYPlot(FixedPlot):
         rung: DisplayUnit = NO_UNIT,
         shaded: str = MACHINES,
     ) -> None:
-        """Draw these curves and no others; square: zero in the middle of both axes; note: for the legend; alike: one unit is as long
-        on both axes; fit: zero need not be on the y axis; marks: rules upright, whose texts stand above the curves;
-        quiet: they are places, not warnings; rung: the unit of values that are read at the cursor;
-        shaded: what bands are, for the legend."""
+        """Draw these curves and no others.
+
+        Parameters
+        ----------
+        lines : sequence of Line
+        marks : tuple of (position, text)
+            Vertical lines whose texts are above the curves.
+        square : bool
+            Zero is in the middle of both axes.
+        note : str
+            Follows the names in the legend.
+        alike : bool
+            One unit is equally long on both axes.
+        fit : bool
+            The y axis need not include zero.
+        quiet : bool
+            The marks are positions, not warnings, and have the quiet colour.
+        rules, dots : sequence of Rule, of Dots
+        rung : DisplayUnit
+            Unit of the values at the cursor.
+        shaded : str
+            Name of the bands in the legend.
+        """
         self._clear()
         if self._theme.is_dark:
             lines = [replace(line, colour=self._theme.seen(line.colour)) for line in lines]
         self._filled, self.shown = True, tuple(lines)
         for line in lines:
             item = pg.PlotCurveItem(antialias=True)
-            broken = not np.isfinite(line.y).all()
+            is_finite = np.isfinite(line.y).all()
             pen = self._theme.pen(line.colour, THIN * line.width, line.dash)
-            item.setData(line.x, line.y, pen=pen, connect="finite" if broken else "all")
+            item.setData(line.x, line.y, pen=pen, connect="all" if is_finite else "finite")
             self._include(item)
             self._drawn.append(item)
         banded = [(line, *line.band) for line in lines if line.band is not None]
-        for line, places, ends in banded:
-            for area in band_items(places, ends, line.colour):
+        for line, band_x, percentiles in banded:
+            for area in band_items(band_x, percentiles, line.colour):
                 self._add(area, area.zValue())
         names = [Entry(line.colour, line.label) for line in lines if line.label]
         self._name([*names, *([band_entry(self._theme, shaded)] if banded and shaded else [])], note)
         self._read_lines([line for line in lines if line.read], rung)
-        x, y = (np.concatenate([getattr(each, axis) for each in (*lines, *dots)]) for axis in "xy")
+        x, y = (np.concatenate([getattr(row, axis) for row in (*lines, *dots)]) for axis in "xy")
         self._alike = alike
-        y = np.concatenate([y, *(ends[i] for *_, ends in banded for i in (0, -1))])
+        y = np.concatenate([y, *(percentiles[i] for *_, percentiles in banded for i in (0, -1))])
         if alike:
             fit = True
         ranges = [self._range(x, square, tight=not square and not alike, fit=fit), self._range(y, square, fit=fit)]
-        if marks and not square and not alike:  # their texts stand above the curves
+        if marks and not square and not alike:  # their texts are above the curves
             low, high = ranges[1]
             ranges[1] = (low, high + FOR_MARKS * (high - low))
-        self._wanted = (ranges[0], ranges[1])
+        self._ranges = (ranges[0], ranges[1])
         if QAccessible.isActive():
-            self._speak()
+            self._describe()
         self._view.setRange(xRange=ranges[0], yRange=ranges[1], padding=0.0)
         colour = self._theme.quiet if quiet else self._theme.limit
         for rule in (*(Rule(at, text, colour) for at, text in marks), *rules):
@@ -307,53 +360,53 @@ class XYPlot(FixedPlot):
             self._include(tag, Z_CURSOR)
             self._ruled.append((rule, self._outline(rule.colour, Z_LIMIT, DASHED), tag))
         self._dots = tuple(dots)
-        for each in dots:
-            item = pg.ScatterPlotItem(each.x, each.y, size=each.size, antialias=True, **self._look(each))
-            self._add(item, Z_BEHIND if each.behind else Z_DOTS)
+        for group in dots:
+            item = pg.ScatterPlotItem(group.x, group.y, size=group.size, antialias=True, **self._dot_style(group))
+            self._add(item, Z_BEHIND if group.behind else Z_DOTS)
         self._message_text = ""
         self._lay()
 
-    def _look(self, dots: Dots) -> dict[str, Any]:
-        """Their brushes and pens: one of each for a colour, as pyqtgraph draws every other one apart."""
+    def _dot_style(self, dots: Dots) -> dict[str, Any]:
+        """Brushes and pens of dots: one object for a colour, as pyqtgraph draws each further object separately."""
 
-        def look(colour: str) -> tuple[QBrush, QPen]:
+        def style(colour: str) -> tuple[QBrush, QPen]:
             if dots.hollow:
                 return brush(self._theme.paper), self._theme.pen(colour)
             return brush(colour), no_pen()
 
         if isinstance(dots.colour, str):
-            return dict(zip(("brush", "pen"), look(dots.colour), strict=True))
-        looks = {colour: look(colour) for colour in dict.fromkeys(dots.colour)}
-        return {kind: [looks[colour][k] for colour in dots.colour] for k, kind in enumerate(("brush", "pen"))}
+            return dict(zip(("brush", "pen"), style(dots.colour), strict=True))
+        styles = {colour: style(colour) for colour in dict.fromkeys(dots.colour)}
+        return {kind: [styles[colour][k] for colour in dots.colour] for k, kind in enumerate(("brush", "pen"))}
 
     def _add(self, item: QGraphicsItem, z: float) -> None:
-        """Besides the curves, until something else is shown."""
+        """Add an item that is removed when something else is shown."""
         self._include(item, z)
         self._extra.append(item)
 
-    def show_image(self, pixels: np.ndarray, place: QRectF) -> None:
-        """Colours (n, m, 4) below the curves, in a rectangle in the numbers of the axes."""
+    def show_image(self, pixels: np.ndarray, rectangle: QRectF) -> None:
+        """Show colours (n, m, 4) below the curves, in a rectangle in the units of the axes."""
         image = pg.ImageItem()
         image.setImage(pixels)
-        image.setRect(place)
+        image.setRect(rectangle)
         self._add(image, Z_IMAGE)
 
-    def across_at(self, place: QPoint) -> float:
-        """Where a place of the widget [pixels] stands on the x axis."""
-        return float(self._view.mapSceneToView(self.mapToScene(place)).x())
+    def across_at(self, pixel: QPoint) -> float:
+        """Position on the x axis of a pixel of the widget."""
+        return float(self._view.mapSceneToView(self.mapToScene(pixel)).x())
 
     def show_range(self, across: Ends | None = None, upwards: Ends | None = None) -> None:
-        """Show no more and no less of the curves than this; None: what it is."""
+        """Set the ranges of the axes; None leaves an axis unchanged."""
         self._view.setRange(xRange=across, yRange=upwards, padding=0.0)
         self._lay()
 
     def show_ticks(self, across: Ticks, upwards: Ticks) -> None:
-        """Number the axes by these in place of round numbers, until something else is shown."""
+        """Use these ticks instead of round numbers until something else is shown."""
         self._ticks = across, upwards
         self._lay()
 
     def point_out(self, at: float | None) -> None:
-        """A cursor at this place of the x axis; None: none."""
+        """Show the cursor at this position of the x axis, or hide it where it is None."""
         if self._cursor is None and at is not None:
             self._cursor = Cursor(self._view, self._theme)
             self._span_cursor(self.frame())
@@ -364,7 +417,7 @@ class XYPlot(FixedPlot):
         self._read_out()
 
     def _read_lines(self, lines: list[Line], rung: DisplayUnit) -> None:
-        """From now on the values of these stand beside the cursor, and of no others."""
+        """Set the curves whose values are shown at the cursor."""
         self._valued, self.rung = lines, rung
         while len(self._readouts) > len(lines):
             self._readouts.pop().remove(self._view)
@@ -374,7 +427,7 @@ class XYPlot(FixedPlot):
             readout.set_colour(line.colour)
 
     def _read_out(self) -> None:
-        """The values of the points nearest to the cursor."""
+        """Show the values of the points nearest to the cursor."""
         at = self.cursor_at
         if at is None:
             for readout in self._readouts:
@@ -384,11 +437,11 @@ class XYPlot(FixedPlot):
             place_readouts(self._readouts, at, values, self.rung, self.frame())
 
     def readings(self) -> list[str]:
-        """The texts beside the cursor, in the order of the curves that are read."""
+        """Texts at the cursor, in the order of the curves that are read."""
         return [readout.tag.text for readout in self._readouts if readout.tag.isVisible()]
 
     def show_numbers(self, on: bool, title: str = "") -> None:
-        """As of all plots; the title is that of ``name_axes``."""
+        """Show numbers and a title along the bottom, by default that of ``name_axes``, or neither."""
         self._numbered = on
         super().show_numbers(on, title or (self._titles[0] if self._filled else ""))
 
@@ -396,8 +449,8 @@ class XYPlot(FixedPlot):
         if self._cursor is not None:
             self._cursor.span(frame.low, frame.high)
 
-    def _speak(self) -> None:
-        """What is drawn, in words."""
+    def _describe(self) -> None:
+        """Set name and description for screen readers."""
         across, upwards = self._titles
         quantity = upwards.rpartition(", ")[0] or upwards
         self.setAccessibleName(f"Plot of {quantity[:1].lower()}{quantity[1:]}" if quantity else "Plot")
@@ -405,30 +458,21 @@ class XYPlot(FixedPlot):
         self.setAccessibleDescription(lines_words(lines, across, upwards) or self._message_text or NOTHING_DRAWN)
 
     def name_axes(self, across: str, upwards: str, colour: str = "") -> None:
-        """The titles of the axes of what is shown next; colour: of the one upwards, ink where empty."""
+        """Set the titles of the axes for the next contents, and the colour of the upward one; "" for ink."""
         self._titles, self._title_colour = (across, upwards), self._theme.letters(colour) if colour else self._theme.ink
 
-    def _colour(self, curve: PlotCurve, alone: bool) -> str:
-        """That of its quantity; of none that of its row, ink where there is only one."""
+    def _colour(self, curve: PlotCurve, is_single_row: bool) -> str:
+        """Colour of the curve's quantity; without one that of its row, or ink for a single row."""
         if curve.family:
             return self._theme.family(curve.family)
-        return self._theme.ink if alone else ROWS[curve.row % len(ROWS)]
+        return self._theme.ink if is_single_row else ROWS[curve.row % len(ROWS)]
 
     def show_plot(self, plot: Plot) -> None:
-        """Draw a plot of the core: a quantity in its colour, else one curve in ink, of several each row of them in its colour."""
+        """Draw a plot that the core describes."""
         self.name_axes(plot.across, plot.upwards)
-        alone = len({curve.row for curve in plot.curves}) == 1
+        is_single_row = len({curve.row for curve in plot.curves}) == 1
         self.show_lines(
-            [
-                Line(
-                    curve.x,
-                    curve.y,
-                    self._colour(curve, alone),
-                    curve.label,
-                    DASHED if curve.dashed else (),
-                )
-                for curve in plot.curves
-            ],
+            [Line(c.x, c.y, self._colour(c, is_single_row), c.label, DASHED if c.dashed else ()) for c in plot.curves],
             plot.marks,
             note=plot.note,
             alike=plot.alike,
@@ -450,13 +494,13 @@ class XYPlot(FixedPlot):
         return low - free, high + free
 
     def show_message(self, text: str) -> None:
-        """Nothing but a text: what is missing, or what would fill this plot."""
+        """Show only a text, such as the input that is missing."""
         self._clear()
         self._read_lines([], NO_UNIT)
         self.point_out(None)
         self._name([])
         self._message_text = text
-        self._speak()
+        self._describe()
         self._view.setRange(xRange=(0.0, 1.0), yRange=(0.0, 1.0), padding=0.0)
         self._lay()
 
@@ -470,8 +514,8 @@ class XYPlot(FixedPlot):
     # -- layout ---------------------------------------------------------------------------------------------
 
     def _one_scale(self) -> None:
-        """The ranges wanted, the narrower of the two widened until a unit is as long on both axes."""
-        (left, right), (low, high) = self._wanted
+        """Widen the narrower range until one unit is equally long on both axes."""
+        (left, right), (low, high) = self._ranges
         width, height = max(self._view.width(), 1.0), max(self._view.height(), 1.0)
         unit = max((right - left) / width, (high - low) / height)
         x, y = 0.5 * (left + right), 0.5 * (low + high)
@@ -483,8 +527,8 @@ class XYPlot(FixedPlot):
             self._one_scale()
         frame = self.frame()
         low, high = frame.first, frame.last
-        whole = (low, high) == WHOLE_TURN
-        across = angle_ticks(frame.width) if whole else value_ticks(low, high, frame.width, LEAST_ACROSS)
+        is_full_turn = (low, high) == WHOLE_TURN
+        across = angle_ticks(frame.width) if is_full_turn else value_ticks(low, high, frame.width, LEAST_ACROSS)
         upwards = value_ticks(frame.low, frame.high, frame.height)
         self.draw_axes(frame, *((self._ticks or (across, upwards)) if self._filled else ((), ())))
         self.name_below(self._titles[0] if self._filled and self._numbered else "")
@@ -492,92 +536,92 @@ class XYPlot(FixedPlot):
         self._axes["left"].show_title(title, self._title_colour)
         self._span_cursor(frame)
         for ruled in self._ruled:
-            _stand(*ruled, frame)
+            _draw_rule(*ruled, frame)
         self._read_out()
 
 
-def _stand(rule: Rule, line: Outline, tag: Tag, frame: Frame) -> None:
-    """A rule over the whole plot, its text on the side of it where there is room."""
+def _draw_rule(rule: Rule, line: Outline, tag: Tag, frame: Frame) -> None:
+    """Draw a rule over the full plot, with its text on the side where there is room."""
     path = QPainterPath()
     if rule.level:
         path.moveTo(frame.first, rule.at)
         path.lineTo(frame.last, rule.at)
-        above = frame.height - frame.pixel(rule.at) > tag.size[1] + APART
+        above = frame.height - frame.pixel(rule.at) > tag.size[1] + RULE_GAP
         tag.set_lean(1.0, 1.0 if above else 0.0)
-        tag.shift(-APART, -APART if above else APART)
+        tag.shift(-RULE_GAP, -RULE_GAP if above else RULE_GAP)
         tag.setPos(frame.last, rule.at)
     else:
         path.moveTo(rule.at, frame.low)
         path.lineTo(rule.at, frame.high)
-        right = (frame.last - rule.at) / (frame.last - frame.first) * frame.width > tag.size[0] + BESIDE
+        right = (frame.last - rule.at) / (frame.last - frame.first) * frame.width > tag.size[0] + RULE_ROOM
         tag.set_lean(0.0 if right else 1.0, 1.0 if rule.low else 0.0)
-        tag.shift(4.0 if right else -4.0, -APART if rule.low else 2.0)
+        tag.shift(4.0 if right else -4.0, -RULE_GAP if rule.low else 2.0)
         tag.setPos(rule.at, frame.low if rule.low else frame.high)
     line.redraw(path)
 
 
 def _fitting(title: str, height: float) -> str:
-    """The title of an axis upwards, its unit alone where it is longer than the axis with what is free above it."""
+    """Title of the upward axis, or its unit alone where the title is longer than the axis."""
     return title if text_size(title, TEXT)[0] <= height + sized(TOP_HEIGHT) else title.rpartition(", ")[2]
 
 
-# -- contact map -----------------------------------------------------------------------------------------
+# -- map of the contact force ----------------------------------------------------------------------------
 
 RPM = math.pi / 30.0
-FAINT, FULL = 0.06, 0.75  # opacity of no force, of the greatest
-LOST = 0.3  # least opacity where the force is negative
+FAINT, FULL = 0.06, 0.75  # opacity at zero force, at the greatest
+LIFTED = 0.3  # least opacity where the force is negative
 ACROSS, UPWARDS = "Cam angle, °", "Camshaft speed, rpm"
 
 
-def show_map(plot: XYPlot, found: ContactMap, own: float) -> None:
-    """Blue where the cam presses the follower, vermilion where it would have to pull; the line between them, and the design's
-    speed ``own`` [rpm]."""
-    degrees, rpm = np.rad2deg(found.theta), found.omega / RPM
+def show_map(plot: XYPlot, contact: ContactMap, speed: float) -> None:
+    """Draw the contact force over cam angle and speed: blue in contact, orange where the follower lifts off.
+
+    Lines show where the force is zero, and the design's speed [rpm].
+    """
+    degrees, rpm = np.rad2deg(contact.theta), contact.omega / RPM
     top, step = float(rpm[-1]), float(rpm[-1]) / rpm.size
-    lines = [Line(np.array(WHOLE_TURN), np.array([own, own]), SCREEN.ink, f"{short(own, 6)} rpm", DASHED)]
-    for row, label in zip(found.zero / RPM, ("0 N", ""), strict=True):
+    lines = [Line(np.array(WHOLE_TURN), np.array([speed, speed]), SCREEN.ink, f"{short(speed, 6)} rpm", DASHED)]
+    for row, label in zip(contact.zero / RPM, ("0 N", ""), strict=True):
         shown = np.where(row <= top, row, np.nan)
         if np.isfinite(shown).any():
             lines.append(Line(degrees, shown, VERMILION, label))
-    peak = float(found.force.max())
+    peak = float(contact.force.max())
     plot.name_axes(ACROSS, UPWARDS)
     plot.show_lines(lines, note=f"blue: up to {short(peak, 3)} N, orange: off the cam")
     low = float(rpm[0])
-    plot.show_image(_coloured(found.force), QRectF(0.0, low - 0.5 * step, 360.0, top - low + step))
+    plot.show_image(_force_colours(contact.force), QRectF(0.0, low - 0.5 * step, 360.0, top - low + step))
     plot.show_range(WHOLE_TURN, (0.0, top))
 
 
-def _coloured(force: np.ndarray) -> np.ndarray:
-    """Colours (n, m, 4) of forces (m, n): the stronger, the fuller."""
-    most = float(np.abs(force).max()) or 1.0
-    strength = np.sqrt(np.abs(force.T) / most)
-    made = np.empty((*strength.shape, 4), dtype=np.ubyte)
-    pressed, lost = (np.array(rgb(name), dtype=np.ubyte) for name in (BLUE, VERMILION))
-    off = (force.T < 0.0)[..., None]
-    made[..., :3] = np.where(off, lost, pressed)
-    least = np.where(off[..., 0], LOST, FAINT)
-    made[..., 3] = np.round(255.0 * (least + (FULL - least) * strength))
-    return made
+def _force_colours(force: np.ndarray) -> np.ndarray:
+    """Colours (n, m, 4) of forces (m, n) [N]; a larger force is more opaque."""
+    greatest = float(np.abs(force).max()) or 1.0
+    strength = np.sqrt(np.abs(force.T) / greatest)
+    pixels = np.empty((*strength.shape, 4), dtype=np.ubyte)
+    contact_colour, lift_colour = (np.array(rgb(name), dtype=np.ubyte) for name in (BLUE, VERMILION))
+    lifted = (force.T < 0.0)[..., None]
+    pixels[..., :3] = np.where(lifted, lift_colour, contact_colour)
+    least = np.where(lifted[..., 0], LIFTED, FAINT)
+    pixels[..., 3] = np.round(255.0 * (least + (FULL - least) * strength))
+    return pixels
 
 
-# -- under mouse -----------------------------------------------------------------------------------------
-
-MACHINE_ANGLE, MACHINE_TIP = "Machine angle, °", "Click or drag to set the machine angle"
+# -- cursor that the mouse moves -------------------------------------------------------------------------
 
 
-class UnderMouse:
-    """What a plot does with the mouse; ``_go`` sets the angle by where the mouse is. The keys belong to the player."""
+class AngleMouse:
+    """Mixin for a plot in which a click or a drag sets the angle; its keys belong to the player."""
 
-    _go: Any
+    _set_angle_at: Any  # method that sets the angle at a mouse event
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         if event.button() == Qt.MouseButton.LeftButton:
-            self._go(event)
+            self._set_angle_at(event)
         event.accept()
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         if event.buttons() & Qt.MouseButton.LeftButton:
-            self._go(event)
+            self._set_angle_at(event)
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         event.accept()
@@ -589,11 +633,13 @@ class UnderMouse:
         event.ignore()
 
 
-class CursorPlot(UnderMouse, XYPlot):
-    """Curves with a cursor, which a click or a drag moves; of one that only ``reads``, it stands where the mouse is.
+class CursorPlot(AngleMouse, XYPlot):
+    """Plot with a cursor that a click or a drag moves or, where it ``reads``, that follows the mouse.
 
-    moved (float)   the user has clicked at, or drawn the cursor to, this place of the x axis
-    read (object)   where the mouse is; None: elsewhere
+    Signals
+    -------
+    moved (float) : the user has clicked at, or dragged the cursor to, this position of the x axis
+    read (object) : position of the mouse on the x axis, None outside the plot
     """
 
     moved = Signal(float)
@@ -607,17 +653,14 @@ class CursorPlot(UnderMouse, XYPlot):
         if not reads:
             self.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
 
-    def _at(self, event: QMouseEvent) -> float:
-        return float(self._view.mapSceneToView(self.mapToScene(event.position().toPoint())).x())
-
-    def _go(self, event: QMouseEvent) -> None:
+    def _set_angle_at(self, event: QMouseEvent) -> None:
         if self._filled and not self._reads:
             frame = self.frame()
-            self.moved.emit(min(max(self._at(event), frame.first), frame.last))
+            self.moved.emit(min(max(self.across_at(event.position().toPoint()), frame.first), frame.last))
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         if self._reads:
-            at, frame = self._at(event), self.frame()
+            at, frame = self.across_at(event.position().toPoint()), self.frame()
             self._read(at if self._filled and frame.first <= at <= frame.last else None)
         else:
             super().mouseMoveEvent(event)

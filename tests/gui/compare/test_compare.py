@@ -133,8 +133,8 @@ def test_a_right_click_on_the_torque_explains_it_at_the_angle_at_hand(user: User
     wait_for(lambda: view.up_to_date)
     wanted = explained(Study(user.design), "drive_torque_nm", 180.0 / 3.141592653589793)
     assert [row.cells[0] for row in view.table.rows.rows] == [each.symbol for each in wanted.letters]
-    assert wanted.lines[0] in view.head.text()
-    assert "Shin1995 (27)" in view.head.text()
+    assert wanted.lines[0] in view.header.text()
+    assert "Shin1995 (27)" in view.header.text()
     assert "residual" in view.proof.text()
 
 
@@ -181,7 +181,7 @@ def test_the_largest_torque_is_followed_down_to_typed_lengths_in_five_actions(us
     view = user.window.show_view("explain")
     assert isinstance(view, ExplainView)
     wait_for(lambda: view.up_to_date)
-    assert "Cam torque at 302.721°: 7510.829 N·m" in view.head.text()
+    assert "Cam torque at 302.721°: 7510.829 N·m" in view.header.text()
 
     def click(symbol: str) -> None:
         number = next(i for i, each in enumerate(view.table.rows.rows) if each.cells[0] == symbol)
@@ -191,7 +191,7 @@ def test_the_largest_torque_is_followed_down_to_typed_lengths_in_five_actions(us
         wait_for(lambda: view.up_to_date)
 
     click("F")
-    assert view.head.text().startswith("Contact force at 302.721°")
+    assert view.header.text().startswith("Contact force at 302.721°")
     asked: list[str] = []
     view.field_requested.connect(asked.append)
     click("l")
@@ -209,7 +209,7 @@ def test_shift_f1_explains_what_is_chosen_where_the_focus_is(user: User) -> None
     shown = user.window.show_view("explain")
     assert isinstance(shown, ExplainView)
     wait_for(lambda: shown.up_to_date)
-    assert shown.head.text().startswith("Cam torque at")
+    assert shown.header.text().startswith("Cam torque at")
 
 
 @pytest.mark.stress
@@ -224,7 +224,7 @@ def test_the_peak_of_a_shaft_is_explained_at_its_machine_angle(open_user: Open) 
     assert isinstance(view, ExplainView)
     wait_for(lambda: view.up_to_date)
     wanted = explained(user.session.full_study, "torque_nm")
-    assert view.head.text().startswith(wanted.headline(7))
+    assert view.header.text().startswith(wanted.headline(7))
     assert [each.cells[3] for each in view.table.rows.rows][:2] == ["Torque of Feed there", "Torque of Clamp there"]
 
 
@@ -236,8 +236,8 @@ def test_every_number_of_the_design_can_be_chosen(user: User) -> None:
     place = next(i for i in range(view.choice.count()) if "(needed_inertia_kg_m2)" in view.choice.itemText(i))
     view.choice.activated.emit(place)
     wait_for(lambda: view.up_to_date)
-    assert view.head.text().startswith("Flywheel needed")
-    assert pytest.approx(34944.9, rel=1e-4) == float(view.head.text().split(":")[1].split()[0])
+    assert view.header.text().startswith("Flywheel needed")
+    assert pytest.approx(34944.9, rel=1e-4) == float(view.header.text().split(":")[1].split()[0])
 
 
 def test_a_picture_is_copied_twice_as_fine_as_the_screen(user: User, app: QApplication) -> None:

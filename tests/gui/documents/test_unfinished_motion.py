@@ -186,7 +186,7 @@ def test_it_is_dropped_and_undo_brings_it_back(session: Session) -> None:
     draft = session.incomplete
     session.drop_incomplete()
     assert (session.design, session.incomplete) == (AT_REST, None)
-    assert session.stack.undoText() == "Drop what does not fit"
+    assert session.stack.undoText() == "Back to the last valid values"
     session.stack.undo()
     assert session.incomplete == draft
 
@@ -199,7 +199,7 @@ def test_it_counts_as_unsaved_and_stays_out_of_the_file(session: Session, tmp_pa
     session.edit("motion.segments[1].span_deg", 300.0, "too long")
     with pytest.raises(DesignError):
         session.save(path)
-    session.save(path, last_fitting=True)
+    session.save(path, last_valid=True)
     assert load(path) == AT_REST
     assert session.modified
     assert session.incomplete is not None

@@ -23,15 +23,15 @@ from core.study import Study
 from core.study.stages import memory
 from kindyna_gui import dialogs, export_dialogs, profile_dialogs
 from kindyna_gui.dialogs import OnShaft
-from kindyna_gui.drives import BESIDE, ON_SHAFT
+from kindyna_gui.drives import ON_SHAFT, SIDE_BY_SIDE
 from kindyna_gui.drives_view import NAME, PHASE, TORQUE, DrivesView
-from kindyna_gui.export_dialogs import TablesWanted
+from kindyna_gui.export_dialogs import TablesRequest
 from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.linkage.mechanism_view import MechanismView
 from kindyna_gui.pictures.drawing.assembly import DriveFigure
 from kindyna_gui.pictures.film import shoot
 from kindyna_gui.places import example
-from kindyna_gui.touch_targets import BesideMouse
+from kindyna_gui.touch_targets import MouseReadout
 
 UNIT = example("transfer_unit")
 ROD = "follower.rod_mm"
@@ -215,7 +215,7 @@ def test_a_drive_that_cannot_be_assembled_takes_no_other_with_it(unit: User, tmp
     (tmp_path / "broken.toml").write_text(text, "utf-8")
     assert unit.window.documents.open_path(tmp_path / "broken.toml")
     view = listed(unit)
-    assert column(view, TORQUE)[2] == "no answer"
+    assert column(view, TORQUE)[2] == "not calculated"
     assert view.table.item(2, NAME).toolTip() != ""
     assert all(text.endswith("N·m") for n, text in enumerate(column(view, TORQUE)) if n != 2)
     assert not unit.drawing().in_trouble
@@ -227,8 +227,8 @@ def test_a_drive_that_cannot_be_assembled_takes_no_other_with_it(unit: User, tmp
 
 def test_all_drives_stand_at_one_machine_angle(unit: User) -> None:
     view, player = unit.drawing(), unit.window.player
-    bar = view.strip.ways
-    for name in (BESIDE, ON_SHAFT):
+    bar = view.strip.arrangement_bar
+    for name in (SIDE_BY_SIDE, ON_SHAFT):
         button = bar.widgetForAction(view.strip.arrangements[name])
         assert isinstance(button, QToolButton)
         QTest.mouseClick(button, Qt.MouseButton.LeftButton)
@@ -248,8 +248,8 @@ def test_all_drives_stand_at_one_machine_angle(unit: User) -> None:
                 assert isclose(cos(radians(angle - wanted)), 1.0, abs_tol=1e-9), drive.name
         assert len(view.assembly.items()) == items, "items are moved, none is made"
         shafts = {figure.corner for figure in view.assembly.figures.values()}
-        assert len(shafts) == (4 if name == BESIDE else 1)
-        if name == BESIDE:
+        assert len(shafts) == (4 if name == SIDE_BY_SIDE else 1)
+        if name == SIDE_BY_SIDE:
             figure = view.assembly.figures[3]
             QTest.mouseClick(
                 view.all_canvas.viewport(), Qt.MouseButton.LeftButton, pos=pixel(view.all_canvas, figure.corner)
@@ -271,11 +271,13 @@ def direction(view: MechanismView, number: int) -> float:
     return degrees(phase(-own.conjugate() if figure.mirrored else own))
 
 
-@pytest.mark.parametrize("arrangement", spread([BESIDE, ON_SHAFT], 1))
+@pytest.mark.parametrize("arrangement", spread([SIDE_BY_SIDE, ON_SHAFT], 1))
 def test_the_cam_of_a_drive_is_turned_by_hand_among_the_others(unit: User, arrangement: str) -> None:
     view = unit.drawing()
     click_drive(unit, 1)
-    QTest.mouseClick(view.strip.ways.widgetForAction(view.strip.arrangements[arrangement]), Qt.MouseButton.LeftButton)
+    QTest.mouseClick(
+        view.strip.arrangement_bar.widgetForAction(view.strip.arrangements[arrangement]), Qt.MouseButton.LeftButton
+    )
     settle()
     canvas, viewport, before = view.all_canvas, view.all_canvas.viewport(), unit.session.full_design
     timed = before
@@ -296,7 +298,7 @@ def test_the_cam_of_a_drive_is_turned_by_hand_among_the_others(unit: User, arran
     assert (direction(view, 1) - mark + 180.0) % 360.0 - 180.0 == pytest.approx(30.0, abs=3.0), "it goes with the hand"
     turned = (unit.session.full_design.drives[1].phase_deg - before.drives[1].phase_deg + 180.0) % 360.0 - 180.0
     assert abs(turned) == pytest.approx(30.0, abs=3.0)
-    (beside,) = (each for each in unit.window.findChildren(BesideMouse) if each.isVisible())
+    (beside,) = (each for each in unit.window.findChildren(MouseReadout) if each.isVisible())
     assert f"Clamp phase {unit.session.full_design.drives[1].phase_deg:g}°" in beside.text()
     let_go()
     assert unit.session.full_design.drives[1].phase_deg != before.drives[1].phase_deg
@@ -339,7 +341,9 @@ def test_the_cam_of_a_drive_is_turned_by_hand_among_the_others(unit: User, arran
 
 def test_about_one_shaft_the_names_stand_in_a_row_and_on_no_cam(unit: User) -> None:
     view = unit.drawing()
-    QTest.mouseClick(view.strip.ways.widgetForAction(view.strip.arrangements[ON_SHAFT]), Qt.MouseButton.LeftButton)
+    QTest.mouseClick(
+        view.strip.arrangement_bar.widgetForAction(view.strip.arrangements[ON_SHAFT]), Qt.MouseButton.LeftButton
+    )
     settle()
     canvas, figures = view.all_canvas, list(view.assembly.figures.values())
 
@@ -425,7 +429,7 @@ def test_a_plot_of_all_drives_lies_over_the_machine_angle(unit: User) -> None:
 
     made = replace(unit.session.full_design, waviness=Waviness(amplitude_mm=0.05, lobes_from=10, lobes_to=30))
     unit.session.put_full_design(made, "Waves")
-    view.bands.ask(True)
+    view.bands.set_shown(True)
     wait_for(lambda: all(line.band is not None for line in view.drives_plot.shown))
     for line in view.drives_plot.shown:
         assert line.band is not None
@@ -436,7 +440,7 @@ def test_a_plot_of_all_drives_lies_over_the_machine_angle(unit: User) -> None:
         assert (high - low).max() > 1e-4 * size
     click_drive(unit, 0)
     assert view.drives_plot.shown[2].band is not None, "another drive at hand changes nothing"
-    view.bands.ask(False)
+    view.bands.set_shown(False)
     view.all_drives.trigger()
     settle()
     assert view.plot.isVisible()
@@ -447,13 +451,13 @@ def test_tables_of_the_shaft_and_the_profile_of_the_chosen_drive(
     unit: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     out = tmp_path / "out"
-    monkeypatch.setattr(export_dialogs, "tables_wanted", lambda *_: TablesWanted(out, 72))
+    monkeypatch.setattr(export_dialogs, "ask_tables", lambda *_: TablesRequest(out, 72))
     unit.choose("File", "Export", "Tables...")
     wanted = as_texts(file_parts(Study(load(UNIT), 72)))
     assert {name: (out / name).read_text("utf-8") for name in wanted} == wanted
     assert unit.faults == []
     click_drive(unit, 2)
     asked: list[object] = []
-    monkeypatch.setattr(profile_dialogs, "profile_wanted", lambda _, design: asked.append(design))
+    monkeypatch.setattr(profile_dialogs, "ask_profile", lambda _, design: asked.append(design))
     unit.choose("File", "Export", "Profile...")
     assert asked == [replace(only(load(UNIT), 2), name="Transfer unit, drive Lift")]

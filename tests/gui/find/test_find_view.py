@@ -90,7 +90,7 @@ def test_the_answer_is_the_cores_and_is_taken_over_as_one_step(open_user: Open) 
         f"Base radius Br {radius:.7f} mm now 50 mm",
         "Pressure angle, return 25.0000°, limit 25° now 16.9141°",
     ]
-    assert lines[2].startswith("Kept as well: ")
+    assert lines[2].startswith("Also met: ")
     assert "Convex radius" in lines[2]
     assert [rule.at for rule in view.plot.rules if rule.level] == [25.0]
     answer, now = view.plot.dots
@@ -134,7 +134,7 @@ def test_usual_limits_stand_in_grey_with_their_reasons_and_what_is_typed_takes_t
     ]
     assert view.limits.reasons[CONVEX].text() == "half the roller's radius"
     assert "at 25 MPa (assumed)" in view.limits.boxes["polar_radius_mm"].toolTip()
-    assert text_of(view).endswith("No limit holds it: it stands at the end of its range, twice the roller's radius.")
+    assert text_of(view).endswith("Limited by the search range only: twice the roller's radius.")
     type_limit(view, CONVEX, "30")
     rested(view)
     assert [grey(key) for key in USUAL] == [key != CONVEX for key in USUAL]
@@ -156,7 +156,7 @@ def test_usual_limits_stand_in_grey_with_their_reasons_and_what_is_typed_takes_t
     user.session.put(edited(before, f"limits.{RISE}", 18.0), "Limit")
     assert rested(view).limits.boxes[RISE].value == 22.0
     # the pressure angle over the whole turn stands for that of rise and return
-    view.limits.wanted.emit("pressure_angle_deg")
+    view.limits.added.emit("pressure_angle_deg")
     type_limit(rested(view), "pressure_angle_deg", "40")
     assert RETURN not in rested(view).limits.boxes
     assert view.solution is not None
@@ -170,7 +170,7 @@ def test_a_speed_just_below_that_of_lift_off_is_taken_over(open_user: Open) -> N
     seek(view, "lift-off-speed")
     fact = find(before, "lift-off-speed", {}).answer["shaft.speed_rpm"]
     assert text_of(view).splitlines()[0] == f"Speed {fact:.5f} rpm now 300 rpm"
-    assert text_of(view).endswith("Taken over just below it, so that it holds.")
+    assert text_of(view).endswith("Applied just below it, so that the limit is met.")
     press(view.take)
     assert get(user.design, "shaft.speed_rpm") == pytest.approx(fact, rel=1e-8)
     assert get(user.design, "shaft.speed_rpm") < fact
@@ -181,14 +181,14 @@ def test_a_speed_just_below_that_of_lift_off_is_taken_over(open_user: Open) -> N
 
 def test_a_flywheel_that_is_not_needed_says_what_is_reached_without_and_what_is_assumed(open_user: Open) -> None:
     view = see(open_user(example("card_picker")))
-    view.want("flywheel")
+    view.search_for("flywheel")
     rested(view)
     assert "Speed fluctuation C<sub>s</sub> 0.0031" in view.answer.text()
     assert text_of(view).splitlines() == [
         "Flywheel inertia 0 kg·m² now 0 kg·m²",
         "Speed fluctuation Cs 0.0031, limit 0.02 now 0.0031",
         "With an assumed motor slope of 50 N·m·s/rad.",
-        "No limit holds it: it stands at the end of its range.",
+        "Limited by the search range only.",
     ]
 
 
@@ -196,7 +196,7 @@ def test_a_flywheel_that_is_not_needed_says_what_is_reached_without_and_what_is_
 def test_where_no_value_serves_the_best_is_shown_with_what_stands_against_it(open_user: Open) -> None:
     user = open_user(example("rocker_cam"))
     view = see(user)
-    view.limits.wanted.emit("cam.base_radius_mm_max")
+    view.limits.added.emit("cam.base_radius_mm_max")
     rested(view)
     assert view.limits.boxes["cam.base_radius_mm_max"].value == get(user.design, "cam.base_radius_mm"), (
         "begins with the present one"
@@ -209,14 +209,14 @@ def test_where_no_value_serves_the_best_is_shown_with_what_stands_against_it(ope
     solution = find(user.design, "base-radius", {RISE: 10.0, "cam.base_radius_mm_max": 20.0})
     assert not solution.is_valid
     text = text_of(view)
-    assert text.startswith("No value serves. The best that there is:\nBase radius")
-    assert "Against it: Pressure angle" in text
+    assert text.startswith("No value meets all limits. The closest:\nBase radius")
+    assert "Violated: Pressure angle" in text
     assert LIGHT.limit in view.answer.text()
     assert not view.take.isEnabled()
     assert len(view.plot.lines[0][0]) > 10, "the curve all the same"
     seek(view, "arm")
     assert view.limits.boxes[RISE].value == 10.0
-    assert "No value serves" in text_of(view), "what was typed holds for it too"
+    assert "No value meets all limits" in text_of(view), "what was typed holds for it too"
 
 
 @pytest.mark.stress

@@ -25,7 +25,7 @@ from kindyna_gui.__main__ import main
 from kindyna_gui.documents.session import Session
 from kindyna_gui.graph import graph_choice
 from kindyna_gui.graph.curves_view import CurvesView
-from kindyna_gui.pictures.plots.graph_ranges import Shown
+from kindyna_gui.pictures.plots.graph_ranges import GraphRange
 from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.places import example
 from kindyna_gui.player import Player
@@ -199,7 +199,7 @@ def test_a_graph_that_changes_under_the_mouse_is_let_go(view: CurvesView) -> Non
     QTest.mouseRelease(area, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.ShiftModifier, begin + QPoint(40, 20))
     view.session.start(LIFT)
     read(view)
-    assert view.plot.shown == view.plot.all_of_it()
+    assert view.plot.shown == view.plot.full_range()
 
 
 def test_two_points_are_read_off_and_their_difference(view: CurvesView) -> None:
@@ -310,7 +310,7 @@ def test_a_range_far_wider_than_the_curves_leaves_them_to_be_seen(view: CurvesVi
 
 
 def test_where_pixels_are_beyond_the_digits_of_numbers_no_point_is_taken(view: CurvesView) -> None:
-    view.plot.show_part(Shown((0.0, 90.0), ((69.0, 69.0 + 1e-13),)))
+    view.plot.show_range(GraphRange((0.0, 90.0), ((69.0, 69.0 + 1e-13),)))
     settle()
     click(view, view.plot.viewport().rect().center())
     assert view.plot.points == ()
@@ -381,7 +381,7 @@ def test_the_graph_is_kept_and_its_files_are_found_again(view: CurvesView, table
     assert len(again.data.series) == 2
     assert again.plot.shown == part, "the part that the mouse chose"
     QTest.mouseClick(again.back_button, Qt.MouseButton.LeftButton)
-    assert again.plot.shown == again.plot.all_of_it()
+    assert again.plot.shown == again.plot.full_range()
     again.hide()
     table.unlink()
     later: CurvesView = alone(CurvesView(Session(LIFT), Player()), 800, 500)

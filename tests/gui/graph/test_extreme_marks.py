@@ -318,11 +318,11 @@ def test_the_texts_of_polar_marks_stand_beside_their_places_and_cover_nothing(po
     for plot in polar_plots(polar):
         plot.set_angle(radians(plot.marked()[0].angle))
         boxes = [mark.box for mark in plot.marks if not mark.box.isEmpty()]
-        others = [box for _, box in plot.letters()] + [box for _, box in plot.readouts()]
+        others = [box for _, box in plot.texts()] + [box for _, box in plot.readouts()]
         assert not any(one.intersects(other) for one, other in combinations(boxes, 2))
         assert not any(box.intersects(other) for box in boxes for other in others)
         for mark, extreme in zip(plot.marks, plot.marked(), strict=True):
-            assert mark.at == plot.place(extreme.angle, plot.distance(extreme.value))
+            assert mark.at == plot.position(extreme.angle, plot.distance(extreme.value))
             assert not any(
                 mark.box.contains(path.pointAtPercent(i / 3000.0)) for path in plot.paths for i in range(3001)
             )

@@ -241,7 +241,7 @@ def test_bands_of_machines_lie_round_about_the_curve(alone: Alone) -> None:
     plot = graph.panels[-1].plot
     assert isinstance(plot, LivePolar)
     assert not plot.bands, "nobody has asked"
-    graph.bands.ask(True)
+    graph.bands.set_shown(True)
     wait_for(lambda: len(plot.bands) == 1)
     (outer, _), (inner, _) = plot.areas
     for angle in (60.0, 100.0, 250.0):
@@ -253,11 +253,11 @@ def test_bands_of_machines_lie_round_about_the_curve(alone: Alone) -> None:
             for side in (-4.0, 4.0)
         )  # 1.5 standard deviations to either side
         for value in (low, high):
-            place = plot.place(angle, plot.distance(degrees(value)))
+            place = plot.position(angle, plot.distance(degrees(value)))
             assert outer.contains(place)
             assert inner.contains(place)
-        assert not outer.contains(plot.place(angle, plot.distance(degrees(high + 2.0 * (high - low)))))
-    graph.bands.ask(False)
+        assert not outer.contains(plot.position(angle, plot.distance(degrees(high + 2.0 * (high - low)))))
+    graph.bands.set_shown(False)
     assert not plot.bands
 
 
@@ -314,7 +314,7 @@ def test_the_values_of_the_cursor_cover_neither_scale_nor_each_other(
         assert len(boxes) == len(quantities)
         for i, box in enumerate(boxes):
             assert plot.rect().toRectF().contains(box)
-            assert not any(box.intersects(other) for _, other in plot.letters()), f"{angle} deg, {i}"
+            assert not any(box.intersects(other) for _, other in plot.texts()), f"{angle} deg, {i}"
             assert not any(box.intersects(other) for other in boxes[:i]), f"{angle} deg, {i}"
     plot.deleteLater()
 
@@ -339,14 +339,14 @@ def test_a_click_sets_the_angle_of_the_ray(angle: float, graph: GraphView) -> No
     plot = graph.panels[0].plot
     assert isinstance(plot, LivePolar)
     graph.player.set_theta(1.0)
-    QTest.mouseClick(plot, Qt.MouseButton.LeftButton, pos=plot.place(angle, 0.8 * plot.radius).toPoint())
+    QTest.mouseClick(plot, Qt.MouseButton.LeftButton, pos=plot.position(angle, 0.8 * plot.radius).toPoint())
     apart = (degrees(graph.player.theta) - angle + 180.0) % 360.0 - 180.0
     assert apart == pytest.approx(0.0, abs=1.5)
 
 
 def test_the_angle_goes_round_counter_clockwise(app: QApplication) -> None:
     plot = polar_of("radius")
-    up = plot.place(90.0, 100.0)
+    up = plot.position(90.0, 100.0)
     assert up.y() < plot.centre.y()
     assert hypot(*(up - plot.centre).toTuple()) == pytest.approx(100.0)
     assert plot.angle_at(QPointF(plot.centre.x() - 50.0, plot.centre.y())) == pytest.approx(180.0)

@@ -39,7 +39,7 @@ def cells(view: CentresView, table: str) -> dict[str, tuple[str, ...]]:
 
 
 def distance(view: CentresView, one: str, other: str) -> float:
-    for box, text in ((view.one, one), (view.other, other)):
+    for box, text in ((view.first, one), (view.second, other)):
         box.setCurrentIndex(box.findText(text))
         box.activated.emit(box.currentIndex())
     return number(view.distance.text())
@@ -159,7 +159,7 @@ def test_the_circle_diagram_finds_one_centre_after_the_other(open_user: Open) ->
         view.next.click()
         settle()
         wanted = plan.steps[step - 1]
-        assert view.diagram.wanted == wanted
+        assert view.diagram.target == wanted
         assert wanted.key in view.diagram.dotted
         for triangle in wanted.triangles[:2]:
             assert triangle.first in view.diagram.solid
@@ -183,7 +183,7 @@ def test_the_first_wanted_centre_of_the_four_bar_is_told_as_the_lecture_does(ope
     view.next.click()
     assert (
         view.text.text()
-        == "13 lies on the lines 12\u201323 (links 1, 2, 3) and 14\u201334 (links 1, 3, 4): where they cross."
+        == "13 is the intersection of the lines 12\u201323 (links 1, 2, 3) and 14\u201334 (links 1, 3, 4)."
     )
 
 

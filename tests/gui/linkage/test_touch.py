@@ -1,4 +1,4 @@
-"""kindyna_gui.linkage.drives_touch: what the drawing's parts are, dragged, typed, clicked and asked what can be done with them."""
+"""kindyna_gui.linkage.drives_mouse: what the drawing's parts are, dragged, typed, clicked and asked what can be done with them."""
 
 import cmath
 import re
@@ -69,7 +69,7 @@ def drop(user: User) -> None:
 
 
 def beside(user: User) -> list[tuple[str, bool]]:
-    held = user.drawing().held
+    held = user.drawing().drag
     assert held is not None
     return held.lines
 
@@ -319,7 +319,7 @@ def test_a_click_on_a_limit_in_a_plot_opens_its_field(rocker: User) -> None:
     view = rocker.see("pressure_angle")
     assert isinstance(view, PlotView)
     for text, path in (
-        ("usual limit", "limits.pressure_angle_rise_deg"),
+        ("typical limit", "limits.pressure_angle_rise_deg"),
         ("limit of", "limits.pressure_angle_return_deg"),
     ):
         tag = next(each for each in limits(view.plot) if each.text.startswith(text))

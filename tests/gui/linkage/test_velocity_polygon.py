@@ -100,7 +100,7 @@ def test_vectors_are_drawn_head_to_tail_to_the_scale(name: str, open_user: Open)
         study = user.turn(degrees)
         drawn, (value, length) = sheet.vectors(), sheet.scale_bar
         per_mm_s = length / value
-        pole = sheet.frame_now.pole
+        pole = sheet.frame.pole
         ends = {key: start + vector.conjugate() * 1e3 * per_mm_s for key, (start, vector) in drawn.items()}
         absolute = {key: end for key, end in ends.items() if drawn[key][0] == pole}
         for point, (_, speed) in study.points().items():
@@ -151,15 +151,15 @@ def test_in_a_dwell_nothing_moves_and_the_polygon_says_so(open_user: Open) -> No
     user = open_user(example("four_bar_coupler_cam"))
     sheet = polygon(user).sheet
     user.turn(10.0)
-    assert sheet.at_rest
+    assert sheet.is_empty
     assert sheet.vectors() == {}
     user.turn(130.0)
-    assert not sheet.at_rest
+    assert not sheet.is_empty
 
 
 def test_a_cam_has_its_velocities_in_the_mechanism(user: User) -> None:
     view = polygon(user)
-    assert "drawn in the mechanism" in view.note.text()
+    assert "the mechanism shows the velocities" in view.note.text()
 
 
 def test_the_polygon_is_written_as_a_picture(six_bar: User) -> None:
@@ -176,7 +176,7 @@ def test_names_keep_off_vectors_and_each_other() -> None:
     sheet = QRectF(0.0, 0.0, 200.0, 200.0)
     side = PlacedName("side", "V", "A", 100 + 100j, 1j, "#000000", 14.0, 10.0, along=120 + 0j)
     corners = [PlacedName("corner", name, "", 100 + 100j, 1 + 0j, "#000000", 10.0, 10.0) for name in "ab"]
-    laid = NameLayout().laid([*corners, side], [(40 + 100j, 160 + 100j), (40 + 112j, 160 + 112j)], sheet)
+    laid = NameLayout().place([*corners, side], [(40 + 100j, 160 + 100j), (40 + 112j, 160 + 112j)], sheet)
     boxes = [QRectF(t.middle.real - t.width / 2, t.middle.imag - t.height / 2, t.width, t.height) for t in laid]
     assert not any(a.intersects(b) for i, a in enumerate(boxes) for b in boxes[:i])
     assert laid[2].middle.imag < 95.0, "above, for below there is another vector"

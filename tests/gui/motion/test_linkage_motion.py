@@ -234,7 +234,7 @@ def test_another_link_leads_and_the_drawing_stays(same_window: Open) -> None:
     assert user.design.drive.motion is not None
     assert user.window.player.theta == 0.0
     assert stands(user) == pytest.approx(before, abs=1e-3)
-    assert user.steps == ["Let link 4 follow a motion"]
+    assert user.steps == ["Drive link 4 by a motion"]
     user.choose("Compo", "Driver", "Link 2 turns at speed")
     assert stands(user) == pytest.approx(before, abs=1e-3)
     assert user.window.player.theta == pytest.approx(1.0, abs=1e-6)
@@ -250,14 +250,14 @@ def test_a_cam_that_goes_with_its_motion_is_named_and_comes_back(same_window: Op
     user.turn(270.0)
     before = user.design
     entry = ("Compo", "Driver", "Link 4 turns at speed")
-    assert user.action(*entry).statusTip().endswith("without its motion and its cam")
+    assert user.action(*entry).statusTip().endswith("removes its motion and its cam")
     user.choose(*entry)
     assert user.design.drive.motion is None
     assert user.design.drive.cam is None
     assert user.window.status.currentMessage().startswith(
-        "Let link 4 turn at speed: the linkage has lost its motion and its cam"
+        "Drive link 4 at constant speed: removed its motion and its cam"
     )
-    assert user.steps == ["Let link 4 turn at speed, without its motion and its cam"]
+    assert user.steps == ["Drive link 4 at constant speed, without its motion and its cam"]
     user.choose("Edit", f"Undo {user.steps[0]}")
     assert user.design == before
     user.choose("Edit", f"Redo {user.steps[0]}")
@@ -269,7 +269,7 @@ def test_the_roller_asks_for_a_motion_first(same_window: Open) -> None:
     assert user.entries("Compo", "Cam roller") == ["No cam", "A on link 2", "B on link 3", "C on link 3"]
     action = user.action("Compo", "Cam roller", "C on link 3")
     assert not action.isEnabled()
-    assert action.statusTip() == "First let a link follow a motion: Driver does that"
+    assert action.statusTip() == "First drive a link by a motion: Compo > Driver"
 
 
 Step = Callable[[User], None]

@@ -129,7 +129,7 @@ def test_a_figure_is_saved_as_picture_or_as_numbers(user: User, figures: Figures
 DRAWN = {
     ("shin1995", "Fig. 1"): "(h) right, below, left", ("shin1995", "Fig. 2, §6.4"): "L2 845", ("shin1995", "Fig. 14, §6.1"): "Clamp",
     ("shin1995", "Fig. 18"): "roller centre", ("shin1995", "Table 3"): "651.081", ("velocity", "p. 3"): "V",
-    ("velocity", "p. 8, step 3"): "24 lies on the lines 12–14", ("kim1990", "Fig. 8"): "Kim1990 Fig. 8",
+    ("velocity", "p. 8, step 3"): "24 is the intersection of the lines 12–14", ("kim1990", "Fig. 8"): "Kim1990 Fig. 8",
 }  # fmt: skip
 """A row of each kind of drawing: what its picture says somewhere."""
 

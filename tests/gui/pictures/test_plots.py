@@ -26,6 +26,7 @@ from kindyna_gui.pictures.plots.curves import CurvePlot
 from kindyna_gui.pictures.plots.lines import CurveLine
 from kindyna_gui.pictures.plots.marks import stacked, stacked_clear
 from kindyna_gui.pictures.plots.plot import angle_ticks, name_ticks, shown_range, spans, typical_range, value_ticks
+from kindyna_gui.pictures.plots.quantities import without_equal_curves
 from kindyna_gui.pictures.style import FAMILIES, LIGHT, font
 from kindyna_gui.pictures.units import digits, measure, nice_below, number, readable, short, ticks
 from kindyna_gui.places import example
@@ -260,13 +261,13 @@ def test_what_is_next_to_infinity_does_not_set_the_scale() -> None:
 @pytest.mark.parametrize(
     ("design", "slug", "texts"),
     [
-        (LIFT, "pressure_angle_deg", ["usual limit 45°"]),
-        (PUSHER, "pressure_angle_deg", ["usual limit 30°"]),
+        (LIFT, "pressure_angle_deg", ["typical limit 45°"]),
+        (PUSHER, "pressure_angle_deg", ["typical limit 30°"]),
         (LIFT, "pitch_curvature_per_mm", ["undercut from 6.667 1/m"]),
         (
             edited(LIFT, "limits.pressure_angle_return_deg", 30.0),
             "pressure_angle_deg",
-            ["usual limit 45°", "limit of the return 30°"],
+            ["typical limit 45°", "limit of the return 30°"],
         ),
         (
             edited(edited(PUSHER, "limits.pressure_angle_return_deg", 30.0), "limits.pressure_angle_rise_deg", 30.0),
@@ -545,11 +546,9 @@ def test_a_plot_becomes_svg_without_pixels() -> None:
 
 
 def test_the_flywheel_gives_the_torque_picture_a_second_curve() -> None:
-    from kindyna_gui.pictures.plots.quantities import different
-
     rows = [channel(LIFT, slug) for slug in ("drive_torque_nm", "motor_torque_nm")]
-    assert different(Study(LIFT, SAMPLES), rows) == rows[:1]
-    assert different(Study(with_shaft(LIFT, flywheel_inertia_kg_m2=5000.0), SAMPLES), rows) == rows
+    assert without_equal_curves(Study(LIFT, SAMPLES), rows) == rows[:1]
+    assert without_equal_curves(Study(with_shaft(LIFT, flywheel_inertia_kg_m2=5000.0), SAMPLES), rows) == rows
 
 
 def test_a_low_plot_keeps_its_height_for_the_curve_and_says_the_unit_of_the_angle_behind_its_last_number() -> None:

@@ -408,7 +408,7 @@ def sized(user: User, kind: str) -> Actions:
         for stretch in ("rise", "return"):
             actor.type_in(rested(view).limits.boxes[f"pressure_angle_{stretch}_deg"], "30")
     if not rested(view).take.isEnabled():
-        assert "No value serves" in view.answer.text()
+        assert "No value meets all limits" in view.answer.text()
         actor.pick(view.what, "pivot")
         actor.press_button(rested(view).take)
         actor.pick(view.what, "base-radius")

@@ -388,8 +388,8 @@ def test_the_rocker_cam_is_designed_in_inspector_and_drawing_without_a_menu_but_
         QTest.mouseMove(viewport, pixel(canvas, begin) + QPoint(4, 3))
         QTest.mouseMove(viewport, pixel(canvas, begin) + QPoint(9, 6))
         settle()
-        assert drawing.held is not None
-        assert any(line.startswith("Pressure angle") for line, _ in drawing.held.lines)
+        assert drawing.drag is not None
+        assert any(line.startswith("Pressure angle") for line, _ in drawing.drag.lines)
         hand.type(text)
         QTest.mouseRelease(viewport, LEFT, pos=QPoint(5, 5))
         hand.actions += 1

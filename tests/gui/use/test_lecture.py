@@ -76,7 +76,7 @@ def places(user: User) -> dict[str, complex]:
 def distance(user: User, one: str, other: str) -> float:
     """Chosen in the two boxes below the table, read from the label [cm]."""
     view = centres(user)
-    for box, text in ((view.one, one), (view.other, other)):
+    for box, text in ((view.first, one), (view.second, other)):
         box.setCurrentIndex(box.findText(text))
         box.activated.emit(box.currentIndex())
     return number(view.distance.text()) / 10.0
@@ -156,7 +156,7 @@ def test_centres_stand_where_the_lecture_constructs_them(name: str, open_user: O
         rows = table(centres(user).page("centres"))
         assert len(rows) == FIGURES[name]
         for centre, row in rows.items():
-            for line in row["Found"].split(" × ") if row["Found"] != "at sight" else ():
+            for line in row["Construction"].split(" × ") if row["Construction"] != "at sight" else ():
                 one, other = line.split("–")
                 if {centre, one, other} <= set(there):
                     tried += 1
@@ -228,7 +228,7 @@ def test_the_circle_diagram_is_played_to_its_end(name: str, steps: int, open_use
     for step in range(1, steps + 1):
         view.next.click()
         settle()
-        assert view.diagram.wanted is not None
+        assert view.diagram.target is not None
         assert len(view.diagram.dotted) == steps - step + 1
         lines = re.findall(r"(\d+)–(\d+)", view.text.text())
         solid = {"".join(str(1 if b == "frame" else b[-1]) for b in key) for key in view.diagram.solid}

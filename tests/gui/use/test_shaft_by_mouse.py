@@ -16,7 +16,7 @@ from core.find import Solution
 from core.project import load
 from core.study import Study
 from core.study.cam_checks import smallest_radii
-from kindyna_gui.drives import BESIDE, ONE
+from kindyna_gui.drives import ONE, SIDE_BY_SIDE
 from kindyna_gui.drives_view import NAME, DrivesView
 from kindyna_gui.find import FindView
 from kindyna_gui.findings import FindingsView
@@ -142,7 +142,7 @@ def test_the_transfer_unit_is_worked_through_with_the_mouse(open_user: Open) -> 
     # several drives drawn, and played by the space bar
     hand.task("Dyna")
     drawing = user.drawing()
-    hand.button(drawing.strip.ways, plain(drawing.strip.arrangements[BESIDE].text()))
+    hand.button(drawing.strip.arrangement_bar, plain(drawing.strip.arrangements[SIDE_BY_SIDE].text()))
     assert drawing.all_canvas.isVisible()
     user.press(Qt.Key.Key_Space)
     assert player.playing
@@ -159,7 +159,7 @@ def test_the_transfer_unit_is_worked_through_with_the_mouse(open_user: Open) -> 
         off = (degrees(atan2(seen.y(), seen.x())) - wanted + 180.0) % 360.0 - 180.0
         assert abs(off) < 0.11, f"{drive.name}: drawn at the nearest of 1800 angles"
     slider = user.window.bar.slider
-    hand.click(slider, QPointF(slider.place_of(90.0), slider.height() / 2.0).toPoint())
+    hand.click(slider, QPointF(slider.position_of(90.0), slider.height() / 2.0).toPoint())
     assert degrees(player.machine) == pytest.approx(90.0, abs=1.0)
 
     # its timing drawn with the mouse: the torque of the whole follows
@@ -200,7 +200,7 @@ def test_the_transfer_unit_is_worked_through_with_the_mouse(open_user: Open) -> 
     drives = hand.view("drives", DrivesView)
     assert drives.table.item(4, NAME).text() == "Balance cam"
     assert session.on_balancer
-    hand.button(drawing.strip.ways, plain(drawing.strip.arrangements[ONE].text()))
+    hand.button(drawing.strip.arrangement_bar, plain(drawing.strip.arrangements[ONE].text()))
     balancer = session.shaft.balancer
     assert balancer is not None
     box, profile = drawing.scene.item("cam").boundingRect(), balancer.cam.flanks[0].profile * 1e3

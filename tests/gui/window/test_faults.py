@@ -36,9 +36,7 @@ def test_a_slot_that_fails_is_said_in_words_and_logged_with_what_was_done_before
     timer.timeout.connect(fail)
     timer.start()
     wait_for(lambda: "failed" in said(user))
-    assert (
-        said(user) == "The window failed (IndexError: no such row). The design is as it was before. The log tells more."
-    )
+    assert said(user) == "The window failed (IndexError: no such row). The design is as it was before. See Help > Log."
     user.choose("Help", "Log")
     shown = user.window.show_view("log").findChild(QPlainTextEdit)
     text = shown.toPlainText()

@@ -99,11 +99,11 @@ def test_a_value_that_cannot_be_says_what_is_allowed_and_changes_nothing(user: U
             (
                 "base radius 420 kg",
                 "cam.base_radius_mm",
-                "420 kg is none of its values; its units are mm, µm, cm, m, in",
+                "420 kg is not a valid value; its units are mm, µm, cm, m, in",
             ),
-            ("speed 3 mm", "shaft.speed_rpm", "3 mm is none of its values; its units are °/s, rad/s, rpm, Hz"),
+            ("speed 3 mm", "shaft.speed_rpm", "3 mm is not a valid value; its units are °/s, rad/s, rpm, Hz"),
             ("base radius 412,5", "cam.base_radius_mm", "a number is wanted, with a decimal point and no comma"),
-            ("rod centre 3 furlongs", "loads.rod_centre", "3 furlongs is none of its values; it has no unit"),
+            ("rod centre 3 furlongs", "loads.rod_centre", "3 furlongs is not a valid value; it has no unit"),
         ],
         1,
     ),
@@ -127,10 +127,10 @@ def test_what_cannot_be_done_now_and_what_is_nothing_is_told_in_a_line(user: Use
         finder = find(user, "undo")
         assert finder.shown[0].title.startswith("Undo")
         user.press(Qt.Key.Key_Return)
-    assert user.window.status.currentMessage() == "Undo cannot be done now"
+    assert user.window.status.currentMessage() == "Undo is not available now"
     assert (len(user.steps), user.session.stack.index()) == (1, 0)
     finder = find(user, "qwertz 3")
-    assert [finder.rows.data(finder.rows.index(0, 1)), finder.shown] == ["Nothing is called qwertz 3", []]
+    assert [finder.rows.data(finder.rows.index(0, 1)), finder.shown] == ["No match for qwertz 3", []]
     user.press(Qt.Key.Key_Return)
     QTest.mouseClick(
         finder.list.viewport(), Qt.MouseButton.LeftButton, pos=finder.list.visualRect(finder.rows.index(0, 1)).center()

@@ -219,7 +219,7 @@ def test_from_the_picture_of_a_four_bar_to_the_cam_under_its_coupler(open_user: 
     assert user.steps == [
         "Begin with Four bar",
         "Change C y to 60 mm",
-        "Let link 2 follow a motion",
+        "Drive link 2 by a motion",
         "Put the cam roller on C of link 3",
         "Change rise of segment 2 to 20°",
         "Change roller radius Rr to 9 mm",

@@ -14,7 +14,7 @@ from core.study import evaluations
 from kindyna_gui.documents.session import Session
 from kindyna_gui.look import wear
 from kindyna_gui.places import example
-from kindyna_gui.player import Player, speeds, step_of, usual
+from kindyna_gui.player import Player, initial_speed, speeds, step_of
 from kindyna_gui.settings import Preferences
 from kindyna_gui.window.player_bar import PlayerBar, speed_text
 from kindyna_gui.window.tasks import INSPECTOR
@@ -131,14 +131,14 @@ def test_from_join_to_join(bar: PlayerBar) -> None:
 @pytest.mark.parametrize("wanted", [0.0, 90.0, 123.0, 359.0])
 def test_a_click_on_the_slider_goes_there(wanted: float, bar: PlayerBar) -> None:
     bar.player.set_theta(1.0)
-    x = round(bar.slider.place_of(wanted))
+    x = round(bar.slider.position_of(wanted))
     QTest.mouseClick(bar.slider, Qt.MouseButton.LeftButton, pos=QPoint(x, 10))
     assert angle(bar) == pytest.approx(wanted, abs=360.0 / bar.slider.width())
 
 
 def test_the_slider_is_dragged_and_stops_playing(bar: PlayerBar) -> None:
     bar.player.play(True)
-    start, end = (QPoint(round(bar.slider.place_of(a)), 12) for a in (10.0, 200.0))
+    start, end = (QPoint(round(bar.slider.position_of(a)), 12) for a in (10.0, 200.0))
     QTest.mousePress(bar.slider, Qt.MouseButton.LeftButton, pos=start)
     QTest.mouseMove(bar.slider, end)
     QTest.mouseRelease(bar.slider, Qt.MouseButton.LeftButton, pos=end)
@@ -180,7 +180,7 @@ def test_the_number_follows_without_moving_the_cam(bar: PlayerBar) -> None:
 @pytest.mark.parametrize("rpm", [0.1, 1.0, 4.9, 5.1, 20.0, 31.0, 60.0, 300.0, 2900.0, 24000.0])
 def test_a_turn_can_be_watched_at_first(rpm: float) -> None:
     omega = rpm * pi / 30.0
-    rows, first = speeds(omega), usual(omega)
+    rows, first = speeds(omega), initial_speed(omega)
     assert first in rows
     assert [row.seconds for row in rows] == sorted((row.seconds for row in rows), reverse=True)
     assert sum(row.part == 1 for row in rows) == 1, "true time is always offered"
@@ -208,7 +208,7 @@ def test_a_speed_is_chosen(bar: PlayerBar) -> None:
     assert bar.player.speed == 0.5, "what was chosen stays through an edit"
     assert bar.speed.currentText() == "1/2 ×, 3.0 s"
     bar.session.start(load(example("card_picker")))
-    assert bar.player.speed == float(usual(bar.session.study.omega).part), "another shaft begins anew"
+    assert bar.player.speed == float(initial_speed(bar.session.study.omega).part), "another shaft begins anew"
 
 
 def test_the_speed_set_elsewhere_is_shown(bar: PlayerBar) -> None:

@@ -61,7 +61,7 @@ def test_a_reason_is_rolled_where_a_view_has_no_room(name: str, open_user: Open)
     while not isinstance(area, QScrollArea):
         area = area.parentWidget()
     assert area.verticalScrollBar().maximum() >= label.height() - view.height()
-    bar = seen(user.window.bar, "Nothing can be turned: the drawing says why.")
+    bar = seen(user.window.bar, "Cannot play: the drawing shows why.")
     assert room_for(bar), "of one line"
 
 
