@@ -42,10 +42,10 @@ class LiveGraph(GraphPlot):
         self._wheel = QTimer(self, singleShot=True, interval=WHEEL_MS)
 
     def show_graph(
-        self, graph: Graph, found: GraphData, keep: bool = False, message: str = "", bands: Bands = NO_CHANNEL_BANDS
+        self, graph: Graph, data: GraphData, keep: bool = False, message: str = "", bands: Bands = NO_CHANNEL_BANDS
     ) -> None:
         before = self.shown
-        super().show_graph(graph, found, keep and bool(self._past), message, bands)
+        super().show_graph(graph, data, keep and bool(self._past), message, bands)
         if self.shown != before:
             self._past.clear()
             self._pressed = self._moved_from = None  # the graph under the mouse has changed
