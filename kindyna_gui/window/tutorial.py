@@ -26,7 +26,7 @@ from core.frozen import frozen
 from core.study import extremes_of, findings_of, quantity
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.places import example, lesson_files
-from kindyna_gui.rebuilt import take_away
+from kindyna_gui.rebuilt import remove_part
 from kindyna_gui.window.base import Window
 from kindyna_gui.window.tutorial_steps import ACTIONS, CannotDo, play, region_of, settle, wait_for
 
@@ -315,7 +315,7 @@ class TutorialStrip(QToolBar):
         self._plays = False
         self.setEnabled(True)
         if self.ended:
-            take_away(self)
+            remove_part(self)
         else:
             self.check()
 
@@ -324,10 +324,10 @@ class TutorialStrip(QToolBar):
         self.ended = True
         self._timer.stop()
         for mark in self.marks:
-            take_away(mark)
+            remove_part(mark)
         self.host.removeToolBar(self)
         if not self._plays:
-            take_away(self)
+            remove_part(self)
 
 
 def begin(window: Window, lesson: Lesson) -> TutorialStrip:
