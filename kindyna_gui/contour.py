@@ -31,7 +31,7 @@ from kindyna_gui.labels import reason, sentence
 from kindyna_gui.look import bold_label, sign
 from kindyna_gui.pictures.plots.plot import shown_range
 from kindyna_gui.pictures.plots.xy import WHOLE_TURN, Dots, Line, XYPlot
-from kindyna_gui.pictures.shapes import at, circle, outline, segments
+from kindyna_gui.pictures.shapes import at, circle, cross, fit_transform, outline
 from kindyna_gui.pictures.style import CHAIN, OUTLINE, SCREEN, THIN, brush, no_pen
 from kindyna_gui.pictures.units import readable
 
@@ -87,7 +87,7 @@ class CurvePicture(QWidget):
 
     def _draw(self, painter: QPainter, traced: TracedMotion) -> None:
         radius = traced.design.drive.face.radius_mm
-        mm, size = self._scale(radius)
+        mm = self._scale(radius)
         if radius:
             painter.setPen(SCREEN.pen(SCREEN.quiet, THIN, CHAIN))
             painter.drawPath(mm.map(outline(self._path)))
@@ -95,12 +95,11 @@ class CurvePicture(QWidget):
         painter.drawPath(mm.map(outline(self._curve)))
         painter.setPen(SCREEN.pen(SCREEN.quiet, THIN))
         middle = mm.map(QPointF(0.0, 0.0))
-        centre = complex(middle.x(), middle.y())
-        painter.drawPath(segments([(centre - CROSS, centre + CROSS), (centre - 1j * CROSS, centre + 1j * CROSS)]))
+        painter.drawPath(cross(CROSS, complex(middle.x(), middle.y())))
         if self._chosen is not None and self._chosen < len(traced.jumps):
             chosen = mm.map(at(traced.jumps[self._chosen].place))
             painter.strokePath(
-                circle(max(radius * size, 2.0 * DOT), complex(chosen.x(), chosen.y())),
+                circle(max(radius * mm.m11(), 2.0 * DOT), complex(chosen.x(), chosen.y())),
                 SCREEN.pen(SCREEN.limit, OUTLINE),
             )
         painter.setPen(no_pen())
@@ -108,15 +107,12 @@ class CurvePicture(QWidget):
             painter.setBrush(brush(SCREEN.limit if jump.order == 1 else SCREEN.family("acceleration")))
             painter.drawEllipse(mm.map(at(jump.place)), DOT, DOT)
 
-    def _scale(self, radius: float) -> tuple[QTransform, float]:
-        """Transform from mm, y upwards, to pixels, with room for the roller on all sides; and pixels per mm."""
+    def _scale(self, radius: float) -> QTransform:
+        """Transform from mm, y upwards, to pixels, with room for the roller on all sides."""
         z = np.concatenate((self._curve, self._path, [0.0]))
         room = complex(radius, radius) if radius else 0j
-        low, high = complex(z.real.min(), z.imag.min()) - room, complex(z.real.max(), z.imag.max()) + room
-        size, middle = high - low, 0.5 * (low + high)
-        scale = min((self.width() - 2 * MARGIN) / size.real, (self.height() - 2 * MARGIN) / size.imag)
-        to_centre = QTransform().translate(0.5 * self.width(), 0.5 * self.height())
-        return to_centre.scale(scale, -scale).translate(-middle.real, -middle.imag), scale
+        corners = (complex(z.real.min(), z.imag.min()) - room, complex(z.real.max(), z.imag.max()) + room)
+        return fit_transform(np.array(corners), self.size(), MARGIN)
 
 
 def show_motion(plot: XYPlot, traced: TracedMotion) -> None:

@@ -1,4 +1,4 @@
-"""Dialogs."""
+"""Dialogs before tables, animation, report and hand-over are written, and the functions that open them."""
 
 from __future__ import annotations
 
@@ -42,37 +42,37 @@ from kindyna_gui.pictures.paper.report import GoOn, report_file
 from kindyna_gui.pictures.paper.sheets import sheet_file
 from kindyna_gui.settings import Settings
 
-# -- the dialogs before tables or an animation are written -----------------------------------------------
+# -- tables and animation --------------------------------------------------------------------------------
 
 SIZES = ((480, 360), (640, 480), (800, 600), (1024, 768), (1280, 960))
 
 
 @frozen
-class TablesWanted:
-    """Where the tables shall go, and at how many cam angles of a turn."""
+class TablesRequest:
+    """Folder of the tables, and number of cam angles per turn."""
 
     folder: Path
     samples: int
 
 
-OF_SHAFT = "shaft.csv and summary.json of the whole shaft, and the tables of each drive in a folder of its name"
+SHAFT_FILES = "shaft.csv and summary.json of the shaft, and the tables of each drive in a folder of its name"
 
 
 class TablesDialog(RequestDialog):
-    """Folder and cam angles per turn."""
+    """Dialog for the folder and the number of cam angles per turn."""
 
     command, help_page = "export", "tour#Export > Tables"
 
     def __init__(self, parent: QWidget, folder: Path, study: Study) -> None:
         if study.design.listed:
-            files, angle = OF_SHAFT, "machine angle"
+            files, angle = SHAFT_FILES, "machine angle"
         else:
             *first, last = file_names(study.design)
             files, angle = f"{', '.join(first)} and {last}", study.angle_name
 
-        def told(values: Mapping[str, Any]) -> str:
+        def summary(values: Mapping[str, Any]) -> str:
             step = f"One row every {360.0 / values['samples']:.6g}°."
-            return f"{step} Writes {files}; files of these names are replaced."
+            return f"{step} Writes {files}. Files with these names are replaced."
 
         self.folder = QLineEdit(str(folder))
         self.folder.setAccessibleName("Folder")
@@ -84,7 +84,7 @@ class TablesDialog(RequestDialog):
         where.addWidget(browse)
         form = RequestForm(ExportArguments, above=[("Folder", where)])
         form.name_row("samples", f"{angle.capitalize()}s per turn")
-        super().__init__(parent, "Export tables", form, "Export", told)
+        super().__init__(parent, "Export tables", form, "Export", summary)
         self.folder.textChanged.connect(lambda text: self.accept_button.setEnabled(bool(text.strip())))
 
     def command_options(self) -> tuple[str, list[str]]:
@@ -97,7 +97,7 @@ class TablesDialog(RequestDialog):
 
 
 class FilmDialog(RequestDialog):
-    """How an animation of one turn shall be; its size is one of some."""
+    """Dialog for the size, duration and format of an animation of one turn."""
 
     command, help_page = "animation", "tour#Export > Animation"
 
@@ -112,26 +112,23 @@ class FilmDialog(RequestDialog):
             self.pixels.addItem(f"{width} \u00d7 {height} pixels", (width, height))
         self.pixels.setCurrentIndex(SIZES.index((Film().width, Film().height)))
         form = RequestForm(Film, initial={"seconds": seconds}, above=[("Size", self.pixels)])
-        super().__init__(parent, "Export animation", form, "Save animation...", _frames_told)
+        super().__init__(parent, "Export animation", form, "Save animation...", _frame_summary)
 
 
-def _frames_told(values: Mapping[str, Any]) -> str:
+def _frame_summary(values: Mapping[str, Any]) -> str:
     frames, seconds = values["frames"], values["seconds"]
     return f"a frame every {360.0 / frames:.4g}°, {frames / seconds:.3g} frames per second"
 
 
-# -- the questions, as functions that tests can answer ----------------------------------------------------
-
-
-def tables_wanted(parent: QWidget, folder: Path, study: Study) -> TablesWanted | None:
-    """Ask where tables shall go; None where the user cancels."""
+def ask_tables(parent: QWidget, folder: Path, study: Study) -> TablesRequest | None:
+    """Ask for the folder of the tables; None where the user cancels."""
     dialog = TablesDialog(parent, folder, study)
     values = dialog.values()
-    return None if values is None else TablesWanted(Path(dialog.folder.text()).expanduser(), values["samples"])
+    return None if values is None else TablesRequest(Path(dialog.folder.text()).expanduser(), values["samples"])
 
 
-def film_wanted(parent: QWidget, folder: Path, name: str, seconds: float) -> tuple[Path, Film] | None:
-    """Ask what an animation shall be like and for its file."""
+def ask_animation(parent: QWidget, folder: Path, name: str, seconds: float) -> tuple[Path, Film] | None:
+    """Ask for the settings of an animation and its file; None where the user cancels."""
     dialog = FilmDialog(parent, seconds)
     values = dialog.values()
     if values is None:
@@ -143,53 +140,61 @@ def film_wanted(parent: QWidget, folder: Path, name: str, seconds: float) -> tup
     return None if path is None else (path, film)
 
 
-# -- handover --------------------------------------------------------------------------------------------
+# -- painted files of a hand-over ------------------------------------------------------------------------
 
 
-def painted(
+def paint_handover(
     study: Study, request: HandoverRequest, go_on: GoOn = lambda done: True
 ) -> tuple[list[HandoverFile], list[tuple[str, str]]] | None:
-    """The files, and what there is none of with the reason; None where it was not to go on. Raises NoSolution where there is no report."""
-    made = document(study, cover=request)
-    report = report_file(made, ".pdf", go_on)
+    """Return the painted files, and the missing ones with the reason; None where cancelled.
+
+    Raises NoSolution where the report cannot be calculated.
+    """
+    content = document(study, cover=request)
+    report = report_file(content, ".pdf", go_on)
     if report is None:
         return None
-    files = [HandoverFile("report.pdf", "the whole report", report)]
-    left_out = [("logo", made.lacking)] if made.lacking else []
+    files = [HandoverFile("report.pdf", "the report", report)]
+    left_out = [("logo", content.lacking)] if content.lacking else []
     title = {name: getattr(request, name) for name in ("author", "company", "logo", "date")}
-    for folder, name, each in drive_folders(study):
-        if "cam" not in each.stages:
+    for folder, name, drive in drive_folders(study):
+        if "cam" not in drive.stages:
             continue
-        of = f" of {name}" if name else ""
+        of_drive = f" of {name}" if name else ""
         try:
             files.append(
                 HandoverFile(
                     f"{folder}drawing.pdf",
-                    f"drawing of the cam{of} for the workshop",
-                    sheet_file(drawing(each, DrawingRequest(**title)), ".pdf"),
+                    f"workshop drawing of the cam{of_drive}",
+                    sheet_file(drawing(drive, DrawingRequest(**title)), ".pdf"),
                 )
             )
         except KindynaError as error:
-            left_out.append((f"drawing{of}", str(error)))
+            left_out.append((f"drawing{of_drive}", str(error)))
     return files, left_out
 
 
 # -- report dialog ---------------------------------------------------------------------------------------
 
 KINDS = {".pdf": "PDF, pages to print", ".html": "HTML, one page for any browser"}
-LINES, KEPT = ("customer", "author", "company", "revision", "date", "logo"), ("customer", "author", "company", "logo")
-"""What the first page may say, and what of it is the same the next time."""
+COVER_LINES = ("customer", "author", "company", "revision", "date", "logo")
+"""Lines of the first page."""
+SAVED_LINES = ("customer", "author", "company", "logo")
+"""Lines that the next report begins with."""
 
 
-def kept_cover() -> dict[str, str]:
-    """What a first page said the last time, or stands in the preferences."""
+def saved_cover() -> dict[str, str]:
+    """Lines and paper size of the last report, or of the preferences."""
     settings = Settings()
-    return {**{name: settings.written(name) for name in KEPT}, "paper": settings.written("paper") or next(iter(PAPERS))}
+    return {
+        **{name: settings.written(name) for name in SAVED_LINES},
+        "paper": settings.written("paper") or next(iter(PAPERS)),
+    }
 
 
 @frozen
-class ReportWanted:
-    """Ending of the file, the parts that stand in it, what its first page says, whether it is opened when it is written."""
+class ReportRequest:
+    """Ending of the file, its parts, its first page, and whether it is opened afterwards."""
 
     ending: str
     parts: tuple[str, ...]
@@ -198,7 +203,7 @@ class ReportWanted:
 
 
 class ReportDialog(QDialog):
-    """Kind of file and a box for each part that may be left out."""
+    """Dialog for the kind of file, the first page, and the parts of a report."""
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
@@ -209,11 +214,11 @@ class ReportDialog(QDialog):
             self.kind.addItem(name, ending)
         self.parts = {name: QCheckBox(text) for name, text in PARTS.items()}
         self.opened = QCheckBox("Open it")
-        kept = kept_cover()
-        self.lines = {name: QLineEdit(kept.get(name, "")) for name in LINES}
+        saved = saved_cover()
+        self.lines = {name: QLineEdit(saved.get(name, "")) for name in COVER_LINES}
         self.paper = QComboBox()
         self.paper.addItems(list(PAPERS))
-        self.paper.setCurrentText(kept["paper"])
+        self.paper.setCurrentText(saved["paper"])
         boxes = QVBoxLayout()
         for box in self.parts.values():
             box.setChecked(True)
@@ -228,7 +233,7 @@ class ReportDialog(QDialog):
         form.addRow("Then", self.opened)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
         buttons.button(QDialogButtonBox.StandardButton.Ok).setText("Save report...")
-        add_copy(buttons, parent, "report", self._asked)
+        add_copy(buttons, parent, "report", self._command_options)
         give_help(self, "tour#writes one file to hand on")
         buttons.accepted.connect(self.accept)
         buttons.rejected.connect(self.reject)
@@ -237,73 +242,75 @@ class ReportDialog(QDialog):
         column.addWidget(buttons)
 
     @property
-    def wanted(self) -> ReportWanted:
-        """Kind of file, chapters, and whether it is opened then."""
+    def request(self) -> ReportRequest:
+        """The report that the dialog describes."""
         parts = tuple(name for name, box in self.parts.items() if box.isChecked())
         texts = {name: box.text().strip() for name, box in self.lines.items()}
         cover = Cover(**texts, paper=self.paper.currentText())
-        return ReportWanted(self.kind.currentData(), parts, cover, self.opened.isChecked())
+        return ReportRequest(self.kind.currentData(), parts, cover, self.opened.isChecked())
 
-    def _asked(self) -> tuple[str, list[str]]:
-        wanted = self.wanted
-        without = [name for name in PARTS if name not in wanted.parts]
-        cover = command_words(Cover, {each.name: getattr(wanted.cover, each.name) for each in fields(Cover)})
-        return wanted.ending, [*cover, *(["--without", *without] if without else [])]
+    def _command_options(self) -> tuple[str, list[str]]:
+        request = self.request
+        without = [name for name in PARTS if name not in request.parts]
+        cover = command_words(Cover, {field.name: getattr(request.cover, field.name) for field in fields(Cover)})
+        return request.ending, [*cover, *(["--without", *without] if without else [])]
 
     def remember(self) -> None:
-        """For the next report: who makes them for whom, and on which paper."""
-        for name in KEPT:
+        """Save customer, author, company, logo and paper for the next report."""
+        for name in SAVED_LINES:
             self._settings.write(name, self.lines[name].text().strip())
         self._settings.write("paper", self.paper.currentText())
 
 
-def report_wanted(parent: QWidget) -> ReportWanted | None:
-    """Ask what a report shall hold; None where the user cancels."""
+def ask_report(parent: QWidget) -> ReportRequest | None:
+    """Ask for the settings of a report; None where the user cancels."""
     dialog = ReportDialog(parent)
     accepted = dialog.exec() == QDialog.DialogCode.Accepted
-    wanted = dialog.wanted
+    request = dialog.request
     if accepted:
         dialog.remember()
     dialog.deleteLater()
-    return wanted if accepted else None
+    return request if accepted else None
 
 
 def open_outside(path: Path) -> None:
-    """Show a file in the program that the desktop has for it."""
+    """Open a file in the default program of the desktop."""
     QDesktopServices.openUrl(QUrl.fromLocalFile(str(path.resolve())))
 
 
-# -- handover dialog -------------------------------------------------------------------------------------
+# -- hand-over dialog ------------------------------------------------------------------------------------
 
-TOLD = "Profile, drawing and inspection table of every cam, report, web page, and the design itself; a list says what each is."
+CONTENT = (
+    "Profile, drawing and inspection table of every cam, report, web page, the design itself, and a list of all files."
+)
 
 
 class HandoverDialog(RequestDialog):
-    """A controller besides what the form asks."""
+    """Dialog for the contents of a hand-over, with a controller and G-code."""
 
     command, help_page = "handover", "tour#Export > Hand-over"
 
     def command_options(self) -> tuple[str, list[str]]:
         request = self.request
-        values = {each.name: getattr(request, each.name) for each in fields(HandoverRequest)}
+        values = {field.name: getattr(request, field.name) for field in fields(HandoverRequest)}
         return ".zip", command_words(HandoverRequest, values)
 
     def __init__(self, parent: QWidget) -> None:
         self.controller, self.gcode = QComboBox(), QCheckBox("G-code of every cam too")
         fill_choices(self.controller, {"": "None", **{slug: row.label for slug, row in controllers().items()}})
-        first, above = {"paper": kept_cover()["paper"]}, [("Controller", self.controller)]
+        first, above = {"paper": saved_cover()["paper"]}, [("Controller", self.controller)]
         form = RequestForm(HandoverRequest, initial=first, above=above)
         form.rows.addRow("", self.gcode)
-        super().__init__(parent, "Hand-over", form, "Save hand-over...", lambda values: TOLD)
+        super().__init__(parent, "Hand-over", form, "Save hand-over...", lambda values: CONTENT)
 
     @property
     def request(self) -> HandoverRequest:
-        """As it stands."""
-        own = {"controller": self.controller.currentData(), "gcode": self.gcode.isChecked()}
-        return build_request(HandoverRequest, {**kept_cover(), **self.form.values, **own})
+        """The hand-over that the dialog describes."""
+        choices = {"controller": self.controller.currentData(), "gcode": self.gcode.isChecked()}
+        return build_request(HandoverRequest, {**saved_cover(), **self.form.values, **choices})
 
 
-def handover_wanted(parent: QWidget) -> HandoverRequest | None:
-    """Ask what a hand-over shall hold; None where the user cancels."""
+def ask_handover(parent: QWidget) -> HandoverRequest | None:
+    """Ask for the contents of a hand-over; None where the user cancels."""
     dialog = HandoverDialog(parent)
     return None if dialog.values() is None else dialog.request

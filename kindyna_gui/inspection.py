@@ -1,4 +1,4 @@
-"""Inspection."""
+"""Inspection of a cam: the dialog that exports the lift table of a probe, and the dialog that compares a measured cam."""
 
 from __future__ import annotations
 
@@ -50,23 +50,23 @@ from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import reason, sentence
 from kindyna_gui.look import coloured, sign
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
-from kindyna_gui.pictures.shapes import at, circle, outline, polyline, segments
+from kindyna_gui.pictures.shapes import at, circle, cross, fit_transform, outline, polyline, segments
 from kindyna_gui.pictures.style import CHAIN, DASHED, OUTLINE, SCREEN, THIN, brush, no_pen
 
-# -- form ------------------------------------------------------------------------------------------------
+# -- form of the probe -----------------------------------------------------------------------------------
 
-A_RADIUS = 5.0  # mm, where the cam's own follower has none
+DEFAULT_RADIUS = 5.0  # of the probe where the follower has no radius, mm
 
 
 class ProbeForm(RequestForm):
-    """Each flank begins with the probe that is its own follower; a probe without a radius is asked for none."""
+    """Form of a probe; each flank begins with a probe like the follower on it."""
 
     def __init__(self, design: Design) -> None:
-        first = {"direction_deg": follower_direction(design), "radius_mm": A_RADIUS}
-        super().__init__(InspectionRequest, flanks(design), first)
+        initial = {"direction_deg": follower_direction(design), "radius_mm": DEFAULT_RADIUS}
+        super().__init__(InspectionRequest, flanks(design), initial)
         self._design = design
         self.boxes["tolerance_mm"].setPrefix("± ")
-        self.boxes["probe"].removeItem(0)  # that of the cam's own follower is named
+        self.boxes["probe"].removeItem(0)  # the row "as the follower": its probe is selected by name
         self._begin()
         self.boxes["flank"].currentIndexChanged.connect(self._begin)
         self.boxes["probe"].currentIndexChanged.connect(self._offer_radius)
@@ -83,6 +83,7 @@ class ProbeForm(RequestForm):
 
     @property
     def request(self) -> InspectionRequest:
+        """The probe that the form describes."""
         request: InspectionRequest = super().request
         return request
 
@@ -93,7 +94,7 @@ ANGLE = "Cam angle, °"
 
 
 class InspectionDialog(ComputedDialog):
-    """``made`` is the inspection that the file will hold."""
+    """Dialog for the inspection table of a cam, with the lift and its tolerance band."""
 
     command, ending, help_page = "inspection", ".csv", "tour#Export > Inspection table"
 
@@ -112,17 +113,17 @@ class InspectionDialog(ComputedDialog):
     def job(self) -> Callable[[], Inspection]:
         return partial(_computed, self._design, self.form.request)
 
-    def show_result(self, made: Inspection | None) -> str:
-        if made is None:
+    def show_result(self, computed: Inspection | None) -> str:
+        if computed is None:
             self.lift.show_message("")
             self.band.show_message("")
             return ""
-        self._show(made)
-        return _summary(made)
+        self._show(computed)
+        return _summary(computed)
 
-    def _show(self, made: Inspection) -> None:
-        """The lift, and below it the band about it: beside the lift itself it could not be seen."""
-        table = made.table
+    def _show(self, result: Inspection) -> None:
+        """Plot the lift, and below it the tolerance band about it."""
+        table = result.table
         x = np.append(table.degrees, 360.0)
         lift, lower, upper = (np.append(y, y[0]) for y in (table.lift, table.lower, table.upper))
         self.lift.show_lines([Line(x, lift, SCREEN.family("displacement"))])
@@ -136,40 +137,39 @@ class InspectionDialog(ComputedDialog):
 
 
 def _computed(design: Design, request: InspectionRequest) -> Inspection:
-    made = inspection(Study(design), request)
-    made.setup.findings  # noqa: B018 - here, not in the window's thread
-    return made
+    result = inspection(Study(design), request)
+    result.setup.findings  # noqa: B018 - calculated here, not in the thread of the window
+    return result
 
 
-def _summary(made: Inspection) -> str:
-    """What the table will hold."""
-    at = made.setup
+def _summary(result: Inspection) -> str:
+    """Number of rows, largest lift and findings of a table."""
     first = (
-        f"{made.table.degrees.size} rows; largest lift {made.table.lift.max():.6g} mm. Lift 0 stands at {at.base:.6g} mm from the cam "
-        "centre."
+        f"{result.table.degrees.size} rows; largest lift {result.table.lift.max():.6g} mm. "
+        f"Lift 0 is {result.setup.base:.6g} mm from the cam centre."
     )
-    return "\n".join([first, *(f"{sentence(found.message)}." for found in at.findings)])
+    return "\n".join([first, *(f"{sentence(finding.message)}." for finding in result.setup.findings)])
 
 
-def inspection_wanted(parent: QWidget, design: Design) -> Inspection | None:
-    """Ask what an inspection table shall hold; computed, None where the user cancels."""
-    made: Inspection | None = accepted(InspectionDialog(parent, design))
-    return made
+def ask_inspection(parent: QWidget, design: Design) -> Inspection | None:
+    """Ask for an inspection table and return it; None where the user cancels."""
+    result: Inspection | None = accepted(InspectionDialog(parent, design))
+    return result
 
 
-# -- picture ---------------------------------------------------------------------------------------------
+# -- drawing of the deviations ---------------------------------------------------------------------------
 
-DRAWN = 1440  # points of the profile
-MARGIN = 44  # pixels, in which the cam angles stand
+PROFILE_POINTS = 1440  # drawn points of the profile
+MARGIN = 44  # around the drawing, with the cam angles, pixels
 DOT, RING, CROSS = 2.4, 8.0, 5.0  # pixels
 STEP_DEG = 30
-GAP, REACH = 6.0, 18.0  # from what is drawn to the end of the strokes and to the names of cam angles, pixels
-WIDE_GAP = 10.0  # deg without a row, across which no line is drawn
+GAP, REACH = 6.0, 18.0  # from the drawing to the ends of the strokes and to the cam angles, pixels
+WIDE_GAP = 10.0  # a gap between rows across which no line is drawn, degrees
 
 
 @frozen(eq=False)
 class ShownComparison:
-    """A comparison with the profile: its points (n,) [mm] and normals away from the cam (n,)."""
+    """A comparison with the profile: complex points (n,) [mm] of the profile and its outward normals (n,), dimensionless."""
 
     comparison: ProfileComparison
     profile: np.ndarray
@@ -177,22 +177,22 @@ class ShownComparison:
 
 
 def shown(comparison: ProfileComparison) -> ShownComparison:
-    """Everything that is drawn, computed."""
-    at_probe = comparison.setup
-    there = at_probe.exact(at_probe.study.program.angles(TURN * np.arange(DRAWN) / DRAWN))
-    comparison.findings  # noqa: B018 - here, not in the window's thread
-    return ShownComparison(comparison, there.z, at_probe.side * 1j * there.tangent)
+    """Calculate everything that is drawn of a comparison."""
+    setup = comparison.setup
+    profile = setup.exact(setup.study.program.angles(TURN * np.arange(PROFILE_POINTS) / PROFILE_POINTS))
+    comparison.findings  # noqa: B018 - calculated here, not in the thread of the window
+    return ShownComparison(comparison, profile.z, setup.side * 1j * profile.tangent)
 
 
 def magnified(result: ProfileComparison, factor: float) -> np.ndarray:
-    """The measured rows (n,) [mm] in the cam's own frame, so many times as far from the profile as they are."""
+    """Return the measured points (n,) [mm] in the frame of the cam, with their deviations times a factor."""
     return np.asarray(
         result.table.contact + factor * result.setup.outward * result.normal_deviation * result.table.normal
     )
 
 
 class DeviationPicture(QWidget):
-    """Draws the last comparison, faintly while another is computed; ``factor``: how many times larger deviations are drawn."""
+    """Drawing of the last comparison, faint while another is calculated; deviations are drawn times ``factor``."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -207,22 +207,23 @@ class DeviationPicture(QWidget):
     def sizeHint(self) -> QSize:
         return QSize(560, 560)
 
-    def show_comparison(self, made: ShownComparison | None, message: str = "") -> None:
-        """Draw what was measured beside the profile; None: the message alone."""
-        self.shown, self.message, self._faint, self._chosen = made, message, False, -1
+    def show_comparison(self, comparison: ShownComparison | None, message: str = "") -> None:
+        """Draw the measured points on the profile; None: show the message only."""
+        self.shown, self.message, self._faint, self._chosen = comparison, message, False, -1
         self.update()
 
     def magnify(self, factor: float) -> None:
-        """Draw deviations so many times as large as they are."""
+        """Draw deviations times this factor."""
         self.factor = factor
         self.update()
 
     def point_out(self, row: int) -> None:
-        """Ring a row, none where negative."""
+        """Mark a row with a ring; negative: none."""
         self._chosen = row
         self.update()
 
     def wait(self) -> None:
+        """Draw the last comparison faintly."""
         self._faint = True
         self.update()
 
@@ -239,23 +240,21 @@ class DeviationPicture(QWidget):
             painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap, self.message)
         painter.end()
 
-    # -- what is drawn -------------------------------------------------------------------------------------------
-
-    def _draw(self, painter: QPainter, made: ShownComparison) -> None:
-        result, factor = made.comparison, self.factor
+    def _draw(self, painter: QPainter, shown: ShownComparison) -> None:
+        result, factor = shown.comparison, self.factor
         band = result.setup.request.tolerance_mm * factor
-        sides = [made.profile + sign * band * made.normal for sign in (-1.0, 1.0)]
+        limits = [shown.profile + side * band * shown.normal for side in (-1.0, 1.0)]
         outward = result.setup.outward
         measured = magnified(result, factor)
         largest = max(band, factor * float(np.abs(result.normal_deviation).max()))
-        outer = made.profile + outward * largest * made.normal
-        mm = self._scale(outer)
+        outer = shown.profile + outward * largest * shown.normal
+        mm = fit_transform(np.append(outer, 0.0), self.size(), MARGIN)
         painter.setPen(SCREEN.pen(SCREEN.cam_line, THIN))
         painter.setBrush(brush(SCREEN.cam) if outward > 0.0 else Qt.BrushStyle.NoBrush)
-        painter.drawPath(mm.map(outline(made.profile)))
+        painter.drawPath(mm.map(outline(shown.profile)))
         painter.setBrush(Qt.BrushStyle.NoBrush)
         painter.setPen(SCREEN.pen(SCREEN.limit, THIN))
-        for curve in sides:
+        for curve in limits:
             painter.drawPath(mm.map(outline(curve)))
         self._name_angles(painter, result, mm, outer)
         painter.setPen(SCREEN.pen(SCREEN.family("displacement"), OUTLINE))
@@ -263,36 +262,35 @@ class DeviationPicture(QWidget):
             painter.drawPath(mm.map(polyline(measured[stretch].tolist())))
         painter.setPen(no_pen())
         painter.setBrush(brush(SCREEN.limit))
-        for place in measured[result.is_outside].tolist():
-            painter.drawEllipse(mm.map(at(place)), DOT, DOT)
+        for point in measured[result.is_outside].tolist():
+            painter.drawEllipse(mm.map(at(point)), DOT, DOT)
         self._mark(painter, result, mm, measured)
         painter.setPen(SCREEN.pen(SCREEN.quiet))
-        place = self.rect().adjusted(8, 4, -8, -4)
         painter.drawText(
-            place,
+            self.rect().adjusted(8, 4, -8, -4),
             Qt.AlignmentFlag.AlignBottom | Qt.AlignmentFlag.AlignLeft,
             f"Deviation × {factor:g} (blue), tolerance (red), cam angles",
         )
 
     def _mark(self, painter: QPainter, result: ProfileComparison, mm: QTransform, measured: np.ndarray) -> None:
-        """The largest deviation with its value and angle, and the row that was pointed out."""
+        """Mark the largest deviation with its value and angle, and the selected row."""
         painter.setBrush(Qt.BrushStyle.NoBrush)
         if 0 <= self._chosen < measured.size and self._chosen != result.worst_row:
             chosen = mm.map(at(complex(measured[self._chosen])))
             painter.strokePath(circle(RING, complex(chosen.x(), chosen.y())), SCREEN.pen(SCREEN.ink, OUTLINE))
         row = result.worst_row
-        place, centre = mm.map(at(complex(measured[row]))), mm.map(QPointF(0.0, 0.0))
-        spot = complex(place.x(), place.y())
+        worst, centre = mm.map(at(complex(measured[row]))), mm.map(QPointF(0.0, 0.0))
+        spot = complex(worst.x(), worst.y())
         inwards = complex(centre.x(), centre.y()) - spot
         inwards /= abs(inwards) or 1.0
         colour = SCREEN.limit if result.is_outside[row] else SCREEN.ink
         text = f"{1e3 * result.normal_deviation[row]:+.4g} µm at {result.table.degrees[row]:.4g}°"
         size = painter.fontMetrics().size(0, text)
-        foot = spot + inwards * (RING + 26.0)
+        end = spot + inwards * (RING + 26.0)
         painter.strokePath(circle(RING, spot), SCREEN.pen(colour, OUTLINE))
-        painter.strokePath(segments([(spot + inwards * RING, foot)]), SCREEN.pen(colour, THIN))
-        # the text lies further inwards, where the cam is plain
-        middle = foot + complex(inwards.real * (0.5 * size.width() + 4.0), inwards.imag * (0.5 * size.height() + 4.0))
+        painter.strokePath(segments([(spot + inwards * RING, end)]), SCREEN.pen(colour, THIN))
+        # the text is further inwards, where nothing else is drawn
+        middle = end + complex(inwards.real * (0.5 * size.width() + 4.0), inwards.imag * (0.5 * size.height() + 4.0))
         box = QRectF(
             middle.real - 0.5 * size.width() - 3.0, middle.imag - 0.5 * size.height(), size.width() + 6.0, size.height()
         )
@@ -301,37 +299,28 @@ class DeviationPicture(QWidget):
         painter.drawText(box, Qt.AlignmentFlag.AlignCenter, text)
 
     def _name_angles(self, painter: QPainter, result: ProfileComparison, mm: QTransform, outer: np.ndarray) -> None:
-        """Where each cam angle is measured, just outside of all that is drawn; the cam centre with its mark."""
+        """Write the cam angles outside the drawing, where they are measured, and mark the cam centre."""
         centre = mm.map(QPointF(0.0, 0.0))
-        place, setup = complex(centre.x(), centre.y()), result.setup
+        origin, setup = complex(centre.x(), centre.y()), result.setup
         painter.setPen(SCREEN.pen(SCREEN.quiet, THIN))
-        painter.drawPath(segments([(place - CROSS, place + CROSS), (place - 1j * CROSS, place + 1j * CROSS)]))
+        painter.drawPath(cross(CROSS, origin))
         around = np.angle(outer)
         order = np.argsort(around)
         for degrees in range(0, 360, STEP_DEG):
-            turned = setup.direction - setup.study.sense * np.deg2rad(degrees)
-            line = complex(np.cos(turned), -np.sin(turned))  # pixels run downwards
-            reach = mm.m11() * float(np.interp(turned, around[order], np.abs(outer[order]), period=TURN))
+            angle = setup.direction - setup.study.sense * np.deg2rad(degrees)
+            direction = complex(np.cos(angle), -np.sin(angle))  # in pixels, downwards
+            reach = mm.m11() * float(np.interp(angle, around[order], np.abs(outer[order]), period=TURN))
             painter.setPen(SCREEN.pen(SCREEN.faint, THIN, CHAIN))
-            painter.drawPath(segments([(place, place + (reach + GAP) * line)]))
+            painter.drawPath(segments([(origin, origin + (reach + GAP) * direction)]))
             painter.setPen(SCREEN.pen(SCREEN.quiet, THIN))
-            tip = place + (reach + REACH) * line
+            tip = origin + (reach + REACH) * direction
             painter.drawText(
                 QRectF(tip.real - 20.0, tip.imag - 8.0, 40.0, 16.0), Qt.AlignmentFlag.AlignCenter, f"{degrees}°"
             )
 
-    def _scale(self, outer: np.ndarray) -> QTransform:
-        """From mm, y upwards, to pixels: all that is drawn in sight."""
-        z = np.append(outer, 0.0)
-        low, high = complex(z.real.min(), z.imag.min()), complex(z.real.max(), z.imag.max())
-        size, middle = high - low, 0.5 * (low + high)
-        scale = min((self.width() - 2 * MARGIN) / size.real, (self.height() - 2 * MARGIN) / size.imag)
-        made = QTransform().translate(0.5 * self.width(), 0.5 * self.height())
-        return made.scale(scale, -scale).translate(-middle.real, -middle.imag)
-
 
 def _stretches(degrees: np.ndarray) -> list[np.ndarray]:
-    """Rows in the order of their cam angles, cut where a gap is too wide for a line; the last joins the first."""
+    """Return the rows in the order of their cam angles, split at wide gaps; the last row joins the first."""
     order = np.argsort(degrees, kind="stable")
     if not order.size:
         return []
@@ -341,10 +330,10 @@ def _stretches(degrees: np.ndarray) -> list[np.ndarray]:
     return [part for part in np.split(closed, np.flatnonzero(wide) + 1) if part.size > 1]
 
 
-# -- measured dialog -------------------------------------------------------------------------------------
+# -- dialog of a measured cam ----------------------------------------------------------------------------
 
-LEFT_WIDTH, USUAL, LEAST = 340, QSize(1080, 700), QSize(880, 540)
-MOST_ROWS = 100  # of the worst
+LEFT_WIDTH, DEFAULT_SIZE, LEAST_SIZE = 340, QSize(1080, 700), QSize(880, 540)
+MOST_ROWS = 100  # rows with the largest deviations that are listed
 TABLES = "Tables (*.csv *.txt *.dat *.tsv *.asc)"
 HEADINGS = (
     TableHeading("Line", number=True), TableHeading("Cam angle, °", number=True), TableHeading("Normal, µm", number=True),
@@ -353,14 +342,14 @@ HEADINGS = (
 
 
 class MeasuredCamDialog(QDialog):
-    """``comparison`` is the last comparison, None while there is none; what was shown stays while a file cannot be read."""
+    """Dialog that compares a measured cam with the design; ``comparison``: the last result, None while there is none."""
 
     def __init__(self, parent: QWidget, design: Design, path: Path, data: bytes) -> None:
         super().__init__(parent)
         give_help(self, "tour#Inspect a measured cam")
         self.setWindowTitle("Inspect a measured cam")
         self.comparison: ProfileComparison | None = None
-        self._over = parent
+        self._window = parent
         self._design, self._path, self._data, self._work = design, path, data, Background(self)
         self._order: np.ndarray = np.zeros(0, dtype=int)
         self.form, self.factor, self.fit = (
@@ -368,12 +357,12 @@ class MeasuredCamDialog(QDialog):
             Amount(),
             QCheckBox("Fit the zero marks of angle and lift"),
         )
-        self.fit.setToolTip("By least squares, where the table counts its angles or its lift from another place")
+        self.fit.setToolTip("Fit the zero of angle and lift by least squares, where the table has other zero marks")
         self.factor.setDecimals(0)
         self.factor.setRange(1.0, 1e5)
         self.factor.setPrefix("× ")
         self.factor.setValue(100.0)
-        self.form.rows.setRowVisible(self.form.boxes["samples"], False)  # the table has its own
+        self.form.rows.setRowVisible(self.form.boxes["samples"], False)  # the table has its own angles
         self.form.rows.addRow("Drawn", self.factor)
         self.form.rows.addRow("", self.fit)
         self.verdict, self.notes = QLabel(wordWrap=True), QLabel(wordWrap=True)
@@ -399,16 +388,16 @@ class MeasuredCamDialog(QDialog):
 
     def _lay_out(self) -> None:
         self.again = QPushButton("&Read again")
-        self.again.setToolTip("After the file was mended, or measured anew")
+        self.again.setToolTip("Read the file again after it was corrected or measured again")
         self.again.setAutoDefault(False)
         name = QLabel(self._path.name)
         name.setToolTip(str(self._path))
-        head = QHBoxLayout()
-        head.addWidget(name, 1)
-        head.addWidget(self.again)
+        header = QHBoxLayout()
+        header.addWidget(name, 1)
+        header.addWidget(self.again)
         left = QVBoxLayout()
         left.setContentsMargins(0, 0, 0, 0)
-        left.addLayout(head)
+        left.addLayout(header)
         left.addWidget(self.form)
         left.addSpacing(6)
         left.addWidget(self.verdict)
@@ -422,26 +411,30 @@ class MeasuredCamDialog(QDialog):
         middle.addWidget(side)
         middle.addWidget(self.picture, 1)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)
-        add_copy(buttons, self._over, "inspection", self._asked, of_drive=True)
+        add_copy(buttons, self._window, "inspection", self._command_options, of_drive=True)
         buttons.rejected.connect(self.reject)
         column = QVBoxLayout(self)
         column.addLayout(middle, 1)
         column.addWidget(buttons)
-        self.setMinimumSize(LEAST)
-        self.resize(USUAL.boundedTo(self.screen().availableGeometry().size() - QSize(40, 60)))
+        self.setMinimumSize(LEAST_SIZE)
+        self.resize(DEFAULT_SIZE.boundedTo(self.screen().availableGeometry().size() - QSize(40, 60)))
 
-    def _asked(self) -> tuple[str, list[str]]:
+    def _command_options(self) -> tuple[str, list[str]]:
         from core.commands.cams import InspectionArguments
 
-        own = {"measured": self._path, "fit": self.fit.isChecked(), "samples": None}  # the table has its own angles
-        return ".csv", command_words(InspectionArguments, {**self.form.values, **own})
+        options = {
+            "measured": self._path,
+            "fit": self.fit.isChecked(),
+            "samples": None,
+        }  # the table has its own angles angles
+        return ".csv", command_words(InspectionArguments, {**self.form.values, **options})
 
-    # -- what comes of it ----------------------------------------------------------------------------------------
+    # -- result ---------------------------------------------------------------------------------------------
 
     def _changed(self) -> None:
         self._work.stop()
         self.picture.wait()
-        self._tell(WAITING, SCREEN.quiet)
+        self._show_verdict(WAITING, SCREEN.quiet)
         self._pause.start()
 
     def _compute(self) -> None:
@@ -451,8 +444,8 @@ class MeasuredCamDialog(QDialog):
     def _read_again(self) -> None:
         try:
             self._data = read_bytes(self._path)
-        except KindynaError as error:  # what is shown stays
-            self._tell(reason(self._design, error), SCREEN.limit)
+        except KindynaError as error:  # the last result stays
+            self._show_verdict(reason(self._design, error), SCREEN.limit)
         else:
             self._changed()
 
@@ -462,15 +455,15 @@ class MeasuredCamDialog(QDialog):
             return
         self.comparison = None
         lines = str(result).splitlines()
-        self._tell(lines[0], SCREEN.limit)
+        self._show_verdict(lines[0], SCREEN.limit)
         self.notes.setText("\n".join(lines[1:6]) + (f"\nand {len(lines) - 6} more" if len(lines) > 6 else ""))
         self.rows.show_rows([])
-        self.picture.show_comparison(None, "Nothing can be drawn before the table can be read and measured")
+        self.picture.show_comparison(None, "No drawing: the table cannot be read or compared")
 
-    def _show(self, made: ShownComparison) -> None:
-        self.comparison = result = made.comparison
-        self.picture.show_comparison(made)
-        self._tell(verdict(result), SCREEN.good if result.is_in_tolerance else SCREEN.limit)
+    def _show(self, shown: ShownComparison) -> None:
+        self.comparison = result = shown.comparison
+        self.picture.show_comparison(shown)
+        self._show_verdict(verdict(result), SCREEN.good if result.is_in_tolerance else SCREEN.limit)
         self.notes.setText("\n".join(notes(result)))
         self._order = np.argsort(-np.abs(result.normal_deviation), kind="stable")[:MOST_ROWS]
         self.rows.show_rows(
@@ -483,7 +476,7 @@ class MeasuredCamDialog(QDialog):
                         f"{1e3 * result.deviation[i]:+.3f}",
                     ),
                     sign(ERROR) if result.is_outside[i] else None,
-                    "Click to see it in the picture",
+                    "Click to mark it in the drawing",
                 )
                 for i in self._order.tolist()
             ]
@@ -492,7 +485,7 @@ class MeasuredCamDialog(QDialog):
     def _point_out(self, index: QModelIndex) -> None:
         self.picture.point_out(int(self._order[index.row()]))
 
-    def _tell(self, text: str, colour: str) -> None:
+    def _show_verdict(self, text: str, colour: str) -> None:
         self.verdict.setText(text)
         coloured(self.verdict, colour)
 
@@ -503,7 +496,7 @@ def _compared(design: Design, request: InspectionRequest, data: bytes, name: str
 
 
 def verdict(result: ProfileComparison) -> str:
-    """In words."""
+    """Whether the cam is in tolerance, with the largest deviation, in words."""
     row, band = result.worst_row, 1e3 * result.setup.request.tolerance_mm
     deviation = f"{1e3 * result.normal_deviation[row]:+.4g} µm normal to the profile"
     largest = f"{deviation} at {result.table.degrees[row]:.5g}°, line {result.lines[row]}"
@@ -516,18 +509,18 @@ def verdict(result: ProfileComparison) -> str:
 
 
 def notes(result: ProfileComparison) -> list[str]:
-    """What was fitted, how the table was read, what was not measured."""
+    """Return notes on the fit, the reading of the table, and the parts that were not measured."""
     lines = []
     if result.is_fitted:
         lines.append(
             f"Fitted: cam angle = angle {result.angle_offset:+.6g}°, lift = measured {-result.lift_offset:+.6g} mm."
         )
-    lines += [f"{sentence(found.message)}." for found in result.findings if found.severity != ERROR]
+    lines += [f"{sentence(finding.message)}." for finding in result.findings if finding.severity != ERROR]
     return lines + [f"{sentence(note)}." for note in result.notes]
 
 
 def inspect_measured(parent: QWidget, design: Design) -> MeasuredCamDialog | None:
-    """Ask for a table and open the dialog over a window; it is deleted once closed."""
+    """Ask for a table and open the dialog; it is deleted once closed."""
     opened = dialogs.opened_file(parent, "Inspect a measured cam", TABLES)
     if opened is None:
         return None

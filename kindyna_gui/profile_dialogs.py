@@ -1,4 +1,4 @@
-"""A picture of the points of a profile file on its curve, with the place where it deviates most."""
+"""Dialogs of the exports of a cam: profile with its preview, workshop drawing, and controller table with its errors."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 from PySide6.QtCore import QEvent, QObject, QPointF, QSize, Qt
-from PySide6.QtGui import QMouseEvent, QPainter, QPaintEvent, QTransform
+from PySide6.QtGui import QMouseEvent, QPainter, QPaintEvent
 from PySide6.QtWidgets import QComboBox, QGridLayout, QSizePolicy, QWidget
 
 from core.design import Design
@@ -27,28 +27,30 @@ from core.output.files.profile_request import Machining, ProfileRequest, rounded
 from core.output.files.sheet import DrawingRequest, DrawingSheet, Letterhead
 from core.requests import build_request, command_words, request_fields
 from core.study import Study
-from kindyna_gui.export_dialogs import kept_cover
+from kindyna_gui.export_dialogs import saved_cover
 from kindyna_gui.forms.fields import fill_choices
 from kindyna_gui.forms.request_form import ComputedDialog, RequestForm, accepted, flanks
 from kindyna_gui.labels import sentence
 from kindyna_gui.pictures.paper.sheets import paint_sheet
 from kindyna_gui.pictures.plots.xy import Dots, Line, Rule, XYPlot
-from kindyna_gui.pictures.shapes import at, circle, outline, segments
+from kindyna_gui.pictures.shapes import at, circle, cross, fit_transform, outline
 from kindyna_gui.pictures.style import CHAIN, DASHED, OUTLINE, SCREEN, THIN, brush, no_pen
 
 # -- profile preview -------------------------------------------------------------------------------------
 
-DRAWN = 1440  # points of the curve
+CURVE_POINTS = 1440  # drawn points of the curve
 MARGIN = 24  # pixels
-MOST_DOTS = 2000  # beyond these they are too close to be told apart
+MOST_DOTS = 2000  # more dots would overlap
 DOT, RING = 2.2, 8.0  # radii, pixels
-CROSS = 5.0  # half the size of the cam centre's mark, pixels
+CROSS = 5.0  # half the size of the mark of the cam centre, pixels
 
 
 @frozen(eq=False)
 class Preview:
-    """What is shown, all in mm: the curve of the file (n,), its points (m,), where it deviates most, and the profiles beside it: of
-    a cutter's path its own, of a drawing those of all flanks, each (k,)."""
+    """Curve (n,) and points (m,) of a profile file, the point of largest deviation, and other profiles (k,), all complex [mm].
+
+    ``profiles``: the profile of a cutter's path, or the other flanks of a drawing.
+    """
 
     job: ProfileDrawing
     curve: np.ndarray
@@ -58,16 +60,16 @@ class Preview:
 
 
 def preview(job: ProfileDrawing) -> Preview:
-    """The picture of a job."""
-    main, part = job.main, np.arange(DRAWN) / DRAWN
-    beside = [drawn.curve.at(drawn.curve.length * part) for drawn in job.profiles.values() if drawn is not main]
-    if job.request.cutter_mm and not beside:
-        beside = [job.profile]
-    return Preview(job, main.curve.at(main.curve.length * part), main.chain.vertices, main.worst, tuple(beside))
+    """Return the curves of a profile file for its drawing."""
+    main, part = job.main, np.arange(CURVE_POINTS) / CURVE_POINTS
+    profiles = [drawn.curve.at(drawn.curve.length * part) for drawn in job.profiles.values() if drawn is not main]
+    if job.request.cutter_mm and not profiles:
+        profiles = [job.profile]
+    return Preview(job, main.curve.at(main.curve.length * part), main.chain.vertices, main.worst, tuple(profiles))
 
 
 class PreviewPicture(QWidget):
-    """Draws the last preview, faintly while another is computed."""
+    """Drawing of the last preview, faint while another is calculated."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -81,11 +83,12 @@ class PreviewPicture(QWidget):
         return QSize(420, 420)
 
     def show_preview(self, shown: Preview | None) -> None:
-        """Draw this profile; None: nothing."""
+        """Draw this profile; None: draw nothing."""
         self.shown, self._faint = shown, False
         self.update()
 
     def wait(self) -> None:
+        """Draw the last preview faintly."""
         self._faint = True
         self.update()
 
@@ -100,7 +103,7 @@ class PreviewPicture(QWidget):
         self._draw(painter, self.shown)
 
     def _draw(self, painter: QPainter, shown: Preview) -> None:
-        mm = self._scale(shown)
+        mm = fit_transform(np.concatenate((shown.curve, *shown.profiles, [0.0])), self.size(), MARGIN)
         painter.setPen(SCREEN.pen(SCREEN.quiet, THIN, CHAIN))
         for profile in shown.profiles:
             painter.drawPath(mm.map(outline(profile)))
@@ -108,24 +111,13 @@ class PreviewPicture(QWidget):
         painter.drawPath(mm.map(outline(shown.curve)))
         centre = mm.map(QPointF(0.0, 0.0))
         painter.setPen(SCREEN.pen(SCREEN.quiet, THIN))
-        place = complex(centre.x(), centre.y())
-        painter.drawPath(segments([(place - CROSS, place + CROSS), (place - 1j * CROSS, place + 1j * CROSS)]))
+        painter.drawPath(cross(CROSS, complex(centre.x(), centre.y())))
         painter.setPen(no_pen())
         painter.setBrush(brush(SCREEN.family("displacement")))
-        some = shown.points[:: 1 + shown.points.size // MOST_DOTS]
-        for dot in (mm.map(at(z)) for z in some.tolist()):
-            painter.drawEllipse(dot, DOT, DOT)
+        for z in shown.points[:: 1 + shown.points.size // MOST_DOTS].tolist():
+            painter.drawEllipse(mm.map(at(z)), DOT, DOT)
         worst = mm.map(at(shown.worst))
         painter.strokePath(circle(RING, complex(worst.x(), worst.y())), SCREEN.pen(SCREEN.limit, OUTLINE))
-
-    def _scale(self, shown: Preview) -> QTransform:
-        """From mm, y upwards, to pixels: all of the picture in sight."""
-        z = np.concatenate((shown.curve, *shown.profiles, [0.0]))
-        low, high = complex(z.real.min(), z.imag.min()), complex(z.real.max(), z.imag.max())
-        size, middle = high - low, 0.5 * (low + high)
-        scale = min((self.width() - 2 * MARGIN) / size.real, (self.height() - 2 * MARGIN) / size.imag)
-        made = QTransform().translate(0.5 * self.width(), 0.5 * self.height())
-        return made.scale(scale, -scale).translate(-middle.real, -middle.imag)
 
 
 # -- profile dialog --------------------------------------------------------------------------------------
@@ -134,7 +126,7 @@ FIRST = {"samples": 360, "spacing_mm": 1.0, "tolerance_mm": 1e-3}
 
 
 class ProfileDialog(ComputedDialog):
-    """What the file shall hold; ``job`` is what was computed for it, None while there is none."""
+    """Dialog for the format, points and tolerance of a profile file, with a preview."""
 
     command, help_page = "profile", "tour#Export > Profile"
 
@@ -146,20 +138,20 @@ class ProfileDialog(ComputedDialog):
         fill_choices(self.format, {ending: f"{row.label} ({ending})" for ending, row in FORMATS.items()})
         self.format.setCurrentIndex(self.format.findData(".dxf"))
         form.choose("Points", FORMATS[".dxf"].sampling[0])
-        self.format.currentIndexChanged.connect(self._suit_format)
-        self._suit_format()
+        self.format.currentIndexChanged.connect(self._show_format)
+        self._show_format()
 
     @property
     def ending(self) -> str:  # type: ignore[override]
-        """The kind of file that is chosen: ``.dxf``."""
+        """Ending of the selected format: ``.dxf``."""
         ending: str = self.format.currentData()
         return ending
 
-    def _suit_format(self) -> None:
-        """What the format can hold, and how a machine that follows it goes."""
+    def _show_format(self) -> None:
+        """Show the fields that the selected format has."""
         row = FORMATS[self.ending]
-        for each in request_fields(Machining):
-            self.form.rows.setRowVisible(self.form.boxes[each.name], row.machined)
+        for field in request_fields(Machining):
+            self.form.rows.setRowVisible(self.form.boxes[field.name], row.machined)
         fit = self.form.boxes["fit"]
         fit.blockSignals(True)
         fill_choices(fit, {name: FITS[name].label.capitalize() for name in row.fits})
@@ -172,9 +164,9 @@ class ProfileDialog(ComputedDialog):
     def show_waiting(self) -> None:
         self.picture.wait()
 
-    def show_result(self, made: Preview | None) -> str:
-        self.picture.show_preview(made)
-        return "" if made is None else _summary(made.job)
+    def show_result(self, computed: Preview | None) -> str:
+        self.picture.show_preview(computed)
+        return "" if computed is None else _summary(computed.job)
 
 
 def _profile_preview(design: Design, ending: str, request: ProfileRequest) -> Preview:
@@ -182,7 +174,7 @@ def _profile_preview(design: Design, ending: str, request: ProfileRequest) -> Pr
 
 
 def _summary(job: ProfileDrawing) -> str:
-    """What the file will hold."""
+    """Number of points and deviation of the file."""
     main = job.main
     return (
         f"{main.count} points on {main.curve.length:.6g} mm, at most {rounded_up(main.deviation, 3):g} mm from the exact curve "
@@ -190,24 +182,24 @@ def _summary(job: ProfileDrawing) -> str:
     )
 
 
-def profile_wanted(parent: QWidget, design: Design) -> tuple[ProfileDrawing, str] | None:
-    """Ask what a profile file shall hold, computed, and the ending of its name; None where the user cancels."""
+def ask_profile(parent: QWidget, design: Design) -> tuple[ProfileDrawing, str] | None:
+    """Ask for a profile file; return its content and ending, None where the user cancels."""
     dialog = ProfileDialog(parent, design)
-    made: Preview | None = accepted(dialog)
-    return None if made is None else (made.job, dialog.ending)
+    result: Preview | None = accepted(dialog)
+    return None if result is None else (result.job, dialog.ending)
 
 
 # -- drawing dialog --------------------------------------------------------------------------------------
 
 
 class SheetPicture(QWidget):
-    """A sheet as large as there is room; faint while another is computed."""
+    """A drawing sheet fitted to the widget, faint while another is calculated."""
 
     def __init__(self) -> None:
         super().__init__()
         self.shown: DrawingSheet | None = None
         self.faint = False
-        self.setAccessibleName("The sheet")
+        self.setAccessibleName("Drawing sheet")
         self.setMinimumSize(420, 300)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
 
@@ -215,11 +207,12 @@ class SheetPicture(QWidget):
         return QSize(840, 594)
 
     def show_sheet(self, sheet: DrawingSheet | None) -> None:
-        """Draw this sheet; None: nothing."""
+        """Draw this sheet; None: draw nothing."""
         self.shown, self.faint = sheet, False
         self.update()
 
     def wait(self) -> None:
+        """Draw the last sheet faintly."""
         self.faint = True
         self.update()
 
@@ -234,20 +227,20 @@ class SheetPicture(QWidget):
 
 
 class DrawingDialog(ComputedDialog):
-    """``made`` is the sheet for the choices, None while there is none."""
+    """Dialog for a workshop drawing, with the sheet."""
 
     command, ending, help_page = "drawing", ".pdf", "tour#Export > Drawing"
 
     def __init__(self, parent: QWidget, design: Design) -> None:
         self._design, self.picture = design, SheetPicture()
-        kept = kept_cover()
-        self._head = {each.name: kept[each.name] for each in fields(Letterhead)}
+        saved = saved_cover()
+        self._letterhead = {field.name: saved[field.name] for field in fields(Letterhead)}
         super().__init__(parent, "drawing", RequestForm(DrawingRequest, flanks(design)), self.picture)
         self.changed()
 
     @property
     def _values(self) -> dict[str, Any]:
-        return {**self._head, **self.form.values}
+        return {**self._letterhead, **self.form.values}
 
     def command_options(self) -> tuple[str, list[str]]:
         return self.ending, command_words(DrawingRequest, self._values)
@@ -258,17 +251,17 @@ class DrawingDialog(ComputedDialog):
     def show_waiting(self) -> None:
         self.picture.wait()
 
-    def show_result(self, made: DrawingSheet | None) -> str:
-        self.picture.show_sheet(made)
-        return "" if made is None else "\n".join(filter(None, (made.about, made.missing)))
+    def show_result(self, computed: DrawingSheet | None) -> str:
+        self.picture.show_sheet(computed)
+        return "" if computed is None else "\n".join(filter(None, (computed.about, computed.missing)))
 
 
 def _sheet(design: Design, request: DrawingRequest) -> DrawingSheet:
     return drawing(Study(design), request)
 
 
-def drawing_wanted(parent: QWidget, design: Design) -> DrawingSheet | None:
-    """Ask what a drawing shall be like; the sheet, None where the user cancels."""
+def ask_drawing(parent: QWidget, design: Design) -> DrawingSheet | None:
+    """Ask for a workshop drawing; return its sheet, None where the user cancels."""
     sheet: DrawingSheet | None = accepted(DrawingDialog(parent, design))
     return sheet
 
@@ -282,16 +275,16 @@ ROWS, POINTS = "Number of rows", "points"
 
 
 @frozen(eq=False)
-class Computed:
-    """A table, its errors over the turn, and those of tables with other numbers of rows (column -> (n,))."""
+class TableResult:
+    """A controller table, its errors over the turn, and the largest errors of other numbers of rows, (n,) by column."""
 
-    made: Ecam
+    table: Ecam
     errors: ErrorCurves | None
     curve: Mapping[str, np.ndarray]
 
 
 class ControllerDialog(ComputedDialog):
-    """``made`` is the table that the file will hold, with what is shown of it."""
+    """Dialog for a controller table, with its errors over the turn and over the number of rows."""
 
     command, ending, help_page = "ecam", ".csv", "controllers#Rows"
 
@@ -309,7 +302,7 @@ class ControllerDialog(ComputedDialog):
             plot.setMinimumSize(420, 120)
             grid.addWidget(plot, i, 0)
         self.curve.setMinimumSize(300, 200)
-        self.curve.setToolTip("Click: a table with so many rows")
+        self.curve.setToolTip("Click to set the number of rows")
         grid.addWidget(self.curve, 0, 1, 3, 1)
         grid.setColumnStretch(0, 3)
         grid.setColumnStretch(1, 2)
@@ -320,22 +313,22 @@ class ControllerDialog(ComputedDialog):
         self.controller.setMinimumContentsLength(24)
         self.controller.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
         fill_choices(self.of, {name: sentence(label) for name, label in slave_choices(design, drive).items()})
-        self.controller.currentIndexChanged.connect(self._suit_controller)
+        self.controller.currentIndexChanged.connect(self._show_controller)
         self.of.currentIndexChanged.connect(self.changed)
         self.resize(1180, 640)
-        self._suit_controller()
+        self._show_controller()
 
     @property
     def row(self) -> Controller:
-        """The controller that is chosen."""
+        """The selected controller."""
         return self._rows[self.controller.currentData()]
 
-    def _suit_controller(self) -> None:
-        """What it can be set to run, and where it takes rows."""
+    def _show_controller(self) -> None:
+        """Show the interpolations and row positions of the selected controller."""
         row, form = self.row, self.form
-        usual: dict[Any, str] = {} if row.interpolation_asked else {None: "What it usually runs"}
+        default: dict[Any, str] = {} if row.interpolation_asked else {None: "Its default"}
         known = {name: sentence(name.replace("-", " ")) for name in INTERPOLATIONS if name in row.interpolation}
-        for name, choices in (("interpolation", {**usual, **known}), ("placing", self._placings())):
+        for name, choices in (("interpolation", {**default, **known}), ("placing", self._placings())):
             form.boxes[name].blockSignals(True)
             fill_choices(form.boxes[name], choices)
             form.boxes[name].blockSignals(False)
@@ -345,50 +338,51 @@ class ControllerDialog(ComputedDialog):
         self.changed()
 
     def _placings(self) -> dict[Any, str]:
-        words: dict[Any, str] = {PLACED: "Placed for the least error", EQUAL: "At equal steps"}
-        return {None: words[EQUAL]} if self.row.equal_steps else {None: "As the controller takes them", **words}
+        words: dict[Any, str] = {PLACED: "Placed for the smallest error", EQUAL: "At equal steps"}
+        return {None: words[EQUAL]} if self.row.equal_steps else {None: "As the controller requires", **words}
 
-    def job(self) -> Callable[[], Computed]:
+    def job(self) -> Callable[[], TableResult]:
         request: EcamRequest = self.form.request
-        return partial(_table, self._design, self._drive, self.row, request, self.of.currentData())
+        return partial(_table_result, self._design, self._drive, self.row, request, self.of.currentData())
 
-    # -- what comes of it -----------------------------------------------------------------------------------
+    # -- result ---------------------------------------------------------------------------------------------
 
-    def show_result(self, made: Computed | None) -> str:
-        if made is None or made.errors is None:
+    def show_result(self, computed: TableResult | None) -> str:
+        if computed is None or computed.errors is None:
             for plot in (*self.plots, self.curve):
-                plot.show_message("" if made is None else NOT_PUBLISHED)
-            return "" if made is None else text(made.made)
-        self._show_errors(made.made, made.errors)
-        self._show_curve(made.made, made.curve)
-        return text(made.made)
+                plot.show_message("" if computed is None else NOT_PUBLISHED)
+            return "" if computed is None else text(computed.table)
+        self._show_errors(computed.table, computed.errors)
+        self._show_curve(computed.table, computed.curve)
+        return text(computed.table)
 
-    def _show_errors(self, made: Ecam, errors: ErrorCurves) -> None:
-        limits = made.request.limits if made.request.points is None else (np.inf,) * 3
+    def _show_errors(self, ecam: Ecam, errors: ErrorCurves) -> None:
+        limits = ecam.request.limits if ecam.request.points is None else (np.inf,) * 3
         for plot, name, symbol, limit, shown in zip(self.plots, FAMILIES, "sva", limits, errors.curves, strict=True):
             if shown is None:
-                plot.show_message("straight lines have no acceleration")
+                plot.show_message("Linear interpolation has no acceleration")
                 continue
             plot.name_axes(ANGLE if plot is self.plots[-1] else "", f"Error of {symbol}, {shown.unit}")
-            rows = Dots(made.table.x, np.zeros(made.table.x.size), SCREEN.ink, 4.0)
+            rows = Dots(ecam.table.x, np.zeros(ecam.table.x.size), SCREEN.ink, 4.0)
             line = Line(errors.x, shown.values * shown.factor, SCREEN.family(name), read=True)
             ends = np.array([0.0, 360.0])
-            kept = [
+            limit_lines = [
                 Line(ends, np.full(2, end * shown.factor), SCREEN.limit, dash=DASHED)
                 for end in (limit, -limit)
                 if np.isfinite(end)
             ]
-            plot.show_lines([*kept, line], dots=[rows])
+            plot.show_lines([*limit_lines, line], dots=[rows])
 
-    def _show_curve(self, made: Ecam, curve: Mapping[str, np.ndarray]) -> None:
-        unit, times = ("µm", "") if made.slave.unit == "mm" else ("0.001°", "× ")
+    def _show_curve(self, ecam: Ecam, curve: Mapping[str, np.ndarray]) -> None:
+        unit, times = ("µm", "") if ecam.slave.unit == "mm" else ("0.001°", "× ")
         self.curve.name_axes("Rows", f"Largest error, {unit}")
-        seen = curve["deviation"] > 0.0
-        x, y = np.log10(curve["rows"][seen]), np.log10(1e3 * curve["deviation"][seen])
-        assert made.deviation is not None
-        here = np.log10([made.rows, max(1e3 * made.deviation.values[0], 1e-12)])
-        dots = Dots(here[:1], here[1:], SCREEN.limit, 9.0)
-        rule = Rule(float(here[0]), f"{made.rows} rows: {1e3 * made.deviation.values[0]:.3g} {times}{unit}", SCREEN.ink)
+        positive = curve["deviation"] > 0.0
+        x, y = np.log10(curve["rows"][positive]), np.log10(1e3 * curve["deviation"][positive])
+        assert ecam.deviation is not None
+        point = np.log10([ecam.rows, max(1e3 * ecam.deviation.values[0], 1e-12)])
+        dots = Dots(point[:1], point[1:], SCREEN.limit, 9.0)
+        label = f"{ecam.rows} rows: {1e3 * ecam.deviation.values[0]:.3g} {times}{unit}"
+        rule = Rule(float(point[0]), label, SCREEN.ink)
         self.curve.show_lines([Line(x, y, SCREEN.family("displacement"))], fit=True, dots=[dots], rules=[rule])
         low, high = int(np.ceil(y.min())), int(np.floor(y.max()))
         decades = range(low, high + 1, 1 + (high - low) // MOST_DECADES)
@@ -396,7 +390,7 @@ class ControllerDialog(ComputedDialog):
                               [(float(k), f"{10.0**k:g}") for k in decades])  # fmt: skip
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """A click on the curve takes a number of rows."""
+        """Set the number of rows by a click on the curve."""
         if event.type() == QEvent.Type.MouseButtonPress and isinstance(event, QMouseEvent):
             if event.button() == Qt.MouseButton.LeftButton and self.computed is not None and self.computed.curve:
                 self._take_rows(10.0 ** self.curve.across_at(event.position().toPoint()))
@@ -404,8 +398,8 @@ class ControllerDialog(ComputedDialog):
         return super().eventFilter(watched, event)
 
     def _take_rows(self, rows: float) -> None:
-        there = self.computed.curve["rows"]
-        least, most = max(there[0], self.row.rows[0]), min(there[-1], self.row.rows[1])
+        plotted = self.computed.curve["rows"]
+        least, most = max(plotted[0], self.row.rows[0]), min(plotted[-1], self.row.rows[1])
         self.form.choose(ROWS, POINTS)
         for name in ("velocity_error", "acceleration_error"):
             self.form.show_value(name, None)
@@ -419,16 +413,16 @@ def _curve(
     return error_curve(drive_slave(design, drive, request)[0], kind, placing, closing=closing)
 
 
-def _table(design: Design, drive: str, row: Controller, request: EcamRequest, of: str) -> Computed:
+def _table_result(design: Design, drive: str, row: Controller, request: EcamRequest, of: str) -> TableResult:
     request = replace(request, of=of)
     slave, name, speed = drive_slave(design, drive, request)
-    made = ecam(slave, row, request, name, speed)
-    alike = EcamRequest(of=of, reverse=request.reverse, shift_deg=request.shift_deg, segment=request.segment)
-    curve = _curve(design, drive, alike, made.interpolation, made.placing, row.has_both_ends)
-    return Computed(made, None if made.deviation is None else errors_over_turn(made), curve)
+    table = ecam(slave, row, request, name, speed)
+    slave_only = EcamRequest(of=of, reverse=request.reverse, shift_deg=request.shift_deg, segment=request.segment)
+    curve = _curve(design, drive, slave_only, table.interpolation, table.placing, row.has_both_ends)
+    return TableResult(table, None if table.deviation is None else errors_over_turn(table), curve)
 
 
-def table_wanted(parent: QWidget, design: Design, drive: str) -> Ecam | None:
-    """Ask what a controller's table shall hold; computed, None where the user cancels."""
-    made: Computed | None = accepted(ControllerDialog(parent, design, drive))
-    return None if made is None else made.made
+def ask_controller_table(parent: QWidget, design: Design, drive: str) -> Ecam | None:
+    """Ask for a controller table and return it; None where the user cancels."""
+    result: TableResult | None = accepted(ControllerDialog(parent, design, drive))
+    return None if result is None else result.table

@@ -47,7 +47,7 @@ class StabilityChart(DraggablePoint, ChartPlot):
 
     def own_pixel(self) -> QPointF | None:
         machine = self.chart.machine if self.chart is not None else None
-        return None if machine is None or not self.own.isVisible() else self.pixel(machine.eta, machine.q)
+        return None if machine is None or not self.machine_point.isVisible() else self.pixel(machine.eta, machine.q)
 
 
 # -- point reading ---------------------------------------------------------------------------------------
@@ -351,7 +351,7 @@ class StabilityView(View):
         if self.drawn is None:
             return
         self.chart.show_chart(self.drawn, self.across.currentData(), self.upwards.currentData())
-        self.chart.look_at(*(self.picked or (None,)))
+        self.chart.ring_point(*(self.picked or (None,)))
 
     # -- what takes longer ----------------------------------------------------------------------------------
 
@@ -477,7 +477,7 @@ class StabilityView(View):
 
     def _choose(self, point: tuple[float, float] | None) -> None:
         self.picked = point
-        self.chart.look_at(*(point or (None,)))
+        self.chart.ring_point(*(point or (None,)))
         if self.found is not None:
             self.chosen = self._unknown(self.found)
             self._show_fields(self.found, self.chosen)
@@ -499,7 +499,7 @@ class StabilityView(View):
         if self.found is None:
             return
         self.wanted = (eta, q)
-        self.chart.move_own(eta, q)
+        self.chart.move_machine_point(eta, q)
         self.reading.show_text(wanted_text(self.found.machine, eta, q))
 
     def _released(self, kept: bool) -> None:

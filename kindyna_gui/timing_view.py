@@ -427,10 +427,10 @@ class TimingView(View):
         self.player.set_machine(radians(angle))
 
     def _open_menu(self, path: str, on_screen: QPoint) -> None:
-        from kindyna_gui.touch_targets import Thing, open_menu
+        from kindyna_gui.touch_targets import MouseTarget, open_menu
 
         if self._host is not None:
-            open_menu(Thing(name_of(self._whole, path), path) if path else None, self, self._host, on_screen)
+            open_menu(MouseTarget(name_of(self._whole, path), path) if path else None, self, self._host, on_screen)
 
     def _one_step(self, design: Design, label: str, row: int) -> None:
         self.session.end_gesture()

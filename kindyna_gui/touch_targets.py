@@ -1,5 +1,4 @@
-"""What is touched with the mouse, in drawings, plots and charts: what can be done with it, what is typed meanwhile, and what answers while
-it is drawn elsewhere."""
+"""Parts of drawings, plots and charts under the mouse: their context menus, and the read-out next to the mouse during a drag."""
 
 from __future__ import annotations
 
@@ -24,19 +23,23 @@ from kindyna_gui.pictures.units import measure
 from kindyna_gui.saving import copy_picture
 from kindyna_gui.view import ExplainableNumber, View, ViewHost
 
-Answer = tuple[str, bool]
-"""A line beside the mouse, and whether it says that a limit is passed."""
+ReadoutLine = tuple[str, bool]
+"""A line next to the mouse, and whether a limit is violated."""
+MenuEntry = tuple[str, Callable[[], Any]]
+"""Text of an entry of a context menu, and its function."""
+READOUT_QUANTITIES = ("pressure_angle", "pitch_curvature", "drive_torque", "contact_force", "contact_pressure")
+"""Quantities shown during a drag, as far as the design has them."""
 
 
 @frozen
-class Thing:
-    """What lies under the mouse.
+class MouseTarget:
+    """The part under the mouse.
 
-    noun     for the reader: ``Roller``
-    path     of the field that a click opens; empty: none
-    explain  the channel whose value here is explained; empty: none
-    value    what is copied; empty: the value of the field
-    profile  it has a profile, which can be written
+    noun     its name for the user: ``Roller``
+    path     path of the field that a click opens, or empty
+    explain  channel whose value can be explained, or empty
+    value    text that is copied; if empty, the value of the field
+    profile  has a profile that can be exported
     """
 
     noun: str
@@ -46,20 +49,17 @@ class Thing:
     profile: bool = False
 
 
-Deed = tuple[str, Callable[[], Any]]
-"""An entry of a menu, and what it does."""
-
-# -- what can be done with it -----------------------------------------------------------------------------------
+# -- context menu -----------------------------------------------------------------------------------------------
 
 
-def _design_of(thing: Thing, view: View) -> Design:
-    """The whole where the path leads through its drives, else the design of the drive at hand."""
-    whole: Design = view.session.full_design
-    return whole if thing.path.startswith(("drives[", "timing[")) else view.session.design
+def _design_of(target: MouseTarget, view: View) -> Design:
+    """Return the full design for a path through its drives, else the design of the current drive."""
+    design: Design = view.session.full_design
+    return design if target.path.startswith(("drives[", "timing[")) else view.session.design
 
 
 def value_text(design: Design, path: str) -> str:
-    """The value of a field with its unit; empty where the path leads to no number."""
+    """Value of a field with its unit; empty if the field is no number."""
     try:
         value = get(design, path)
     except KeyError:
@@ -68,79 +68,78 @@ def value_text(design: Design, path: str) -> str:
 
 
 def search_for(design: Design, path: str) -> str:
-    """What Find seeks that varies this field; empty where nothing does."""
+    """Search of Find that varies a field; empty if there is none."""
     from core.find import available_searches, available_shaft_searches, varied_fields
 
     if path.endswith(".phase_deg"):
-        return next((what for what in available_shaft_searches(design) if what == "phases"), "")
-    return (
-        ""
-        if design.listed
-        else next((what for what in available_searches(design) if varied_fields(design, what) == (path,)), "")
-    )
+        return next((search for search in available_shaft_searches(design) if search == "phases"), "")
+    searches = () if design.listed else available_searches(design)
+    return next((search for search in searches if varied_fields(design, search) == (path,)), "")
 
 
-def _edit(thing: Thing, view: View, host: ViewHost) -> Deed | None:
-    name = name_of(_design_of(thing, view), thing.path) if thing.path else ""
-    return (f"Edit {name}", lambda: host.focus_field(thing.path)) if name else None
+def _edit(target: MouseTarget, view: View, host: ViewHost) -> MenuEntry | None:
+    name = name_of(_design_of(target, view), target.path) if target.path else ""
+    return (f"Edit {name}", lambda: host.focus_field(target.path)) if name else None
 
 
-def _find(thing: Thing, view: View, host: ViewHost) -> Deed | None:
-    design = _design_of(thing, view)
-    what = search_for(design, thing.path)
-    return (f"Find {name_of(design, thing.path)}...", lambda: host.show_search(what)) if what else None
+def _find(target: MouseTarget, view: View, host: ViewHost) -> MenuEntry | None:
+    design = _design_of(target, view)
+    search = search_for(design, target.path)
+    return (f"Find {name_of(design, target.path)}...", lambda: host.show_search(search)) if search else None
 
 
-def _vary(thing: Thing, view: View, host: ViewHost) -> Deed | None:
-    design = _design_of(thing, view)
-    if not value_text(design, thing.path):
+def _vary(target: MouseTarget, view: View, host: ViewHost) -> MenuEntry | None:
+    design = _design_of(target, view)
+    if not value_text(design, target.path):
         return None
-    return f"Vary {name_of(design, thing.path)}", lambda: view.session.vary(thing.path)
+    return f"Vary {name_of(design, target.path)}", lambda: view.session.vary(target.path)
 
 
-def _explain(thing: Thing, view: View, host: ViewHost) -> Deed | None:
-    rows = rows_of(view.session.study, (thing.explain,)) if thing.explain else ()
+def _explain(target: MouseTarget, view: View, host: ViewHost) -> MenuEntry | None:
+    rows = rows_of(view.session.study, (target.explain,)) if target.explain else ()
     if not rows:
         return None
     label = rows[0].label
-    return f"Explain {label[:1].lower()}{label[1:]} here", lambda: host.explain(ExplainableNumber(thing.explain))
+    return f"Explain {label[:1].lower()}{label[1:]} here", lambda: host.explain(ExplainableNumber(target.explain))
 
 
-def _copy(thing: Thing, view: View, host: ViewHost) -> Deed | None:
-    value = thing.value or value_text(_design_of(thing, view), thing.path)
+def _copy(target: MouseTarget, view: View, host: ViewHost) -> MenuEntry | None:
+    value = target.value or value_text(_design_of(target, view), target.path)
     return (f"Copy {value}", lambda: QApplication.clipboard().setText(value)) if value else None
 
 
-def _export(thing: Thing, view: View, host: ViewHost) -> Deed | None:
-    return ("Export profile...", lambda: host.do("exports.profile")) if thing.profile else None
+def _export(target: MouseTarget, view: View, host: ViewHost) -> MenuEntry | None:
+    return ("Export profile...", lambda: host.do("exports.profile")) if target.profile else None
 
 
-def _copy_picture(thing: Thing, view: View, host: ViewHost) -> Deed | None:
+def _copy_picture(target: MouseTarget, view: View, host: ViewHost) -> MenuEntry | None:
     return "Copy picture", lambda: copy_picture(view)
 
 
-def _fit(thing: Thing, view: View, host: ViewHost) -> Deed | None:
+def _fit(target: MouseTarget, view: View, host: ViewHost) -> MenuEntry | None:
     return None if type(view).fit is View.fit else ("Fit", view.fit)
 
 
-DEEDS = (_edit, _find, _vary, _explain, _copy, _export, _copy_picture, _fit)
-"""What can be done with a thing: each row its entry of the menu, None where it cannot be done."""
+MENU_ENTRIES = (_edit, _find, _vary, _explain, _copy, _export, _copy_picture, _fit)
+"""Functions that return the entry of the menu for a part, None if it does not apply."""
 
 
-def deeds(thing: Thing | None, view: View, host: ViewHost) -> Iterator[Deed]:
-    """The entries of the context menu over a thing, and where there is none: text and what it does."""
-    found = (row(thing or Thing("", ""), view, host) for row in DEEDS)
-    return (deed for deed in found if deed is not None)
+def menu_entries(target: MouseTarget | None, view: View, host: ViewHost) -> Iterator[MenuEntry]:
+    """Yield the entries of the context menu of a part, or of the empty drawing."""
+    entries = (entry(target or MouseTarget("", ""), view, host) for entry in MENU_ENTRIES)
+    return (entry for entry in entries if entry is not None)
 
 
-def open_menu(thing: Thing | None, view: View, host: ViewHost, on_screen: QPoint, more: QWidget | None = None) -> QMenu:
-    """The context menu over a thing; more: a widget whose own entries stand below."""
+def open_menu(
+    target: MouseTarget | None, view: View, host: ViewHost, on_screen: QPoint, more: QWidget | None = None
+) -> QMenu:
+    """Open the context menu of a part; the actions of the widget ``more`` are added below."""
     menu = QMenu(view)
     menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-    if thing is not None:
-        menu.addSection(thing.noun)
-    for text, do in deeds(thing, view, host):
-        menu.addAction(text).triggered.connect(lambda _, do=do: do())
+    if target is not None:
+        menu.addSection(target.noun)
+    for text, run in menu_entries(target, view, host):
+        menu.addAction(text).triggered.connect(lambda _, run=run: run())
     if more is not None and more.actions():
         menu.addSeparator()
         menu.addActions(more.actions())
@@ -148,38 +147,38 @@ def open_menu(thing: Thing | None, view: View, host: ViewHost, on_screen: QPoint
     return menu
 
 
-# -- what stands beside the mouse while something is held --------------------------------------------------------
+# -- read-out next to the mouse -----------------------------------------------------------------------------------
 
 
-def typed_on(typed: str, event: QKeyEvent) -> str | None:
-    """What is typed of a number after one key more; None where the key belongs to no number."""
+def extended_input(typed: str, event: QKeyEvent) -> str | None:
+    """Typed number after one more key; None if the key does not belong to a number."""
     text = event.text()
     if event.key() == Qt.Key.Key_Backspace:
         return typed[:-1]
     return typed + text if text and (text in "+-*/(). ," or text.isalnum()) else None
 
 
-def paint_beside(painter: QPainter, lines: Sequence[Answer], here: QPointF, room: QRect) -> None:
-    """Lines beside the mouse, in pixels; what passes a limit in the colour of limits."""
+def paint_readout(painter: QPainter, lines: Sequence[ReadoutLine], mouse: QPointF, room: QRect) -> None:
+    """Paint lines next to the mouse, at a pixel; violated limits in the colour of limits."""
     if not lines:
         return
     metrics = painter.fontMetrics()
     size = QSize(max(metrics.horizontalAdvance(text) for text, _ in lines) + 12, len(lines) * metrics.height() + 8)
-    box = QRect(here.toPoint() + QPoint(16, 16), size)
+    box = QRect(mouse.toPoint() + QPoint(16, 16), size)
     if box.right() > room.right():
-        box.moveRight(here.toPoint().x() - 16)
+        box.moveRight(mouse.toPoint().x() - 16)
     if box.bottom() > room.bottom():
-        box.moveBottom(here.toPoint().y() - 16)
+        box.moveBottom(mouse.toPoint().y() - 16)
     painter.setPen(QColor(SCREEN.line))
     painter.setBrush(QColor(SCREEN.paper))
     painter.drawRect(box)
-    for number, (text, passed) in enumerate(lines):
-        painter.setPen(QColor(SCREEN.limit if passed else SCREEN.ink))
+    for number, (text, violated) in enumerate(lines):
+        painter.setPen(QColor(SCREEN.limit if violated else SCREEN.ink))
         painter.drawText(box.left() + 6, box.top() + 4 + number * metrics.height() + metrics.ascent(), text)
 
 
-class BesideMouse(QLabel):
-    """Lines beside the mouse, over all of the window, where the widget below has no room for them."""
+class MouseReadout(QLabel):
+    """Lines next to the mouse, over the whole window."""
 
     def __init__(self, view: QWidget) -> None:
         self._room = view.window()
@@ -189,35 +188,33 @@ class BesideMouse(QLabel):
             f"color: {SCREEN.ink}; background: {SCREEN.paper}; border: 1px solid {SCREEN.line}; padding: 3px 5px"
         )
 
-    def tell(self, lines: Sequence[Answer], on_screen: QPoint) -> None:
-        """Show these where the mouse is; none: nothing."""
+    def show_lines(self, lines: Sequence[ReadoutLine], on_screen: QPoint) -> None:
+        """Show lines at the mouse; hide the read-out if there are none."""
         self.setText(
             "<br>".join(
-                f"<span style='color:{SCREEN.limit if passed else SCREEN.ink}'>{escape(text)}</span>"
-                for text, passed in lines
+                f"<span style='color:{SCREEN.limit if violated else SCREEN.ink}'>{escape(text)}</span>"
+                for text, violated in lines
             )
         )
         self.adjustSize()
         room = self._room
-        here = room.mapFromGlobal(on_screen)
-        right, below = here.x() + 16 + self.width() <= room.width(), here.y() + 16 + self.height() <= room.height()
-        self.move(here.x() + (16 if right else -16 - self.width()), here.y() + (16 if below else -16 - self.height()))
+        mouse = room.mapFromGlobal(on_screen)
+        right, below = mouse.x() + 16 + self.width() <= room.width(), mouse.y() + 16 + self.height() <= room.height()
+        self.move(mouse.x() + (16 if right else -16 - self.width()), mouse.y() + (16 if below else -16 - self.height()))
         self.setVisible(bool(lines))
         self.raise_()
 
 
-# -- what answers while it is drawn elsewhere -------------------------------------------------------------------
+# -- values of the read-out ---------------------------------------------------------------------------------------
 
 
-ANSWERS = ("pressure_angle", "pitch_curvature", "drive_torque", "contact_force", "contact_pressure")
-"""Quantities that are told, those that a design has."""
+def readout_lines(study: Study, path: str, stages: tuple[str, ...]) -> list[ReadoutLine]:
+    """Lines of the read-out: the dragged field, then peaks with their limits.
 
-
-def answers(study: Study, path: str, stages: tuple[str, ...]) -> list[Answer]:
-    """The value that the mouse changes, and below it what answers: pressure angle and undercut, and of forces what is on the screen
-    anyway (``stages``); each with the limit that it is held against."""
-    lines: list[Answer] = [(f"{name_of(study.design, path)} {value_text(study.design, path)}", False)]
-    for row in rows_of(study, ANSWERS):
+    Pressure angle and undercut are always shown, forces only if ``stages``, the stages on the screen, contain theirs.
+    """
+    lines: list[ReadoutLine] = [(f"{name_of(study.design, path)} {value_text(study.design, path)}", False)]
+    for row in rows_of(study, READOUT_QUANTITIES):
         if row.stage not in ("cam", *stages):
             continue
         try:
@@ -233,23 +230,25 @@ def answers(study: Study, path: str, stages: tuple[str, ...]) -> list[Answer]:
     return lines
 
 
-def _peak(row: Any, values: np.ndarray, limits: list[float]) -> Answer:
-    """A force is held against the least that is wanted, all else against the most."""
-    low = row.name == "contact_force"
-    top = float(values.min() if low else values[np.argmax(np.abs(values))])
-    held = (max if low else min)(limits, default=None)
-    passed = held is not None and (top < held if low else abs(top) > held)
-    text = f"{row.label} {'least ' if low else ''}{measure(top, row.unit.symbol)}"
-    return (text if held is None else f"{text}, limit {measure(held, row.unit.symbol)}"), passed
+def _peak(row: Any, values: np.ndarray, limits: list[float]) -> ReadoutLine:
+    """Compare the contact force with its lower limit, other peaks with their upper limit."""
+    is_lower = row.name == "contact_force"
+    peak = float(values.min() if is_lower else values[np.argmax(np.abs(values))])
+    limit = (max if is_lower else min)(limits, default=None)
+    violated = limit is not None and (peak < limit if is_lower else abs(peak) > limit)
+    text = f"{row.label} {'least ' if is_lower else ''}{measure(peak, row.unit.symbol)}"
+    return (text if limit is None else f"{text}, limit {measure(limit, row.unit.symbol)}"), violated
 
 
-def _radius(values: np.ndarray, limits: list[float]) -> Answer:
-    """The least radius of the pitch curve against that from which on it is undercut [1/m]."""
-    top = float(values.max())
-    if not limits or top <= 0.0:
+def _radius(values: np.ndarray, limits: list[float]) -> ReadoutLine:
+    """Compare the smallest radius of the pitch curve with the limit of undercut; curvatures in 1/m."""
+    largest = float(values.max())
+    if not limits or largest <= 0.0:
         return "No undercut", False
-    text = f"Pitch radius {measure(1e3 / top, 'mm')}, undercut below {measure(1e3 / min(limits), 'mm')}"
-    return text, top >= min(limits)
+    text = f"Pitch radius {measure(1e3 / largest, 'mm')}, undercut below {measure(1e3 / min(limits), 'mm')}"
+    return text, largest >= min(limits)
 
 
-__all__ = ["Answer", "BesideMouse", "Thing", "answers", "deeds", "open_menu", "paint_beside", "typed_on"]
+__all__ = [
+    "MouseReadout", "MouseTarget", "ReadoutLine", "extended_input", "menu_entries", "open_menu", "paint_readout", "readout_lines",
+]  # fmt: skip

@@ -1,4 +1,4 @@
-"""Zoom, pan, hit tests."""
+"""Canvas of a mechanism: zoom, pan, hit tests and mouse events; and the outline of the pinned variant."""
 
 from __future__ import annotations
 
@@ -31,68 +31,70 @@ from kindyna_gui.pictures.shapes import joined, outline
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import nearest
 
-# -- canvas ----------------------------------------------------------------------------------------------
-
-NOTCH, STEP = 120.0, 1.25  # of a wheel: its angle, and the factor by which it zooms
-FURTHEST, CLOSEST = 0.05, 400.0  # zoom, in parts of the scale at which the mechanism fits
-HALF_EMPTY = 0.45  # a fitted picture is fitted anew once the mechanism fills less than this part of it
-REACH = 9.0  # pixels from a joint within which it is taken
-RIM = 4.0  # pixels from a circle within which it is taken
+NOTCH, STEP = 120.0, 1.25  # angle of a notch of the wheel, and its zoom factor
+FURTHEST, CLOSEST = 0.05, 400.0  # zoom limits relative to the scale that fits the mechanism
+HALF_EMPTY = 0.45  # the mechanism is fitted again if it fills less than this part of the canvas
+REACH = 9.0  # distance within which a joint is hit, pixels
+RIM = 4.0  # distance within which a circle is hit, pixels
 MASSES = "masses"  # a layer, and a list of the loads
-REST_MS = 250  # after an edit or a move, before labels look for better sides
+REST_MS = 250  # delay after an edit or a move before labels are placed again
+MM = 1e3  # per metre
+OUTLINE_WIDTH = 1.0  # pixels; Qt takes many times as long for wider lines
 _GRIPS = (Qt.MouseButton.LeftButton, Qt.MouseButton.MiddleButton)
+
+# -- canvas ----------------------------------------------------------------------------------------------
 
 
 def joints_now(scene: MechanismScene | Assembly) -> dict[str, complex]:
-    """Where the joints that can be drawn elsewhere stand, by the names of their points [mm]; none while nothing is drawn."""
-    from core.followers.dragging import joints_of  # which takes longer to load than the picture to draw
+    """Positions [mm] of the joints that can be dragged, by the names of their points."""
+    from core.followers.dragging import joints_of  # its import takes longer than drawing the mechanism
 
     geometry = scene.geometry
     if geometry is None:
         return {}
-    wanted = joints_of(geometry.study.design)
-    if isinstance(scene, MechanismScene) and not scene.layer_selected(MASSES):  # what is not seen is not taken
-        wanted = {name: drag for name, drag in wanted.items() if not name.startswith(f"loads.{MASSES}")}
-    return {name: place for name, place in geometry.handles(scene.index).items() if name in wanted}
+    joints = joints_of(geometry.study.design)
+    if isinstance(scene, MechanismScene) and not scene.layer_selected(MASSES):  # hidden masses are not dragged
+        joints = {name: drag for name, drag in joints.items() if not name.startswith(f"loads.{MASSES}")}
+    return {name: position for name, position in geometry.handles(scene.index).items() if name in joints}
 
 
 def rims_now(scene: MechanismScene | Assembly) -> dict[str, tuple[complex, float]]:
-    """The circles that can be drawn larger and smaller, by the paths of their fields: centre and radius [mm]."""
+    """Centre and radius [mm] of the circles that can be dragged, by the paths of their fields."""
     from core.followers.dragging import rims_of
 
     geometry = scene.geometry
     if geometry is None or isinstance(scene, Assembly):
         return {}
-    wanted = rims_of(geometry.study.design)
-    return {path: rim for path, rim in geometry.rims(scene.index).items() if path in wanted}
+    paths = rims_of(geometry.study.design)
+    return {path: rim for path, rim in geometry.rims(scene.index).items() if path in paths}
 
 
 class Canvas(QGraphicsView):
-    """A window on a scene in mm, y upwards: wheel zooms about the mouse, drag pans, double click fits.
+    """View of a scene in mm, y upwards: the wheel zooms about the mouse, a drag pans, a double click fits.
 
-    Qt's own scroll bars and transformation anchors are left aside: what is visible is a centre and a scale, so that
-    neither an edit nor a change of size can move it.
+    The visible region is a centre and a scale, without Qt's scroll bars and transformation anchors, so that neither an
+    edit nor a change of size moves it.
 
-    taken     (name): a joint was pressed
-    dragged   (name, place [mm]): it was drawn to a place
-    dropped   (name): it was let go
-    clicked   (place [mm]): it was pressed and let go there
-    asked     (place [mm], on the screen): a context menu is wanted there
-    hovered   (place [mm]): the mouse is there and holds nothing; None: it is elsewhere, or holds something
+    joint_pressed   (name): a joint was pressed
+    joint_dragged   (name, position [mm]): the joint was dragged to a position
+    joint_released  (name): the joint was released
+    clicked         (position [mm]): a click
+    menu_requested  (position [mm], position on the screen): request of a context menu
+    hovered         (position [mm]): the mouse without a drag; None outside the canvas or during a drag
+    run_ended       the drag begun by ``start_run`` has ended
 
-    fitted   the whole mechanism is shown, and will be at another size, too; False once zoomed or moved by hand
-    picking  something is to be chosen with the next click: joints stay where they are
-    over     what is painted over the scene, in pixels
-    under    what is painted under it, likewise, and
-    marks    its places [mm] that are meant when the mouse is near one
-    runs     place pressed [mm] -> what the mouse does from there on, at each place; None: it moves the drawing
-    ran      it was let go
+    fitted          the mechanism fits the canvas at every size; False after zoom and pan
+    picking         the next click picks something, so joints are not dragged
+    over, under     functions that paint over and under the scene, in pixels
+    marks           snap positions [mm] of what is painted under the scene
+    start_run       (position pressed [mm]) -> function of the mouse position during the drag; None pans
     """
 
-    taken, dragged, dropped, hovered = Signal(str), Signal(str, complex), Signal(str), Signal(object)
+    joint_pressed, joint_dragged, joint_released = Signal(str), Signal(str, complex), Signal(str)
+    hovered = Signal(object)
     clicked = Signal(QPointF)
-    asked = Signal(QPointF, QPoint)
-    ran = Signal()
+    menu_requested = Signal(QPointF, QPoint)
+    run_ended = Signal()
 
     def __init__(self, scene: MechanismScene | Assembly) -> None:
         super().__init__(scene)
@@ -100,11 +102,11 @@ class Canvas(QGraphicsView):
         self._scene = scene
         self.setAccessibleName("Drawing of the mechanism")
         self.fitted = True
-        self._picking = self._moved = False
+        self._picking = self._has_moved = False
         self.over: Callable[[QPainter], object] | None = None
         self.under: Callable[[QPainter], object] | None = None
         self.marks: Sequence[complex] = ()
-        self.runs: Callable[[complex], Callable[[complex], object] | None] | None = None
+        self.start_run: Callable[[complex], Callable[[complex], object] | None] | None = None
         self._run: Callable[[complex], object] | None = None
         self._centre, self._scale = QPointF(), 1.0
         self._grip: QPointF | None = None
@@ -115,7 +117,7 @@ class Canvas(QGraphicsView):
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setRenderHints(QPainter.RenderHint.Antialiasing | QPainter.RenderHint.TextAntialiasing)
-        # nearly everything moves in every frame, and lines of constant width reach beyond what Qt takes for their bounds
+        # nearly all items move in every frame, and lines of constant width extend beyond the bounds that Qt computes
         self.setViewportUpdateMode(QGraphicsView.ViewportUpdateMode.FullViewportUpdate)
         self.setTransformationAnchor(QGraphicsView.ViewportAnchor.NoAnchor)
         self.setResizeAnchor(QGraphicsView.ViewportAnchor.NoAnchor)
@@ -123,16 +125,16 @@ class Canvas(QGraphicsView):
         self.setCursor(Qt.CursorShape.ArrowCursor)
         self.viewport().setMouseTracking(True)
 
-    # -- what is visible ----------------------------------------------------------------------------------
+    # -- visible region -----------------------------------------------------------------------------------
 
     @property
     def drawn(self) -> MechanismScene | Assembly:
-        """What is shown."""
+        """The scene."""
         return self._scene
 
     @property
     def picking(self) -> bool:
-        """Whether something is to be chosen with the next click."""
+        """Whether the next click picks something."""
         return self._picking
 
     @picking.setter
@@ -147,13 +149,13 @@ class Canvas(QGraphicsView):
 
     @property
     def visible(self) -> QRectF:
-        """What is visible [mm]."""
+        """Visible region [mm]."""
         rect = QRectF(0.0, 0.0, self.viewport().width() / self._scale, self.viewport().height() / self._scale)
         rect.moveCenter(self._centre)
         return rect
 
     def show_region(self, centre: QPointF, scale: float, keep_labels: bool = False) -> None:
-        """Show what is around a point, at so many pixels per mm; labels may find better sides once all is at rest."""
+        """Show the region around a point, at a scale in pixels per mm; ``keep_labels`` places labels again after a delay."""
         self._centre, self._scale = centre, scale
         self.setTransform(QTransform.fromScale(scale, -scale))
         visible = self.visible
@@ -169,63 +171,62 @@ class Canvas(QGraphicsView):
         self.fitted = True
 
     def update_style(self) -> None:
-        """Theme or letters have changed; what is zoomed stays."""
+        """Apply a change of theme or font; the zoom does not change."""
         self._scene.update_style()
         if self.fitted:
             self.fit()
 
     def show_again(self) -> None:
-        """Show what was visible again, after an edit: it stays, unless a fitted mechanism has outgrown its picture or shrunk in it."""
-        if self.fitted and not self._joint:  # under the hand the picture stays
-            wanted, scale = self._scene.fit(self.viewport().width(), self.viewport().height())
+        """Keep the visible region after an edit, unless a fitted mechanism no longer fits, or has become small."""
+        if self.fitted and not self._joint:  # the region does not change during a drag
+            region, scale = self._scene.fit(self.viewport().width(), self.viewport().height())
             if not self.visible.contains(self._scene.least_rect()) or self._scale < HALF_EMPTY * scale:
-                self.show_region(wanted.center(), scale, keep_labels=True)
+                self.show_region(region.center(), scale, keep_labels=True)
 
     def zoom(self, factor: float, about: QPointF) -> None:
-        """Zoom by a factor; what stands at a place of the viewport [pixels] stays there."""
-        _, usual = self._scene.fit(self.viewport().width(), self.viewport().height())
-        scale = min(max(self._scale * factor, FURTHEST * usual), CLOSEST * usual)
-        kept = self._place(about)
-        offset = (self._centre - kept) * (self._scale / scale)
-        self.show_region(kept + offset, scale, keep_labels=True)
+        """Zoom by a factor about a fixed pixel of the viewport."""
+        _, fit_scale = self._scene.fit(self.viewport().width(), self.viewport().height())
+        scale = min(max(self._scale * factor, FURTHEST * fit_scale), CLOSEST * fit_scale)
+        fixed = self._position(about)
+        offset = (self._centre - fixed) * (self._scale / scale)
+        self.show_region(fixed + offset, scale, keep_labels=True)
         self.fitted = False
 
-    def _place(self, pixel: QPointF) -> QPointF:
-        """The place of the scene [mm] at a place of the viewport [pixels]."""
+    def _position(self, pixel: QPointF) -> QPointF:
+        """Position [mm] at a pixel of the viewport."""
         x = pixel.x() - self.viewport().width() / 2.0
         y = pixel.y() - self.viewport().height() / 2.0
         return self._centre + QPointF(x / self._scale, -y / self._scale)
 
     def _drawn_at(self, pixel: QPointF) -> QPointF:
-        """The same of what Qt has drawn there: it puts the scene on whole pixels."""
+        """Position [mm] at a pixel as Qt has drawn it, which moves the scene to whole pixels."""
         inverse, _ = self.viewportTransform().inverted()
         return inverse.map(pixel)
 
     def joint_at(self, pixel: QPointF, rims: bool = True) -> str:
-        """The name of the joint, or with ``rims`` the path of the circle, under a place of the viewport that can be drawn elsewhere;
-        empty where there is none."""
+        """Name of the draggable joint, or with ``rims`` path of the circle, under a pixel; empty if there is none."""
         if self._picking:
             return ""
         at = self._drawn_at(pixel)
+        position = complex(at.x(), at.y())
         joints = joints_now(self._scene)
-        near = {name: abs(place - complex(at.x(), at.y())) * self._scale for name, place in joints.items()}
-        best = min(near, key=lambda name: near[name], default="")
-        if best and near[best] <= REACH:
-            return best
-        here = complex(at.x(), at.y())
-        off = {
-            path: abs(abs(here - centre) - radius) * self._scale
+        distances = {name: abs(joint - position) * self._scale for name, joint in joints.items()}
+        nearest_joint = min(distances, key=lambda name: distances[name], default="")
+        if nearest_joint and distances[nearest_joint] <= REACH:
+            return nearest_joint
+        distances = {
+            path: abs(abs(position - centre) - radius) * self._scale
             for path, (centre, radius) in (rims_now(self._scene) if rims else {}).items()
         }
-        best = min(off, key=lambda path: off[path], default="")
-        return best if best and off[best] <= RIM else ""
+        rim = min(distances, key=lambda path: distances[path], default="")
+        return rim if rim and distances[rim] <= RIM else ""
 
     @property
     def _rest_cursor(self) -> Qt.CursorShape:
         return Qt.CursorShape.CrossCursor if self._picking else Qt.CursorShape.ArrowCursor
 
     def paint_under(self, painter: QPainter) -> None:
-        """What lies under the scene."""
+        """Paint what is under the scene."""
         if self.under is not None:
             painter.save()
             painter.resetTransform()
@@ -244,28 +245,29 @@ class Canvas(QGraphicsView):
             self.over(painter)
             painter.restore()
 
-    # -- events -------------------------------------------------------------------------------------------
+    # -- mouse events -------------------------------------------------------------------------------------
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
         if not self._joint and not self._picking:
-            self.asked.emit(self._drawn_at(QPointF(self.viewport().mapFrom(self, event.pos()))), event.globalPos())
+            self.menu_requested.emit(
+                self._drawn_at(QPointF(self.viewport().mapFrom(self, event.pos()))), event.globalPos()
+            )
 
-    def let_go(self) -> None:
-        """What is held is held no longer; the mouse may still be down."""
+    def end_drag(self) -> None:
+        """End the drag, even if the button is still pressed."""
         self._joint = ""
         if self._run is not None:
             self._run = lambda _: None
 
     @property
-    def pressed_place(self) -> complex:
-        """Where the mouse was pressed last [mm]."""
+    def pressed_position(self) -> complex:
+        """Position of the last press [mm]."""
         at = self._drawn_at(self._pressed)
         return complex(at.x(), at.y())
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        turned = event.angleDelta().y() or event.pixelDelta().y()
-        if turned:
-            self.zoom(STEP ** (turned / NOTCH), event.position())
+        if angle := event.angleDelta().y() or event.pixelDelta().y():
+            self.zoom(STEP ** (angle / NOTCH), event.position())
         event.accept()
 
     def leaveEvent(self, event: QEvent) -> None:
@@ -275,21 +277,21 @@ class Canvas(QGraphicsView):
     def mousePressEvent(self, event: QMouseEvent) -> None:
         self.hovered.emit(None)
         joint = self.joint_at(event.position()) if event.button() == Qt.MouseButton.LeftButton else ""
-        self._moved = False
+        self._has_moved = False
         if joint:
             self._joint, self._pressed = joint, event.position()
-            self.taken.emit(joint)
+            self.joint_pressed.emit(joint)
         elif event.button() in _GRIPS:
-            if event.button() == Qt.MouseButton.LeftButton and self.runs is not None and not self._picking:
+            if event.button() == Qt.MouseButton.LeftButton and self.start_run is not None and not self._picking:
                 at = self._drawn_at(event.position())
-                self._run = self.runs(complex(at.x(), at.y()))
+                self._run = self.start_run(complex(at.x(), at.y()))
             self._grip = self._pressed = event.position()
             self.setCursor(Qt.CursorShape.ClosedHandCursor)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         if self._joint:
-            at, self._moved = self._drawn_at(event.position()), True
-            self.dragged.emit(self._joint, complex(at.x(), at.y()))
+            at, self._has_moved = self._drawn_at(event.position()), True
+            self.joint_dragged.emit(self._joint, complex(at.x(), at.y()))
             return
         if self._grip is None:
             over = self.joint_at(event.position())
@@ -303,24 +305,24 @@ class Canvas(QGraphicsView):
             at = self._drawn_at(event.position())
             self._run(complex(at.x(), at.y()))
             return
-        moved = event.position() - self._grip
+        shift = event.position() - self._grip
         self._grip = event.position()
         self.show_region(
-            self._centre - QPointF(moved.x() / self._scale, -moved.y() / self._scale), self._scale, keep_labels=True
+            self._centre - QPointF(shift.x() / self._scale, -shift.y() / self._scale), self._scale, keep_labels=True
         )
         self.fitted = False
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         if self._joint and event.button() == Qt.MouseButton.LeftButton:
             name, self._joint = self._joint, ""
-            self.dropped.emit(name)
+            self.joint_released.emit(name)
             self.show_again()
-            if not self._moved:
+            if not self._has_moved:
                 self.clicked.emit(self._drawn_at(event.position()))
         elif event.button() in _GRIPS:
-            ran, self._grip, self._run = self._run, None, None
-            if ran is not None:
-                self.ran.emit()
+            run, self._grip, self._run = self._run, None, None
+            if run is not None:
+                self.run_ended.emit()
             self.setCursor(self._rest_cursor)
             if event.position() == self._pressed and event.button() == Qt.MouseButton.LeftButton:
                 self.clicked.emit(self._drawn_at(event.position()))
@@ -330,7 +332,7 @@ class Canvas(QGraphicsView):
             self.fit()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        event.ignore()  # the arrow keys would scroll; they belong to the player
+        event.ignore()  # the arrow keys move the player, and do not scroll
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
@@ -340,26 +342,23 @@ class Canvas(QGraphicsView):
             self.show_region(self._centre, self._scale, keep_labels=True)
 
 
-# -- ghost -----------------------------------------------------------------------------------------------
-
-MM = 1e3
-WIDTH = 1.0  # pixels; Qt takes many times as long for wider lines
+# -- pinned variant --------------------------------------------------------------------------------------
 
 
-class Ghost:
-    """Made of one study; lines at an angle in mm, y upwards."""
+class PinnedOutline:
+    """Outline of the pinned variant, in mm, y upwards."""
 
     def __init__(self, study: Study) -> None:
         self.study = study
 
     @cached_property
     def _outline(self) -> QPainterPath:
-        """Of the cam in its own frame."""
+        """Outline of the cam in its frame."""
         assert self.study.shape is not None
         return joined(*(outline(MM * flank.profile) for flank in self.study.shape.flanks))
 
     def path(self, theta: float) -> QPainterPath:
-        """Outline of the cam, what touches it, links as lines between their points; empty where there is no position."""
+        """Outline of cam and follower face, links as lines between their points; empty if there is no solution."""
         path = QPainterPath()
         try:
             kinematics, shape = self.study.linkage, self.study.shape
@@ -373,8 +372,8 @@ class Ghost:
             if name != FRAME and len(points) > 1:
                 path.addPolygon(_polygon(points + points[:1]))
         if shape is not None:
-            turned = QTransform().rotate(self.study.sense * float(np.rad2deg(self.study.theta[at])))
-            path.addPath(turned.map(self._outline))
+            rotation = QTransform().rotate(self.study.sense * float(np.rad2deg(self.study.theta[at])))
+            path.addPath(rotation.map(self._outline))
             if radius := MM * shape.flank.radius:
                 centre = MM * complex(shape.reference[at])
                 path.addEllipse(QPointF(centre.real, centre.imag), radius, radius)
@@ -385,10 +384,10 @@ def _polygon(points: list[complex]) -> QPolygonF:
     return QPolygonF([QPointF(MM * p.real, MM * p.imag) for p in points])
 
 
-def paint_ghost(painter: QPainter, ghost: Ghost, theta: float, view: QTransform) -> None:
-    """In pixels of a view whose scene is in mm."""
+def paint_pinned(painter: QPainter, pinned: PinnedOutline, theta: float, view: QTransform) -> None:
+    """Paint the pinned variant through the transformation of a view, mm to pixels."""
     colour = QColor(SCREEN.quiet)
     colour.setAlpha(150)
-    painter.setPen(QPen(colour, WIDTH))
+    painter.setPen(QPen(colour, OUTLINE_WIDTH))
     painter.setBrush(QColor(0, 0, 0, 0))
-    painter.drawPath(view.map(ghost.path(theta)))
+    painter.drawPath(view.map(pinned.path(theta)))

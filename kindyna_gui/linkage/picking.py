@@ -1,4 +1,4 @@
-"""Picking and choosing."""
+"""Picking of load attachments in the drawing by clicks, and the rows of the loads at a position."""
 
 from __future__ import annotations
 
@@ -36,201 +36,215 @@ from kindyna_gui.pictures.drawing.load_parts import spirals
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.pictures.style import SCREEN
 
-# -- picking ---------------------------------------------------------------------------------------------
-
-NEAR, ALONG = 11.0, 7.0  # pixels from a named place, and from a line of a link, within which it is meant
-UPON = 2.5  # pixels from its line within which a place on the face of a link is meant to be upon it
+NEAR, ALONG = 11.0, 7.0  # snap distances from a named point and from a line of a link, pixels
+UPON = 2.5  # snap distance to its line from a position on the face of a link, pixels
 MARK_RADIUS = 6.0  # radius of a mark, pixels
+REACH = 9.0  # distance within which a row of the loads is hit, pixels
+ROW_MARK_RADIUS = 9.0  # radius of the mark of the selected row, pixels
+ROW_LINE_WIDTH = 6.0  # width of its line between two ends, pixels
+SYMBOLS = frozenset({"spring", "damper", "load", "torque"})
+"""First words of the keys of the parts that show a row of the loads."""
 
-Taken = Callable[[Sequence[Target | None]], object]
-"""Called with what was chosen, in the order of the holds; with nothing where it shall be placed as it can."""
+PickFunction = Callable[[Sequence[Target | None]], object]
+"""Called with the picked attachments in their order; with an empty sequence for the suggested ones."""
+
+# -- picking ---------------------------------------------------------------------------------------------
 
 
 @frozen
 class PickCandidate:
-    """What can be chosen, and where it stands now [mm]."""
+    """An attachment that can be picked, and its current position [mm]."""
 
-    held: Target
+    target: Target
     at: complex
 
 
 class Picker(QObject):
-    """Asks for one hold after the other, until all are chosen, Return leaves them as they come, or Escape ends it.
+    """Lets the user pick attachments one after the other; Return accepts the suggested ones, Escape cancels.
 
-    prompted   (text): what is to be clicked now
-    over       it has ended; the text says how, empty where something was chosen
+    prompted   (text): what to click next
+    ended      (text): picking has ended; the text says why, and is empty after a pick
     """
 
     prompted = Signal(str)
-    over = Signal(str)
+    ended = Signal(str)
 
     def __init__(self, canvas: Canvas, scene: MechanismScene) -> None:
         super().__init__(canvas)
         self._canvas, self._scene = canvas, scene
-        self._holds: tuple[AttachedEnd, ...] = ()
-        self._got: list[Target | None] = []
-        self._beside: list[Target | None] = []
-        self._taken: Taken | None = None
+        self._ends: tuple[AttachedEnd, ...] = ()
+        self._picked: list[Target | None] = []
+        self._other_ends: list[Target | None] = []
+        self._accept: PickFunction | None = None
         self._what = ""
-        self._can_be_left = False
+        self._is_optional = False
         self._under: PickCandidate | None = None
 
-    # -- a question -----------------------------------------------------------------------------------------
+    # -- start, clicks, end ---------------------------------------------------------------------------------
 
     @property
     def active(self) -> bool:
-        """Whether something is to be chosen now."""
-        return self._taken is not None
+        """Whether an attachment is being picked."""
+        return self._accept is not None
 
-    def ask(
+    def start(
         self,
         what: str,
-        holds: Sequence[AttachedEnd],
-        taken: Taken,
-        can_be_left: bool = False,
-        beside: Sequence[Target | None] = (),
+        ends: Sequence[AttachedEnd],
+        accept: PickFunction,
+        is_optional: bool = False,
+        other_ends: Sequence[Target | None] = (),
     ) -> None:
-        """Let these be chosen for ``what``; can_be_left: Return takes what comes; beside: where the row holds on besides."""
+        """Start picking the attachments of ``what``.
+
+        With ``is_optional`` Return accepts the suggested ones; ``other_ends`` are the other attachments of the same row.
+        """
         self.end("")
-        self._what, self._holds, self._taken, self._can_be_left = what, tuple(holds), taken, can_be_left
-        self._got, self._beside, self._under = [], list(beside), None
+        self._what, self._ends, self._accept, self._is_optional = what, tuple(ends), accept, is_optional
+        self._picked, self._other_ends, self._under = [], list(other_ends), None
         self._canvas.picking = True
         self._prompt()
 
     def _prompt(self) -> None:
-        ways = [*(["Enter: as it comes"] if self._can_be_left else []), "Esc: none"]
-        self.prompted.emit(f"{self._what}: click {wanted_text(self._hold)}. {', '.join(ways)}")
+        keys = [*(["Enter accepts the suggested attachment"] if self._is_optional else []), "Esc cancels"]
+        self.prompted.emit(f"{self._what}: click {prompt_text(self._current)}. {', '.join(keys)}")
         self._canvas.viewport().update()
 
     @property
-    def _hold(self) -> AttachedEnd:
-        return self._holds[len(self._got)]
+    def _current(self) -> AttachedEnd:
+        return self._ends[len(self._picked)]
 
     def end(self, how: str) -> None:
-        """Ask no longer."""
-        if self._taken is not None:
-            self._taken, self._canvas.picking, self._under = None, False, None
+        """End picking; ``how`` says why."""
+        if self._accept is not None:
+            self._accept, self._canvas.picking, self._under = None, False, None
             self._canvas.viewport().update()
-            self.over.emit(how)
+            self.ended.emit(how)
 
-    def leave(self) -> None:
-        """As it comes, where that can be."""
-        if self._taken is not None and self._can_be_left:
+    def skip(self) -> None:
+        """Accept the suggested attachments, if allowed."""
+        if self._accept is not None and self._is_optional:
             self._finish([])
 
-    def _finish(self, got: Sequence[Target | None]) -> None:
-        taken = self._taken
+    def _finish(self, picked: Sequence[Target | None]) -> None:
+        accept = self._accept
         self.end("")
-        assert taken is not None
-        taken(got)
+        assert accept is not None
+        accept(picked)
 
     def click(self, at: complex) -> None:
-        """The mouse was clicked at a place [mm]."""
-        found = self.candidate_at(at)
-        if found is None:
-            self.prompted.emit(f"Nothing there that serves. {self._what}: click {wanted_text(self._hold)}. Esc: none")
+        """Pick the attachment at a position [mm]."""
+        candidate = self.candidate_at(at)
+        if candidate is None:
+            self.prompted.emit(f"Nothing to select here. {self._what}: click {prompt_text(self._current)}. Esc cancels")
             return
-        self._got.append(found.held)
+        self._picked.append(candidate.target)
         self._under = None
-        if len(self._got) == len(self._holds):
-            self._finish(self._got)
+        if len(self._picked) == len(self._ends):
+            self._finish(self._picked)
         else:
             self._prompt()
 
     def hover(self, at: complex | None) -> None:
-        """The mouse is at a place [mm], or elsewhere."""
+        """Highlight the attachment at a position [mm]; None: the mouse is not on the canvas."""
         under = None if at is None or not self.active else self.candidate_at(at)
         if under != self._under:
             self._under = under
             self._canvas.viewport().update()
 
-    # -- what there is --------------------------------------------------------------------------------------
+    # -- candidates -----------------------------------------------------------------------------------------
 
     @property
     def _geometry(self) -> Geometry | None:
         return self._scene.geometry
 
     def candidates(self) -> list[PickCandidate]:
-        """All with a name that can be chosen now; of several at one place the first is meant."""
+        """Return the named attachments that can be picked now; at equal positions the first has priority."""
         geometry = self._geometry
         if geometry is None or not self.active:
             return []
         drive = geometry.study.design.drive
-        hold = replace(self._hold, what=POINT, fields=()) if self._hold.what == LINK and self._hold.free else self._hold
-        found = [
-            PickCandidate(held, at)
-            for held in targets_for(drive, hold)
-            for at in places_now(geometry, held, self._scene.index)
+        end = (
+            replace(self._current, what=POINT, fields=())
+            if self._current.what == LINK and self._current.free
+            else self._current
+        )
+        return [
+            PickCandidate(target, at)
+            for target in targets_for(drive, end)
+            if self._is_valid(target)
+            for at in target_positions(geometry, target, self._scene.index)
         ]
-        return [each for each in found if self._suits(each.held)]
 
-    def _suits(self, held: Target) -> bool:
-        """A second end stands on another link than the first, and elsewhere."""
-        if not isinstance(held, Attachment) or self._geometry is None:
+    def _is_valid(self, target: Target) -> bool:
+        """Whether the distance to the other ends can change: not the same link, nor two points of one link."""
+        if not isinstance(target, Attachment) or self._geometry is None:
             return True
         points = link_points(self._geometry.study.design.drive).values()
-        for other in (*self._got, *self._beside):
-            if isinstance(other, Attachment):
-                both = {other.point, held.point}
-                if held.link == other.link or (None not in both and any(both <= set(names) for names in points)):
-                    return False  # they would keep their distance
+        for end in (*self._picked, *self._other_ends):
+            if isinstance(end, Attachment):
+                both = {end.point, target.point}
+                if target.link == end.link or (None not in both and any(both <= set(names) for names in points)):
+                    return False
         return True
 
     def candidate_at(self, at: complex) -> PickCandidate | None:
-        """What a click at a place [mm] means: the nearest with a name, else a place of a link, else of the ground."""
+        """Return the attachment at a position [mm]: the nearest named one, else a position on a link or the ground."""
         geometry, scale = self._geometry, self._canvas.scale_now
         if geometry is None:
             return None
-        hold = self._hold
-        named = [(abs(each.at - at) * scale, i, each) for i, each in enumerate(self.candidates())]
-        near = [row for row in named if row[0] <= NEAR]
+        end = self._current
+        distances = [(abs(row.at - at) * scale, i, row) for i, row in enumerate(self.candidates())]
+        near = [row for row in distances if row[0] <= NEAR]
         if near:
             best = min(near)[2]
-            return self._placed(best) if hold.free and hold.what == LINK else best
-        if hold.what == PAIR:
+            return self._placed(best) if end.free and end.what == LINK else best
+        if end.what == PAIR:
             return None
-        if hold.what == LINK or hold.free:
+        if end.what == LINK or end.free:
             return self._on_link(geometry, at) or self._on_ground(at)
         return None
 
     def _placed(self, candidate: PickCandidate) -> PickCandidate:
-        """The same as a place in the frame of its link."""
-        held, geometry = candidate.held, self._geometry
-        assert isinstance(held, Attachment)
+        """Replace a named point by its coordinates in the frame of its link."""
+        target, geometry = candidate.target, self._geometry
+        assert isinstance(target, Attachment)
         assert geometry is not None
-        place = attachment_point(held, geometry.study.mechanism)
-        return PickCandidate(self._at(held.link, place.at * MM), candidate.at)
+        point = attachment_point(target, geometry.study.mechanism)
+        return PickCandidate(self._at(target.link, point.at * MM), candidate.at)
 
     def _at(self, link: int, local: complex) -> Attachment:
         decimals = max(0, floor(log10(self._canvas.scale_now)))
         return Attachment(link=link, x_mm=round(local.real, decimals) + 0.0, y_mm=round(local.imag, decimals) + 0.0)
 
     def _on_link(self, geometry: Geometry, at: complex) -> PickCandidate | None:
-        """A place of the link whose face is uppermost under the mouse, else of that whose line is near; upon its line where no hand
-        aims beside it. Of the link alone where that is what is wanted."""
+        """Attachment to the uppermost link under the mouse, else to the link whose line is near, snapped to the line.
+
+        Without coordinates where only the link is picked.
+        """
         index, scale = self._scene.index, self._canvas.scale_now
         links = {
             name: number
             for number, name in geometry.study.mechanism.bodies.items()
-            if name in geometry.moving and self._suits(Attachment(link=number))
+            if name in geometry.moving and self._is_valid(Attachment(link=number))
         }
-        name, place = self.face_at(geometry, links, at), at
+        name, position = self.face_at(geometry, links, at), at
         reach = ALONG if name is None else UPON
-        for each in links if name is None else (name,):
-            body = geometry.bodies[each]
+        for candidate in links if name is None else (name,):
+            body = geometry.bodies[candidate]
             nodes = [complex(body.track(node)[index]) for node in geometry.nodes(body).values()]
-            for nearest in (nearest_on_segment(at, one, other) for one in nodes for other in nodes):
+            for nearest in (nearest_on_segment(at, start, end) for start in nodes for end in nodes):
                 if abs(at - nearest) * scale < reach:
-                    reach, name, place = abs(at - nearest) * scale, each, nearest
+                    reach, name, position = abs(at - nearest) * scale, candidate, nearest
         if name is None:
             return None
         body = geometry.bodies[name]
-        local = (place - body.z[index]) * np.exp(-1j * np.deg2rad(body.angle[index]))
-        held = self._at(links[name], complex(local)) if self._hold.free else Attachment(link=links[name])
-        return PickCandidate(held, place)
+        local = (position - body.z[index]) * np.exp(-1j * np.deg2rad(body.angle[index]))
+        target = self._at(links[name], complex(local)) if self._current.free else Attachment(link=links[name])
+        return PickCandidate(target, position)
 
     def face_at(self, geometry: Geometry, names: Container[str], at: complex) -> str | None:
-        """Of these bodies the one whose bar, lever, plate or block is drawn uppermost at a place [mm]."""
+        """Return the uppermost of these bodies whose bar, lever, plate or block is drawn at a position [mm]."""
         owners = {f"body.{name}": name for name in geometry.moving}
         owners |= {f"{kind}.{joint.name}": joint.pair.body for joint in geometry.joints for kind in ("block", "stem")}
         parts = [
@@ -238,19 +252,19 @@ class Picker(QObject):
             for key, part in self._scene.parts.items()
             if owners.get(key) in names and isinstance(part.item, QGraphicsPathItem)
         ]
-        here = QPointF(at.real, at.imag)
-        under = [(z, name) for z, name, item in parts if item.path().contains(item.mapFromScene(here))]
+        point = QPointF(at.real, at.imag)
+        under = [(z, name) for z, name, item in parts if item.path().contains(item.mapFromScene(point))]
         return max(under)[1] if under else None
 
     def _on_ground(self, at: complex) -> PickCandidate | None:
-        if not self._hold.frame or not self._suits(Attachment(link=FRAME_LINK)):
+        if not self._current.frame or not self._is_valid(Attachment(link=FRAME_LINK)):
             return None
-        return PickCandidate(self._at(FRAME_LINK, at) if self._hold.free else Attachment(link=FRAME_LINK), at)
+        return PickCandidate(self._at(FRAME_LINK, at) if self._current.free else Attachment(link=FRAME_LINK), at)
 
-    # -- as it looks ----------------------------------------------------------------------------------------
+    # -- painting -------------------------------------------------------------------------------------------
 
     def paint(self, painter: QPainter) -> None:
-        """Marks of what can be chosen, a bolder one with its name under the mouse; in pixels of the viewport."""
+        """Mark the candidates, and name the one under the mouse; in pixels of the viewport."""
         if not self.active:
             return
         colour = QColor(SCREEN.chosen)
@@ -258,33 +272,33 @@ class Picker(QObject):
         fill = QColor(colour)
         fill.setAlpha(50)
         painter.setBrush(fill)
-        for at in {each.at for each in self.candidates()}:
+        for at in {candidate.at for candidate in self.candidates()}:
             painter.drawEllipse(self._pixel(at), MARK_RADIUS, MARK_RADIUS)
-        for held in (*self._got, *self._beside):
-            for at in places_now(self._geometry, held, self._scene.index) if self._geometry and held else ():
+        for target in (*self._picked, *self._other_ends):
+            for at in target_positions(self._geometry, target, self._scene.index) if self._geometry and target else ():
                 painter.setBrush(colour)
                 painter.drawEllipse(self._pixel(at), MARK_RADIUS - 1.0, MARK_RADIUS - 1.0)
         if self._under is not None and self._geometry is not None:
             painter.setBrush(Qt.BrushStyle.NoBrush)
             painter.setPen(QPen(colour, 2.4))
-            here = self._pixel(self._under.at)
-            painter.drawEllipse(here, MARK_RADIUS + 3.0, MARK_RADIUS + 3.0)
-            self._name(painter, here, attachment_text(self._geometry.study.design, self._under.held))
+            pixel = self._pixel(self._under.at)
+            painter.drawEllipse(pixel, MARK_RADIUS + 3.0, MARK_RADIUS + 3.0)
+            self._name(painter, pixel, attachment_text(self._geometry.study.design, self._under.target))
 
-    def _name(self, painter: QPainter, here: QPointF, text: str) -> None:
+    def _name(self, painter: QPainter, pixel: QPointF, text: str) -> None:
         font = QFont(self._canvas.font())
         font.setBold(True)
         painter.setFont(font)
         metrics = painter.fontMetrics()
         room = QRectF(
-            here.x() + 14.0,
-            here.y() - 1.5 * metrics.height(),
+            pixel.x() + 14.0,
+            pixel.y() - 1.5 * metrics.height(),
             metrics.horizontalAdvance(text) + 8.0,
             metrics.height() + 2.0,
         )
         width = self._canvas.viewport().width()
         if room.right() > width:
-            room.moveRight(here.x() - 14.0)
+            room.moveRight(pixel.x() - 14.0)
         painter.fillRect(room, self._canvas.palette().base())
         painter.setPen(QColor(SCREEN.chosen))
         painter.drawText(room, Qt.AlignmentFlag.AlignCenter, text)
@@ -293,103 +307,99 @@ class Picker(QObject):
         return self._canvas.viewportTransform().map(QPointF(at.real, at.imag))
 
 
-_WANTED = {POINT: "a point of a link", LINK: "a link", PAIR: "a pin or a slide"}
-_NAMED = {"from": "the first point", "to": "the second point", "on": "the link it turns against"}
+_KIND_TEXTS = {POINT: "a point of a link", LINK: "a link", PAIR: "a pin or a slide"}
+_KEY_TEXTS = {"from": "the first point", "to": "the second point", "on": "the link it turns against"}
 
 
-def wanted_text(hold: AttachedEnd) -> str:
-    """What is to be clicked: ``the first point: a joint, a place on a link, or the ground``."""
-    text = _NAMED.get(hold.key, _WANTED[hold.what])
-    if hold.what == POINT and hold.free:
-        return f"{text}: a joint, a place on a link, or the ground"
-    if hold.what == LINK and hold.free:
+def prompt_text(end: AttachedEnd) -> str:
+    """Text that says what to click: ``the first point: a joint, any point on a link, or the ground``."""
+    text = _KEY_TEXTS.get(end.key, _KIND_TEXTS[end.what])
+    if end.what == POINT and end.free:
+        return f"{text}: a joint, any point on a link, or the ground"
+    if end.what == LINK and end.free:
         return f"{text} where its centre of mass is"
-    return f"{text}; the ground stands for the frame" if hold.what == LINK else text
+    return f"{text}, or the ground" if end.what == LINK and end.frame else text
 
 
-def nearest_on_segment(at: complex, one: complex, other: complex) -> complex:
-    """The place of a stretch that is nearest to another place."""
-    along = other - one
+def nearest_on_segment(at: complex, start: complex, end: complex) -> complex:
+    """Point of a line segment that is nearest to a position."""
+    along = end - start
     size = abs(along) ** 2
-    share = 0.0 if size == 0.0 else min(max(((at - one) * along.conjugate()).real / size, 0.0), 1.0)
-    return one + share * along
+    share = 0.0 if size == 0.0 else min(max(((at - start) * along.conjugate()).real / size, 0.0), 1.0)
+    return start + share * along
 
 
-def places_now(geometry: Geometry, held: Target, index: int) -> Iterator[complex]:
-    """Where a held place stands at a sample [mm]: one place, of a link alone its points, none where there is none."""
+def target_positions(geometry: Geometry, target: Target, index: int) -> Iterator[complex]:
+    """Yield the positions of an attachment at a sample [mm]: one, for a link without a point its centre, or none."""
     built = geometry.study.mechanism
-    if isinstance(held, PairTarget):
-        links = {n for n in (held.link, held.other) if n is not None}
-        names = pairs_named(held.pair, links, built)[:1]
+    if isinstance(target, PairTarget):
+        links = {n for n in (target.link, target.other) if n is not None}
+        names = pairs_named(target.pair, links, built)[:1]
         yield from (complex(joint.track[index]) for joint in geometry.joints if joint.name in names)
         return
-    if held.point is None and held.x_mm is None:
-        body = geometry.bodies.get(built.bodies.get(held.link, ""))
-        nodes = [] if body is None else [complex(body.track(place)[index]) for place in geometry.nodes(body).values()]
+    if target.point is None and target.x_mm is None:
+        body = geometry.bodies.get(built.bodies.get(target.link, ""))
+        nodes = [] if body is None else [complex(body.track(node)[index]) for node in geometry.nodes(body).values()]
         if nodes:
             yield sum(nodes) / len(nodes)
         return
-    place = attachment_point(held, built)
-    body = geometry.bodies.get(place.body)
-    yield place.at * MM if body is None else complex(body.track(place.at * MM)[index])
+    point = attachment_point(target, built)
+    body = geometry.bodies.get(point.body)
+    yield point.at * MM if body is None else complex(body.track(point.at * MM)[index])
 
 
-# -- load places -----------------------------------------------------------------------------------------
-
-SYMBOLS = frozenset({"spring", "damper", "load", "torque"})
-"""What the keys of the drawing's parts begin with that show a row of the loads."""
-REACH = 9.0  # pixels from a row within which it is meant
-CHOSEN_MARK_RADIUS = 9.0  # radius of the mark of the chosen one, pixels
-BETWEEN = 6.0  # width of its line between two ends, pixels
+# -- rows of the loads -----------------------------------------------------------------------------------
 
 
-def row_places(geometry: Geometry, path: str, index: int) -> list[complex]:
-    """Where a row of the loads stands at a sample [mm]: one place, or its two ends; none where it cannot be said."""
+def row_positions(geometry: Geometry, path: str, index: int) -> list[complex]:
+    """Return the position of a row of the loads at a sample [mm], or of its two ends; empty if it has none."""
     design = geometry.study.design
-    found: list[complex] = []
+    positions: list[complex] = []
     try:
         row = get(design, path)
         element = element_at(geometry.study.loading, path)
         if isinstance(element, Torsion):
             return [complex(track[index]) for track in spirals(element, geometry)]
-        for hold in HOLDS[path.partition(".")[2].partition("[")[0]]:
-            held = hold.read(row)
-            found += [_output(geometry, index)] if held is None else list(places_now(geometry, held, index))[:1]
+        for end in HOLDS[path.partition(".")[2].partition("[")[0]]:
+            target = end.read(row)
+            positions += (
+                [_output(geometry, index)] if target is None else list(target_positions(geometry, target, index))[:1]
+            )
     except (KeyError, NoSolution):
         return []
-    return found
+    return positions
 
 
 def _output(geometry: Geometry, index: int) -> complex:
-    """The point of the output that its motion moves."""
+    """Position of the driven point of the output [mm]."""
     kinematics = geometry.kinematics
     return complex(kinematics.bodies[kinematics.output].position(kinematics.driver_pair.point)[index]) * MM
 
 
 def row_paths(geometry: Geometry) -> Iterator[str]:
-    """The rows of the loads by their paths."""
+    """Yield the paths of the rows of the loads."""
     drive = geometry.study.design.drive
     for name in load_lists(drive):
         yield from (f"loads.{name}[{i}]" for i in range(len(getattr(drive.loads, name))))
 
 
 def rows_at(canvas: Canvas, at: complex) -> list[str]:
-    """The rows of the loads under a place [mm], the nearest first."""
+    """Return the rows of the loads at a position [mm], the nearest first."""
     geometry = canvas.drawn.geometry
     if geometry is None:
         return []
     near = []
     for i, path in enumerate(row_paths(geometry)):
-        places = row_places(geometry, path, canvas.drawn.index)
-        if places:
-            distance = abs(at - nearest_on_segment(at, places[0], places[-1])) * canvas.scale_now
+        ends = row_positions(geometry, path, canvas.drawn.index)
+        if ends:
+            distance = abs(at - nearest_on_segment(at, ends[0], ends[-1])) * canvas.scale_now
             near.append((distance, i, path))
-    found = [path for distance, _, path in sorted(near) if distance <= REACH]
-    return list(dict.fromkeys((*found, *_drawn_at(canvas, at))))
+    paths = [path for distance, _, path in sorted(near) if distance <= REACH]
+    return list(dict.fromkeys((*paths, *_drawn_at(canvas, at))))
 
 
 def _drawn_at(canvas: Canvas, at: complex) -> Iterator[str]:
-    """The rows whose symbols are drawn at a place [mm]; empty for the loads that have no row."""
+    """Yield the rows whose symbols are drawn at a position [mm]; an empty path for a load without a row."""
     reach = REACH / canvas.scale_now
     under = QRectF(at.real - reach, at.imag - reach, 2.0 * reach, 2.0 * reach)
     scene = canvas.drawn
@@ -402,25 +412,25 @@ def _drawn_at(canvas: Canvas, at: complex) -> Iterator[str]:
 
 
 def next_row(rows: list[str], chosen: str) -> str:
-    """Of the rows under the mouse the one that a further click means."""
+    """Return the row that the next click selects: the one after ``chosen``, else the first."""
     return rows[(rows.index(chosen) + 1) % len(rows)] if chosen in rows else rows[0]
 
 
 def paint_row(canvas: Canvas, painter: QPainter, path: str) -> None:
-    """Mark the chosen row; in pixels of the viewport."""
+    """Mark the selected row; in pixels of the viewport."""
     geometry = canvas.drawn.geometry
     if geometry is None or not path:
         return
     pixels = [
         canvas.viewportTransform().map(QPointF(at.real, at.imag))
-        for at in row_places(geometry, path, canvas.drawn.index)
+        for at in row_positions(geometry, path, canvas.drawn.index)
     ]
     pale = QColor(SCREEN.chosen)
     pale.setAlpha(70)
     painter.setBrush(Qt.BrushStyle.NoBrush)
     if len(pixels) > 1:
-        painter.setPen(QPen(pale, BETWEEN, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
+        painter.setPen(QPen(pale, ROW_LINE_WIDTH, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
         painter.drawLine(pixels[0], pixels[-1])
     painter.setPen(QPen(QColor(SCREEN.chosen), 1.6))
     for pixel in pixels:
-        painter.drawEllipse(pixel, CHOSEN_MARK_RADIUS, CHOSEN_MARK_RADIUS)
+        painter.drawEllipse(pixel, ROW_MARK_RADIUS, ROW_MARK_RADIUS)

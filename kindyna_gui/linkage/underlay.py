@@ -1,4 +1,4 @@
-"""A picture under the drawing of a linkage: chosen, placed by the mouse or by numbers, and kept beside the design's file."""
+"""Image or DXF under the drawing of a linkage: placed by mouse or numbers, saved next to the design's file."""
 
 from __future__ import annotations
 
@@ -38,15 +38,15 @@ from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.settings import Settings
 
 MM, DEG = UNITS["mm"], UNITS["deg"]
-SVG_MM = 25.4 / 96.0  # of a pixel of an SVG
-SVG_DOTS = 2400  # of the longer side of one, as it is painted
-SHARE = 0.8  # of the width in sight that a new picture takes
-LINES_SEEN = 0.8  # of a DXF's lines, in a colour that the grid does not have
+SVG_MM = 25.4 / 96.0  # mm per pixel of an SVG
+SVG_DOTS = 2400  # pixels of the longer side of an SVG as painted
+SHARE = 0.8  # part of the visible region that a new image fills
+LINE_OPACITY = 0.8  # initial opacity of the lines of a DXF
 
 
 @frozen(eq=False)
 class Sheet:
-    """What an underlay shows: a picture so many units wide and high, or lines; and places of a DXF that are snapped to, in its units."""
+    """Content of an underlay in its units: an image with width and height, or the lines and snap positions of a DXF."""
 
     image: QImage | None = None
     wide: float = 0.0
@@ -57,13 +57,13 @@ class Sheet:
     notes: Sequence[str] = ()
 
     def paint(self, painter: QPainter, underlay: Underlay, view: QTransform) -> None:
-        """As it lies, seen through a view of the plane."""
+        """Paint at the position of the underlay, through the transformation of a view, mm to pixels."""
         origin, unit = underlay.to_plane(0.0), underlay.to_plane(1.0) - underlay.to_plane(0.0)
         painter.setOpacity(underlay.opacity)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
         placed = QTransform(unit.real, unit.imag, -unit.imag, unit.real, origin.real, origin.imag) * view
-        if self.image is not None:  # its rows run downwards
+        if self.image is not None:  # the y axis of an image points down
             painter.setTransform(QTransform(1.0, 0.0, 0.0, -1.0, 0.0, self.high) * placed)
             painter.drawImage(QRectF(0.0, 0.0, self.wide, self.high), self.image)
         elif self.lines is not None:
@@ -72,7 +72,7 @@ class Sheet:
 
 
 def read_sheet(path: Path) -> Sheet:
-    """Raises KindynaError where it is missing, or no picture."""
+    """Read an image, an SVG or a DXF; raises KindynaError if it is missing or cannot be read."""
     ending = path.suffix.lower()
     if ending == DXF:
         drawn = read_lines(path)
@@ -84,7 +84,7 @@ def read_sheet(path: Path) -> Sheet:
         marks = [*drawn.corners.tolist(), *drawn.centres.tolist()]
         return Sheet(lines=lines, marks=marks, unit_mm=drawn.unit_mm, notes=drawn.notes)
     if not path.is_file():
-        raise FileError(f"{path}: no such file; choose another, or put it back")
+        raise FileError(f"{path}: no such file; choose another file, or restore this one")
     if ending == ".svg":
         from PySide6.QtSvg import QSvgRenderer
 
@@ -109,12 +109,12 @@ def read_sheet(path: Path) -> Sheet:
         image = reader.read()
         if not image.isNull():
             return Sheet(image, image.width(), image.height())
-    raise FileError(f"{path}: no picture that can be read; allowed: {' | '.join(ENDINGS)}")
+    raise FileError(f"{path}: cannot be read as an image; allowed: {' | '.join(ENDINGS)}")
 
 
 @frozen
-class Way:
-    """How the mouse places: by a drag, or by two places clicked and a number typed."""
+class PlacementMethod:
+    """Placement with the mouse: by a drag, or by two clicks and a typed number."""
 
     text: str
     tip: str
@@ -122,10 +122,12 @@ class Way:
     make: Callable[[Underlay, complex, complex, float], Underlay] | None = None
 
 
-WAYS = {
-    "move": Way("&Move", "Drag the underlay to its place"),
-    "scale": Way("&Scale", "Click two places of the underlay, then type how far they are apart", Box("distance", MM), Underlay.scaled),
-    "turn": Way("&Turn", "Click two places on a line of the underlay, then type its angle", Box("angle", DEG), Underlay.rotated),
+METHODS = {
+    "move": PlacementMethod("&Move", "Drag the underlay to its position"),
+    "scale": PlacementMethod("&Scale", "Click two points of the underlay, then type their distance", Box("distance", MM),
+                             Underlay.scaled),
+    "turn": PlacementMethod("&Turn", "Click two points on a line of the underlay, then type its angle", Box("angle", DEG),
+                            Underlay.rotated),
 }  # fmt: skip
 FIELDS: Sequence[tuple[str, str, Unit | None]] = (
     ("&x", "x_mm", MM),
@@ -136,95 +138,97 @@ FIELDS: Sequence[tuple[str, str, Unit | None]] = (
 
 
 class UnderlayDesk(QObject):
-    """The underlay of the design in place: painted under the canvas, placed with the mouse, kept beside the design's file.
+    """The underlay of the current design: painted under the canvas, placed with the mouse, saved next to the design's file.
 
-    told  (text): what is to be clicked, or why a picture cannot be shown
+    message  (text): what to click, or why an image cannot be shown
+    missing  why the underlay is not shown, or empty
+    method   current placement with the mouse, one of ``METHODS``, or empty
     """
 
-    told = Signal(str)
+    message = Signal(str)
 
     def __init__(self, canvas: Canvas, session: Session, owner: QWidget) -> None:
         super().__init__(owner)
         self.canvas, self._session, self._owner = canvas, session, owner
         self.underlay: Underlay | None = None
-        self.missing = ""  # why the picture is not shown
+        self.missing = ""
         self._sheet: Sheet | None = None
         self._path: Path | None = None
-        self._begun = True
+        self._is_new = True
         self._panel: UnderlayPanel | None = None
-        self.way = ""
-        self._places: list[complex] = []
+        self.method = ""
+        self._clicks: list[complex] = []
         self._grip: complex | None = None
         self._boxes = TypedBoxes(canvas.viewport(), canvas)
-        session.started.connect(self._begin)
+        session.started.connect(self._mark_new)
         self.follow_file()
 
-    # -- of the design in place ---------------------------------------------------------------------------------
+    # -- file of the design -------------------------------------------------------------------------------------
 
-    def _begin(self) -> None:
-        self._begun = True
+    def _mark_new(self) -> None:
+        self._is_new = True
 
     def follow_file(self) -> None:
-        """Another design brings its own underlay; one that is saved under another name takes its underlay with it."""
-        if self._begun:
-            self._begun, self._path = False, self._session.path
+        """Load the underlay of a new design; copy it if the design was saved under another name."""
+        if self._is_new:
+            self._is_new, self._path = False, self._session.path
             try:
                 self._show(read_underlay(self._path) if self._path is not None else None)
             except FileError as error:
                 self._show(None)
-                self._tell_missing(str(error))
+                self._show_missing(str(error))
         elif self._path != self._session.path:
             self._path = self._session.path
-            self._keep()
+            self._save()
 
-    def _tell_missing(self, text: str) -> None:
+    def _show_missing(self, text: str) -> None:
         self.missing = f"Underlay: {text}" if text else ""
         if text:
-            self.told.emit(self.missing)
+            self.message.emit(self.missing)
 
     def _show(self, underlay: Underlay | None) -> None:
-        """Another one, or none, is in place."""
+        """Show another underlay, or none."""
         self.underlay, self._sheet = underlay, None
-        self._tell_missing("")
+        self._show_missing("")
         if underlay is not None:
             try:
                 self._sheet = read_sheet(underlay.file)
             except KindynaError as error:
-                self._tell_missing(str(error))
-        self._placed()
+                self._show_missing(str(error))
+        self._update()
         if self._sheet is not None and self._sheet.notes:
-            self.told.emit(f"Underlay: {'; '.join(self._sheet.notes)}")
+            self.message.emit(f"Underlay: {'; '.join(self._sheet.notes)}")
 
-    def _placed(self) -> None:
+    def _update(self) -> None:
         sheet, underlay = self._sheet, self.underlay
         shown = sheet is not None and underlay is not None
         self.canvas.under = self._paint if shown else None
         self.canvas.marks = [underlay.to_plane(z) for z in sheet.marks] if shown and sheet and underlay else ()
         if underlay is None or underlay.locked or not shown:
-            self.take_way("")
+            self.choose_method("")
         if self._panel is not None:
             self._panel.show_underlay()
         self.canvas.viewport().update()
 
-    def put(self, underlay: Underlay | None, keep: bool = True) -> None:
-        """Placed otherwise, or taken away; keep: in its file, too."""
+    def put(self, underlay: Underlay | None, save: bool = True) -> None:
+        """Move, replace or remove the underlay; with ``save`` also in its file."""
         if underlay is None or self.underlay is None or underlay.file != self.underlay.file:
             self._show(underlay)
         else:
             self.underlay = underlay
-            self._placed()
-        if keep:
-            self._keep()
+            self._update()
+        if save:
+            self._save()
 
-    def _keep(self) -> None:
+    def _save(self) -> None:
         if self._path is not None:
             try:
                 save_underlay(self._path, self.underlay)
             except (FileError, OSError) as error:
-                self.told.emit(f"The underlay is not kept: {error}")
+                self.message.emit(f"The underlay is not saved: {error}")
 
     def choose_file(self) -> None:
-        """Ask for another picture; it comes into the middle of what is seen, a DXF and an SVG in their own size."""
+        """Ask for a file and show it: image or SVG in the middle of the visible region, DXF at its coordinates."""
         kinds = f"Pictures and drawings ({' '.join(f'*{ending}' for ending in ENDINGS)})"
         path = dialogs.file_to_open(self._panel or self._owner, "Underlay", kinds)
         if path is None:
@@ -235,12 +239,12 @@ class UnderlayDesk(QObject):
         except KindynaError as error:
             dialogs.show_faults(self._panel or self._owner, f"{path.name} cannot be shown.", str(error).splitlines())
             return
-        seen = self.canvas.visible
+        visible = self.canvas.visible
         if sheet.lines is not None:
-            self.put(Underlay(path, scale_mm_per_unit=sheet.unit_mm, opacity=LINES_SEEN))
+            self.put(Underlay(path, scale_mm_per_unit=sheet.unit_mm, opacity=LINE_OPACITY))
             return
-        scale = sheet.unit_mm or SHARE * min(seen.width() / sheet.wide, seen.height() / sheet.high)
-        middle = seen.center()
+        scale = sheet.unit_mm or SHARE * min(visible.width() / sheet.wide, visible.height() / sheet.high)
+        middle = visible.center()
         self.put(Underlay(path, middle.x() - 0.5 * scale * sheet.wide, middle.y() - 0.5 * scale * sheet.high, scale))
 
     def _paint(self, painter: QPainter) -> None:
@@ -250,13 +254,13 @@ class UnderlayDesk(QObject):
         painter.resetTransform()
         painter.setOpacity(1.0)
         painter.setPen(QPen(QColor(SCREEN.chosen), 2.0))
-        for at in self._places:
+        for at in self._clicks:
             painter.drawEllipse(self._pixel(at), 6.0, 6.0)
 
-    # -- by the mouse -------------------------------------------------------------------------------------------
+    # -- placement with the mouse -------------------------------------------------------------------------------
 
     def show_panel(self) -> None:
-        """Open its panel; where there is no picture yet, ask for one."""
+        """Open the panel; ask for a file if there is no underlay yet."""
         if self._panel is None:
             self._panel = UnderlayPanel(self, self._owner)
         self._panel.show_underlay()
@@ -265,19 +269,19 @@ class UnderlayDesk(QObject):
         if self.underlay is None:
             self.choose_file()
 
-    def take_way(self, way: str) -> None:
-        """The mouse places by one of ``WAYS`` from now on; empty: it does what it does without."""
+    def choose_method(self, method: str) -> None:
+        """Place with the mouse by one of ``METHODS``; empty ends placing."""
         self._boxes.close_all()
-        self._places, self._grip = [], None
+        self._clicks, self._grip = [], None
         viewport = self.canvas.viewport()
         viewport.removeEventFilter(self)
-        if way:
+        if method:
             viewport.installEventFilter(self)
-            self.told.emit(WAYS[way].tip)
-        if way != self.way:
-            self.way = way
+            self.message.emit(METHODS[method].tip)
+        if method != self.method:
+            self.method = method
             if self._panel is not None:
-                self._panel.show_way(way)
+                self._panel.show_method(method)
         viewport.update()
 
     def _at(self, pixel: QPointF) -> complex:
@@ -293,15 +297,15 @@ class UnderlayDesk(QObject):
             return False
         kind, left = event.type(), Qt.MouseButton.LeftButton
         at = self._at(event.position())
-        if self.way == "move":
+        if self.method == "move":
             if kind == QEvent.Type.MouseButtonPress and event.button() == left:
                 self._grip = at
             elif kind == QEvent.Type.MouseMove and self._grip is not None:
-                self.put(self.underlay.shifted(at - self._grip), keep=False)
+                self.put(self.underlay.shifted(at - self._grip), save=False)
                 self._grip = at
             elif kind == QEvent.Type.MouseButtonRelease and event.button() == left:
                 self._grip = None
-                self._keep()
+                self._save()
             else:
                 return bool(event.buttons() & left)
             return True
@@ -311,34 +315,34 @@ class UnderlayDesk(QObject):
 
     def _click(self, at: complex, pixel: QPointF) -> None:
         mark = nearest_mark(self.canvas.marks, at, self.canvas.scale_now)
-        box = WAYS[self.way].box
-        before = self._places if len(self._places) < 2 else []
-        self._places = [*before, at if mark is None else mark]
-        if len(self._places) == 2 and box is not None:
-            self.canvas.activateWindow()  # the panel has the keys until then
-            self._boxes.ask(pixel.toPoint(), (box,), self._take)
+        box = METHODS[self.method].box
+        before = self._clicks if len(self._clicks) < 2 else []
+        self._clicks = [*before, at if mark is None else mark]
+        if len(self._clicks) == 2 and box is not None:
+            self.canvas.activateWindow()  # keys go to the panel before
+            self._boxes.ask(pixel.toPoint(), (box,), self._accept)
         self.canvas.viewport().update()
 
-    def _take(self, values: Sequence[Typed]) -> str:
-        make, (value,) = WAYS[self.way].make, values
+    def _accept(self, values: Sequence[Typed]) -> str:
+        make, (value,) = METHODS[self.method].make, values
         if make is None or self.underlay is None or not isinstance(value, float):
-            return "a number"
+            return "type a number"
         try:
-            placed = make(self.underlay, self._places[0], self._places[1], value)
+            placed = make(self.underlay, self._clicks[0], self._clicks[1], value)
         except KindynaError as error:
             return str(error)
-        self.take_way("")
+        self.choose_method("")
         self.put(placed)
         return ""
 
 
 class UnderlayPanel(QDialog):
-    """Where the underlay lies, in numbers, and what the mouse does with it."""
+    """Position, scale, angle and opacity of the underlay as numbers, and the placements with the mouse."""
 
     def __init__(self, desk: UnderlayDesk, parent: QWidget) -> None:
         super().__init__(parent, Qt.WindowType.Tool)
         self.setWindowTitle("Underlay")
-        self.setProperty(dialogs.HELP, "linkages#A picture under it")  # a tool's keys are those of the window
+        self.setProperty(dialogs.HELP, "linkages#A picture under it")  # keys of a tool window go to the main window
         self._desk = desk
         self.name = QLabel()
         choose = QPushButton("&Choose...")
@@ -360,34 +364,34 @@ class UnderlayPanel(QDialog):
         self.opacity.valueChanged.connect(lambda value: self._put("opacity", value / 100.0))
         form.addRow("&Opacity", self.opacity)
         self.locked = QCheckBox("&Locked")
-        self.locked.setToolTip("Neither the mouse nor a number moves it")
+        self.locked.setToolTip("Fixes the position of the underlay")
         self.locked.toggled.connect(partial(self._put, "locked"))
         form.addRow(self.locked)
-        self.ways: dict[str, QToolButton] = {}
-        for name, way in WAYS.items():
+        self.method_buttons: dict[str, QToolButton] = {}
+        for name, method in METHODS.items():
             button = QToolButton()
-            button.setText(way.text)
-            button.setToolTip(way.tip)
+            button.setText(method.text)
+            button.setToolTip(method.tip)
             button.setCheckable(True)
-            button.clicked.connect(lambda on, name=name: desk.take_way(name if on else ""))
-            self.ways[name] = button
-        form.addRow(_row(*self.ways.values()))
+            button.clicked.connect(lambda on, name=name: desk.choose_method(name if on else ""))
+            self.method_buttons[name] = button
+        form.addRow(_row(*self.method_buttons.values()))
         column = QVBoxLayout(self)
         column.addLayout(form)
-        self.finished.connect(lambda *_: desk.take_way(""))
+        self.finished.connect(lambda *_: desk.choose_method(""))
 
     def sizeHint(self) -> QSize:
         return super().sizeHint().expandedTo(QSize(250, 0))
 
-    def show_way(self, way: str) -> None:
-        """The button of what the mouse does is down."""
-        for name, button in self.ways.items():
-            button.setChecked(name == way)
+    def show_method(self, method: str) -> None:
+        """Press the button of the current placement."""
+        for name, button in self.method_buttons.items():
+            button.setChecked(name == method)
 
     def show_underlay(self) -> None:
-        """What lies under the drawing now."""
+        """Show the values of the underlay."""
         underlay = self._desk.underlay
-        self.name.setText(underlay.file.name if underlay is not None else "No picture")
+        self.name.setText(underlay.file.name if underlay is not None else "No image")
         self.name.setToolTip(str(underlay.file) if underlay is not None else "")
         free = underlay is not None and not underlay.locked
         for name, box in self.boxes.items():
@@ -401,7 +405,7 @@ class UnderlayPanel(QDialog):
         self.locked.setChecked(underlay is not None and underlay.locked)
         for widget in (self.opacity, self.locked):
             widget.blockSignals(False)
-        for button in self.ways.values():
+        for button in self.method_buttons.values():
             button.setEnabled(free and not self._desk.missing)
         self.remove.setEnabled(underlay is not None)
 

@@ -14,7 +14,7 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from PySide6.QtCore import QPointF, QRectF
+from PySide6.QtCore import QPointF, QRectF, QSize
 from PySide6.QtGui import QPainterPath, QPolygonF, QTransform
 from shiboken6 import VoidPtr
 
@@ -71,6 +71,15 @@ def joined(*paths: QPainterPath) -> QPainterPath:
     for path in paths:
         whole.addPath(path)
     return whole
+
+
+def fit_transform(points: np.ndarray, size: QSize, margin: float) -> QTransform:
+    """Transform from mm, y upwards, to pixels that shows all points (n,) [mm] within a margin [pixels]."""
+    low, high = complex(points.real.min(), points.imag.min()), complex(points.real.max(), points.imag.max())
+    extent, middle = high - low, 0.5 * (low + high)
+    scale = min((size.width() - 2 * margin) / extent.real, (size.height() - 2 * margin) / extent.imag)
+    to_centre = QTransform().translate(0.5 * size.width(), 0.5 * size.height())
+    return to_centre.scale(scale, -scale).translate(-middle.real, -middle.imag)
 
 
 def segments(lines: Iterable[tuple[complex, complex]]) -> QPainterPath:
@@ -200,9 +209,9 @@ def bearing(inner: float, outer: float) -> tuple[QPainterPath, QPainterPath, QPa
     return bush, segments(lines), shaft
 
 
-def cross(size: float) -> QPainterPath:
-    """Two lines through the origin that reach so far from it each way."""
-    return segments([(complex(-size, 0), complex(size, 0)), (complex(0, -size), complex(0, size))])
+def cross(size: float, centre: complex = 0j) -> QPainterPath:
+    """Two lines through a point that reach ``size`` from it in each direction."""
+    return segments([(centre - size, centre + size), (centre - 1j * size, centre + 1j * size)])
 
 
 def arrow_head(tip: complex, along: complex, size: float) -> QPainterPath:

@@ -25,13 +25,13 @@ from kindyna_gui import dialogs, export_dialogs, profile_dialogs
 from kindyna_gui.dialogs import OnShaft
 from kindyna_gui.drives import ON_SHAFT, SIDE_BY_SIDE
 from kindyna_gui.drives_view import NAME, PHASE, TORQUE, DrivesView
-from kindyna_gui.export_dialogs import TablesWanted
+from kindyna_gui.export_dialogs import TablesRequest
 from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.linkage.mechanism_view import MechanismView
 from kindyna_gui.pictures.drawing.assembly import DriveFigure
 from kindyna_gui.pictures.film import shoot
 from kindyna_gui.places import example
-from kindyna_gui.touch_targets import BesideMouse
+from kindyna_gui.touch_targets import MouseReadout
 
 UNIT = example("transfer_unit")
 ROD = "follower.rod_mm"
@@ -298,7 +298,7 @@ def test_the_cam_of_a_drive_is_turned_by_hand_among_the_others(unit: User, arran
     assert (direction(view, 1) - mark + 180.0) % 360.0 - 180.0 == pytest.approx(30.0, abs=3.0), "it goes with the hand"
     turned = (unit.session.full_design.drives[1].phase_deg - before.drives[1].phase_deg + 180.0) % 360.0 - 180.0
     assert abs(turned) == pytest.approx(30.0, abs=3.0)
-    (beside,) = (each for each in unit.window.findChildren(BesideMouse) if each.isVisible())
+    (beside,) = (each for each in unit.window.findChildren(MouseReadout) if each.isVisible())
     assert f"Clamp phase {unit.session.full_design.drives[1].phase_deg:g}°" in beside.text()
     let_go()
     assert unit.session.full_design.drives[1].phase_deg != before.drives[1].phase_deg
@@ -417,7 +417,7 @@ def test_a_plot_of_all_drives_lies_over_the_machine_angle(unit: User) -> None:
     assert isinstance(view, PlotView)
     view.all_drives.trigger()
     settle()
-    shaft, lines = unit.session.shaft, view.plot_of_all.lines
+    shaft, lines = unit.session.shaft, view.drives_plot.lines
     assert len(lines) == 5
     x, total = lines[-1]
     drives = sum(np.interp(x, *line) for line in lines[:-1])
@@ -425,13 +425,13 @@ def test_a_plot_of_all_drives_lies_over_the_machine_angle(unit: User) -> None:
     at = [np.interp(302.72, *line) for line in lines]
     assert max(range(4), key=lambda i: at[i]) == list(shaft.drives).index("Lift")
     unit.window.player.set_machine(radians(90.0))
-    assert isclose(view.plot_of_all.cursor_at, 90.0)
+    assert isclose(view.drives_plot.cursor_at, 90.0)
 
     made = replace(unit.session.full_design, waviness=Waviness(amplitude_mm=0.05, lobes_from=10, lobes_to=30))
     unit.session.put_full_design(made, "Waves")
-    view.bands.ask(True)
-    wait_for(lambda: all(line.band is not None for line in view.plot_of_all.shown))
-    for line in view.plot_of_all.shown:
+    view.bands.set_shown(True)
+    wait_for(lambda: all(line.band is not None for line in view.drives_plot.shown))
+    for line in view.drives_plot.shown:
         assert line.band is not None
         angles, (low, _, middle, _, high) = line.band
         own, size = np.interp(angles, line.x, line.y), np.ptp(line.y)
@@ -439,8 +439,8 @@ def test_a_plot_of_all_drives_lies_over_the_machine_angle(unit: User) -> None:
         assert np.abs(middle - own).max() < 0.05 * size, "in their place on the shaft"
         assert (high - low).max() > 1e-4 * size
     click_drive(unit, 0)
-    assert view.plot_of_all.shown[2].band is not None, "another drive at hand changes nothing"
-    view.bands.ask(False)
+    assert view.drives_plot.shown[2].band is not None, "another drive at hand changes nothing"
+    view.bands.set_shown(False)
     view.all_drives.trigger()
     settle()
     assert view.plot.isVisible()
@@ -451,13 +451,13 @@ def test_tables_of_the_shaft_and_the_profile_of_the_chosen_drive(
     unit: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     out = tmp_path / "out"
-    monkeypatch.setattr(export_dialogs, "tables_wanted", lambda *_: TablesWanted(out, 72))
+    monkeypatch.setattr(export_dialogs, "ask_tables", lambda *_: TablesRequest(out, 72))
     unit.choose("File", "Export", "Tables...")
     wanted = as_texts(file_parts(Study(load(UNIT), 72)))
     assert {name: (out / name).read_text("utf-8") for name in wanted} == wanted
     assert unit.faults == []
     click_drive(unit, 2)
     asked: list[object] = []
-    monkeypatch.setattr(profile_dialogs, "profile_wanted", lambda _, design: asked.append(design))
+    monkeypatch.setattr(profile_dialogs, "ask_profile", lambda _, design: asked.append(design))
     unit.choose("File", "Export", "Profile...")
     assert asked == [replace(only(load(UNIT), 2), name="Transfer unit, drive Lift")]

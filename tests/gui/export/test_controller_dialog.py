@@ -44,7 +44,7 @@ def test_the_card_picker_leaves_as_eleven_rows(open_user: Open, tmp_path: Path) 
     def act(dialog: ControllerDialog) -> None:
         assert computed(dialog).startswith("11 rows for CODESYS")
         (line,) = [xy for xy in dialog.plots[0].lines if xy[0].size > 2]
-        stated = dialog.computed.made.deviation.values[0]
+        stated = dialog.computed.table.deviation.values[0]
         assert np.abs(line[1]).max() == pytest.approx(1e3 * stated, rel=0.02)
         assert dialog.plots[0].dots[0].x.size == 11
         QTest.mouseClick(dialog.export, Qt.MouseButton.LeftButton)

@@ -28,7 +28,7 @@ from core.study import Study
 from kindyna_gui import background, dialogs, export_dialogs, inspection, profile_dialogs
 from kindyna_gui import export_dialogs as export_tables
 from kindyna_gui.background import progress
-from kindyna_gui.export_dialogs import FilmDialog, TablesDialog, TablesWanted, film_wanted, tables_wanted
+from kindyna_gui.export_dialogs import FilmDialog, TablesDialog, TablesRequest, ask_animation, ask_tables
 from kindyna_gui.pictures.film import Camera, pictures, shoot
 from kindyna_gui.places import example
 
@@ -65,7 +65,7 @@ def test_file_export_offers_everything(user: User) -> None:
 @pytest.mark.parametrize("samples", spread([72, 3600], 1))
 def test_the_tables_are_the_cores(samples: int, user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = tmp_path / "new" / "tables"
-    monkeypatch.setattr(export_tables, "tables_wanted", lambda *_: TablesWanted(folder, samples))
+    monkeypatch.setattr(export_tables, "ask_tables", lambda *_: TablesRequest(folder, samples))
     user.session.edit("motion.stroke", 160.0, "a")
     user.choose(*EXPORT, "Tables...")
     wanted = files(Study(user.design, samples))
@@ -75,7 +75,7 @@ def test_the_tables_are_the_cores(samples: int, user: User, tmp_path: Path, monk
 
 def test_tables_that_cannot_be_written_are_told(user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "file").write_text("")
-    monkeypatch.setattr(export_tables, "tables_wanted", lambda *_: TablesWanted(tmp_path / "file", 72))
+    monkeypatch.setattr(export_tables, "ask_tables", lambda *_: TablesRequest(tmp_path / "file", 72))
     user.choose(*EXPORT, "Tables...")
     assert [what for what, _ in user.faults] == ["The tables cannot be exported."]
 
@@ -92,13 +92,13 @@ def test_a_cancelled_dialog_writes_nothing(user: User, tmp_path: Path, monkeypat
     user.picks("page_to_save", None)
     user.picks("picture_to_save", None)
     user.picks("timing_to_save", None)
-    monkeypatch.setattr(export_tables, "tables_wanted", lambda *_: None)
-    monkeypatch.setattr(export_tables, "film_wanted", lambda *_: None)
-    monkeypatch.setattr(profile_dialogs, "profile_wanted", lambda *_: None)
-    monkeypatch.setattr(profile_dialogs, "drawing_wanted", lambda *_: None)
-    monkeypatch.setattr(inspection, "inspection_wanted", lambda *_: None)
-    monkeypatch.setattr(export_dialogs, "handover_wanted", lambda *_: None)
-    monkeypatch.setattr(profile_dialogs, "table_wanted", lambda *_: None)
+    monkeypatch.setattr(export_tables, "ask_tables", lambda *_: None)
+    monkeypatch.setattr(export_tables, "ask_animation", lambda *_: None)
+    monkeypatch.setattr(profile_dialogs, "ask_profile", lambda *_: None)
+    monkeypatch.setattr(profile_dialogs, "ask_drawing", lambda *_: None)
+    monkeypatch.setattr(inspection, "ask_inspection", lambda *_: None)
+    monkeypatch.setattr(export_dialogs, "ask_handover", lambda *_: None)
+    monkeypatch.setattr(profile_dialogs, "ask_controller_table", lambda *_: None)
     for name in user.entries(*EXPORT):
         user.choose(*EXPORT, name)
     assert list(tmp_path.iterdir()) == []
@@ -138,7 +138,7 @@ def test_the_hand_over_is_one_archive_of_all_files(
     same_window: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     user = same_window(example("card_picker"))
-    monkeypatch.setattr(export_dialogs, "handover_wanted", lambda *_: HandoverRequest(controller="codesys-xyva"))
+    monkeypatch.setattr(export_dialogs, "ask_handover", lambda *_: HandoverRequest(controller="codesys-xyva"))
     user.picks("handover_to_save", tmp_path / "lift.zip")
     user.choose(*EXPORT, "Hand-over...")
     with zipfile.ZipFile(tmp_path / "lift.zip") as archive:
@@ -214,9 +214,9 @@ def test_folder_and_samples_are_asked(user: User, tmp_path: Path) -> None:
         press(dialog, OK)
 
     with answering(act):
-        assert tables_wanted(user.window, tmp_path / "elsewhere", user.session.study) == TablesWanted(tmp_path, 720)
+        assert ask_tables(user.window, tmp_path / "elsewhere", user.session.study) == TablesRequest(tmp_path, 720)
     with answering(lambda dialog: press(dialog, CANCEL)):
-        assert tables_wanted(user.window, tmp_path, user.session.study) is None
+        assert ask_tables(user.window, tmp_path, user.session.study) is None
 
 
 def test_the_tables_of_a_shaft_are_those_of_all_drives(same_window: Open, tmp_path: Path) -> None:
@@ -228,7 +228,7 @@ def test_the_tables_of_a_shaft_are_those_of_all_drives(same_window: Open, tmp_pa
         press(dialog, OK)
 
     with answering(act):
-        assert tables_wanted(user.window, tmp_path, user.session.full_study) == TablesWanted(tmp_path, 3600)
+        assert ask_tables(user.window, tmp_path, user.session.full_study) == TablesRequest(tmp_path, 3600)
 
 
 def test_without_a_folder_there_is_no_export(user: User, tmp_path: Path) -> None:
@@ -244,7 +244,7 @@ def test_without_a_folder_there_is_no_export(user: User, tmp_path: Path) -> None
         press(dialog, CANCEL)
 
     with answering(act):
-        assert tables_wanted(user.window, tmp_path, user.session.study) is None
+        assert ask_tables(user.window, tmp_path, user.session.study) is None
 
 
 def test_frames_size_format_and_time_are_asked(user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -266,11 +266,11 @@ def test_frames_size_format_and_time_are_asked(user: User, tmp_path: Path, monke
         press(dialog, OK)
 
     with answering(act):
-        wanted = film_wanted(user.window, tmp_path, "lift", 3.0)
+        wanted = ask_animation(user.window, tmp_path, "lift", 3.0)
     assert suggested == [str(tmp_path / "lift.webp")]
     assert wanted == (tmp_path / "film.webp", Film(".webp", 36, 480, 360, 3.0))
     with answering(lambda dialog: press(dialog, CANCEL)):
-        assert film_wanted(user.window, tmp_path, "lift", 3.0) is None
+        assert ask_animation(user.window, tmp_path, "lift", 3.0) is None
 
 
 def test_names_get_their_ending(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -291,7 +291,7 @@ def test_an_animation_of_one_turn(user: User, tmp_path: Path, monkeypatch: pytes
         asked.append(seconds)
         return tmp_path / "film.gif", SMALL
 
-    monkeypatch.setattr(export_tables, "film_wanted", wanted)
+    monkeypatch.setattr(export_tables, "ask_animation", wanted)
     user.choose(*EXPORT, "Animation...")
     assert asked == pytest.approx([3.0]), "20 rpm in true time"
     film = Image.open(BytesIO((tmp_path / "film.gif").read_bytes()))
@@ -303,12 +303,12 @@ def test_an_animation_of_one_turn(user: User, tmp_path: Path, monkeypatch: pytes
 def test_the_layers_on_the_screen_are_those_of_the_animation(
     user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(export_tables, "film_wanted", lambda *_: (tmp_path / "a.gif", SMALL))
+    monkeypatch.setattr(export_tables, "ask_animation", lambda *_: (tmp_path / "a.gif", SMALL))
     user.choose(*EXPORT, "Animation...")
     view = user.window.view("mechanism")
     assert view is not None
     next(a for a in view.layer_actions() if a.text() == "Labels").trigger()
-    monkeypatch.setattr(export_tables, "film_wanted", lambda *_: (tmp_path / "b.gif", SMALL))
+    monkeypatch.setattr(export_tables, "ask_animation", lambda *_: (tmp_path / "b.gif", SMALL))
     user.choose(*EXPORT, "Animation...")
     assert (tmp_path / "a.gif").read_bytes() == shoot(user.design, SMALL)
     assert (tmp_path / "b.gif").read_bytes() == shoot(user.design, SMALL, {"labels": False})
@@ -322,7 +322,7 @@ def test_a_cancelled_animation_writes_nothing(user: User, tmp_path: Path, monkey
         yield lambda done: (drawn.append(done), done < 3)[1]
 
     monkeypatch.setattr(background, "progress", impatient)
-    monkeypatch.setattr(export_tables, "film_wanted", lambda *_: (tmp_path / "film.gif", SMALL))
+    monkeypatch.setattr(export_tables, "ask_animation", lambda *_: (tmp_path / "film.gif", SMALL))
     user.choose(*EXPORT, "Animation...")
     assert drawn == [0, 1, 2, 3]
     assert list(tmp_path.iterdir()) == []
@@ -359,7 +359,7 @@ def test_an_animation_is_given_up_while_it_is_encoded_too(ending: str) -> None:
 def test_tables_are_written_beside_the_window_which_stays_alive_and_can_be_cancelled(
     user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(export_tables, "tables_wanted", lambda *_: TablesWanted(tmp_path / "tables", 200_000))
+    monkeypatch.setattr(export_tables, "ask_tables", lambda *_: TablesRequest(tmp_path / "tables", 200_000))
     ticks: list[bool] = []
 
     def tick() -> None:
@@ -394,7 +394,7 @@ def test_the_progress_can_be_cancelled(open_user: Open) -> None:
 def test_an_animation_that_cannot_be_written_is_told(
     user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(export_tables, "film_wanted", lambda *_: (tmp_path / "nowhere" / "film.gif", SMALL))
+    monkeypatch.setattr(export_tables, "ask_animation", lambda *_: (tmp_path / "nowhere" / "film.gif", SMALL))
     user.choose(*EXPORT, "Animation...")
     assert [what for what, _ in user.faults] == ["film.gif cannot be written."]
 

@@ -19,7 +19,7 @@ from core.output.export import files
 from core.project import load
 from core.study import Study, findings_of
 from kindyna_gui import dialogs, export_dialogs
-from kindyna_gui.export_dialogs import TablesWanted
+from kindyna_gui.export_dialogs import TablesRequest
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.pictures.plots.curves import CurvePlot
 from kindyna_gui.places import example, single_examples
@@ -78,7 +78,7 @@ def test_the_coupler_cam_is_drawn_and_exported(
     user.turn(130.0)
     roller = view.scene.item("roller").pos()
     assert complex(roller.x(), roller.y()) == pytest.approx(place(user, "C"), abs=0.05)
-    monkeypatch.setattr(export_dialogs, "tables_wanted", lambda *_: TablesWanted(tmp_path, 3600))
+    monkeypatch.setattr(export_dialogs, "ask_tables", lambda *_: TablesRequest(tmp_path, 3600))
     user.choose("File", "Export", "Tables...")
     wanted = files(Study(load(example("four_bar_coupler_cam"))))
     assert {"profile.csv", "linkage.csv", "summary.json"} <= {path.name for path in tmp_path.iterdir()}

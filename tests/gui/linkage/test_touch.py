@@ -1,4 +1,4 @@
-"""kindyna_gui.linkage.drives_touch: what the drawing's parts are, dragged, typed, clicked and asked what can be done with them."""
+"""kindyna_gui.linkage.drives_mouse: what the drawing's parts are, dragged, typed, clicked and asked what can be done with them."""
 
 import cmath
 import re
@@ -69,7 +69,7 @@ def drop(user: User) -> None:
 
 
 def beside(user: User) -> list[tuple[str, bool]]:
-    held = user.drawing().held
+    held = user.drawing().drag
     assert held is not None
     return held.lines
 

@@ -204,7 +204,7 @@ def test_a_design_brings_its_picture_and_a_missing_one_is_a_note(open_user: Open
         colour = image.pixelColor(at * image.devicePixelRatio())
         assert (colour.red() > 100, colour.blue() > 100) == (y > 0.0, y < 0.0)
     (tmp_path / "red.png").unlink()
-    view.underlay.put(view.underlay.underlay.shifted(1.0), keep=False)
+    view.underlay.put(view.underlay.underlay.shifted(1.0), save=False)
     user.session.save(tmp_path / "next.toml")
     user = open_user(whole=False, path=tmp_path / "next.toml")
     user.drawing().pull()

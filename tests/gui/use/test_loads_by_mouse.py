@@ -166,7 +166,7 @@ def test_escape_adds_nothing_and_pick_attaches_elsewhere(same_window: Open) -> N
     rows = page(user).attachments["loads.springs[0]"]
     click(rows.buttons["to"])
     click_at(user, complex(5.0, -5.0))  # the first end is on the ground already
-    assert "Nothing there" in user.window.status.currentMessage()
+    assert "Nothing to select here" in user.window.status.currentMessage()
     click_at(user, point(user, "C"))
     assert attachment_text(user.design, user.design.drive.loads.springs[0].to) == "C of link 3"
     assert user.steps[-1] == "Spring 1: second end C of link 3"

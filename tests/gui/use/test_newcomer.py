@@ -18,7 +18,7 @@ from core.output.export import files
 from core.project import dumps, load
 from core.study import Study
 from kindyna_gui import dialogs, export_dialogs
-from kindyna_gui.export_dialogs import TablesWanted
+from kindyna_gui.export_dialogs import TablesRequest
 from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.places import example
 
@@ -129,7 +129,7 @@ def seen(user: User) -> dict[str, Any]:
 def test_the_first_five_minutes(user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     play, lift = Replay(user), load(example("transfer_lift"))
     longer = edited(lift, "motion.stroke", 160.0)
-    monkeypatch.setattr(export_dialogs, "tables_wanted", lambda *_: TablesWanted(tmp_path / "out", 3600))
+    monkeypatch.setattr(export_dialogs, "ask_tables", lambda *_: TablesRequest(tmp_path / "out", 3600))
     monkeypatch.setattr(dialogs, "design_to_save", lambda *_: tmp_path / "mine.toml")
 
     play(LOAD)

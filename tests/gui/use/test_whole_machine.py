@@ -120,7 +120,7 @@ def test_the_last_machine_that_fits_is_pale_and_a_line_says_what_does_not(same_w
     view.pull()
     settle()
     assert view.note.text().startswith(
-        "Drawn is the last machine that fits together. Rod L2: the rod does not reach the guide"
+        "Showing the last version that can be assembled. Rod L2: the rod does not reach the guide"
     )
     assert darkest(view.canvas.grab().toImage()) > before + 60
     assert user.window.status.unfit.text() == "Does not fit yet: Rod L2"

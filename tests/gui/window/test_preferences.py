@@ -178,7 +178,7 @@ def test_preferences_are_kept_and_reset(user: User) -> None:
     assert (wanted.author, wanted.company, wanted.paper) == ("A. Designer", "Cams & Sons", "Letter")
     handover.deleteLater()
     drawing = DrawingDialog(user.window, user.design)
-    assert {"A. Designer", "Cams & Sons"} <= set(drawing.asked()[1])
+    assert {"A. Designer", "Cams & Sons"} <= set(drawing.command_options()[1])
     drawing.reject()
     drawing.deleteLater()
 
