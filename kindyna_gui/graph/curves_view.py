@@ -620,10 +620,10 @@ class CurvesView(View):
         if not self.found.series:
             self.status_message.emit(self.no_picture)
             return
-        from kindyna_gui.background import beside
+        from kindyna_gui.background import in_background
 
         found, picture = self.found, self.plot.grab().toImage()
-        numbers = beside(self, "Copying the numbers", lambda: numbers_csv(found, "\t"))
+        numbers = in_background(self, "Copying the numbers", lambda: numbers_csv(found, "\t"))
         if numbers is None:
             self.status_message.emit("Cancelled; the clipboard is as it was")
             return
