@@ -87,8 +87,8 @@ def test_torque_flywheel_and_stability_are_those_of_all_drives(unit: User, monke
 
     chart = unit.see("stability")
     assert isinstance(chart, StabilityView)
-    assert chart.found is not None
-    assert chart.found.machine.q == whole.flexible_shaft().machine.q
+    assert chart.stability is not None
+    assert chart.stability.machine.q == whole.flexible_shaft().machine.q
 
 
 @pytest.mark.stress
