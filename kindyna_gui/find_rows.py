@@ -36,7 +36,7 @@ from kindyna_gui.look import coloured, icon
 from kindyna_gui.pictures.paper.timing_chart import plain
 from kindyna_gui.pictures.style import SCREEN, SMALL, font
 from kindyna_gui.pictures.units import MINUS, brief, measure, number, with_unit
-from kindyna_gui.rebuilt import Rebuilt, clear_menu
+from kindyna_gui.rebuilt import ContentArea, clear_menu
 from kindyna_gui.settings import in_units, size_of, symbol_of
 
 # -- texts -----------------------------------------------------------------------------------------------
@@ -323,7 +323,7 @@ class LimitRows(QWidget):
         self.reasons: dict[str, QLabel] = {}
         self._names: tuple[str, ...] = ()
         self._explained = False
-        self._rows = Rebuilt()
+        self._rows = ContentArea()
         self.add, self.menu = QPushButton("Add a limit …"), QMenu(self)
         self.add.setAutoDefault(False)
         self.add.clicked.connect(self._offer)

@@ -282,7 +282,7 @@ def steady_text(turn: SteadyTurn) -> str:
         worst = max(error.low, error.high, key=lambda end: abs(end.value))
         unit = UNITS[follower.unit]
         size, at = digits(abs(worst.value) / unit.factor, 3), digits(degrees(worst.theta), 4)
-        name = f"error of {follower.name}" if follower.name else "error of the follower"
+        name = f"error of {follower.name}" if follower.name else "follower's error"
         parts.append(f"{name} {with_unit(size, unit.symbol)} at {at}°")
     return f"Steady response: {'; '.join(parts)}"
 

@@ -50,7 +50,7 @@ class StabilityChart(DraggablePoint, ChartPlot):
 
     def own_pixel(self) -> QPointF | None:
         machine = self.chart.machine if self.chart is not None else None
-        return None if machine is None or not self.own.isVisible() else self.pixel(machine.eta, machine.q)
+        return None if machine is None or not self.machine_point.isVisible() else self.pixel(machine.eta, machine.q)
 
 
 # -- reading under the mouse -----------------------------------------------------------------------------
@@ -361,7 +361,7 @@ class StabilityView(View):
         if self.drawn is None:
             return
         self.chart.show_chart(self.drawn, self.across.currentData(), self.upwards.currentData())
-        self.chart.look_at(*(self.picked or (None,)))
+        self.chart.ring_point(*(self.picked or (None,)))
 
     # -- slow results ---------------------------------------------------------------------------------------
 
@@ -484,7 +484,7 @@ class StabilityView(View):
 
     def _choose(self, point: tuple[float, float] | None) -> None:
         self.picked = point
-        self.chart.look_at(*(point or (None,)))
+        self.chart.ring_point(*(point or (None,)))
         if self.stability is not None:
             self.chosen = self._new_point(self.stability)
             self._show_fields(self.stability, self.chosen)
@@ -506,7 +506,7 @@ class StabilityView(View):
         if self.stability is None:
             return
         self.target = (eta, q)
-        self.chart.move_own(eta, q)
+        self.chart.move_machine_point(eta, q)
         self.reading.show_text(needed_shaft_text(self.stability.machine, eta, q))
 
     def _released(self, is_dropped: bool) -> None:

@@ -1,4 +1,4 @@
-"""Edits through the session; refused edits."""
+"""Why edits are refused, the incomplete design, and the step of the undo stack."""
 
 from __future__ import annotations
 
@@ -15,52 +15,52 @@ from core.project import dumps, loads
 from core.study import Study
 from kindyna_gui.labels import Reasons, name_of, reasons, sentence
 
-# -- refusal ---------------------------------------------------------------------------------------------
-
 SAMPLES = 1800
 """Cam angles per turn on the screen."""
 Texts = tuple[tuple[str, str], ...]
-"""Path in the whole file and sentence."""
+"""Path in the full design, and sentence."""
 
 NEEDED: Mapping[str, str] = MappingProxyType({"stability": "linkage"})
-"""Stage -> what alone refuses a design for it: a shaft without a chart is shown with the reason, and none waits for the chart."""
+"""Stage -> the stage that is checked instead: a shaft without a stability chart is shown with the reason."""
+
+# -- refusals --------------------------------------------------------------------------------------------
 
 
 @frozen
 class Refusal:
-    """An edit that was wrong: the path it was made at, and (path, name, sentence) of every field it is wrong for."""
+    """A refused edit: its path, and (path, name, sentence) of every field with a reason."""
 
     path: str
     reasons: Reasons
 
     def at(self, path: str) -> str:
-        """The message beside the field of this path; empty where the refusal does not concern it.
+        """Return the message below the field of a path; empty where the refusal does not concern it.
 
-        The field that was edited shows all reasons: first its own, then those of others with their names.
+        The edited field shows all reasons: first those of the field, then those of other fields with their names.
         """
-        own = [sentence(text) for field, _, text in self.reasons if field == path]
+        texts = [sentence(text) for field, _, text in self.reasons if field == path]
         others = [f"{name}: {text}" for field, name, text in self.reasons if field != path] if path == self.path else []
-        return "\n".join(own + others)
+        return "\n".join(texts + others)
 
 
 def fault_reasons(design: Design, items: Iterable[Fault]) -> Reasons:
-    """Faults as the forms name them: path, name of the field, sentence."""
+    """Return faults as the forms name them: path, name of the field, sentence."""
     return reasons(design, DesignError(items))
 
 
 def fault_texts(design: Design, items: Iterable[Fault]) -> Texts:
-    """Faults of all that a file has."""
+    """Return the path and sentence of each fault."""
     return tuple((path, text) for path, _, text in fault_reasons(design, items))
 
 
 def refusal_reasons(design: Design, stages: Iterable[str]) -> Reasons:
-    """Why a design cannot be put in place: its faults, else the first of these stages that has no answer; empty: it can."""
+    """Return why a design is refused: its faults, else the first of these stages without a solution; empty where it is valid."""
     wrong = fault_reasons(design, faults(design))
     if wrong:
         return wrong
     study = Study(design, SAMPLES)
     try:
-        # only what is on screen: it is computed anyway once the design is in place
+        # only the stages on screen, which are computed for the new design anyway
         for stage in stages:
             if stage in study.stages:  # another kind of design may not have it
                 getattr(study, NEEDED.get(stage, stage))
@@ -69,16 +69,15 @@ def refusal_reasons(design: Design, stages: Iterable[str]) -> Reasons:
     return ()
 
 
-# -- draft -----------------------------------------------------------------------------------------------
+# -- the incomplete design -------------------------------------------------------------------------------
 
 
 @frozen
 class IncompleteDesign:
-    """All that is typed.
+    """Everything typed while it does not fit together.
 
-    design    every drive, as typed; no value is outside of its own range
-    path      the value typed last, '' where none is
-    reasons   path in the whole file, and sentence, of what does not fit together
+    ``design`` has every drive as typed, each value within its range; ``path`` is that of the value typed last, or '';
+    ``reasons`` are path in the full design and sentence of what does not fit.
     """
 
     design: Design
@@ -86,24 +85,27 @@ class IncompleteDesign:
     reasons: Texts = ()
 
     def refusal(self, chosen: int) -> Refusal:
-        """Path typed last and reasons as the forms of the chosen drive name them."""
-        rows = ((*self._own(path, chosen), text) for path, text in self.reasons)
+        """Return the path typed last and the reasons, as the forms of the selected drive name them."""
+        rows = ((*self._in_drive(path, chosen), text) for path, text in self.reasons)
         return Refusal(
-            self._own(self.path, chosen)[0], tuple((path, name_of(design, path), text) for path, design, text in rows)
+            self._in_drive(self.path, chosen)[0],
+            tuple((path, name_of(design, path), text) for path, design, text in rows),
         )
 
-    def _own(self, path: str, chosen: int) -> tuple[str, Design]:
-        """The path in the design of the chosen drive, where it leads into that; else in the whole file."""
-        own = drive_at(path)
-        return (own[1], only(self.design, chosen)) if own is not None and own[0] == chosen else (path, self.design)
+    def _in_drive(self, path: str, chosen: int) -> tuple[str, Design]:
+        """Return a path in the design of the selected drive, where it belongs to that; else in the full design."""
+        drive = drive_at(path)
+        return (
+            (drive[1], only(self.design, chosen)) if drive is not None and drive[0] == chosen else (path, self.design)
+        )
 
     def state(self) -> dict[str, Any]:
-        """As a plain dictionary of text and lists."""
+        """Return a plain dictionary of text and lists."""
         return {"design": dumps(self.design), "path": self.path, "reasons": [list(row) for row in self.reasons]}
 
     @classmethod
     def from_state(cls, state: Mapping[str, Any]) -> IncompleteDesign:
-        """Raises DesignError where the dictionary holds no design."""
+        """Return the incomplete design of a dictionary. Raises DesignError where it has no design."""
         try:
             reasons = tuple((str(path), str(text)) for path, text in state["reasons"])
             return cls(loads(str(state["design"]), unfinished=True), str(state["path"]), reasons)
@@ -113,27 +115,27 @@ class IncompleteDesign:
             ) from error
 
 
-# -- the step of an undo stack ---------------------------------------------------------------------------
+# -- the step of the undo stack --------------------------------------------------------------------------
 
 State = TypeVar("State")
-Taken = TypeVar("Taken", contravariant=True)
+StateIn = TypeVar("StateIn", contravariant=True)
 
 
-class PutState(Protocol[Taken]):
-    """Puts a state in place; restored: it has been in place before."""
+class PutState(Protocol[StateIn]):
+    """A function that puts a state in place; ``restored`` where undo or redo calls it."""
 
-    def __call__(self, state: Taken, /, *, restored: bool) -> None: ...
+    def __call__(self, state: StateIn, /, *, restored: bool) -> None: ...
 
 
 class UndoStep(QUndoCommand, Generic[State]):
-    """The state before and after. Steps of one gesture at one place become one; where it is empty, none do."""
+    """The states before and after an edit; steps of one gesture at one path become one, unless the path is empty."""
 
     def __init__(
-        self, put: PutState[State], before: State, after: State, text: str, place: str = "", gesture: int = 0
+        self, put: PutState[State], before: State, after: State, text: str, path: str = "", gesture: int = 0
     ) -> None:
         super().__init__(text)
         self._put, self._before, self._after = put, before, after
-        self._place, self._gesture = place, gesture
+        self._path, self._gesture = path, gesture
         self._new = True
 
     def redo(self) -> None:
@@ -149,7 +151,7 @@ class UndoStep(QUndoCommand, Generic[State]):
     def mergeWith(self, other: QUndoCommand) -> bool:
         if not isinstance(other, UndoStep):
             return False
-        if (other._place, other._gesture) != (self._place, self._gesture) or not self._place:
+        if (other._path, other._gesture) != (self._path, self._gesture) or not self._path:
             return False
         self._after = other._after
         self.setText(other.text())

@@ -1,4 +1,4 @@
-"""Pinned variants, bands."""
+"""Pinned variants of the design, and the bands between which machines built to its tolerances lie."""
 
 from __future__ import annotations
 
@@ -20,167 +20,166 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import reason
 from kindyna_gui.requirements import Unavailable
 
-# -- bands -----------------------------------------------------------------------------------------------
-
-REST_MS = 300  # of the design, before machines are drawn
+REST_MS = 300  # from the last change of the design to the computation of its bands
+MOST = 3  # pinned variants
 Band = Mapping[str, np.ndarray]
-"""Column -> percentiles (5, 360) over the cam angle; or, of a shaft, name of a drive, empty of all, or of a quantity of the motor, -> those
-over the machine angle."""
+"""Column -> percentiles (5, 360) over the cam angle; of a shaft: name of a drive ("" for all), or quantity of the motor ->
+percentiles (5, 360) over the machine angle."""
 Key = tuple[int, str] | str
-"""Number of a drive and a column of it; or one of ``OF_SHAFT``."""
+"""Number of a drive and a column of it; or a key of ``SHAFT_BANDS``."""
 SHAFT, MOTOR = "shaft", "motor"
-OF_SHAFT = {SHAFT: "shaft_bands", MOTOR: "motor_bands"}  # functions of ``core.varying``, imported late
+SHAFT_BANDS = {SHAFT: "shaft_bands", MOTOR: "motor_bands"}  # functions of ``core.varying``, imported late
+
+
+# -- bands -----------------------------------------------------------------------------------------------
 
 
 def scatters(design: Design) -> bool:
-    """Whether machines differ from a design."""
+    """Whether a design has tolerances or a waviness, so that built machines differ from it."""
     return bool(design.tolerances) or design.waviness is not None
 
 
 class Bands(QObject):
-    """Those of the drive that is shown, and of all on its shaft; nothing is computed before they are asked for, and then of what is in
-    sight only.
+    """Bands of the selected drive and of its shaft; only bands of visible plots are computed, in the background.
 
-    changed   there are others, or none
+    Signal: ``changed`` when there are other bands, or none.
     """
 
     changed = Signal()
 
     @staticmethod
     def of(session: Session) -> Bands:
-        """Those of a session, made when they are first asked for."""
+        """Return the bands of a session; they are created on the first call."""
         return session.findChild(Bands) or Bands(session)
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
         self._session = session
-        self.asked = False
-        self._of = session.full_design
-        self._known: dict[Key, Any] = {}
-        self._wanted: dict[Key, None] = {}
+        self.is_shown = False
+        self._design = session.full_design
+        self._bands: dict[Key, Any] = {}
+        self._requested: dict[Key, None] = {}
         self._work = Background(self)
-        self._work.result.connect(self._found)
+        self._work.result.connect(self._add)
         self._soon = QTimer(self, singleShot=True, interval=REST_MS)
         self._soon.timeout.connect(self._compute)
         session.full_design_changed.connect(self._renew)
 
-    def ask(self, on: bool) -> None:
-        """Whether plots show them."""
-        if on != self.asked:
-            self.asked = on
+    def set_shown(self, on: bool) -> None:
+        """Set whether plots show bands."""
+        if on != self.is_shown:
+            self.is_shown = on
             self._forget()
             self.changed.emit()
 
     def _renew(self) -> None:
-        """Also where the drive at hand stays the same: its tolerances, or other drives on the shaft, are others."""
-        if self._of != self._session.full_design:
+        """Discard the bands of another design: its tolerances, or other drives on the shaft, may differ."""
+        if self._design != self._session.full_design:
             self._forget()
-            if self.asked:
+            if self.is_shown:
                 self.changed.emit()
 
     def _forget(self) -> None:
-        self._of = self._session.full_design
-        self._known, self._wanted = {}, {}
+        self._design = self._session.full_design
+        self._bands, self._requested = {}, {}
         self._work.stop()
         self._soon.stop()
 
     @property
     def busy(self) -> bool:
+        """Whether bands are being computed, or about to be."""
         return self._soon.isActive() or self._work.busy
 
     def close(self) -> None:
-        """The window closes."""
+        """Discard the bands and end the computation."""
         self._forget()
         self._work.close()
 
     def read(self, rows: Sequence[Quantity], drive: int | None = None) -> Band:
-        """Those of these quantities that are there, of the drive at hand or another; the others are computed, and told of by
-        ``changed``."""
+        """Return the known bands of these quantities of a drive, by default the selected one.
+
+        The others are computed in the background, and ``changed`` reports them.
+        """
         if drive is None and self._session.on_balancer:
             return {}
         number = self._session.chosen if drive is None else drive
         return {key[1]: band for key, band in self._read([(number, row.slug) for row in rows]).items()}
 
     def of_shaft(self) -> Band:
-        """Those of the torque of each drive and of all together [N m], as ``read``."""
-        found: Band = self._read([SHAFT]).get(SHAFT, {})
-        return found
+        """Return the bands of the torque of each drive and of all together [N m], as ``read``."""
+        return dict(self._read([SHAFT]).get(SHAFT, {}))
 
     def of_motor(self) -> Band:
-        """Those of ``motor_torque`` [N m] and ``camshaft_speed`` [rad/s] behind the flywheel of all, as ``read``."""
-        found: Band = self._read([MOTOR]).get(MOTOR, {})
-        return found
+        """Return the bands of ``motor_torque`` [N m] and ``camshaft_speed`` [rad/s] with the flywheel, as ``read``."""
+        return dict(self._read([MOTOR]).get(MOTOR, {}))
 
     def _read(self, keys: Sequence[Key]) -> dict[Key, Any]:
-        if not self.asked or not scatters(self._session.full_design):
+        if not self.is_shown or not scatters(self._session.full_design):
             return {}
-        if self._of != self._session.full_design:  # a view may come before ``_renew``
+        if self._design != self._session.full_design:  # a view may read before ``_renew`` is called
             self._forget()
-        new = [key for key in keys if key not in self._known and key not in self._wanted]
+        new = [key for key in keys if key not in self._bands and key not in self._requested]
         if new:
-            self._wanted |= dict.fromkeys(new)
+            self._requested |= dict.fromkeys(new)
             self._soon.start()
-        return {key: self._known[key] for key in keys if self._known.get(key) is not None}
+        return {key: self._bands[key] for key in keys if self._bands.get(key) is not None}
 
     def _compute(self) -> None:
         if self._session.drag_source is not None:
             self._soon.start()
             return
-        whole, wanted = self._session.full_design, [key for key in self._wanted if key not in self._known]
+        design, keys = self._session.full_design, [key for key in self._requested if key not in self._bands]
         jobs: list[Any] = []
-        of_drives = [key for key in wanted if isinstance(key, tuple)]
-        for number in sorted({key[0] for key in of_drives}):
-            keys = tuple(key for key in of_drives if key[0] == number)
-            jobs += [(keys, partial(_of_drive, whole, keys, quick)) for quick in (True, False)]
-        jobs += [((key,), partial(_of_shaft, whole, key)) for key in OF_SHAFT if key in wanted]
+        drive_keys = [key for key in keys if isinstance(key, tuple)]
+        for number in sorted({key[0] for key in drive_keys}):
+            columns = tuple(key for key in drive_keys if key[0] == number)
+            jobs += [(columns, partial(_drive_bands, design, columns, quick)) for quick in (True, False)]
+        jobs += [((key,), partial(_shaft_bands, design, key)) for key in SHAFT_BANDS if key in keys]
         self._work.start(jobs)
 
-    def _found(self, keys: tuple[Key, ...], found: Mapping[Key, Any] | KindynaError) -> None:
-        if isinstance(found, KindynaError):
-            found = {}
-        self._known |= dict.fromkeys(key for key in keys if key not in self._known) | dict(found)
-        if found:
+    def _add(self, keys: tuple[Key, ...], result: Mapping[Key, Any] | KindynaError) -> None:
+        bands = {} if isinstance(result, KindynaError) else result
+        self._bands |= dict.fromkeys(key for key in keys if key not in self._bands) | dict(bands)
+        if bands:
             self.changed.emit()
 
 
-def _of_drive(whole: Design, keys: Sequence[tuple[int, str]], quick: bool) -> Mapping[Key, Any]:
+def _drive_bands(design: Design, keys: Sequence[tuple[int, str]], quick: bool) -> Mapping[Key, Any]:
     from core.varying import drive_bands
 
     number = keys[0][0]
-    found = drive_bands(whole, number, [slug for _, slug in keys], quick)
-    return {(number, slug): band for slug, band in found.items()}
+    bands = drive_bands(design, number, [slug for _, slug in keys], quick)
+    return {(number, slug): band for slug, band in bands.items()}
 
 
-def _of_shaft(whole: Design, key: str) -> Mapping[Key, Any]:
+def _shaft_bands(design: Design, key: str) -> Mapping[Key, Any]:
     from core import varying
 
-    return {key: getattr(varying, OF_SHAFT[key])(whole)}
+    return {key: getattr(varying, SHAFT_BANDS[key])(design)}
 
 
-# -- pins ------------------------------------------------------------------------------------------------
-
-MOST = 3
+# -- pinned variants -------------------------------------------------------------------------------------
 
 
 @frozen
 class Pin:
-    """A variant: what it is called, and its whole design."""
+    """A pinned variant: its name and its full design."""
 
     name: str
     design: Any
 
 
 class Pins(QObject):
-    """Up to three variants, the last one pinned in front; of a session, found as its child.
+    """Up to three pinned variants of a session; the last one is compared with the design.
 
-    changed   another variant is in front, or none
+    Signal: ``changed`` when another variant is compared, or none.
     """
 
     changed = Signal()
 
     @staticmethod
     def of(session: Session) -> Pins:
-        """Those of a session, made when they are first asked for."""
+        """Return the pinned variants of a session; they are created on the first call."""
         return session.findChild(Pins) or Pins(session)
 
     def __init__(self, session: Session) -> None:
@@ -193,38 +192,38 @@ class Pins(QObject):
 
     @property
     def front(self) -> Pin | None:
-        """What the design at hand is held against."""
+        """The variant that the design is compared with."""
         return self.rows[-1] if self.rows else None
 
     def pin(self, design: Design, name: str = "") -> Pin:
-        """Pin a design; the oldest goes where there are three."""
+        """Pin a design; the oldest variant is removed where there are three."""
         self._number += 1
         row = Pin(name or f"variant {self._number}", design)
-        self._keep((*self.rows, row)[-MOST:])
+        self._set_rows((*self.rows, row)[-MOST:])
         return row
 
     def unpin(self) -> None:
-        """Let the one in front go."""
-        self._keep(self.rows[:-1])
+        """Remove the variant that the design is compared with."""
+        self._set_rows(self.rows[:-1])
 
     def bring(self, row: Pin) -> None:
-        """Bring one to the front, unless it has gone."""
-        if any(each is row for each in self.rows):
-            self._keep((*(each for each in self.rows if each is not row), row))
+        """Compare the design with another variant, unless that was removed."""
+        if any(pin is row for pin in self.rows):
+            self._set_rows((*(pin for pin in self.rows if pin is not row), row))
 
-    def _keep(self, rows: tuple[Pin, ...]) -> None:
+    def _set_rows(self, rows: tuple[Pin, ...]) -> None:
         self.rows = rows
         self._studies.clear()
         self.changed.emit()
 
     @property
     def full_study(self) -> Study | None:
-        """Of the one in front, all drives of it; computed when it is read."""
+        """The study of the full design of the variant; computed when it is read."""
         return None if self.front is None else self._study(-1)
 
     @property
     def study(self) -> Study | None:
-        """Of the drive that is shown, where the one in front has as many."""
+        """The study of the variant's drive with the number of the selected one; None where it has no such drive."""
         if self.front is None:
             return None
         if not self.front.design.listed:
@@ -236,7 +235,7 @@ class Pins(QObject):
 
     @contextmanager
     def named(self) -> Iterator[None]:
-        """What has no answer inside is said to be the one in front, not the design at hand. Raises Unavailable."""
+        """Name the variant in errors inside the context, by raising Unavailable instead of NoSolution."""
         try:
             yield
         except NoSolution as error:

@@ -1,4 +1,4 @@
-"""Designs in words, as a command."""
+"""Designs as texts: the command of a dialog, what does not fit, differences of designs, unsaved work."""
 
 from __future__ import annotations
 
@@ -50,16 +50,22 @@ from kindyna_gui.labels import choice_text, law_label, name_of, segment_of, sent
 from kindyna_gui.look import MessageLabel
 from kindyna_gui.pictures.style import SCREEN
 
-# -- what a dialog asks for, as a line for the command line ----------------------------------------------
-
 UNSAVED = Path("DESIGN.toml")
+CommandOptions = Callable[[], tuple[str, Sequence[str]]]
+"""The file or folder that a command writes, or only the ending where the file has the design's name; and the options."""
+SEGMENTS = "motion.segments"
+"""Path of the faults of the motion: its spans do not add up to a turn, or its rises not to zero."""
+NO_MECHANISM = "Not a mechanism yet"
+NAMES = {"assumed": "Assumed values", "follower.kind": "Kind of follower"}
+"""Names of keys that no form shows."""
+SIZE = (680, 460)  # of the recovery dialog, pixels
+LINES = 4  # of the list of unsaved work
 
-Asked = Callable[[], tuple[str, Sequence[str]]]
-"""The file, or the folder, that a command writes, the ending of a file alone where that is called as the design; and its options."""
+# -- the command that does the same as a dialog ----------------------------------------------------------
 
 
 def command_line(name: str, design: Path | None, out: str, words: Sequence[str], drive: str = "") -> str:
-    """A command on a design's file, if on any, of one drive where one is named."""
+    """Return the command line with a design's file, the options, and the name of a drive, where they are given."""
     read = [] if design is None else [str(design)]
     file = f"{design.stem}{out}" if design is not None and out.startswith(".") and "/" not in out else out
     of_drive = ["--drive", drive] if drive else []
@@ -67,74 +73,73 @@ def command_line(name: str, design: Path | None, out: str, words: Sequence[str],
 
 
 def add_copy(
-    buttons: QDialogButtonBox, parent: QWidget, name: str, asked: Asked, *, of_drive: bool = False, reads: bool = True
+    buttons: QDialogButtonBox,
+    parent: QWidget,
+    name: str,
+    options: CommandOptions,
+    *,
+    of_drive: bool = False,
+    reads: bool = True,
 ) -> None:
-    """A button of a dialog over the window that puts its command into the clipboard; of_drive: the command takes one of several;
-    reads: it is on a design."""
+    """Add a button to a dialog that copies its command; ``of_drive``: for one drive; ``reads``: it reads a design."""
 
     def line() -> str:
         session: Any = getattr(parent, "session", None)
         drive = session.design.name if session is not None and session.several and of_drive else ""
         design = session.path if session is not None and session.path is not None else UNSAVED
-        return command_line(name, design if reads else None, *asked(), drive)
+        return command_line(name, design if reads else None, *options(), drive)
 
     add_copy_of_line(buttons, line)
 
 
 def command_text(name: str, words: Sequence[str]) -> str:
-    """A command with these words."""
+    """Return the command line with these words."""
     return shlex.join(["kindyna", "--headless", name, *words])
 
 
 def session_options(session: Any) -> dict[str, Any]:
-    """The file of the design at hand, and which drive of a shaft it is, as commands name them."""
+    """Return the options for the current design's file and for the selected drive of a shaft."""
     return {"into": session.path or UNSAVED, "drive": session.design.name if session.several else ""}
 
 
 def add_copy_of_line(buttons: QDialogButtonBox, line: Callable[[], str]) -> None:
-    """The same button, of a command that is command_text otherwise."""
+    """Add a button to a dialog that copies the command line returned by a function."""
     buttons.addButton(copy_button(line), QDialogButtonBox.ButtonRole.ActionRole)
 
 
 def copy_button(line: Callable[[], str]) -> QPushButton:
-    """It by itself, for a window."""
+    """Return a button that copies the command line returned by a function."""
 
     def copy() -> None:
         QApplication.clipboard().setText(line())
         button.setText("Copied")
 
     button = QPushButton("Copy as command")
-    button.setToolTip("The same for the command line, into the clipboard")
+    button.setToolTip("Copy the command that does the same to the clipboard")
     button.setAutoDefault(False)
     button.clicked.connect(lambda: copy())
     return button
 
 
-# -- texts -----------------------------------------------------------------------------------------------
-
-WHOLE = "motion.segments"
-"""Path of the faults of the whole motion: it makes no turn, or does not come back."""
-
-
-NO_MECHANISM = "Not a mechanism yet"
+# -- what does not fit together --------------------------------------------------------------------------
 
 
 def misfit_sentences(session: Session) -> list[str]:
-    """A sentence for each thing that does not fit together, what the motion of the chosen drive lacks first; none where all does."""
+    """Return a sentence for each reason why the values do not fit, the motion of the selected drive first."""
     if session.incomplete is not None and session.is_incomplete_linkage:
         from core.mechanism.unfinished import mobility
 
         return [sentence(row) for row in mobility(session.typed.drive.linkage).sentences] or [NO_MECHANISM]
     typed, misfit, motion = session.typed, session.misfit, motion_of(session.typed)
     rows = [] if motion is None or not misfit.reasons else _gaps(motion)
-    rows += [f"{name}: {text}" for path, name, text in misfit.reasons if not (rows and path == WHOLE)]
+    rows += [f"{name}: {text}" for path, name, text in misfit.reasons if not (rows and path == SEGMENTS)]
     if rows and segment_of(misfit.path) is not None and not rows[0].startswith(name_of(typed, misfit.path)):
         rows[0] = f"{name_of(typed, misfit.path)}: {rows[0]}"
     return [sentence(row) for row in rows]
 
 
 def waiting_text(session: Session) -> str:
-    """What does not fit to the rest: ``Does not fit yet: Rod L2``; '' where all does."""
+    """Return which values do not fit yet: ``Does not fit yet: Rod L2``; '' where all fit."""
     if session.incomplete is not None and session.is_incomplete_linkage:
         return NO_MECHANISM
     names = dict.fromkeys(name for _, name, _ in session.misfit.reasons)
@@ -142,31 +147,31 @@ def waiting_text(session: Session) -> str:
 
 
 def _gaps(motion: Motion) -> list[str]:
-    """By how much a motion makes no turn, and does not come back."""
-    deg, own, rows = UNITS["deg"], UNITS[motion.unit], []
+    """Return by how much the spans differ from a turn, and the end of the motion from its start."""
+    deg, unit, rows = UNITS["deg"], UNITS[motion.unit], []
     if gap := span_gap(motion):
         total = value_text(360.0 + gap, deg)
         rows.append(
             f"spans add up to {total}, {value_text(abs(gap), deg)} {'more' if gap > 0.0 else 'less'} than a turn"
         )
     if gap := rise_gap(motion):
-        rows.append(f"the follower ends {value_text(abs(gap), own)} {'above' if gap > 0.0 else 'below'} its start")
+        rows.append(f"the follower ends {value_text(abs(gap), unit)} {'above' if gap > 0.0 else 'below'} its start")
     return rows
 
 
 def waiting_paths(session: Session) -> frozenset[str]:
-    """The paths of the values that do not fit together, as far as they are known: those that are named, and the one typed last."""
+    """Return the paths of the values that do not fit: those of the reasons, and the one typed last."""
     misfit = session.misfit
-    return frozenset({path for path, _, _ in misfit.reasons if path != WHOLE} | {misfit.path} - {""})
+    return frozenset({path for path, _, _ in misfit.reasons if path != SEGMENTS} | {misfit.path} - {""})
 
 
 def motion_waits(session: Session) -> bool:
-    """Whether the motion that is typed is not in place."""
+    """Whether the typed motion is not applied yet."""
     return session.incomplete is not None and motion_of(session.typed) != motion_of(session.design)
 
 
 def joins_of(motion: Motion) -> tuple[Join, ...]:
-    """The joins of an unfinished motion; none where its spans make no turn, or a curve has no answer."""
+    """Return the joins of an incomplete motion; none where its spans do not add up to a turn, or a curve has no solution."""
     try:
         return () if span_gap(motion) else program(motion).joins
     except KindynaError:
@@ -174,7 +179,7 @@ def joins_of(motion: Motion) -> tuple[Join, ...]:
 
 
 def closing_text(session: Session) -> str:
-    """What would close the motion: ``segment 4: Modified sine, -40 mm``; '' where nothing simple would, or it is whole."""
+    """Return what would close the motion: ``segment 4: Modified sine, -40 mm``; '' where no single change would."""
     closing = session.closing
     if closing is None:
         return ""
@@ -193,7 +198,7 @@ def closing_text(session: Session) -> str:
 
 
 def _changes(before: Segment | None, after: Segment, motion: Motion) -> str:
-    """Law, span and rise of a segment, as far as they are others than before."""
+    """Return the law, span and rise of a segment that differ from before."""
     texts = [law_label(after.curve.law)] if before is None or before.curve.law != after.curve.law else []
     if before is None or before.span_deg != after.span_deg:
         texts.append(value_text(float(f"{after.span_deg:.6g}"), UNITS["deg"]))
@@ -202,12 +207,11 @@ def _changes(before: Segment | None, after: Segment, motion: Motion) -> str:
     return ", ".join(texts)
 
 
-NAMES = {"assumed": "Assumed values", "follower.kind": "Kind of follower"}
-"""Of keys that no form shows."""
+# -- differences of designs ------------------------------------------------------------------------------
 
 
 def difference_text(before: Design | None, after: Design, difference: ValueDifference) -> tuple[str, str, str]:
-    """A value that differs between two designs: its name, what stands in the one, what in the other."""
+    """Return the name of a value that differs between two designs, and both values as texts."""
     design = before if before is not None and difference.after is MISSING else after
     name = NAMES.get(difference.path) or name_of(design, difference.path)
     unit = split_unit(difference.path.rpartition(".")[2])[1] or NO_UNIT
@@ -215,26 +219,23 @@ def difference_text(before: Design | None, after: Design, difference: ValueDiffe
 
 
 def _any_text(value: Any, unit: Unit) -> str:
-    """A value of a file: a number, a word, a list or a table."""
+    """Return a value of a file as text: a number, a word, a list or a table."""
     if value is MISSING:
-        return "nothing"
+        return "none"
     if isinstance(value, Mapping):
-        return ", ".join(f"{key} {_any_text(each, NO_UNIT)}" for key, each in value.items())
+        return ", ".join(f"{key} {_any_text(item, NO_UNIT)}" for key, item in value.items())
     if isinstance(value, list | tuple):
-        return f"({', '.join(_any_text(each, NO_UNIT) for each in value)})"
+        return f"({', '.join(_any_text(item, NO_UNIT) for item in value)})"
     if isinstance(value, float):
         return value_text(value, unit)
     return choice_text(value) if isinstance(value, str) else str(value)
 
 
-# -- recovery dialog -------------------------------------------------------------------------------------
-
-SIZE = (680, 460)
-LINES = 4  # of the list of work
+# -- unsaved work of a process that has ended ------------------------------------------------------------
 
 
 class OnRecovery(Enum):
-    """What to do with unsaved work of a process that has died."""
+    """What to do with unsaved work of a process that ended unexpectedly."""
 
     RECOVER = "recover"
     OPEN = "open the file as it is"
@@ -244,21 +245,20 @@ class OnRecovery(Enum):
 
 @frozen
 class RecoveryComparison:
-    """Unsaved work beside its file.
+    """Unsaved work compared with its file.
 
-    title   name and time of the work; note: what the user should know of it
-    rows    its differences: name, value in the file, value recovered
-    lost    False where the file holds all of it
+    ``title`` is name and time of the work, ``note`` what the user should know about it, ``rows`` the differences as name,
+    value in the file and recovered value; ``is_unsaved`` is False where the file has all of it.
     """
 
     title: str
     note: str
     rows: tuple[tuple[str, str, str], ...] = ()
-    lost: bool = True
+    is_unsaved: bool = True
 
 
 def compare(unsaved: Unsaved) -> RecoveryComparison:
-    """Unsaved work beside what its file holds; beside nothing where it has no file."""
+    """Compare unsaved work with its file; where it has none, all its values are differences."""
     when = strftime("%Y-%m-%d %H:%M", localtime(unsaved.time)) if unsaved.time else ""
     path = unsaved.path
     try:
@@ -270,19 +270,19 @@ def compare(unsaved: Unsaved) -> RecoveryComparison:
     notes = ["Its values do not fit together yet."] if unsaved.draft is not None else []
     base: Design | None = None
     if path is None:
-        notes.insert(0, "It has no file yet; all its values are listed.")
+        notes.insert(0, "It has no file yet, so all values are listed.")
     else:
         notes.insert(0, f"{path}{_later(path, unsaved.time)}.")
         try:
             base = load(path)
         except KindynaError as error:
             notes.append(f"The file cannot be read, so all values are listed: {error}")
-    rows = tuple(difference_text(base, typed, each) for each in differences(base, typed))
+    rows = tuple(difference_text(base, typed, row) for row in differences(base, typed))
     return RecoveryComparison(title, " ".join(notes), rows, bool(rows) or unsaved.draft is not None)
 
 
 def _later(path: Path, time: float) -> str:
-    """The note where the file is newer than the work."""
+    """Return a note where the file is newer than the work."""
     try:
         changed = path.stat().st_mtime
     except OSError:
@@ -291,19 +291,19 @@ def _later(path: Path, time: float) -> str:
 
 
 class RecoveryDialog(QDialog):
-    """A list of work, and below it what differs in the chosen one."""
+    """A list of unsaved work, and the differences of the selected one below it."""
 
     def __init__(self, parent: QWidget, entries: Sequence[Recoverable]) -> None:
         super().__init__(parent)
         self.setWindowTitle("Unsaved work")
         self.entries, self.choice = list(entries), OnRecovery.LATER
-        self._comparisons = [compare(each.unsaved) for each in entries]
+        self._comparisons = [compare(entry.unsaved) for entry in entries]
         many = len(entries) > 1
-        head = QLabel(
+        header = QLabel(
             "KINDYNA has ended without saving this design:" if not many else "KINDYNA has ended without saving:"
         )
         self.list = QListWidget()
-        self.list.addItems([each.title for each in self._comparisons])
+        self.list.addItems([row.title for row in self._comparisons])
         self.list.setFixedHeight(
             self.list.sizeHintForRow(0) * min(len(entries), LINES) + 2 * self.list.frameWidth() + 4
         )
@@ -319,27 +319,27 @@ class RecoveryDialog(QDialog):
         self.discard = self._button("&Discard", OnRecovery.DISCARD)
         self.later = self._button("&Later", OnRecovery.LATER)
         self.recover.setDefault(True)
-        self.open_file.setToolTip("The unsaved work is kept, and offered again at the next start")
-        self.discard.setToolTip("The unsaved work is removed for good")
+        self.open_file.setToolTip("The unsaved work is retained, and offered again at the next start")
+        self.discard.setToolTip("The unsaved work is deleted")
         self.later.setToolTip(
-            "The unsaved work is kept, and offered again by Recover unsaved work, or at the next start"
+            "The unsaved work is retained, and offered again by Recover unsaved work, or at the next start"
         )
-        foot = QHBoxLayout()
+        footer = QHBoxLayout()
         for button in (self.discard, self.later, self.open_file, self.recover):
-            foot.addWidget(button)
-        foot.insertStretch(1, 1)
+            footer.addWidget(button)
+        footer.insertStretch(1, 1)
         column = QVBoxLayout(self)
-        for widget in (head, self.list, self.note):
+        for widget in (header, self.list, self.note):
             column.addWidget(widget)
         column.addWidget(self.table, 1)
-        column.addLayout(foot)
+        column.addLayout(footer)
         self.resize(*SIZE)
         self.list.currentRowChanged.connect(self._show)
         self.list.setCurrentRow(0)
 
     @property
     def chosen(self) -> Recoverable:
-        """The design that the current line stands for."""
+        """The selected unsaved work."""
         return self.entries[self.list.currentRow()]
 
     def _button(self, text: str, choice: OnRecovery) -> QPushButton:

@@ -1,4 +1,4 @@
-"""Open, save, watch."""
+"""Opening and saving designs, and watching their files for changes by other programs."""
 
 from __future__ import annotations
 
@@ -21,19 +21,27 @@ from kindyna_gui.documents.texts import closing_text, difference_text, misfit_se
 from kindyna_gui.look import sign
 from kindyna_gui.settings import Settings
 
-# -- opening and saving: the design's file and the examples ----------------------------------------------
-
 NOT_ON_DISK = {
     OnDisk.CHANGED: "has been changed on the disk by another program",
     OnDisk.GONE: "is no longer on the disk",
 }
-"""What is said of a design whose file is not as it was read or written last."""
+"""State of a file that has changed since it was last read or written -> words of the question."""
+PAUSE_MS = 100  # a program may write a file in several steps
+TEXTS = {
+    OnDisk.SAME: ("", "", ""),
+    OnDisk.CHANGED: ("changed on disk", "{} has been changed by another program", "&Overwrite it with this design"),
+    OnDisk.GONE: ("file is gone", "{} has been moved or deleted by another program", "&Write it again"),
+    OnDisk.SOURCE: ("source changed", "{}, which a motion follows from, has been changed by another program", ""),
+}
+"""State of the file -> text of the button, what has happened, and the menu entry that writes the file."""
+
+# -- opening and saving ----------------------------------------------------------------------------------
 
 
 class Documents(QObject):
-    """What the menu File does. Unsaved work is never dropped without a question; what fails is shown with all faults.
+    """The actions of the File menu; they ask before discarding unsaved work, and show all faults of a file.
 
-    status_message (str): what has been done, for the status line
+    Signal: ``status_message`` with what has been done, for the status line.
     """
 
     status_message = Signal(str)
@@ -41,18 +49,18 @@ class Documents(QObject):
     def __init__(self, session: Session, settings: Settings, window: QWidget) -> None:
         super().__init__(window)
         self._session, self._settings, self._window = session, settings, window
-        self._saves_last_valid = False  # what is being saved is the last design that fitted, not what is typed
+        self._saves_last_valid = False  # instead of the typed values
 
     @property
     def name(self) -> str:
-        """Of the file, else of the design."""
+        """Name of the file, else of the design."""
         path = self._session.path
         return path.name if path is not None else self._session.full_design.name
 
     # -- leaving ------------------------------------------------------------------------------------------
 
     def settle(self) -> None:
-        """Let the field that is being typed into take its value."""
+        """Confirm the field that is being typed into."""
         focused = QApplication.focusWidget()
         if focused is not None and self._window.isAncestorOf(focused):
             focused.clearFocus()
@@ -64,9 +72,9 @@ class Documents(QObject):
         self.settle()
         if self._session.modified:
             answer = dialogs.ask_to_save(self._window, self.name)
-        elif (state := self._session.on_disk()) in NOT_ON_DISK:  # then it is nowhere but here
+        elif (state := self._session.on_disk()) in NOT_ON_DISK:  # only the window has it then
             answer = dialogs.ask_to_save(self._window, self.name, NOT_ON_DISK[state])
-            if answer is SaveAnswer.SAVE and state is OnDisk.GONE:  # which has just been said
+            if answer is SaveAnswer.SAVE and state is OnDisk.GONE:  # the question has said so
                 return self.overwrite()
         else:
             return True
@@ -75,18 +83,16 @@ class Documents(QObject):
     # -- opening ------------------------------------------------------------------------------------------
 
     def new(self, kind: str) -> None:
-        """A design of this kind of follower to begin with: lengths and stroke of an example, and a whole motion."""
+        """Begin a design with this kind of follower: lengths and stroke of an example, and a complete motion."""
         if not self.may_leave():
             return
         from kindyna_gui.files.beginnings import FIRST_OF_KIND, beginning
 
         self._session.start(beginning(kind))
-        self.status_message.emit(
-            f"Began with the lengths of {FIRST_OF_KIND[kind]} and a motion of four segments to be changed"
-        )
+        self.status_message.emit(f"New design with the lengths of {FIRST_OF_KIND[kind]} and a motion of four segments")
 
     def new_drawing(self) -> bool:
-        """An empty sheet for a linkage; False where the user stays with what is here."""
+        """Begin an empty linkage drawing; False where the user cancels."""
         if not self.may_leave():
             return False
         from kindyna_gui.files.beginnings import empty_sheet
@@ -102,7 +108,7 @@ class Documents(QObject):
                 self._open(path)
 
     def open_path(self, path: Path) -> bool:
-        """Open this file."""
+        """Open a file, after asking about unsaved changes."""
         return self.may_leave() and self._open(path)
 
     def open_example(self, path: Path) -> None:
@@ -114,9 +120,9 @@ class Documents(QObject):
                 self._show_error(f"{path.name} cannot be opened.", error)
 
     def begin(self, design: Design, name: str) -> None:
-        """Begin with a design that has no file yet; Undo brings the one before back."""
+        """Begin with a design that has no file yet; Undo restores the one before."""
         self._session.begin(design, f"Begin with {name}")
-        self.status_message.emit(f"Began with {name}; Undo brings the design before back")
+        self.status_message.emit(f"New design: {name}; Undo restores the design before")
 
     def _open(self, path: Path) -> bool:
         try:
@@ -152,12 +158,11 @@ class Documents(QObject):
         return self._may_save() and self._save_as()
 
     def _may_save(self) -> bool:
-        """Let the field that is being typed into take its value, and ask what to save where the values do not fit together; False
-        where the user cancels."""
+        """Confirm the typed field and ask what to save where the values do not fit; False where the user cancels."""
         self.settle()
         session, answer = self._session, Unfinished.AS_TYPED
         while session.incomplete is not None and not session.is_incomplete_linkage:
-            as_typed = not faults(session.typed_full_design)  # which no file may have
+            as_typed = not faults(session.typed_full_design)  # a file has no faults
             answer = dialogs.ask_unfinished(self._window, misfit_sentences(session), closing_text(session), as_typed)
             if answer is not Unfinished.CLOSE or not session.close_motion():
                 break
@@ -174,27 +179,27 @@ class Documents(QObject):
         path = dialogs.design_to_save(self._window, suggestion)
         if path is None:
             return False
-        own = self._session.path
-        if own is not None and path.resolve() == own.resolve() and self._session.on_disk() is OnDisk.CHANGED:
-            return self._save_over_change(own)
+        current = self._session.path
+        if current is not None and path.resolve() == current.resolve() and self._session.on_disk() is OnDisk.CHANGED:
+            return self._save_over_change(current)
         return self._save(path)
 
     def reload(self) -> None:
-        """Read the design's file again; what it replaces comes back with Undo."""
+        """Reload the design's file; Undo restores the design before."""
         self.settle()
         path = self._session.path
         if path is None:
-            self.status_message.emit("This design has no file yet that could be read again")
+            self.status_message.emit("This design has no file to reload")
             return
         try:
             self._session.reload()
         except KindynaError as error:
-            self._show_error(f"{path.name} cannot be read again.", error)
+            self._show_error(f"{path.name} cannot be reloaded.", error)
         else:
-            self.status_message.emit(f"Read {path} again; Undo brings back what was here before")
+            self.status_message.emit(f"Reloaded {path}; Undo restores the design before")
 
     def _save_over_change(self, path: Path, gone: bool = False) -> bool:
-        """Ask what to do with a file that another program has changed, or taken away; True where the design is saved."""
+        """Ask what to do with a file that another program has changed or removed; True where the design is saved."""
         answer = dialogs.ask_on_conflict(self._window, path.name, [] if gone else self._differences(path), gone)
         if answer is OnConflict.OVERWRITE:
             return self._save(path)
@@ -205,14 +210,14 @@ class Documents(QObject):
         return False
 
     def _differences(self, path: Path) -> list[str]:
-        """What differs between a file and the design, a line each."""
+        """Return a line for each difference between a file and the design."""
         design = self._session.full_design if self._saves_last_valid else self._session.typed_full_design
         try:
             on_disk = load(path)
         except KindynaError as error:
-            return ["What it holds now is no design:", *str(error).splitlines()]
-        lines = (difference_text(on_disk, design, each) for each in differences(on_disk, design))
-        return [f"{name}: file {in_file}, here {in_window}" for name, in_file, in_window in lines]
+            return ["The file is not a design any longer:", *str(error).splitlines()]
+        lines = (difference_text(on_disk, design, row) for row in differences(on_disk, design))
+        return [f"{name}: {in_file} in the file, {in_window} here" for name, in_file, in_window in lines]
 
     def _save(self, path: Path) -> bool:
         try:
@@ -221,35 +226,31 @@ class Documents(QObject):
             self._show_error(f"{path.name} cannot be saved.", error)
             return False
         self._settings.add_recent(path)
-        beside = "; what does not fit yet is not in it" if self._session.modified else ""
-        self.status_message.emit(f"Saved {path}{beside}")
+        note = "; values that do not fit yet are not in it" if self._session.modified else ""
+        self.status_message.emit(f"Saved {path}{note}")
         return True
 
-    def _show_error(self, what: str, error: KindynaError) -> None:
-        dialogs.show_faults(self._window, what, str(error).splitlines())
+    def _show_error(self, message: str, error: KindynaError) -> None:
+        dialogs.show_faults(self._window, message, str(error).splitlines())
 
 
 def dropped_design(event: QDropEvent) -> Path | None:
-    """The path of a dragged design file, None where something else is dragged."""
+    """Return the path of a dragged design file; None where something else is dragged."""
     files = [Path(url.toLocalFile()) for url in event.mimeData().urls() if url.isLocalFile()]
     return files[0] if len(files) == 1 and files[0].suffix.lower() == ".toml" else None
 
 
-# -- file watch ------------------------------------------------------------------------------------------
-
-PAUSE_MS = 100  # a program may write in several steps
+# -- watching the file -----------------------------------------------------------------------------------
 
 
 class FileWatch(QObject):
-    """Compares the file, and those that its motions follow from, with what the session read or wrote last, whenever they or their folders
-    change.
+    """Watches the design's file, and the files that its motions follow from, for changes by other programs.
 
-    The folder is watched because editors put a new file in the place of the old one, which ends the watch of that; and
-    each time the program comes to the front the file is compared once more, for disks that report no changes.
+    The folder is watched too, because editors replace a file by a new one, which ends the watch of the old file. The files
+    are compared again each time the program comes to the front, for disks that report no changes.
 
-    state     the file's, as compared last
-    sources   the files that its motions follow from and that have changed
-    changed   one of them has become another
+    ``state`` is the state of the file, ``sources`` are the changed files that its motions follow from. Signal: ``changed``
+    with either of them.
     """
 
     changed = Signal()
@@ -271,20 +272,20 @@ class FileWatch(QObject):
         self._watch()
 
     def compare(self) -> None:
-        """Compare now."""
+        """Compare the files now."""
         self._soon.stop()
         self._watch()
         state = self._session.on_disk()
-        now = state, self._session.changed_sources() if state is OnDisk.SOURCE else ()
-        if now != (self.state, self.sources):
-            self.state, self.sources = now
+        result = state, self._session.changed_sources() if state is OnDisk.SOURCE else ()
+        if result != (self.state, self.sources):
+            self.state, self.sources = result
             self.changed.emit()
 
     def _begin_pause(self, *_: object) -> None:
         self._soon.start()
 
     def _file_changed(self) -> None:
-        """Opened, saved, or another design: what is known of the file is new."""
+        """Compare again after opening or saving, where the file had changed."""
         if self.state is not OnDisk.SAME:
             self.compare()
         else:
@@ -293,29 +294,21 @@ class FileWatch(QObject):
     def _watch(self) -> None:
         path = self._session.path
         targets = () if path is None else (path.resolve(), *(Path(name) for name in self._session.sources()))
-        wanted = {str(each) for target in targets for each in (target, target.parent) if each.exists()}
+        needed = {str(path) for target in targets for path in (target, target.parent) if path.exists()}
         watched = {*self._system.files(), *self._system.directories()}
-        if watched - wanted:
-            self._system.removePaths(sorted(watched - wanted))
-        if wanted - watched:
-            self._system.addPaths(sorted(wanted - watched))
+        if watched - needed:
+            self._system.removePaths(sorted(watched - needed))
+        if needed - watched:
+            self._system.addPaths(sorted(needed - watched))
 
 
-# -- disk button -----------------------------------------------------------------------------------------
-
-TEXTS = {
-    OnDisk.SAME: ("", "", ""),
-    OnDisk.CHANGED: ("changed on disk", "{} has been changed by another program", "&Overwrite it with this design"),
-    OnDisk.GONE: ("file is gone", "{} has been moved or deleted by another program", "&Write it again"),
-    OnDisk.SOURCE: ("source changed", "{}, which a motion follows from, has been changed by another program", ""),
-}
-"""Text of the button, what has happened, and what writing the file would do."""
+# -- the button about a changed file ---------------------------------------------------------------------
 
 
 class DiskButton(QToolButton):
-    """Offers what can be done: read the file again, save as another, write over it.
+    """A button that is shown when the file has changed: reload it, save under another name, or overwrite it.
 
-    status_message (str): what has happened, for the status line
+    Signal: ``status_message`` with what has happened, for the status line.
     """
 
     status_message = Signal(str)
@@ -346,5 +339,5 @@ class DiskButton(QToolButton):
         if happened:
             sources = ", ".join(Path(name).name for name in self._watch.sources)
             happened = happened.format(sources if state is OnDisk.SOURCE else self._documents.name)
-            self.setToolTip(f"{happened}. Click for what can be done.")
+            self.setToolTip(f"{happened}. Click to reload, save or overwrite.")
             self.status_message.emit(happened)

@@ -1,4 +1,7 @@
-"""Writes unsaved work beside the window, however busy that is."""
+"""Recovery of unsaved work: written by a thread while the window is busy, offered again after a crash.
+
+Qt waits in C, where Python handles no signal, so a pipe wakes it when the process is asked to end.
+"""
 
 from __future__ import annotations
 
@@ -26,21 +29,22 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.files.file_actions import Documents
 from kindyna_gui.places import state_folder
 
-# -- writes unsaved work beside the window, however busy that is -----------------------------------------
-
-PAUSE = 0.5  # seconds from one writing to the next
+PAUSE = 0.5  # seconds between two writes
 PAUSE_AFTER_FAILURE = 5.0
+CHECK_MS = 1500  # from a change to the check whether it is written
+ENDING = ("SIGTERM", "SIGHUP", "SIGINT")
 
 Work = Callable[[], Unsaved]
-"""Makes the text of unsaved work, in the writer's thread: it may not touch an object of Qt."""
+"""Returns the unsaved work as text; it runs in the writer's thread, so it must not use Qt objects."""
+
+# -- the thread that writes ------------------------------------------------------------------------------
 
 
 class RecoveryWriter(Thread):
-    """Keeps the recovery file at the latest work that was handed over; work that is replaced within a pause is skipped.
+    """Writes the latest unsaved work to the recovery file; work that is replaced within a pause is skipped.
 
-    The queue alone connects it with the window: a put is complete even where a signal's handler cuts in.
-
-    failure   why the work at hand is not on the disk; empty where it is
+    Only the queue connects it with the window: a put is complete even if a signal handler interrupts it. ``failure`` is why
+    the latest work is not on the disk; empty where it is.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -49,23 +53,23 @@ class RecoveryWriter(Thread):
         self._file = RecoveryFile(folder)
         self._queue: SimpleQueue[tuple[Work | None] | Event | str] = SimpleQueue()
 
-    def hand(self, work: Work | None) -> None:
-        """From now on this is the unsaved work; None where nothing is unsaved."""
+    def submit(self, work: Work | None) -> None:
+        """Replace the unsaved work; None where nothing is unsaved."""
         self._queue.put((work,))
 
     def flush(self, patience: float = 10.0) -> bool:
-        """Write what has been handed over without pause; False where it is not on the disk."""
+        """Write the submitted work now; False where it is not on the disk."""
         done = Event()
         self._queue.put(done)
         return done.wait(patience) and not self.failure
 
     def close(self, patience: float = 10.0) -> None:
-        """End, and remove the recovery file: nothing is unsaved."""
+        """End the thread and remove the recovery file, when nothing is unsaved."""
         self.leave("close")
         self.join(patience)
 
     def leave(self, how: str = "leave") -> None:
-        """End once what has been handed over is written."""
+        """End the thread when the submitted work is written."""
         self._queue.put(how)
 
     def run(self) -> None:
@@ -96,26 +100,23 @@ class RecoveryWriter(Thread):
                 self._file.clear()
             else:
                 self._file.write(work())
-        except Exception as error:  # the thread goes on: the next work may be written
+        except Exception as error:  # the thread continues: the next work may be written
             self.failure = str(error) or type(error).__name__
         else:
             self.failure = ""
         return not self.failure
 
 
-# -- recovery --------------------------------------------------------------------------------------------
-
-CHECK_MS = 1500  # after a change: has it been written?
-ENDING = ("SIGTERM", "SIGHUP", "SIGINT")
+# -- unsaved work of a window ----------------------------------------------------------------------------
 
 
 def recovery_folder() -> Path:
-    """Where the unsaved work of every window is kept."""
+    """Return the folder for the unsaved work of all windows."""
     return state_folder() / "recovery"
 
 
-def _unsaved(design: Design, path: Path | None, draft: IncompleteDesign | None, drive: int) -> Unsaved:
-    return recovery.now(dumps(design), path, None if draft is None else draft.state(), drive)
+def _unsaved(design: Design, path: Path | None, incomplete: IncompleteDesign | None, drive: int) -> Unsaved:
+    return recovery.now(dumps(design), path, None if incomplete is None else incomplete.state(), drive)
 
 
 def _end(writer: RecoveryWriter, *_: object) -> None:
@@ -123,9 +124,9 @@ def _end(writer: RecoveryWriter, *_: object) -> None:
 
 
 class Recovery(QObject):
-    """Keeps the unsaved work of one window on the disk while there is any, and offers that of processes that have died.
+    """Writes the unsaved work of a window to disk, and offers that of processes that ended unexpectedly.
 
-    status_message (str): what has been done, for the status line
+    Signal: ``status_message`` with what has been done, for the status line.
     """
 
     status_message = Signal(str)
@@ -134,15 +135,15 @@ class Recovery(QObject):
         super().__init__(window)
         self._window, self._session, self._documents = window, session, documents
         self._writer: RecoveryWriter | None = None
-        self._handed: tuple[object, ...] | None = None
+        self._submitted: tuple[object, ...] | None = None
         self._failure = ""
         self._check = QTimer(self, singleShot=True, interval=CHECK_MS)
         self._check.timeout.connect(self._report_failure)
 
-    # -- keeping ------------------------------------------------------------------------------------------
+    # -- writing -------------------------------------------------------------------------------------
 
     def begin(self) -> None:
-        """Keep unsaved work from now on."""
+        """Write unsaved work from now on."""
         for changed in (
             self._session.full_design_changed,
             self._session.incomplete_changed,
@@ -151,7 +152,7 @@ class Recovery(QObject):
             changed.connect(self.note)
 
     def note(self) -> None:
-        """The design, its file, or what is unsaved has changed."""
+        """Submit the unsaved work after a change of the design or its file."""
         session = self._session
         path = session.path.absolute() if session.path is not None else None
         state = (
@@ -159,23 +160,23 @@ class Recovery(QObject):
             if session.modified
             else None
         )
-        if state == self._handed:
+        if state == self._submitted:
             return
-        self._handed = state
+        self._submitted = state
         if self._writer is None:
             self._writer = RecoveryWriter(recovery_folder())
             self._writer.start()
             self.destroyed.connect(partial(_end, self._writer))
-        self._writer.hand(None if state is None else partial(_unsaved, *state))
+        self._writer.submit(None if state is None else partial(_unsaved, *state))
         self._check.start()
 
     def write_now(self) -> bool:
-        """Wait until the unsaved work is on the disk; False where it cannot be written."""
+        """Write the unsaved work and wait for it; False where it cannot be written."""
         self.note()
         return self._writer is None or self._writer.flush()
 
     def close(self) -> None:
-        """The window is closed, and nothing is unsaved, or not wanted."""
+        """End the writer of a closed window, when nothing unsaved is needed any longer."""
         if self._writer is not None:
             self._writer.close()
             self._writer = None
@@ -183,43 +184,43 @@ class Recovery(QObject):
     def _report_failure(self) -> None:
         failure = self._writer.failure if self._writer is not None else ""
         if failure and failure != self._failure:
-            self.status_message.emit(f"Unsaved work would be lost if the program ended now: {failure}")
+            self.status_message.emit(f"Unsaved work cannot be written for recovery: {failure}")
         self._failure = failure
 
     # -- offering -----------------------------------------------------------------------------------------
 
     def offer(self, from_menu: bool = False) -> bool:
-        """Ask what to do with the unsaved work of processes that have died; whether there was any.
+        """Ask what to do with unsaved work of processes that ended unexpectedly, and return whether there was any.
 
-        from_menu: the user has chosen the entry, so that it is also reported where there is none
+        With ``from_menu`` the status line says where there is none.
         """
-        entries = [each for each in recovery.find(recovery_folder()) if not self._is_saved(each)]
+        entries = [entry for entry in recovery.find(recovery_folder()) if not self._is_saved(entry)]
         if from_menu and not entries:
-            self.status_message.emit("There is no unsaved work of an earlier run")
+            self.status_message.emit("No unsaved work from an earlier run")
         offered = bool(entries)
         try:
-            self._offer_each(entries)
+            self._ask(entries)
         finally:
-            for each in entries:
-                each.release()
+            for entry in entries:
+                entry.release()
         return offered
 
     def _is_saved(self, entry: Recoverable) -> bool:
-        """Whether the file holds all of it; then it is removed."""
+        """Whether the file has all of the work, which is removed then."""
         from kindyna_gui.documents.texts import compare
 
-        saved = not compare(entry.unsaved).lost
-        if saved:
+        is_saved = not compare(entry.unsaved).is_unsaved
+        if is_saved:
             entry.discard()
-        return saved
+        return is_saved
 
     def offer_again(self) -> None:
-        """The same, from the menu."""
+        """Offer unsaved work from the menu, after asking about changes."""
         if self._documents.may_leave():
             self.offer(from_menu=True)
 
-    def _offer_each(self, entries: list[Recoverable]) -> None:
-        """Until the user has chosen one, or put the rest off; what is done with is taken from the list."""
+    def _ask(self, entries: list[Recoverable]) -> None:
+        """Ask until the user has recovered a work or postponed the rest; finished entries leave the list."""
         from kindyna_gui.documents.texts import OnRecovery
 
         while entries:
@@ -235,7 +236,7 @@ class Recovery(QObject):
             return
 
     def _recover(self, chosen: Recoverable) -> bool:
-        """Put recovered work in place; True where it is in this window's own recovery file, and the other is removed."""
+        """Put recovered work in place; True when it is in this window's recovery file and the old file is removed."""
         unsaved = chosen.unsaved
         path = None if unsaved.path is None else str(unsaved.path)
         try:
@@ -255,14 +256,14 @@ class Recovery(QObject):
             self._report_failure()
             return False
         chosen.discard()
-        self.status_message.emit("Recovered; it is still to be saved")
+        self.status_message.emit("Recovered, but not saved yet")
         return True
 
 
 def write_before_the_end(app: QCoreApplication, keeper: Recovery) -> None:
-    """On a signal that ends the process, write unsaved work first.
+    """Write unsaved work first when a signal ends the process.
 
-    Qt waits in C, where Python handles no signal: a pipe that Python writes to at once wakes it up.
+    Python writes the signal to a pipe at once, which wakes the event loop.
     """
 
     def end(number: int, _: FrameType | None) -> None:

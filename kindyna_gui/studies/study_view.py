@@ -201,7 +201,7 @@ class StudyView(BackgroundView):
         self.tolerances.rows.changed.connect(self._set_tolerance)
         self.tolerances.rows.removed.connect(self._remove_tolerance)
         self.tolerances.waves.changed.connect(self._set_waves)
-        self.tolerances.bands.toggled.connect(self.bands.ask)
+        self.tolerances.bands.toggled.connect(self.bands.set_shown)
         self.best.goals_changed.connect(self._set_goals)
         self.best.robust_changed.connect(self._set_robust)
         self.best.search_requested.connect(self._search)

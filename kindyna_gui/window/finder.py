@@ -28,7 +28,7 @@ from kindyna_gui.forms.number_box import parsed
 from kindyna_gui.forms.tables import RowsModel, TableHeading, TableRow
 from kindyna_gui.help import sections
 from kindyna_gui.labels import allowed_text, choice_text, entry_name, no_number, sentence, step_text, value_text
-from kindyna_gui.motion.head import stroke_entry
+from kindyna_gui.motion.header import stroke_entry
 from kindyna_gui.pictures.units import legible
 from kindyna_gui.settings import symbol_of
 from kindyna_gui.window.base import Window

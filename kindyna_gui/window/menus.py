@@ -61,17 +61,17 @@ MOTIONS = (
         "Begin with the motion of a carriage that moves with its material: length, synchronous window, return",
     ),
 )
-"""Name in ``motion.laws_plot.BEGINNINGS``, entry of the menu and its tip."""
+"""Name in ``motion.laws_plot.NEW_MOTIONS``, entry of the menu and its tip."""
 
 
 def new_motion(window: Window, name: str) -> None:
     """Begin a design with the motion of a dialog, which is imported only here."""
-    from kindyna_gui.motion.laws_plot import BEGINNINGS, beginning_wanted
+    from kindyna_gui.motion.laws_plot import NEW_MOTIONS, ask_new_motion
 
     if window.documents.may_leave():
-        design = beginning_wanted(window, name)
+        design = ask_new_motion(window, name)
         if design is not None:
-            window.documents.begin(design, BEGINNINGS[name].title)
+            window.documents.begin(design, NEW_MOTIONS[name].title)
 
 
 def new_shaft(window: Window) -> None:

@@ -66,7 +66,7 @@ from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.pictures.painter import MARGIN, RATIO, PaperSheet, png, svg
 from kindyna_gui.pictures.plots.curves import NO_BANDS
 from kindyna_gui.pictures.plots.graph import NO_CHANNEL_BANDS, Bands, GraphPlot
-from kindyna_gui.pictures.plots.graph_ranges import Shown
+from kindyna_gui.pictures.plots.graph_ranges import GraphRange
 from kindyna_gui.pictures.plots.polar import PolarPlot
 from kindyna_gui.pictures.plots.quantities import channel_extremes
 from kindyna_gui.pictures.plots.xy import XYPlot
@@ -525,7 +525,7 @@ def _words(value: object) -> str:
 PIXEL = 0.26  # mm of paper that a pixel is
 
 
-def graph_file(picture: GraphImage, shown: Shown | None = None, bands: Bands = NO_CHANNEL_BANDS) -> bytes:
+def graph_file(picture: GraphImage, shown: GraphRange | None = None, bands: Bands = NO_CHANNEL_BANDS) -> bytes:
     """The file's bytes; shown: the part of the graph, None: all of it; bands: as ``show_graph``."""
     ensure_app(offscreen=True)
     raster = picture.ending == ".png"
@@ -533,7 +533,7 @@ def graph_file(picture: GraphImage, shown: Shown | None = None, bands: Bands = N
     plot.resize(picture.width, picture.height)
     plot.show_graph(picture.graph, picture.data, bands=bands)
     plot.grab()  # the axes find their sizes
-    plot.show_part(shown or plot.shown)
+    plot.show_range(shown or plot.shown)
     if raster:
         return png(plot)
     if picture.ending == ".svg":

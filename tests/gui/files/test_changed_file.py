@@ -75,7 +75,7 @@ def test_what_differs_is_listed(open_user: Open, mine: Path) -> None:
     seen: list[str] = []
     user.clicks("Cancel", before=lambda box: seen.append(box.informativeText()))
     user.choose("File", "Save")
-    assert seen == ["Rod L2: file 812.5 mm, here 845 mm\nBase radius Br: file 400 mm, here 410 mm"]
+    assert seen == ["Rod L2: 812.5 mm in the file, 845 mm here\nBase radius Br: 400 mm in the file, 410 mm here"]
 
 
 def test_save_as_leaves_the_other_file_alone(open_user: Open, mine: Path, tmp_path: Path) -> None:
@@ -205,7 +205,7 @@ def test_a_file_that_is_no_design_any_more(open_user: Open, mine: Path) -> None:
     mine.write_text("nonsense")
     wait_for(user.window.disk.isVisible)
     user.choose("File", "Reload")
-    assert user.faults[0][0] == "mine.toml cannot be read again."
+    assert user.faults[0][0] == "mine.toml cannot be reloaded."
     assert user.design == before
     user.clicks("Overwrite", before=lambda box: isinstance(box, QMessageBox))
     user.choose("File", "Save")

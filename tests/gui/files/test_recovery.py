@@ -122,7 +122,7 @@ def test_later_discard_and_the_file_as_it_is(open_user: Open, mine: Path, left_b
     user.choose("File", "Recover unsaved work...")
     assert list(recovery_folder().iterdir()) == []
     user.choose("File", "Recover unsaved work...")
-    assert user.window.status.currentMessage() == "There is no unsaved work of an earlier run"
+    assert user.window.status.currentMessage() == "No unsaved work from an earlier run"
 
 
 def test_several_the_latest_first(open_user: Open, mine: Path, left_behind: LeftBehind) -> None:
@@ -158,8 +158,8 @@ def test_an_untitled_design_with_an_unfinished_motion(open_user: Open, left_behi
     seen: list[tuple[str, ...]] = []
     user.clicks("Recover", before=lambda box: seen.extend(rows(box.findChild(QTableWidget))))
     offer(user)
-    assert ("Rod L2", "nothing", "845 mm") in seen, "it has no file: all its values"
-    assert ("Segment 2", "nothing", "law modified-sine, span_deg 300, rise_mm -150") in seen
+    assert ("Rod L2", "none", "845 mm") in seen, "it has no file: all its values"
+    assert ("Segment 2", "none", "law modified-sine, span_deg 300, rise_mm -150") in seen
     assert user.session.state() == state
     assert user.session.incomplete == draft
     assert isinstance(user.session.incomplete, IncompleteDesign)
@@ -217,7 +217,7 @@ def test_where_nothing_can_be_written(open_user: Open, mine: Path) -> None:
     recovery_folder().write_text("a file where the folder should be")
     user: User = open_user(mine)
     user.enter("follower.rod_mm", "850")
-    wait_for(lambda: user.window.status.currentMessage().startswith("Unsaved work would be lost"))
+    wait_for(lambda: user.window.status.currentMessage().startswith("Unsaved work cannot be written"))
     recovery_folder().unlink()
     user.enter("cam.base_radius_mm", "410")
     assert user.window.recovery.write_now()

@@ -92,7 +92,7 @@ def test_plots_go_with_their_last_channel() -> None:
 
 def test_another_kind_keeps_what_it_has() -> None:
     choice = Choice([["phi"], ["displacement", "beta"]])
-    choice.keep({row.name for row in channels(PUSHER)})
+    choice.restrict_to({row.name for row in channels(PUSHER)})
     assert choice.plots == [["displacement"]]
 
 
@@ -241,7 +241,7 @@ def test_bands_of_machines_lie_round_about_the_curve(alone: Alone) -> None:
     plot = graph.panels[-1].plot
     assert isinstance(plot, LivePolar)
     assert not plot.bands, "nobody has asked"
-    graph.bands.ask(True)
+    graph.bands.set_shown(True)
     wait_for(lambda: len(plot.bands) == 1)
     (outer, _), (inner, _) = plot.areas
     for angle in (60.0, 100.0, 250.0):
@@ -257,7 +257,7 @@ def test_bands_of_machines_lie_round_about_the_curve(alone: Alone) -> None:
             assert outer.contains(place)
             assert inner.contains(place)
         assert not outer.contains(plot.position(angle, plot.distance(degrees(high + 2.0 * (high - low)))))
-    graph.bands.ask(False)
+    graph.bands.set_shown(False)
     assert not plot.bands
 
 

@@ -57,7 +57,7 @@ def test_torque_flywheel_and_stability_are_those_of_all_drives(unit: User, monke
     )
     for bands in (shaft_bands, motor_bands):
         monkeypatch.setattr(core.varying, bands.__name__, partial(bands, machines=20))
-    torque.bands.ask(True)
+    torque.bands.set_shown(True)
     wait_for(lambda: any(line.band is not None for line in torque.drives.shown))
 
     def wide() -> list[float]:
@@ -79,7 +79,7 @@ def test_torque_flywheel_and_stability_are_those_of_all_drives(unit: User, monke
     figures = unit.see("shaft_figures")
     assert isinstance(figures, ShaftFiguresView)
     wait_for(lambda: bool(figures.speed.shown) and figures.speed.shown[0].band is not None)
-    torque.bands.ask(False)
+    torque.bands.set_shown(False)
     figures.settle()
     rows = {row.cells[0]: row.cells for row in figures.table.rows.rows}
     assert list(rows) == ["Feed", "Clamp", "Lift", "Torque", "Shaft", "Motor"]

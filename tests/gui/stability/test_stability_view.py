@@ -115,7 +115,7 @@ def test_a_rigid_shaft_is_told_and_can_be_made_flexible(open_user: Open) -> None
     found = user.session.study.stability
     assert found is not None
     assert view.drawn.eta_max > found.machine.eta, "the chart shows the machine"
-    assert view.chart.own.isVisible()
+    assert view.chart.machine_point.isVisible()
     assert found.machine.q == pytest.approx(0.05, rel=0.01)
     assert found.machine.eta == pytest.approx(10.25, rel=0.01)
     assert {"shaft.stiffness_nm_per_rad", "shaft.camshaft_inertia_kg_m2"} <= set(user.design.assumed)
@@ -141,7 +141,7 @@ def test_a_linkage_that_its_cam_drives_has_a_chart(open_user: Open, tmp_path: Pa
     assert not view.in_trouble
     assert view.stability.machine.q == pytest.approx(0.05, rel=0.01)
     assert view.stability.bands
-    assert view.chart.own.isVisible()
+    assert view.chart.machine_point.isVisible()
     assert "20.00 rpm" in view.header.text()
 
 
