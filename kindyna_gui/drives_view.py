@@ -33,7 +33,7 @@ from kindyna_gui.labels import reason
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import digits, readable, short
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import Rebuilt, clear_menu
+from kindyna_gui.rebuilt import ContentArea, clear_menu
 from kindyna_gui.requirements import ONE_DRIVE, require_list
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import View, ViewHost
@@ -129,7 +129,7 @@ class DrivesView(View):
         self.buttons["add"].setMenu(menu)
         self.buttons["add"].setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         bar = row_of_buttons(self.buttons.values(), above=2)
-        self._form_holder = Rebuilt(session)
+        self._form_holder = ContentArea(session)
         self._form: Form | None = None
         self._section = ""
         self._torque_timer = QTimer(self, singleShot=True, interval=TORQUE_MS)

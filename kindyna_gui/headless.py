@@ -178,10 +178,10 @@ def animation(arguments: Animation, painter: Painter | None) -> int:
     never_shown()
     from kindyna_gui.pictures.film import pictures as pictures_of
     from kindyna_gui.pictures.film import shoot
-    from kindyna_gui.player import usual
+    from kindyna_gui.player import initial_speed
 
     width, height = arguments.size
-    ending, seconds = arguments.out.suffix.lower() or PICTURES, usual(study.omega).seconds
+    ending, seconds = arguments.out.suffix.lower() or PICTURES, initial_speed(study.omega).seconds
     wanted = replace(arguments.film, ending=ending, width=width, height=height, seconds=seconds)
     with quiet():
         if ending == PICTURES:

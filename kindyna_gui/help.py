@@ -1,4 +1,4 @@
-"""The help: a few pages of Markdown in a window of their own."""
+"""The help window: pages of Markdown, some completed with tables of laws, materials, controllers, fields and keys."""
 
 from __future__ import annotations
 
@@ -23,6 +23,8 @@ _RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 _HEADINGS: Mapping[int, tuple[int, float, float]] = MappingProxyType({1: (2, 0.0, 8.0), 2: (1, 14.0, 4.0)})
 """Level of a heading -> steps larger than the text, room above and below [pixels]."""
 
+# -- completing pages ------------------------------------------------------------------------------------
+
 
 def _formula(text: str) -> str:
     """A formula as printed: π and raised exponents."""
@@ -31,7 +33,7 @@ def _formula(text: str) -> str:
 
 
 def _laws(page: str, host: Any) -> str:
-    """The table of laws stands in the core, not in the page."""
+    """Insert the table of laws."""
     rows = "\n".join(
         f"| {law.label} | {law.short_name} | `{slug}` | {_formula(law.source)} |" for slug, law in LAWS.items()
     )
@@ -39,29 +41,29 @@ def _laws(page: str, host: Any) -> str:
 
 
 def _materials(page: str, host: Any) -> str:
-    """So does that of materials."""
+    """Insert the table of materials."""
     rows = "\n".join(
-        f"| {each.name} | `{slug}` | {each.youngs_modulus_gpa:g} | {each.poisson_ratio:g} | {each.source} | "
-        f"{'' if each.contact_pressure_mpa is None else f'{each.contact_pressure_mpa:g}'} | {each.pressure_source} |"
-        for slug, each in MATERIALS.items()
+        f"| {row.name} | `{slug}` | {row.youngs_modulus_gpa:g} | {row.poisson_ratio:g} | {row.source} | "
+        f"{'' if row.contact_pressure_mpa is None else f'{row.contact_pressure_mpa:g}'} | {row.pressure_source} |"
+        for slug, row in MATERIALS.items()
     )
-    head = "| material | in the file | E, GPa | ν | source | bears MPa | source |\n|---|---|---|---|---|---|---|\n"
-    return page.replace("{materials}", head + rows)
+    header = "| material | in the file | E, GPa | ν | source | allowable pressure, MPa | source |\n"
+    return page.replace("{materials}", f"{header}|---|---|---|---|---|---|---|\n{rows}")
 
 
 def _controllers(page: str, host: Any) -> str:
-    """And that of controllers, with what is open of each."""
+    """Insert the table of controllers and their open questions."""
     from core.output.controllers.rows import shipped_controllers
 
     rows = shipped_controllers().values()
     table = "\n".join(f"| {row.label} | `{row.slug}` | {', '.join(row.interpolation)} | {row.source} |" for row in rows)
     facts = "\n".join(f"- **{row.label}**: {'; '.join(row.open)}." for row in rows if row.open)
-    head = "| controller | slug | between two rows | source |\n|---|---|---|---|\n"
-    return page.replace("{controllers}", head + table).replace("{open}", facts)
+    header = "| controller | slug | between two rows | source |\n|---|---|---|---|\n"
+    return page.replace("{controllers}", header + table).replace("{open}", facts)
 
 
 def _tutorials(page: str, host: Any) -> str:
-    """The steps of every lesson, each with the window as it is when it is done."""
+    """Insert the steps of every tutorial, each with an image of the window after it."""
     parts = []
     for file in lesson_files():
         lesson = tomllib.loads(file.read_text("utf-8"))
@@ -77,28 +79,28 @@ def _as_is(page: str, host: Any) -> str:
 
 
 def _fields(page: str, host: Any) -> str:
-    """Every field of the design at hand, from what is known of it."""
+    """Insert a table of the current design's fields for each section."""
     if host is None:
         return page
     session, tables = host.session, []
     parts = [(session.typed, name) for name in session.typed.tables]
     if session.several:
-        whole = session.typed_full_design
-        parts += [(whole, name) for name in (f"drives[{session.chosen}]", "balancer") if name in whole.tables]
+        full = session.typed_full_design
+        parts += [(full, name) for name in (f"drives[{session.chosen}]", "balancer") if name in full.tables]
     for design, name in parts:
         cells = [
             (entry_name(design, row), sentence(row.info.help), row.info.allowed(row.unit), f"`{row.path}`")
             for row in entries(design, name)
         ]
         rows = ["| " + " | ".join(cell.replace("|", r"\|") for cell in row) + " |" for row in cells]
-        head = "| field | what it is | allowed | in the file |\n|---|---|---|---|"
+        header = "| field | what it is | allowed | in the file |\n|---|---|---|---|"
         title = SECTION_NAMES.get(name, "On the shaft" if name.startswith("drives[") else sentence(name))
-        tables.append("\n".join((f"## {title}\n", head, *rows)))
+        tables.append("\n".join((f"## {title}\n", header, *rows)))
     return page.replace("{fields}", "\n\n".join(tables))
 
 
 def _keys(page: str, host: Any) -> str:
-    """The keys of the menus."""
+    """Insert the table of the menus' keys."""
     if host is None:
         return page
     rows = [
@@ -112,6 +114,8 @@ def _keys(page: str, host: Any) -> str:
 def _without_comments(page: str, host: Any) -> str:
     return re.sub(r"<!--.*?-->\n?", "", page)
 
+
+# -- pages -----------------------------------------------------------------------------------------------
 
 PAGES: Mapping[str, tuple[str, Callable[[str, Any], str]]] = MappingProxyType(
     {
@@ -138,24 +142,24 @@ PAGES: Mapping[str, tuple[str, Callable[[str, Any], str]]] = MappingProxyType(
         "changes": ("What has changed", _as_is),
     }
 )
-"""File of ``resources/help`` -> title, and what completes the page: with tables, with what the window at hand shows."""
+"""File of ``resources/help`` -> title, and the function that completes the page for a window."""
 
 
 @cache
 def sections() -> tuple[tuple[str, str, str, str], ...]:
-    """What can be looked for: page, its title, heading, the text below it; without heading what stands before the first."""
-    found: list[tuple[str, str, str, str]] = []
+    """Return the sections of all pages: page, its title, heading (empty before the first one), and text."""
+    rows: list[tuple[str, str, str, str]] = []
     for name, (title, _) in PAGES.items():
-        first, *others = re.split(r"^##+ ", help_text(name), flags=re.MULTILINE)
-        found.append((name, title, "", first))
-        found += [(name, title, *each.partition("\n")[::2]) for each in others]
-    return tuple(found)
+        introduction, *parts = re.split(r"^##+ ", help_text(name), flags=re.MULTILINE)
+        rows.append((name, title, "", introduction))
+        rows += [(name, title, *part.partition("\n")[::2]) for part in parts]
+    return tuple(rows)
 
 
 def space(page: QTextDocument) -> None:
-    """Give headings their size and every paragraph some room: Markdown knows neither.
+    """Set the size of headings and the space around paragraphs, which Markdown does not define.
 
-    As one edit: else each change of a cell would lay its whole table out anew.
+    One edit for all: else each change of a cell would lay out its table again.
     """
     edit = QTextCursor(page)
     edit.beginEditBlock()
@@ -167,16 +171,19 @@ def space(page: QTextDocument) -> None:
         form.setBottomMargin(0.0 if cursor.currentTable() else below)
         cursor.setBlockFormat(form)
         if larger:
-            letters = QTextCharFormat()
-            letters.setProperty(QTextCharFormat.Property.FontSizeAdjustment, larger)
+            characters = QTextCharFormat()
+            characters.setProperty(QTextCharFormat.Property.FontSizeAdjustment, larger)
             cursor.select(QTextCursor.SelectionType.BlockUnderCursor)
-            cursor.mergeCharFormat(letters)
+            cursor.mergeCharFormat(characters)
         block = block.next()
     edit.endEditBlock()
 
 
-def _with_session(widget: QWidget | None) -> Any:
-    """The window around a widget; None where it stands alone."""
+# -- the window ------------------------------------------------------------------------------------------
+
+
+def _main_window(widget: QWidget | None) -> Any:
+    """The main window around a widget, None if there is none."""
     while widget is not None and not hasattr(widget, "actions_by_key"):
         widget = widget.parentWidget()
     return widget
@@ -187,7 +194,7 @@ class HelpWindow(QWidget):
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent, Qt.WindowType.Window)
-        self._host = _with_session(parent)
+        self._host = _main_window(parent)
         self.setWindowTitle("KINDYNA help")
         self.resize(820, 640)
         self.list = QListWidget()
@@ -207,18 +214,18 @@ class HelpWindow(QWidget):
         layout.addWidget(self.text, 1)
 
     def open(self, name: str, words: str = "") -> None:
-        """Show a page, in front of everything, at these words."""
+        """Show a page in front of all windows, scrolled to these words."""
         row = list(PAGES).index(name)
         if self.list.currentRow() == row:
-            self._show(name)  # of what the window shows now
+            self._show(name)  # completed for the current design
         self.list.setCurrentRow(row)
         self.show()
         self.raise_()
         self.activateWindow()
         if words:
-            self.text.moveCursor(QTextCursor.MoveOperation.End)  # so that the place found comes to the top
-            found = self.text.document().find(words)
-            self.text.setTextCursor(found if not found.isNull() else QTextCursor(self.text.document()))
+            self.text.moveCursor(QTextCursor.MoveOperation.End)  # so that the match comes to the top
+            match = self.text.document().find(words)
+            self.text.setTextCursor(match if not match.isNull() else QTextCursor(self.text.document()))
 
     def _show(self, name: str) -> None:
         self.text.setMarkdown(PAGES[name][1](help_text(name), self._host))

@@ -1,10 +1,10 @@
-"""Parts of the window that are made anew: for another kind of design, another segment, another number of plots.
+"""Parts of the window that are replaced: for another kind of design, another segment, another number of plots.
 
-What is made anew stands in one widget, its content, which is replaced whole; no layout is emptied by hand. PySide keeps a
-wrapper for each item of a layout that was filled and then added to another one. Where the widgets of such a layout go one by
-one, Qt deletes the items and the wrappers stay behind: whatever is created at the same address next is taken for a layout
-item, and the process dies. Where the widget goes that has the outer layout, they go with it. So does what a part still has to do
-once the events at hand are done (``soon``).
+A part that is replaced is one widget, the content of a ``ContentArea``; no layout is emptied item by item. PySide keeps
+a wrapper for each item of a layout that was filled and then added to another one. If the widgets of such a layout are
+deleted one by one, Qt deletes the items, and the wrappers remain: the next object created at the same address is taken
+for a layout item, and the process crashes. If the widget with the outer layout is deleted, the wrappers are deleted
+with it.
 """
 
 from __future__ import annotations
@@ -17,51 +17,50 @@ from PySide6.QtCore import QObject, QTimer
 from PySide6.QtGui import QActionGroup
 from PySide6.QtWidgets import QApplication, QMenu, QVBoxLayout, QWidget
 
-AGAIN_MS = 100  # between two looks whether what has gone can be deleted
+AGAIN_MS = 100  # interval of the checks whether a removed part can be deleted
 
 
-def take_away(part: QWidget, *sources: QObject) -> None:
-    """Hide a part now, and delete it when the events at hand are done: one of its own signals may have led here.
+def remove_part(part: QWidget, *sources: QObject) -> None:
+    """Hide a part now, and delete it after the current events: one of its own signals may be the caller.
 
-    Until then neither it nor what it holds emits a signal, or is called by one of ``sources``: focus that leaves an editor
-    would enter its text into a design that no longer has the field.
+    Until then neither the part nor its children emit signals, or receive those of ``sources``: an editor that loses the
+    focus would enter its text into a design that no longer has the field.
     """
-    for each in (part, *part.findChildren(QObject)):
-        each.blockSignals(True)
+    for child in (part, *part.findChildren(QObject)):
+        child.blockSignals(True)
         for source in sources:
-            source.disconnect(each)
+            source.disconnect(child)
     part.hide()
-    let_go(part)
+    delete_later(part)
 
 
-def let_go(part: QObject) -> None:
-    """Delete it when the events at hand are done, and no dialog or menu is open: one of its own events may have opened that, and goes on
-    behind it."""
+def delete_later(part: QObject) -> None:
+    """Delete an object after the current events, and not while a dialog or menu is open, which it may have opened."""
     if QApplication.activeModalWidget() is None and QApplication.activePopupWidget() is None:
         part.deleteLater()
         return
     again = QTimer(part, singleShot=True, interval=AGAIN_MS)
-    again.timeout.connect(partial(let_go, part))
+    again.timeout.connect(partial(delete_later, part))
     again.start()
 
 
 def clear_menu(menu: QMenu) -> None:
-    """Take all entries out of a menu, with the groups and menus that were made for them: one that has been chosen may have led here."""
-    gone = QObject(menu)
+    """Remove all entries of a menu, with their groups and submenus; a selected entry may be the caller."""
+    removed = QObject(menu)
     for child in menu.children():
         if isinstance(child, QActionGroup | QMenu):
             child.deleteLater()
     for action in menu.actions():
         menu.removeAction(action)
         if action.parent() is menu:
-            action.setParent(gone)
-    let_go(gone)
+            action.setParent(removed)
+    delete_later(removed)
 
 
-class Rebuilt(QWidget):
-    """The place of a content that is replaced whole.
+class ContentArea(QWidget):
+    """Area with one content, which is replaced.
 
-    sources: objects whose signals the contents are connected to, which a content that is removed must not react to any longer.
+    sources: objects whose signals the contents receive; a removed content is disconnected from them.
     """
 
     def __init__(self, *sources: QObject) -> None:
@@ -74,28 +73,28 @@ class Rebuilt(QWidget):
 
     @property
     def content(self) -> QWidget | None:
-        """What stands here now."""
+        """The current content."""
         return self._content
 
     def replace(self, content: QWidget) -> None:
-        """Put a content, laid out with its own children, in place of the one before."""
+        """Replace the content by a widget that is laid out with its children."""
         before, self._content = self._content, content
         self._column.addWidget(content)
         if before is not None:
-            take_away(before, *self._sources)
+            remove_part(before, *self._sources)
         content.show()
 
 
-def soon(owner: QObject, deed: Callable[[], Any]) -> None:
-    """Do it when the event loop comes round again, unless its owner has gone by then.
+def call_soon(owner: QObject, action: Callable[[], Any]) -> None:
+    """Call a function in the next turn of the event loop, unless its owner has been deleted by then.
 
-    ``QTimer.singleShot`` keeps what it is to call for ever where the owner goes first, and with a method all that its object reaches:
-    a timer of the owner goes with it.
+    ``QTimer.singleShot`` keeps its function for ever if the owner is deleted first, and with a method everything its
+    object refers to. A timer of the owner is deleted with it.
     """
     timer = QTimer(owner, singleShot=True)
-    timer.timeout.connect(deed)
+    timer.timeout.connect(action)
     timer.timeout.connect(timer.deleteLater)
     timer.start()
 
 
-__all__ = ["Rebuilt", "clear_menu", "let_go", "soon", "take_away"]
+__all__ = ["ContentArea", "call_soon", "clear_menu", "delete_later", "remove_part"]

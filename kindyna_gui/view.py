@@ -39,7 +39,7 @@ from kindyna_gui.labels import reason
 from kindyna_gui.look import on_paper
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import soon
+from kindyna_gui.rebuilt import call_soon
 from kindyna_gui.requirements import Suggestion, Unavailable, suggestions_for
 from kindyna_gui.settings import DISPLAY, is_default
 
@@ -504,7 +504,7 @@ class View(QWidget):
         if self._stale and self._is_queued:
             self._queue.append(self, self._refresh_from_queue)
         elif self.pause_ms and self._stale:
-            soon(self, self._soon.start)
+            call_soon(self, self._soon.start)
         else:
             self._soon.start()
 

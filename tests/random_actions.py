@@ -226,7 +226,7 @@ class Actions:
             start = self._place(diagram.viewport())
             motion = motion_of(self.window.session.design)
             joins = range(len(motion.segments)) if motion is not None and diagram.motion is not None else ()
-            inside = [p for p in (diagram.place_of_join(j).toPoint() for j in joins) if box.contains(p)]
+            inside = [p for p in (diagram.position_of_join(j).toPoint() for j in joins) if box.contains(p)]
             self._drag(
                 diagram.viewport(), self.rng.choice(inside) if inside else start, self._place(diagram.viewport())
             )

@@ -303,13 +303,13 @@ LIMIT, ROUNDED, CONTRADICTION, AS_SCANNED = "limit", "rounded", "contradiction",
 VERDICTS: Mapping[str, str] = MappingProxyType({
     AGREES: "the result here is that of the paper",
     DIFFERS: "the result here is different",
-    MISPRINT: "wrong as the text reads",
+    MISPRINT: "the printed text is wrong",
     METHOD: "an error of the authors' reasoning",
     CONVENTION: "right in its own convention of signs",
     LIMIT: "right where it is used, singular or approximate elsewhere",
-    ROUNDED: "right but for the digits that are printed or carried",
-    CONTRADICTION: "the paper against itself",
-    AS_SCANNED: "wrong as the text reads, in dots, primes, indices, ρ or j that the scan may have lost",
+    ROUNDED: "right except for printed or intermediate digits",
+    CONTRADICTION: "the paper contradicts itself",
+    AS_SCANNED: "the scanned text is wrong, in dots, primes, indices, ρ or j that the scan may have lost",
 })  # fmt: skip
 """Kind of verdict -> its meaning."""
 

@@ -46,7 +46,7 @@ from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.look import MessageLabel, bold_label, coloured, text_button
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import MINUS, nice_below
-from kindyna_gui.rebuilt import Rebuilt
+from kindyna_gui.rebuilt import ContentArea
 from kindyna_gui.settings import symbol_of
 
 # -- form of the request ---------------------------------------------------------------------------------
@@ -326,7 +326,7 @@ class SuccessionPage(QFrame):
         """First curves of the sequence up to the selected step, or the one curve selected in the table."""
         self.steps: list[QToolButton] = []
         self.motion = quiet()
-        self._sequence_area = Rebuilt()
+        self._sequence_area = ContentArea()
         self.verdict = QLabel(wordWrap=True)
         self.verdict.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.table = RowsTable([*(TableHeading(text) for text in HEADINGS), TableHeading("May it follow?", wide=True)])

@@ -42,7 +42,7 @@ from kindyna_gui.labels import reason as why
 from kindyna_gui.look import coloured, text_button
 from kindyna_gui.motion.laws_plot import RankingPanel
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.rebuilt import Rebuilt
+from kindyna_gui.rebuilt import ContentArea
 
 PAUSE_MS, RANGES_MS = 150, 400  # after a keystroke, before the motion and the ranges are computed
 FIRST_CURVES = ("C1", "C2", "C3", "C4")  # before the user has typed any
@@ -136,7 +136,7 @@ class SequenceDialog(PutDialog):
             form.addLayout(line, i, 1)
         self.count = quiet()
         self.count.setWordWrap(True)
-        self._settings_area = Rebuilt()
+        self._settings_area = ContentArea()
         area = QScrollArea(widgetResizable=True)
         area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         area.setFocusPolicy(Qt.FocusPolicy.NoFocus)

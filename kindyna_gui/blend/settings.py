@@ -37,7 +37,7 @@ from kindyna_gui.forms.number_box import NumberBox, parsed
 from kindyna_gui.look import MessageLabel, coloured, icon, text_button
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import nice_below
-from kindyna_gui.rebuilt import take_away
+from kindyna_gui.rebuilt import remove_part
 from kindyna_gui.settings import size_of, symbol_of
 
 NO_NUMBER = "Enter a number, such as 12.5"
@@ -451,7 +451,7 @@ class SettingsArea(QScrollArea):
 
     def _remove_point(self, row: PrecisionPointRow, quietly: bool = False) -> None:
         self.points.remove(row)
-        take_away(row.paper)
+        remove_part(row.paper)
         if not quietly:
             self.changed.emit()
 

@@ -19,7 +19,7 @@ from kindyna_gui.forms.fields import COLUMNS, Field, FieldSpec
 from kindyna_gui.labels import entry_label, heading_of
 from kindyna_gui.look import coloured, text_button
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.rebuilt import Rebuilt
+from kindyna_gui.rebuilt import ContentArea
 
 LAST_VALID = "The drawing and the plots still show the last valid values."
 POINT_FIELDS = 24  # points of a force table with fields of their own; the full table goes through the clipboard
@@ -158,7 +158,7 @@ class Form(QScrollArea):
         self._groups: dict[str, QWidget] = {}
         self._session, self._section = session, section
         self.fields: dict[str, Field] = {}
-        self._content = Rebuilt(session)
+        self._content = ContentArea(session)
         self.setWidget(self._content)
         self._shown: tuple[Any, Any, Any] | None = None
         self._values: dict[str, tuple[Any, bool]] = {}

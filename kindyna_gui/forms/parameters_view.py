@@ -23,7 +23,7 @@ from kindyna_gui.labels import SECTION_NAMES
 from kindyna_gui.look import coloured, sign
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import soon
+from kindyna_gui.rebuilt import call_soon
 from kindyna_gui.requirements import lists_links
 from kindyna_gui.view import View, ViewHost
 
@@ -163,7 +163,7 @@ class ParametersView(View):
         if scroll is not None:
             self.show_section(scroll[0])
             bar = self.forms[scroll[0]].verticalScrollBar()
-            soon(bar, partial(bar.setValue, scroll[1]))  # once the fields have their position
+            call_soon(bar, partial(bar.setValue, scroll[1]))  # once the fields have their position
 
     def _change_subject(self) -> tuple[str, int] | None:
         """Return the section and scroll at which the drive was left, where another drive was shown before."""
@@ -201,7 +201,7 @@ class ParametersView(View):
         form = self.forms[section]
         if field.trouble and field.editor.hasFocus():
             # once it has its position: below the last field it would be out of sight
-            soon(field.message, partial(form.ensureWidgetVisible, field.message, 0, 8))
+            call_soon(field.message, partial(form.ensureWidgetVisible, field.message, 0, 8))
 
     def _mark_tab(self, section: str) -> None:
         """Mark the tab of a page with a wrong value, since the page may be hidden."""
@@ -237,7 +237,7 @@ class ParametersView(View):
         if section == LOADS:
             self.loads.choose(row_of(path))
         form.ensureWidgetVisible(field.editor, 0, 40)
-        soon(field.editor, partial(form.ensureWidgetVisible, field.editor, 0, 40))  # once it has its position
+        call_soon(field.editor, partial(form.ensureWidgetVisible, field.editor, 0, 40))  # once it has its position
         field.focus()
         return True
 

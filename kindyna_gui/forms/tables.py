@@ -22,7 +22,7 @@ from PySide6.QtWidgets import QAbstractItemView, QApplication, QHeaderView, QSty
 
 from core.frozen import frozen
 from kindyna_gui.documents.session import Session
-from kindyna_gui.rebuilt import soon
+from kindyna_gui.rebuilt import call_soon
 from kindyna_gui.settings import symbol_of
 from kindyna_gui.view import ExplainableNumber
 
@@ -124,7 +124,7 @@ class CellDelegate(QStyledItemDelegate):
         if not self._is_open(editor):
             return False
         if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.KeyPress and event.key() in ENTER:
-            soon(editor, lambda: self._commit_and_close(editor))
+            call_soon(editor, lambda: self._commit_and_close(editor))
             return False  # the editor has the key first
         return super().eventFilter(editor, event)
 

@@ -155,7 +155,7 @@ class Canvas(QGraphicsView):
         return rect
 
     def show_region(self, centre: QPointF, scale: float, keep_labels: bool = False) -> None:
-        """Show the region around a point, at a scale in pixels per mm; ``keep_labels`` places labels again after a delay."""
+        """Show the region around a point at a scale [pixels/mm]; ``keep_labels`` places labels after a delay."""
         self._centre, self._scale = centre, scale
         self.setTransform(QTransform.fromScale(scale, -scale))
         visible = self.visible

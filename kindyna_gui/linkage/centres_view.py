@@ -1,4 +1,4 @@
-"""Centres, circle, polygons."""
+"""Views of instant centres, of the circle diagram that constructs them, and of velocity and force polygons."""
 
 from __future__ import annotations
 
@@ -42,15 +42,13 @@ from kindyna_gui.requirements import lists_links, require_centres, require_links
 from kindyna_gui.settings import size_of, symbol_of
 from kindyna_gui.view import View
 
-# -- centres view ----------------------------------------------------------------------------------------
-
 MM, RPM = 1e3, math.pi / 30.0
-DECIMALS = 6  # of lengths in mm and of velocities; rounding is far below
+BUTTON = 58  # width of a button next to the text of a step, pixels
 _CENTRES = (
     TableHeading("Centre"),
     TableHeading("x", number=True, unit="mm"),
     TableHeading("y", number=True, unit="mm"),
-    TableHeading("Found", wide=True),
+    TableHeading("Construction", wide=True),
 )
 _LINKS = (
     TableHeading("Link"), TableHeading("ω, rad/s", number=True), TableHeading("ω, rpm", number=True),
@@ -66,23 +64,30 @@ _POINTS = (
     TableHeading("", wide=True),
 )
 _DIFFERENCES = (TableHeading("Vector"), TableHeading("Link", number=True), *_SPEEDS, TableHeading("", wide=True))
-NO_CENTRES = "Instant centres are listed of linkages, and of a cam with its follower; this motion moves neither."
+NO_CENTRES = "Instant centres exist for linkages and for a cam with its follower; this motion drives neither."
+NO_CIRCLE = "The circle diagram constructs the centres of a linkage; this design is a cam with its follower."
+NO_POLYGON = "The velocity polygon is drawn for linkages; for the follower of a cam the mechanism shows the velocities."
+VELOCITIES, FORCES_ON, FORCE_IN = "velocities", "body", "pair"
+DiagramChoice = tuple[str, str]
+"""Kind of polygon, and name of its body or pair."""
+
+# -- instant centres -------------------------------------------------------------------------------------
 
 
 def plain(value: float, unit: str = "") -> str:
-    """A number with as many decimals as are certain, as its unit is shown; what is not a number is a dash."""
+    """Format a number in the unit on display; a dash if it is not defined."""
     value /= size_of(unit)
     return "\u2013" if math.isnan(value) else digits(value, 8) if abs(value) >= 1e-9 else "0"
 
 
 def label(links: Links) -> str:
-    """``I13``, with a comma where a number has two digits, or a body has a name."""
+    """Name of a centre: ``I13``, with a comma if a number has two digits, the two names if a body has a name."""
     a, b = map(str, links)
     return f"I{a}{b}" if len(a) == len(b) == 1 else f"I{a},{b}" if (a + b).isdigit() else f"{a}, {b}"
 
 
 def method_text(row: CentreRow) -> str:
-    """How a centre follows: at sight, by its pair, or where which two lines cross, of which one may be the contact normal."""
+    """Construction of a centre: at sight, or the crossing of two lines, one of which may be the contact normal."""
     if not row.lines:
         return "at sight"
     a, b = row.links
@@ -92,8 +97,8 @@ def method_text(row: CentreRow) -> str:
 
 
 def _rising(a: Link, b: Link) -> Links:
-    """Numbers in rising order, then names, the frame before and the cam behind all others."""
-    first, second = sorted((a, b), key=lambda each: (isinstance(each, str), each == CAM, each != FRAME))
+    """Sort two links: numbers in rising order, then names, the frame first and the cam last."""
+    first, second = sorted((a, b), key=lambda link: (isinstance(link, str), link == CAM, link != FRAME))
     return (first, second) if isinstance(a, str) or isinstance(b, str) or a < b else (b, a)
 
 
@@ -106,7 +111,7 @@ def _centre(row: CentreRow) -> TableRow:
         x, y = "none", "at rest"
     return TableRow(
         (label(row.links), x, y, method_text(row)),
-        tip=f"Instant centre of {row.links[0]} and {row.links[1]}; found {method_text(row)}",
+        tip=f"Instant centre of {row.links[0]} and {row.links[1]}: {method_text(row)}",
     )
 
 
@@ -114,7 +119,7 @@ def _link(row: LinkRow) -> TableRow:
     cells = (str(row.link), *(plain(v) for v in (row.omega, row.omega / RPM, row.ratio, row.advantage)), "")
     return TableRow(
         cells,
-        tip="Angular velocity counter-clockwise; ratio to that of driver or cam, and torque for a torque of 1 at the driver",
+        tip="Angular velocity, counter-clockwise positive; its ratio to driver or cam; torque for a driver torque of 1",
     )
 
 
@@ -131,16 +136,16 @@ def _difference(row: DifferenceRow) -> TableRow:
     slides = row.link != row.on
     p, a = (f"{row.p}{row.link}", f"{row.a}{row.on}") if slides else (row.p, row.a)
     v = row.v_pa * MM
-    on = f"{row.on} under it, on which {row.link} slides" if slides else f"{a}, both on {row.link}"
+    on = f"the point under it on {row.on}, on which {row.link} slides" if slides else f"{a}, both on {row.link}"
     return TableRow(
         (f"V {p}{a}", str(row.link), *_speeds(v), ""),
-        tip=f"Velocity of {p} against {on}: V {p} = V {a} + V {p}{a}",
+        tip=f"Velocity of {p} relative to {on}: V {p} = V {a} + V {p}{a}",
     )
 
 
 @frozen
 class CentresPage:
-    """A table: its title, its columns, and how a position fills it."""
+    """A table: title, columns, and the function that returns its rows at a position."""
 
     title: str
     headings: tuple[TableHeading, ...]
@@ -160,7 +165,7 @@ PAGES: Mapping[str, CentresPage] = MappingProxyType(
 
 
 class CentresView(View):
-    """Tables that follow the player, of which the one in front is made, and the distance between any two centres."""
+    """Tables that follow the player, computed for the page in front, and the distance between any two centres."""
 
     stages = ("linkage",)
     pause_ms = 120
@@ -175,26 +180,26 @@ class CentresView(View):
         for name, table in self.tables.items():
             table.setWordWrap(False)
             self.tabs.addTab(table, PAGES[name].title)
-        self.one, self.other = self._chooser("First centre"), self._chooser("Second centre")
+        self.first, self.second = self._centre_box("First centre"), self._centre_box("Second centre")
         self.distance, self.transmission = SteadyText(), SteadyText(SCREEN.quiet)
         row = QHBoxLayout()
         row.setContentsMargins(8, 2, 8, 0)
         row.addWidget(QLabel("From"))
-        row.addWidget(self.one)
+        row.addWidget(self.first)
         row.addWidget(QLabel("to"))
-        row.addWidget(self.other)
+        row.addWidget(self.second)
         row.addWidget(self.distance, 1)
-        foot = QHBoxLayout()
-        foot.setContentsMargins(8, 0, 8, 4)
-        foot.addWidget(self.transmission)
-        self.set_column(self.tabs, row, foot, grows=self.tabs, spacing=3)
+        footer = QHBoxLayout()
+        footer.setContentsMargins(8, 0, 8, 4)
+        footer.addWidget(self.transmission)
+        self.set_column(self.tabs, row, footer, grows=self.tabs, spacing=3)
         self.tabs.currentChanged.connect(self._fill_table)
 
-    def _chooser(self, name: str) -> QComboBox:
+    def _centre_box(self, name: str) -> QComboBox:
         box = QComboBox()
         box.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
         box.setAccessibleName(name)
-        box.setToolTip("The distance between two centres at this angle")
+        box.setToolTip("Distance between two centres at this angle")
         box.activated.connect(lambda _: self._show_distance())
         return box
 
@@ -209,11 +214,12 @@ class CentresView(View):
         except KindynaError as error:
             self.transmission.show_text(reason(self.session.design, error))
 
-    def _show(self, there: Study) -> None:
-        if self.now is not None and self.now.study is there:
+    def _show(self, study: Study) -> None:
+        """Show a study at one angle."""
+        if self.now is not None and self.now.study is study:
             return
-        now = Position(there)
-        self._choose_from([row.links for row in now.centres])
+        now = Position(study)
+        self._offer_centres([row.links for row in now.centres])
         self.now = now
         self._fill_table()
         self._show_distance()
@@ -221,42 +227,40 @@ class CentresView(View):
         self.transmission.show_text(f"Transmission angle: {angles}" if angles else "")
 
     def page(self, name: str) -> RowsTable:
-        """Bring one of ``PAGES`` to the front; its table."""
+        """Bring one of ``PAGES`` to the front, and return its table."""
         self.tabs.setCurrentWidget(self.tables[name])
         return self.tables[name]
 
     def _fill_table(self, *_: object) -> None:
-        """The table in front; the others when they come there."""
+        """Fill the table in front."""
         name = list(PAGES)[self.tabs.currentIndex()]
         if self.now is not None:
             self.tables[name].update_rows(PAGES[name].rows(self.now))
 
-    def _choose_from(self, keys: Sequence[Links]) -> None:
-        """The centres to choose from; at first the driver's pole and the next link's."""
+    def _offer_centres(self, keys: Sequence[Links]) -> None:
+        """Fill the lists of centres; select the pole of the driver and the next centre."""
         if keys == self._keys:
             return
         self._keys = list(keys)
-        for box, first in ((self.one, 0), (self.other, 1)):
+        for box, index in ((self.first, 0), (self.second, 1)):
             box.clear()
             for key in keys:
                 box.addItem(label(key), key)
-            box.setCurrentIndex(min(first, box.count() - 1))
+            box.setCurrentIndex(min(index, box.count() - 1))
 
     def _show_distance(self) -> None:
-        one, other = self.one.currentData(), self.other.currentData()
-        if self.now is None or one is None or other is None:
+        first, second = self.first.currentData(), self.second.currentData()
+        if self.now is None or first is None or second is None:
             return
-        gap = self.now.distance(tuple(one), tuple(other)) * MM
+        gap = self.now.distance(tuple(first), tuple(second)) * MM
         self.distance.show_text(f"{plain(gap, 'mm')} {symbol_of('mm')}" if math.isfinite(gap) else "infinite")
 
 
-# -- the lecture's circle diagram beside the drawing, with back and next ---------------------------------
-
-NO_CIRCLE = "The circle diagram finds the centres of a linkage; this is a cam with its follower."
+# -- circle diagram --------------------------------------------------------------------------------------
 
 
 class CircleView(View):
-    """The diagram with Back and Next; the same step is drawn in the mechanism."""
+    """The circle diagram step by step; the mechanism shows the same step."""
 
     stages = ("linkage",)
 
@@ -271,7 +275,7 @@ class CircleView(View):
         self.back, self.next, self.end = QPushButton("&Back"), QPushButton("&Next"), QPushButton("&End")
         self.back.setToolTip("One step back")
         self.next.setToolTip("Find the next centre; its lines are drawn in the mechanism")
-        self.end.setToolTip("Leave the construction; the drawing shows its own layers again")
+        self.end.setToolTip("End the construction; the drawing shows its layers again")
         self.back.clicked.connect(lambda: self._go(-1))
         self.next.clicked.connect(lambda: self._go(1))
         self.end.clicked.connect(lambda: session.choose_step(None))
@@ -282,17 +286,15 @@ class CircleView(View):
         self.set_column(self.diagram, self.text, row, grows=self.diagram, spacing=4)
         session.step_changed.connect(self._redraw)
 
-    def _plan(self) -> tuple[tuple[str, ...], Construction]:
-        study = self.session.study
-        table = study.centres
-        return table.bodies, table.construction
+    @property
+    def _plan(self) -> Construction:
+        return self.session.study.centres.construction
 
     def refresh(self, study: Study) -> None:
         require_links(study.design, NO_CIRCLE)
-        bodies, plan = self._plan()
-        chosen = self.session.step
-        step = min(chosen or 0, len(plan.steps))
-        self.diagram.show_step(bodies, plan, step)
+        plan, current = self._plan, self.session.step
+        step = min(current or 0, len(plan.steps))
+        self.diagram.show_step(self.session.study.centres.bodies, plan, step)
         more = (
             f" {len(plan.unreachable)} centres are not reached by two triangles."
             if plan.unreachable and step == len(plan.steps)
@@ -302,7 +304,7 @@ class CircleView(View):
         self.count.setText(f"{step} of {len(plan.steps)}")
         self.back.setEnabled(step > 0)
         self.next.setEnabled(step < len(plan.steps))
-        self.end.setEnabled(chosen is not None)
+        self.end.setEnabled(current is not None)
 
     def _redraw(self) -> None:
         if self.on_screen() and self.up_to_date and not self.in_trouble:
@@ -311,38 +313,29 @@ class CircleView(View):
             self.invalidate()
 
     def _go(self, step: int) -> None:
-        _, plan = self._plan()
-        now = self.session.step or 0
-        self.session.choose_step(min(max(now + step, 0), len(plan.steps)))
+        self.session.choose_step(min(max((self.session.step or 0) + step, 0), len(self._plan.steps)))
 
 
-# -- polygon view ----------------------------------------------------------------------------------------
-
-NO_POLYGON = "The velocity polygon is drawn of linkages; velocities of a cam's follower are drawn in the mechanism."
-VELOCITIES, FORCES_ON, FORCE_IN = "velocities", "body", "pair"
-BUTTON = 58  # width of a button beside the step's text, pixels
-Choice = tuple[str, str]
-"""What is drawn, and of which body or pair."""
+# -- velocity and force polygons -------------------------------------------------------------------------
 
 
 class PolygonView(View):
-    """One diagram, moving with the crank; a list above it says of what. A linkage begins with its velocities, a cam's follower with
-    the forces on it."""
+    """Polygon that follows the player, selected in a list; at first velocities of a linkage, forces of a follower."""
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
         self.choice = QComboBox()
         self.choice.setObjectName("polygon")
         self.choice.setToolTip(
-            "What is drawn: velocities from one pole, the forces on a body end to end, or the force in a pin or guide"
+            "Diagram: velocities from one pole, the forces on a body head to tail, or the force in a pin or guide"
         )
         self.choice.currentIndexChanged.connect(self._choose)
         self.sheet = PolygonSheet()
         self.note = Note()
         self.back, self.next, self.all = QPushButton("&Back"), QPushButton("&Next"), QPushButton("&All")
-        self.back.setToolTip("One vector less")
-        self.next.setToolTip("The next vector of the construction, V_P = V_A + V_PA; the first time begin at the pole")
-        self.all.setToolTip("All vectors")
+        self.back.setToolTip("Remove the last vector")
+        self.next.setToolTip("Add the next vector, V_P = V_A + V_PA; the first click starts at the pole")
+        self.all.setToolTip("Show all vectors")
         self.step_label = QLabel(wordWrap=True, alignment=Qt.AlignmentFlag.AlignCenter)
         self.step_label.setMinimumSize(1, 1)
         self.back.clicked.connect(lambda: self._step(-1))
@@ -359,27 +352,27 @@ class PolygonView(View):
         self._steps: int | None = None
         self._polygon: VelocityPolygon | None = None
         session.started.connect(partial(setattr, self, "_steps", None))
-        self._chosen: Choice | None = None
+        self._chosen: DiagramChoice | None = None
         self._diagram: Callable[[Study], PolygonDiagram] | None = None
 
     @property
     def stages(self) -> tuple[str, ...]:  # type: ignore[override]
-        """Forces are computed only while they are drawn."""
-        kind, _ = self._wanted()
+        """Stages of the selected polygon; forces are computed only while they are drawn."""
+        kind, _ = self._current_choice()
         return ("linkage",) if kind == VELOCITIES else ("linkage", "cam", "dynamics")
 
-    def _wanted(self) -> Choice:
-        """What was chosen, as far as this design has it."""
+    def _current_choice(self) -> DiagramChoice:
+        """Return the selected polygon if the design has it, else the first."""
         rows = [choice for choice, _ in self._rows()]
         return self._chosen if self._chosen is not None and self._chosen in rows else rows[0]
 
-    def _rows(self) -> list[tuple[Choice, str]]:
-        """What can be chosen of this design, and its text."""
+    def _rows(self) -> list[tuple[DiagramChoice, str]]:
+        """Return the polygons of this design, and their texts."""
         study = self.session.study
         rows = [((VELOCITIES, ""), "Velocities")] if lists_links(study.design) else []
         try:
             mechanism = study.mechanism
-            pairs = mechanism.pair_names.values()  # of a drawing that can be put together
+            pairs = mechanism.pair_names.values()
         except KindynaError:
             return rows or [((VELOCITIES, ""), "Velocities")]
         bodies = [body for body in mechanism.bodies.values() if body != FRAME] + [CAM] * ("cam" in study.stages)
@@ -391,23 +384,23 @@ class PolygonView(View):
             self.choose(*self.choice.itemData(index))
 
     def choose(self, kind: str, name: str = "") -> None:
-        """Draw the velocities, the forces on a body, or the force in a pair; without a name of the first."""
+        """Draw the velocities, the forces on a body, or the force in a pair; without a name for the first."""
         rows = [choice for choice, _ in self._rows() if choice[0] == kind]
         self._chosen = (kind, name) if name or not rows else rows[0]
         self.invalidate()
 
     def refresh(self, study: Study) -> None:
-        wanted, rows = self._wanted(), self._rows()
+        current, rows = self._current_choice(), self._rows()
         with QSignalBlocker(self.choice):
             if [self.choice.itemText(i) for i in range(self.choice.count())] != [text for _, text in rows]:
                 self.choice.clear()
                 for choice, text in rows:
                     self.choice.addItem(text, choice)
-            self.choice.setCurrentIndex([choice for choice, _ in rows].index(wanted))
+            self.choice.setCurrentIndex([choice for choice, _ in rows].index(current))
         self._polygon = None
-        self._diagram = {VELOCITIES: self._velocities, FORCES_ON: self._forces_on, FORCE_IN: self._force_in}[wanted[0]](
-            study, wanted[1]
-        )
+        kind, name = current
+        diagrams = {VELOCITIES: self._velocities, FORCES_ON: self._forces_on, FORCE_IN: self._force_in}
+        self._diagram = diagrams[kind](study, name)
 
     def _velocities(self, study: Study, _: str) -> Callable[[Study], PolygonDiagram]:
         self._polygon = velocity_polygon(study.linkage)
@@ -416,18 +409,18 @@ class PolygonView(View):
 
     # -- step by step ---------------------------------------------------------------------------------------
 
-    def _step(self, by: int) -> None:
-        """One vector more or less; from all of them, Next begins at the pole, and Back takes the last away."""
+    def _step(self, change: int) -> None:
+        """Add or remove a vector; if all are shown, Next starts at the pole, and Back removes the last."""
         if self._polygon is not None:
             most = len(self._polygon.steps)
-            now = self._steps if self._steps is not None else most if by < 0 else -1
-            self._show_steps(min(max(now + by, 0), most))
+            current = self._steps if self._steps is not None else most if change < 0 else -1
+            self._show_steps(min(max(current + change, 0), most))
 
     def _show_steps(self, count: int | None) -> None:
         self._steps = count
         self.follow(self.player.theta)
 
-    def _tell_step(self) -> None:
+    def _update_steps(self) -> None:
         polygon, count = self._polygon, self._steps
         self.steps_row.setVisible(polygon is not None)
         if polygon is not None:
@@ -456,13 +449,13 @@ class PolygonView(View):
         study = self.session.study
         if self._diagram is None:
             return
-        self._tell_step()
+        self._update_steps()
         try:
             diagram = self._diagram(self.session.at(theta))
         except KindynaError as error:
             self.note.show_message(reason(study.design, error))
             return
-        absent = self._chosen == (VELOCITIES, "") != self._wanted()
+        absent = self._chosen == (VELOCITIES, "") != self._current_choice()
         self.note.show_message(NO_POLYGON if absent else "")
         name = study.angle_name.capitalize()
         self.sheet.show_diagram(diagram, f"{name} {math.degrees(theta):.1f}°")

@@ -50,6 +50,7 @@ class Snap:
 
     @property
     def target(self) -> DrawingTarget:
+        """The position, point and link as a target of an edit."""
         return DrawingTarget(self.at, self.point, self.link)
 
 
@@ -201,11 +202,13 @@ class Drawing:
 
     @property
     def linkage(self) -> Linkage:
+        """The linkage of the design."""
         linkage: Linkage = self.design.drive.linkage
         return linkage
 
     @property
     def targets(self) -> list[DrawingTarget]:
+        """The clicks as targets of an edit."""
         return [snap.target for snap in self.snaps]
 
 
@@ -222,7 +225,7 @@ class DrawingEdit:
 
 @frozen
 class DrawTool:
-    """One tool: label, key, tip, a prompt for each click, the number of clicks, and the function that edits the design."""
+    """One tool: label, key, tip, a prompt for each click, number of clicks, function that edits the design."""
 
     name: str
     text: str
@@ -231,6 +234,11 @@ class DrawTool:
     prompts: tuple[str, ...]
     clicks: int = 0
     apply: Callable[[Drawing], DrawingEdit] | None = None
+
+
+def row_index(path: str) -> int:
+    """Index of a row in its list: 2 for ``loads.forces[2]``."""
+    return int(path[path.index("[") + 1 : -1])
 
 
 def _refused(problem: str, allowed: str) -> DesignError:

@@ -1,4 +1,4 @@
-"""The linkage on the canvas: its layout at the current angle, the selection, what it lacks, and its edits as undo steps."""
+"""The linkage on the canvas: layout at the current angle, selection, mobility, and edits as undo steps."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from core.mechanism.unfinished import DrivenPart, Mobility, driven_part_of, mobi
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import reason
 from kindyna_gui.linkage.canvas import Canvas
-from kindyna_gui.linkage.draw_tools import DrawingEdit
+from kindyna_gui.linkage.draw_tools import DrawingEdit, point_at
 from kindyna_gui.linkage.sketch_picture import SketchPicture
 from kindyna_gui.player import Player
 
@@ -92,6 +92,13 @@ class DrawnLinkage(QObject):
         inverse, _ = self.canvas.viewportTransform().inverted()
         at = inverse.map(pixel)
         return complex(at.x(), at.y())
+
+    def part_at(self, pixel: QPointF) -> tuple[str, str, int | None]:
+        """Return the point, the row of the loads, or the link under a pixel, in this priority; the others are empty."""
+        picture, at = self.picture, self.position_at(pixel)
+        name = point_at(picture.positions, at, picture.scale)
+        row = "" if name else picture.load_at(at)
+        return name, row, None if name or row else picture.link_at(pixel)
 
     # -- mobility -------------------------------------------------------------------------------------------------
 

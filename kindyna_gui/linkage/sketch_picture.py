@@ -27,6 +27,7 @@ from kindyna_gui.linkage.draw_tools import (
     faces_at,
     grid_step,
     outline,
+    row_index,
 )
 from kindyna_gui.pictures.style import BLUE, SCREEN, VERMILION
 
@@ -41,7 +42,7 @@ PixelFunction = Callable[[complex], QPointF]
 
 @frozen
 class Marked:
-    """Parts to highlight: the selected points, links and row of the loads, wrong points and links, and what is locked."""
+    """Parts to highlight: selected points, links and row of the loads, wrong points and links, locked parts."""
 
     points: Collection[str] = ()
     links: Collection[int] = ()
@@ -296,9 +297,9 @@ class SketchPicture:
                 painter.drawPie(rect, 0, 16 * 90)
                 painter.drawPie(rect, 16 * 180, 16 * 90)
             elif ".drivers" in row:
-                self._paint_input(painter, pixel, int(row[row.index("[") + 1 : -1]), row == chosen)
+                self._paint_input(painter, pixel, row_index(row), row == chosen)
             elif ".forces" in row:
-                force = loads.forces[int(row[row.index("[") + 1 : -1])]
+                force = loads.forces[row_index(row)]
                 tip = self.to(self.positions[force.point])
                 painter.setPen(QPen(QColor(SCREEN.chosen if row == chosen else SCREEN.seen(VERMILION)), 2.2))
                 direction = complex(force.x_n, force.y_n)
@@ -306,7 +307,7 @@ class SketchPicture:
                 if direction:
                     self._arrow_tip(painter, tip, direction / abs(direction))
             else:
-                spring = loads.springs[int(row[row.index("[") + 1 : -1])]
+                spring = loads.springs[row_index(row)]
                 first, second = (self._end(end) for end in (spring.from_, spring.to))
                 assert first is not None
                 assert second is not None

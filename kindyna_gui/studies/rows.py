@@ -20,7 +20,7 @@ from kindyna_gui.forms.number_box import NumberBox, WordBox
 from kindyna_gui.labels import no_number
 from kindyna_gui.look import MessageLabel, bold_label, coloured, icon
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.rebuilt import Rebuilt, clear_menu
+from kindyna_gui.rebuilt import ContentArea, clear_menu
 from kindyna_gui.studies.texts import (
     STATISTICS,
     info_of,
@@ -54,7 +54,7 @@ class _Rows(QWidget):
         super().__init__()
         self.boxes: dict[tuple[str, str], NumberBox] = {}
         self.removers: dict[str, QToolButton] = {}
-        self._area, self._keys = Rebuilt(), ()
+        self._area, self._keys = ContentArea(), ()
         self.message = MessageLabel(SCREEN.limit)
         self.add, self.menu = QPushButton(add), QMenu(self)
         self.add.setAutoDefault(False)

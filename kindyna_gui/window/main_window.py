@@ -32,7 +32,7 @@ from kindyna_gui.look import wear
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.places import default_design, example
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import soon
+from kindyna_gui.rebuilt import call_soon
 from kindyna_gui.requirements import STRANGE
 from kindyna_gui.saving import copy_picture, save_picture
 from kindyna_gui.settings import Settings
@@ -612,7 +612,7 @@ class MainWindow(Window):
         super().paintEvent(event)
         if not self._painted:
             self._painted = True
-            soon(self, self._furnish)
+            call_soon(self, self._furnish)
 
     def _furnish(self) -> None:
         for dock in self.docks.values():

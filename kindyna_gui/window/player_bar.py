@@ -36,7 +36,7 @@ from kindyna_gui.forms.number_box import TextKeys
 from kindyna_gui.look import icon
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import digits
-from kindyna_gui.player import KEYS_HELP, TURN, Player, Speed, obey, speeds, step_of, usual
+from kindyna_gui.player import KEYS_HELP, TURN, Player, Speed, initial_speed, obey, speeds, step_of
 from kindyna_gui.view import View
 
 FINE = 100  # steps of the slider in a degree
@@ -259,7 +259,7 @@ class PlayerBar(View):
             self._fit_buttons()
             self.speed.view().setMinimumWidth(self.speed.view().sizeHintForColumn(0) + 24)
         if not self._chosen:
-            self.player.set_speed(float(usual(study.omega).part))
+            self.player.set_speed(float(initial_speed(study.omega).part))
         self._show_speed()
 
     def show_reason(self, error: KindynaError) -> None:

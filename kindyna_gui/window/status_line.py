@@ -22,7 +22,7 @@ from kindyna_gui.labels import named_value, reason
 from kindyna_gui.look import coloured, sign, text_button
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import clear_menu, soon
+from kindyna_gui.rebuilt import call_soon, clear_menu
 from kindyna_gui.requirements import suggestions_for
 
 PAUSE_MS = 150  # after a change, before the findings are counted
@@ -135,7 +135,7 @@ class StatusLine(QStatusBar):
 
     def _ask_again(self, text: str) -> None:
         if not text and self._question:
-            soon(self, self._show_question)
+            call_soon(self, self._show_question)
 
     def _offer(self, text: str) -> None:
         """Show the remedy of a message, if any, as a button next to it."""
@@ -214,7 +214,7 @@ class StatusLine(QStatusBar):
         self.findings.setText(text)
         self.findings.setIcon(sign(severity))
         self.findings.setToolTip(tip)
-        soon(self, lambda: self._show_long(self.currentMessage()))  # the buttons next to it may have become wider
+        call_soon(self, lambda: self._show_long(self.currentMessage()))  # the buttons next to it may have become wider
 
     def _design_changed(self) -> None:
         number = len(self._session.full_design.assumed)

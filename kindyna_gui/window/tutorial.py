@@ -1,4 +1,8 @@
-"""Tutorials."""
+"""Tutorials: reading their files, the strip that shows the steps, and playing them without a user.
+
+A tutorial is a TOML file with ``[[steps]]`` of ``text``, ``do`` (see ``tutorial_steps.ACTIONS``) and ``until`` (see
+``CONDITIONS``).
+"""
 
 from __future__ import annotations
 
@@ -22,51 +26,54 @@ from core.frozen import frozen
 from core.study import extremes_of, findings_of, quantity
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.places import example, lesson_files
-from kindyna_gui.rebuilt import take_away
+from kindyna_gui.rebuilt import remove_part
 from kindyna_gui.window.base import Window
-from kindyna_gui.window.tutorial_steps import DEEDS, CannotDo, place_of, play, settle, wait_for
+from kindyna_gui.window.tutorial_steps import ACTIONS, CannotDo, play, region_of, settle, wait_for
 
-# -- what must be so at the end of a step: rows that read the window -------------------------------------
+NEAR = 1e-9  # relative difference of equal numbers
+CHECK_MS = 150  # between two checks whether a step is done
+LINES = 3  # lines of text in the strip
+EDGE = 4  # gap between a frame and what it marks [pixels]
 
-NEAR = 1e-9  # of a number's size: as typed
+# -- conditions at the end of a step ---------------------------------------------------------------------
 
 
-def _path(window: Window, wanted: list[Any]) -> bool:
-    """``[path, value]``: the value of a field of the whole file."""
-    path, value = wanted
+def _path(window: Window, target: list[Any]) -> bool:
+    """Whether the field ``[path, value]`` of the file has this value."""
+    path, value = target
     try:
-        there = get(window.session.typed_full_design, path)
+        current = get(window.session.typed_full_design, path)
     except KeyError:
         return False
-    if isinstance(value, str) or isinstance(there, str) or there is None:
-        return bool(there == value)
-    return abs(float(there) - float(value)) <= NEAR * max(1.0, abs(float(value)))
+    if isinstance(value, str) or isinstance(current, str) or current is None:
+        return bool(current == value)
+    return abs(float(current) - float(value)) <= NEAR * max(1.0, abs(float(value)))
 
 
-def _quantity(window: Window, wanted: Mapping[str, Any]) -> bool:
-    """``{name, above, below}``: the largest absolute value of a quantity, in its column's unit."""
-    row = quantity(wanted["name"])
+def _quantity(window: Window, limits: Mapping[str, Any]) -> bool:
+    """Whether the largest absolute value of ``{name, above, below}`` is within its limits, in the unit of its column."""
+    row = quantity(limits["name"])
     try:
-        found = extremes_of(window.session.study, row.stage, (row.name,))[row.name]
+        extremes = extremes_of(window.session.study, row.stage, (row.name,))[row.name]
     except (KindynaError, KeyError):
         return False
-    value = max(abs(found.low.value), abs(found.high.value)) / row.unit.factor
-    return bool(wanted.get("above", 0.0) <= value <= wanted.get("below", float("inf")))
+    value = max(abs(extremes.low.value), abs(extremes.high.value)) / row.unit.factor
+    return bool(limits.get("above", 0.0) <= value <= limits.get("below", float("inf")))
 
 
-def _finding(window: Window, wanted: str) -> bool:
-    """The code of a finding; with ``no`` before it, there is none of it."""
-    code = wanted.removeprefix("no ")
+def _finding(window: Window, text: str) -> bool:
+    """Whether a finding of this code is present; with ``no`` before the code, whether it is absent."""
+    code = text.removeprefix("no ")
     try:
-        found = findings_of(window.session.full_study, tuple(window.stages_on_screen()))
+        findings = findings_of(window.session.full_study, tuple(window.stages_on_screen()))
     except KindynaError:
         return False
-    return any(each.code == code for each in found) == (code == wanted)
+    return any(finding.code == code for finding in findings) == (code == text)
 
 
-def _view(window: Window, wanted: str) -> bool:
-    """A view is on the screen."""
-    view = window.view(wanted)
+def _view(window: Window, name: str) -> bool:
+    """Whether a view is on the screen."""
+    view = window.view(name)
     return view is not None and view.on_screen()
 
 
@@ -76,19 +83,19 @@ CONDITIONS: Mapping[str, Callable[[Window, Any], bool]] = MappingProxyType(
         "quantity": _quantity,
         "finding": _finding,
         "view": _view,
-        "task": lambda window, wanted: bool(window.actions_by_key[f"show_task:{wanted}"].isChecked()),
-        "playing": lambda window, wanted: window.player.playing is wanted,
-        "drives": lambda window, wanted: len(window.session.typed_full_design.drives) == wanted,
-        "links": lambda window, wanted: len(window.session.typed.drive.links) == wanted,
-        "points": lambda window, wanted: set(wanted) <= _points(window),
-        "runs": lambda window, wanted: _runs(window) is wanted,
+        "task": lambda window, name: bool(window.actions_by_key[f"show_task:{name}"].isChecked()),
+        "playing": lambda window, on: window.player.playing is on,
+        "drives": lambda window, number: len(window.session.typed_full_design.drives) == number,
+        "links": lambda window, number: len(window.session.typed.drive.links) == number,
+        "points": lambda window, names: set(names) <= _points(window),
+        "runs": lambda window, moves: _runs(window) is moves,
     }
 )
-"""Key of ``until`` -> whether it is so."""
+"""Key of ``until`` -> whether the window meets its value."""
 
 
 def _runs(window: Window) -> bool:
-    """Whether what is typed or drawn is a mechanism that moves."""
+    """Whether the typed or drawn design is a mechanism that moves."""
     try:
         return window.session.incomplete is None and bool(window.session.study.linkage.bodies)
     except KindynaError:
@@ -96,25 +103,30 @@ def _runs(window: Window) -> bool:
 
 
 def _points(window: Window) -> set[str]:
-    """Names of all points of the linkage that is drawn."""
+    """Names of all points of the typed linkage."""
     return {name for link in window.session.typed.drive.links for name in link.places}
 
 
-def met(window: Window, until: Mapping[str, Any]) -> bool:
-    """Whether all that a step is done by is so."""
-    return all(CONDITIONS[key](window, wanted) for key, wanted in until.items())
+def is_met(window: Window, until: Mapping[str, Any]) -> bool:
+    """Whether all conditions of a step are met."""
+    return all(CONDITIONS[key](window, value) for key, value in until.items())
 
 
-# -- lessons ---------------------------------------------------------------------------------------------
+# -- files of tutorials ----------------------------------------------------------------------------------
 
 
 @frozen
-class Step:
+class TutorialStep:
     """One step.
 
-    text    what to do and why, as the reader sees it
-    do      deed of ``deeds.DEEDS`` -> its object; done in this order
-    until   condition of ``conditions.CONDITIONS`` -> what it is compared with; all of them must be so
+    Attributes
+    ----------
+    text : str
+        What to do and why, with marks <b> and <i>.
+    do : Mapping
+        Key of ``ACTIONS`` -> its argument, in the order of play.
+    until : Mapping
+        Key of ``CONDITIONS`` -> value to meet; all must be met.
     """
 
     text: str
@@ -129,63 +141,59 @@ class Step:
 
 @frozen
 class Lesson:
-    """The steps of one file, with its name there and its title; design: the example it begins with, empty for the one at hand."""
+    """The steps of one file; it begins with an example, or with the current design where ``design`` is empty."""
 
     name: str
     title: str
-    steps: tuple[Step, ...]
+    steps: tuple[TutorialStep, ...]
     design: str = ""
 
 
 def read(name: str) -> Lesson:
-    """A lesson by its name, or by the path of its file. Raises KindynaError where there is none, or where a step is not one."""
+    """Read a tutorial by its name or the path of its file. Raises KindynaError where it is missing or not valid."""
     shipped = {file.stem: file for file in lesson_files()}
     path = shipped.get(name, Path(name))
     try:
         table = tomllib.loads(path.read_text("utf-8"))
     except OSError:
-        raise KindynaError(f"tutorial {name}: there is none of this name; there are {', '.join(shipped)}") from None
+        raise KindynaError(f"tutorial {name}: not found; the tutorials are {', '.join(shipped)}") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise KindynaError(f"{path}: {error}") from None
     steps = tuple(_step(row, f"{path.name}: steps[{i}]") for i, row in enumerate(table.get("steps", ())))
     if not steps:
-        raise KindynaError(f"{path}: has no [[steps]]")
+        raise KindynaError(f"{path}: needs [[steps]]")
     return Lesson(path.stem, str(table.get("title", path.stem)), steps, str(table.get("design", "")))
 
 
-def _step(row: Mapping[str, Any], where: str) -> Step:
+def _step(row: Mapping[str, Any], where: str) -> TutorialStep:
     text, do, until = row.get("text"), row.get("do"), row.get("until")
     if not isinstance(text, str) or not isinstance(do, dict) or not isinstance(until, dict) or not do or not until:
         raise KindynaError(f"{where}: needs text, do = {{...}} and until = {{...}}")
-    for table, known in ((do, DEEDS), (until, CONDITIONS)):
+    for table, known in ((do, ACTIONS), (until, CONDITIONS)):
         for key in table:
             if key not in known:
-                raise KindynaError(f"{where}: {key} is unknown; there are {', '.join(known)}")
-    return Step(text, do, until)
+                raise KindynaError(f"{where}: {key} is unknown; allowed are {', '.join(known)}")
+    return TutorialStep(text, do, until)
 
 
-# -- strip -----------------------------------------------------------------------------------------------
-
-LOOK_MS = 150  # how often it is looked whether a step is done
-LINES = 3  # of text that have room
-EDGE = 4  # pixels between a mark and what it marks
+# -- the strip above the drawing -------------------------------------------------------------------------
 
 
 class Mark(QWidget):
-    """A frame around a place of a window, dialog or menu, which it belongs to and goes with; the mouse goes through it."""
+    """A frame around a part of a window, dialog or menu, its parent; it ignores the mouse."""
 
     def __init__(self, top: QWidget) -> None:
         super().__init__(top)
         self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
-        self.setAccessibleName("Place of this step")
+        self.setAccessibleName("Position of this step")
 
     def put(self, widget: QWidget, rect: QRect) -> None:
-        """Around a part of a widget, in front of its window."""
+        """Move the frame around a part of a widget."""
         top = self.window()
-        wanted = QRect(widget.mapTo(top, QPoint(0, 0)) + rect.topLeft(), rect.size())
-        wanted = wanted.adjusted(-EDGE, -EDGE, EDGE, EDGE) & top.rect()
-        if self.geometry() != wanted or not self.isVisible():
-            self.setGeometry(wanted)
+        frame = QRect(widget.mapTo(top, QPoint(0, 0)) + rect.topLeft(), rect.size())
+        frame = frame.adjusted(-EDGE, -EDGE, EDGE, EDGE) & top.rect()
+        if self.geometry() != frame or not self.isVisible():
+            self.setGeometry(frame)
             self.show()
             self.raise_()
 
@@ -197,7 +205,7 @@ class Mark(QWidget):
 
 
 class TutorialStrip(QToolBar):
-    """One lesson in one window."""
+    """The toolbar that shows the steps of a tutorial, and continues when a step is done."""
 
     def __init__(self, window: Window, lesson: Lesson) -> None:
         super().__init__("Tutorial", window)
@@ -210,10 +218,10 @@ class TutorialStrip(QToolBar):
         self.where, self.done, self.next, self.leave = (
             QPushButton("Show where"), QPushButton("Do it for me"), QPushButton("Next"), QPushButton("Leave"),
         )  # fmt: skip
-        self.where.setToolTip("Bring the place of this step into sight")
-        self.done.setToolTip("Mouse and keys do this step by themselves")
-        self.next.setToolTip("On, where this is so already")
-        self.leave.setToolTip("End the lesson; the design stays")
+        self.where.setToolTip("Show where this step is done")
+        self.done.setToolTip("Perform this step with mouse and keys")
+        self.next.setToolTip("Continue, if the step is done already")
+        self.leave.setToolTip("End the tutorial and keep the design")
         content = QWidget()
         content.setFixedHeight(LINES * self.fontMetrics().lineSpacing() + 10)
         row = QHBoxLayout(content)
@@ -228,76 +236,76 @@ class TutorialStrip(QToolBar):
         self.addWidget(content)
         self._marks: WeakSet[Mark] = WeakSet()
         self._met_before = self._plays = self.ended = False
-        self._look = QTimer(self, interval=LOOK_MS)
-        self._look.timeout.connect(self.look)
+        self._timer = QTimer(self, interval=CHECK_MS)
+        self._timer.timeout.connect(self.check)
         self._begin()
-        self._look.start()
+        self._timer.start()
 
     @property
     def marks(self) -> list[Mark]:
-        """Those whose windows are still there."""
+        """Frames whose windows still exist."""
         return [mark for mark in self._marks if isValid(mark)]
 
     @property
-    def step(self) -> Step | None:
-        """The one at hand; None once all are done."""
+    def step(self) -> TutorialStep | None:
+        """Current step; None once all are done."""
         return self.lesson.steps[self.number] if self.number < len(self.lesson.steps) else None
 
     def _begin(self) -> None:
         step, count = self.step, len(self.lesson.steps)
-        self._met_before = step is not None and met(self.host, step.until)
+        self._met_before = step is not None and is_met(self.host, step.until)
         self.count.setText(f"<b>{self.lesson.title}</b><br>{min(self.number + 1, count)} of {count}")
-        self.text.setText("That was all. The design is yours now." if step is None else step.text)
+        self.text.setText("All steps are done. Continue with this design as you like." if step is None else step.text)
         for button in (self.where, self.done, self.next):
             button.setVisible(step is not None)
         self.leave.setText("Close" if step is None else "Leave")
         self.show_mark()
 
-    def hold(self) -> None:
-        """No longer go on by itself: another leads."""
-        self._look.stop()
+    def stop_checking(self) -> None:
+        """Continue only when ``go_on`` is called."""
+        self._timer.stop()
 
-    def look(self) -> None:
-        """Go on where the step is done; else mark its place."""
+    def check(self) -> None:
+        """Continue if the step has been done, else mark its position."""
         step = self.step
         if step is None:
             return
-        so = met(self.host, step.until)
-        if so and not self._met_before:
+        is_done = is_met(self.host, step.until)
+        if is_done and not self._met_before:
             self.go_on()
             return
-        self._met_before = so
-        self.next.setEnabled(so)
+        self._met_before = is_done
+        self.next.setEnabled(is_done)
         self.show_mark()
 
     def show_mark(self) -> None:
-        """Where the step is done, as far as that is in sight."""
-        place = place_of(self.host, self.step.do) if self.step is not None else None
-        top = None if place is None else place[0].window()
+        """Mark the position of the step if it is visible."""
+        region = region_of(self.host, self.step.do) if self.step is not None else None
+        top = None if region is None else region[0].window()
         for mark in self.marks:
             if mark.parentWidget() is not top:
                 mark.hide()
-        if place is not None and top is not None:
-            mark = next((each for each in self.marks if each.parentWidget() is top), None) or Mark(top)
+        if region is not None and top is not None:
+            mark = next((mark for mark in self.marks if mark.parentWidget() is top), None) or Mark(top)
             self._marks.add(mark)
-            mark.put(*place)
+            mark.put(*region)
 
     def go_on(self) -> None:
-        """The next step."""
+        """Show the next step."""
         self.number += 1
         self._begin()
 
     def _show_where(self) -> None:
         if self.step is not None:
-            for key, what in self.step.do.items():
-                DEEDS[key].show(self.host, what)
+            for key, value in self.step.do.items():
+                ACTIONS[key].show(self.host, value)
             self.show_mark()
 
     def _do(self) -> None:
         if self.step is None:
             return
         if self.isAncestorOf(self.host.focusWidget()):
-            self.host.setFocus()  # the keys that are played are not for the button that was clicked
+            self.host.setFocus()  # else the button just clicked would get the keys
         self.setEnabled(False)
         self._plays = True
         try:
@@ -307,25 +315,25 @@ class TutorialStrip(QToolBar):
         self._plays = False
         self.setEnabled(True)
         if self.ended:
-            take_away(self)
+            remove_part(self)
         else:
-            self.look()
+            self.check()
 
     def end(self) -> None:
-        """Take the strip away, or let it go once it has played; the design stays as it is."""
+        """Remove the strip, at the end of an action being played; the design is kept."""
         self.ended = True
-        self._look.stop()
+        self._timer.stop()
         for mark in self.marks:
-            take_away(mark)
+            remove_part(mark)
         self.host.removeToolBar(self)
         if not self._plays:
-            take_away(self)
+            remove_part(self)
 
 
 def begin(window: Window, lesson: Lesson) -> TutorialStrip:
-    """Begin a lesson, in place of the one at hand."""
-    for before in window.findChildren(TutorialStrip):
-        before.end()
+    """Begin a tutorial; ends one that is running."""
+    for running in window.findChildren(TutorialStrip):
+        running.end()
     if lesson.design:
         window.documents.open_example(example(lesson.design))
     strip = TutorialStrip(window, lesson)
@@ -335,20 +343,20 @@ def begin(window: Window, lesson: Lesson) -> TutorialStrip:
     return strip
 
 
-# -- play ------------------------------------------------------------------------------------------------
+# -- playing without a user ------------------------------------------------------------------------------
 
 
-def steps_played(strip: TutorialStrip) -> Iterator[tuple[int, Step]]:
-    """Number, from 1, and step, each when it is done and before the strip goes on. Raises CannotDo with the step that fails."""
+def steps_played(strip: TutorialStrip) -> Iterator[tuple[int, TutorialStep]]:
+    """Play a tutorial; yields the number, from 1, and the step when it is done. Raises CannotDo with the step that fails."""
     window = strip.host
-    strip.hold()
+    strip.stop_checking()
     while (step := strip.step) is not None:
         number = strip.number + 1
         try:
-            if met(window, step.until):
-                raise CannotDo("what it ends with is so before it is done")
+            if is_met(window, step.until):
+                raise CannotDo("the conditions of until are met before the step is done")
             play(window, step.do)
-            wait_for(partial(met, window, step.until), "what must be so")
+            wait_for(partial(is_met, window, step.until), "conditions of until")
         except CannotDo as error:
             raise CannotDo(f"step {number} of {len(strip.lesson.steps)}: {error}") from None
         settle()

@@ -1,11 +1,11 @@
-"""What a step asks for: where in the window it is done, which is marked, and how the hand does it."""
+"""Actions of a tutorial step: the part of the window to mark, and how the action is played with mouse and keys."""
 
 from __future__ import annotations
 
 import re
 import time
 from collections.abc import Callable, Mapping
-from functools import partial
+from contextlib import suppress
 from itertools import pairwise
 from types import MappingProxyType
 from typing import Any
@@ -18,38 +18,38 @@ from core.errors import KindynaError
 from core.frozen import frozen
 from kindyna_gui.window.base import Window
 
-Place = tuple[QWidget, QRect]
+Region = tuple[QWidget, QRect]  # a widget and a part of it
 LEFT, NONE = Qt.MouseButton.LeftButton, Qt.MouseButton.NoButton
-PATIENCE = 20.0  # seconds
-RADIUS = 14  # pixels around a place of the drawing
+PATIENCE = 20.0  # longest time to wait for a condition [s]
+RADIUS = 14  # around a point of the drawing [pixels]
 _KEY = re.compile(r"(?:(?:Ctrl|Shift|Alt)\+)*(?:[A-Za-z0-9]|F\d+|Return|Tab|Esc|Space|Del|Up|Down|Left|Right)")
 
 
 class CannotDo(KindynaError):
-    """The hand did not find what a step names."""
+    """A step cannot be played: the window does not have what it names."""
 
 
 @frozen
-class Deed:
-    """One row: where it is done, None where that is not in sight; what brings that place into sight; how it is done."""
+class TutorialAction:
+    """One key of ``do``: the region it acts on, None if not visible; how to make that visible; how to play it."""
 
-    place: Callable[[Window, Any], Place | None]
+    region: Callable[[Window, Any], Region | None]
     show: Callable[[Window, Any], object]
     play: Callable[[Window, Any], None]
 
 
 def settle() -> None:
-    """Let the events at hand run, and those that they start. Mouse and keys of the user wait: they could end what is being played."""
+    """Process pending events and those that they post, but no input of the user, which could disturb the action."""
     for _ in range(5):
         QApplication.processEvents(QEventLoop.ProcessEventsFlag.ExcludeUserInputEvents)
 
 
 def wait_for(condition: Callable[[], object], what: str) -> None:
-    """Let events run until something is so. Raises CannotDo."""
-    late = time.monotonic() + PATIENCE
+    """Process events until a condition is true. Raises CannotDo after ``PATIENCE`` seconds."""
+    end = time.monotonic() + PATIENCE
     while not condition():
-        if time.monotonic() > late:
-            raise CannotDo(f"{what}: waited for it in vain")
+        if time.monotonic() > end:
+            raise CannotDo(f"{what}: not reached within {PATIENCE:g} s")
         settle()
         time.sleep(0.002)
 
@@ -57,17 +57,17 @@ def wait_for(condition: Callable[[], object], what: str) -> None:
 # -- mouse and keys -----------------------------------------------------------------------------------------
 
 
-def _mouse(widget: QWidget, kind: QEvent.Type, at: QPointF, button: Qt.MouseButton, held: Qt.MouseButton) -> None:
-    """One event of the mouse, as the window system sends it."""
-    event = QMouseEvent(kind, at, widget.mapToGlobal(at), button, held, Qt.KeyboardModifier.NoModifier)
+def _mouse(widget: QWidget, kind: QEvent.Type, at: QPointF, button: Qt.MouseButton, down: Qt.MouseButton) -> None:
+    """Send one mouse event; ``down`` are the buttons pressed meanwhile."""
+    event = QMouseEvent(kind, at, widget.mapToGlobal(at), button, down, Qt.KeyboardModifier.NoModifier)
     QApplication.sendEvent(widget, event)
 
 
 def _press(widget: QWidget, at: QPoint) -> None:
-    place = QPointF(at)
-    _mouse(widget, QEvent.Type.MouseMove, place, NONE, NONE)
+    point = QPointF(at)
+    _mouse(widget, QEvent.Type.MouseMove, point, NONE, NONE)
     settle()
-    _mouse(widget, QEvent.Type.MouseButtonPress, place, LEFT, LEFT)
+    _mouse(widget, QEvent.Type.MouseButtonPress, point, LEFT, LEFT)
 
 
 def _release(widget: QWidget, at: QPoint) -> None:
@@ -76,23 +76,23 @@ def _release(widget: QWidget, at: QPoint) -> None:
 
 
 def click(widget: QWidget, at: QPoint | None = None) -> None:
-    """With the left button; in the middle where no place is named."""
-    place = widget.rect().center() if at is None else at
-    _press(widget, place)
-    _release(widget, place)
+    """Click with the left button, by default in the middle of the widget."""
+    point = widget.rect().center() if at is None else at
+    _press(widget, point)
+    _release(widget, point)
 
 
 def _keys(window: Window, keys: list[str]) -> None:
-    """Keys, ``Ctrl+K``, ``Return``, and texts that are typed, on whatever has the focus."""
+    """Press keys, such as ``Ctrl+K`` or ``Return``, and type texts, in the widget with the focus."""
     from PySide6.QtTest import QTest
 
-    for each in keys:
+    for text in keys:
         target = QApplication.focusWidget() or window
-        if _KEY.fullmatch(each) and (len(each) > 1 or each.isupper()):
-            sequence: Any = QKeySequence(each)
+        if _KEY.fullmatch(text) and (len(text) > 1 or text.isupper()):
+            sequence: Any = QKeySequence(text)
             QTest.keyClick(target, sequence[0].key(), sequence[0].keyboardModifiers())
         else:
-            for letter in each:  # the first digit may open a box, in which the others are typed
+            for letter in text:  # the first digit may open a box, which takes the others
                 QTest.keyClicks(QApplication.focusWidget() or window, letter)
                 settle()
         settle()
@@ -102,25 +102,26 @@ def _keys(window: Window, keys: list[str]) -> None:
 
 
 def plain(text: str) -> str:
-    """An entry without its keys of access, its shortcut and its dots."""
+    """Return the text of an entry without access key, shortcut and dots."""
     text = text.partition("\t")[0].replace("&&", "\0").replace("&", "").replace("\0", "&")
     return text.removesuffix("...")
 
 
-def _way(way: str) -> list[str]:
-    return [each.strip() for each in way.split(">")]
+def _titles(path: str) -> list[str]:
+    return [title.strip() for title in path.split(">")]
 
 
-def _entry(place: QWidget, text: str) -> QAction:
-    for action in place.actions():
+def _entry(menu: QWidget, text: str) -> QAction:
+    for action in menu.actions():
         if plain(action.text()) == text and action.isVisible():
             return action
-    raise CannotDo(f"{text}: no such entry; there are {', '.join(plain(each.text()) for each in place.actions())}")
+    names = ", ".join(plain(action.text()) for action in menu.actions())
+    raise CannotDo(f"{text}: no such entry; the entries are {names}")
 
 
-def _menu_place(window: Window, way: str) -> Place | None:
-    """The title in the bar; once menus are open, the entry of the last of them."""
-    titles = _way(way)
+def _menu_region(window: Window, path: str) -> Region | None:
+    """The title in the menu bar; once a menu is open, the entry in the last open menu."""
+    titles = _titles(path)
     popup = QApplication.activePopupWidget()
     if isinstance(popup, QMenu):
         for action in popup.actions():
@@ -130,28 +131,29 @@ def _menu_place(window: Window, way: str) -> Place | None:
     return bar, bar.actionGeometry(_entry(bar, titles[0]))
 
 
-def _menu(window: Window, way: str) -> None:
-    """Click the title, and the entries of the menus that open."""
-    place: QWidget = window.menuBar()
-    for i, text in enumerate(titles := _way(way)):
-        action = _entry(place, text)
-        geometry = place.actionGeometry(action) if isinstance(place, QMenu) else window.menuBar().actionGeometry(action)
+def _menu(window: Window, path: str) -> None:
+    """Click the title in the menu bar and the entries of the menus that open."""
+    bar = window.menuBar()
+    parent: QWidget = bar
+    for i, text in enumerate(titles := _titles(path)):
+        action = _entry(parent, text)
+        geometry = parent.actionGeometry(action) if isinstance(parent, QMenu) else bar.actionGeometry(action)
         if not action.isEnabled():
-            raise CannotDo(f"{way}: {text} cannot be chosen")
-        click(place, geometry.center())
+            raise CannotDo(f"{path}: {text} is not enabled")
+        click(parent, geometry.center())
         menu = action.menu()
         if i < len(titles) - 1:
             if not isinstance(menu, QMenu):
-                raise CannotDo(f"{way}: {text} opens no menu")
+                raise CannotDo(f"{path}: {text} opens no menu")
             wait_for(menu.isVisible, text)
-            place = menu
+            parent = menu
 
 
 # -- fields -------------------------------------------------------------------------------------------------
 
 
 def _editor(window: Window, path: str) -> QWidget | None:
-    """Of a field that is in sight."""
+    """Editor of a field, None if it is not visible."""
     at = path.partition("].")[2] if path.startswith("drives[") else path
     for view in window.findChildren(QWidget):
         fields = getattr(view, "fields", None)
@@ -160,7 +162,7 @@ def _editor(window: Window, path: str) -> QWidget | None:
     return None
 
 
-def _field_place(window: Window, path: str) -> Place | None:
+def _field_region(window: Window, path: str) -> Region | None:
     editor = _editor(window, path)
     if editor is not None:
         return editor, editor.rect()
@@ -172,7 +174,7 @@ def _field_place(window: Window, path: str) -> Place | None:
 
 
 def _field(window: Window, path: str) -> None:
-    """Lead to the field, and choose what stands in it, so that typing takes its place."""
+    """Show and focus a field and select its text, so that typing replaces it."""
     window.focus_field(path)
     settle()
     editor: Any = _editor(window, path)
@@ -198,38 +200,36 @@ def _canvas(window: Window) -> Any:
 
 
 def _pixel(window: Window, where: str | list[float]) -> QPoint:
-    """Of a place of the drawing [mm], or of a named point of the linkage that is drawn."""
+    """Pixel of a position in the drawing [mm], or of a named point of the linkage being drawn."""
     view: Any = window.view("mechanism")
     if isinstance(where, str):
-        places = view.drawing.sheet[1] if view.draws else {}
-        if where not in places:
-            raise CannotDo(
-                f"{where}: the drawing has no such point; it has {', '.join(places) or 'none that can be named'}"
-            )
-        at = QPointF(places[where].real, places[where].imag)
+        points = view.drawing.layout[1] if view.draws else {}
+        if where not in points:
+            raise CannotDo(f"{where}: the drawing has no such point; its points are {', '.join(points) or 'not named'}")
+        at = QPointF(points[where].real, points[where].imag)
     else:
         at = QPointF(*where)
-    place: QPoint = view.canvas.viewportTransform().map(at).toPoint()
-    return place
+    pixel: QPoint = view.canvas.viewportTransform().map(at).toPoint()
+    return pixel
 
 
-def _drag_place(window: Window, places: list[Any]) -> Place | None:
+def _drag_region(window: Window, points: list[Any]) -> Region | None:
     canvas = _canvas(window)
     if canvas is None or not canvas.isVisible():
         return None
     try:
-        at = _pixel(window, places[0])
+        at = _pixel(window, points[0])
     except CannotDo:
         return None
     return canvas.viewport(), QRect(at - QPoint(RADIUS, RADIUS), at + QPoint(RADIUS, RADIUS))
 
 
-def _drag(window: Window, places: list[Any]) -> None:
-    """Press at the first place, go through the others and release at the last; one place alone is clicked."""
+def _drag(window: Window, points: list[Any]) -> None:
+    """Drag from the first point to the last through the others; a single point is clicked."""
     view: Any = window.show_view("mechanism")
     wait_for(lambda: view.on_screen() and view.up_to_date, "the drawing")
     area = view.canvas.viewport()
-    pixels = [_pixel(window, each) for each in places]
+    pixels = [_pixel(window, point) for point in points]
     _press(area, pixels[0])
     for start, end in pairwise(pixels):
         for part in (0.3, 0.7, 1.0):
@@ -238,32 +238,30 @@ def _drag(window: Window, places: list[Any]) -> None:
     _release(area, pixels[-1])
 
 
-DEEDS: Mapping[str, Deed] = MappingProxyType(
+ACTIONS: Mapping[str, TutorialAction] = MappingProxyType(
     {
-        "menu": Deed(_menu_place, lambda window, way: None, _menu),
-        "field": Deed(_field_place, lambda window, path: window.focus_field(path), _field),
-        "drag": Deed(_drag_place, lambda window, places: window.show_view("mechanism"), _drag),
-        "keys": Deed(lambda window, keys: None, lambda window, keys: None, _keys),
-        "type": Deed(lambda window, keys: None, lambda window, keys: None, _keys),  # keys once more, after another deed
+        "menu": TutorialAction(_menu_region, lambda window, path: None, _menu),
+        "field": TutorialAction(_field_region, lambda window, path: window.focus_field(path), _field),
+        "drag": TutorialAction(_drag_region, lambda window, points: window.show_view("mechanism"), _drag),
+        "keys": TutorialAction(lambda window, keys: None, lambda window, keys: None, _keys),
+        "type": TutorialAction(
+            lambda window, keys: None, lambda window, keys: None, _keys
+        ),  # keys after another action
     }
 )
-"""Key of ``do`` -> how it is marked and done."""
+"""Key of ``do`` -> its action."""
 
 
 def play(window: Window, do: Mapping[str, Any]) -> None:
-    """Do what a step asks for, with mouse and keys. Raises CannotDo."""
-    for key, what in do.items():
-        DEEDS[key].play(window, what)
+    """Play the actions of a step with mouse and keys. Raises CannotDo."""
+    for key, value in do.items():
+        ACTIONS[key].play(window, value)
 
 
-def place_of(window: Window, do: Mapping[str, Any]) -> Place | None:
-    """Where the step is done, the first of its places that is in sight; None where none is."""
-    found = map(partial(_seen, window), do.items())
-    return next((place for place in found if place is not None), None)
-
-
-def _seen(window: Window, row: tuple[str, Any]) -> Place | None:
-    try:
-        return DEEDS[row[0]].place(window, row[1])
-    except CannotDo:
-        return None
+def region_of(window: Window, do: Mapping[str, Any]) -> Region | None:
+    """Return the first visible region of a step's actions; None where none is visible."""
+    for key, value in do.items():
+        with suppress(CannotDo):
+            if (region := ACTIONS[key].region(window, value)) is not None:
+                return region
+    return None

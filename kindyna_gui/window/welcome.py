@@ -26,7 +26,7 @@ from kindyna_gui import dialogs
 from kindyna_gui.look import coloured
 from kindyna_gui.pictures.painter import thumbnail
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.rebuilt import Rebuilt
+from kindyna_gui.rebuilt import ContentArea
 from kindyna_gui.window.base import Window
 
 THUMB = QSize(132, 96)
@@ -105,7 +105,7 @@ class Welcome(QWidget):
         self.cards = [Card(example) for _, rows in subjects() for example in rows]
         for card in self.cards:
             card.clicked.connect(partial(window.documents.open_example, card.example.path))
-        self.recent = Rebuilt()
+        self.recent = ContentArea()
         self.at_start = QCheckBox("&Show at start")
         self.at_start.setToolTip(
             "Show this page when KINDYNA starts without a file; Help > Welcome opens it at any time"

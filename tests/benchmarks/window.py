@@ -340,7 +340,7 @@ def _drawing(window: MainWindow) -> Iterator[Callable[[int], None]]:
     view = window.docks["motion"].view
     assert isinstance(view, SegmentsView)
     diagram, paper = view.diagram, view.diagram.viewport()
-    start = diagram.place_of_join(JOIN)
+    start = diagram.position_of_join(JOIN)
     none, left = Qt.KeyboardModifier.NoModifier, Qt.MouseButton.LeftButton
 
     def move(count: int) -> None:

@@ -84,7 +84,7 @@ CASES: dict[str, tuple[str, Callable[[], str | bytes], str]] = {
     "comments of Pyslvs": ("pyslvs", lambda: "M[" + "#[" * 400_000, "no list of joints"),
     "blanks of Pyslvs": ("pyslvs", lambda: "M[J[R, A" + " " * 900_000 + "x]]", "unknown"),
     "elements in each other": ("linkage2", lambda: "<linkage2>" + "<a>" * 300_000, "nested"),
-    "number of an address": ("pmks", lambda: _with_checksum("0.0.A.000.00A,A," + "Z" * 300 + ",0,0...."), "no number"),
+    "number of an address": ("pmks", lambda: _with_checksum("0.0.A.000.00A,A," + "Z" * 300 + ",0,0...."), "is not a number"),
     "keys of many parts": ("design", lambda: "x = {" + "a." * 400_000 + "a = 1}", "50 parts"),
     "quoted keys": ("design", lambda: 'x = {"=,[".' + "a." * 400_000 + "a = 1}", "50 parts"),
     "lists in each other": ("design", lambda: "x = " + "[" * 500_000, "nested too deeply"),

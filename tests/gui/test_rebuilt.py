@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QLayoutItem, QLineEdit, QPushButton, QVBoxLayout, 
 from window_user import Alone, Open, User, settle, wait_for
 
 from kindyna_gui.places import example
-from kindyna_gui.rebuilt import Rebuilt
+from kindyna_gui.rebuilt import ContentArea
 
 
 @pytest.fixture
@@ -98,7 +98,7 @@ class Editor(QObject):
 def test_a_content_that_is_replaced_is_silent_and_deaf_at_once(alone: Alone) -> None:
     """The focus leaves the editor that goes: that enters nothing any more."""
     source, told = QObject(), []
-    place = alone(Rebuilt(source), 200, 100)
+    place = alone(ContentArea(source), 200, 100)
     first, second = Editor(source), Editor(source)
     for editor in (first, second):
         editor.left.connect(lambda: told.append("left"))
@@ -120,7 +120,7 @@ def test_a_content_that_is_replaced_is_silent_and_deaf_at_once(alone: Alone) -> 
 
 
 def test_a_content_may_be_replaced_by_its_own_signal(alone: Alone) -> None:
-    place = alone(Rebuilt(), 200, 100)
+    place = alone(ContentArea(), 200, 100)
     made: list[QPushButton] = []
 
     def renew() -> None:

@@ -1,4 +1,7 @@
-"""Curves of a graph over one x, on axes of their own on both sides; what is shown of them, and two points with their values."""
+"""Plot of a graph: curves over one x, value axes on both sides, zoomed ranges, and two marked points.
+
+Nothing here reads a file or computes a channel.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +18,16 @@ from PySide6.QtWidgets import QGraphicsItem, QGraphicsSimpleTextItem, QWidget
 
 from core.output.graph import ANGLES, DASHES, RIGHT, Graph, GraphAxis, GraphData, GraphPoint, Series, angle_marks
 from kindyna_gui.pictures.items import Outline, Tag
-from kindyna_gui.pictures.plots.graph_ranges import Shown, bounded, evenly, is_outline, rungs, scaled, ticks_of, whole
+from kindyna_gui.pictures.plots.graph_ranges import (
+    GraphRange,
+    axis_units,
+    bounded,
+    full_range,
+    is_outline,
+    scaled,
+    ticks_of,
+    with_one_scale,
+)
 from kindyna_gui.pictures.plots.lines import LEFT_WIDTH, Z_CURSOR, Z_CURVE, Entry, band_entry, band_items
 from kindyna_gui.pictures.plots.plot import EDGE, RIGHT_MARGIN, TOP_MARGIN, Axis, FixedPlot
 from kindyna_gui.pictures.style import (
@@ -41,210 +53,228 @@ SIGNS = {"solid": "—", "dashed": "- -", "dotted": "···", "dash-dot": "-·-"
 MARK, POINT = 6.0, 7.0  # pixels
 TITLE_HEIGHT = 20
 RIGHT_WIDTH = 74  # of an axis on the right, pixels
-DOT, MOST_ALONE = 3.0, 1000  # pixels of a value that has no neighbour, beyond the width of the line; so many at most
-NARROW = 1000.0  # a curve that takes less than one part in so many of the width is drawn as it is
-MOST_MARKS = 90  # points of a curve that are marked; of more, so many of them
-NEAR = 24.0  # pixels from a curve at which a click is still meant for it
-LETTERS = ("A", "B")
-SHADES = 3  # of a quantity's colour that can be told from it and from each other
-_OWN = (PURPLE, ORANGE, SKY, VERMILION, GREEN, BLUE)
-"""Colours of curves of which nothing says what they are, one after the other."""
+DOT, MOST_ISOLATED = 3.0, 1000  # pixels of an isolated value, more than the line's width; number of such values drawn
+NARROW = 1000.0  # a curve narrower than one part in so many of the width is drawn with all its points
+MOST_MARKS = 90  # number of points of a curve that are marked
+NEAR = 24.0  # greatest distance of a click from its curve, pixels
+POINT_NAMES = ("A", "B")
+SHADES = 3  # of a quantity's colour that can be distinguished
+_OTHER_COLOURS = (PURPLE, ORANGE, SKY, VERMILION, GREEN, BLUE)
+"""Colours in order, for curves whose quantity and drive are unknown."""
 Bands = Mapping[int, tuple[np.ndarray, np.ndarray]]
-"""Place of a curve -> x (n,) and percentiles (5, n), in its units."""
+"""Number of a curve -> x (n,) and percentiles (5, n) of its machines, in its units."""
 NO_CHANNEL_BANDS: Bands = MappingProxyType({})
 
 
 class GraphPlot(FixedPlot):
-    """A graph, drawn: nothing here reads a file or computes a channel.
+    """Plot of a graph.
 
-    shown   the part that is shown; rungs: the unit in which each axis is read
+    Attributes
+    ----------
+    graph, data : the graph, and its curves with their axes
+    rungs : display unit of each axis of values
+    shown : range that is shown
+    points : points that are marked, at most two
+    bands : bands of the curves
     """
 
     def __init__(self, parent: QWidget | None = None, theme: Theme = SCREEN) -> None:
-        self.graph, self.found = Graph(), GraphData((), (), "", "", {}, {}, {})
+        self.graph, self.data = Graph(), GraphData((), (), "", "", {}, {}, {})
         self.rungs: tuple[DisplayUnit, ...] = ()
-        self.shown = Shown((0.0, 1.0), ())
+        self.shown = GraphRange((0.0, 1.0), ())
         self.points: tuple[GraphPoint, ...] = ()
         self.bands = NO_CHANNEL_BANDS
         self._items: list[pg.PlotDataItem] = []
-        self._shades: list[tuple[pg.ViewBox, Outline]] = []
-        self._further: list[tuple[Axis, pg.ViewBox]] = []
+        self._areas: list[tuple[pg.ViewBox, Outline]] = []
+        self._right_axes: list[tuple[Axis, pg.ViewBox]] = []
         self._slots: list[int] = []
-        self._places: list[list[QGraphicsItem]] = []
-        self._fitted_for: tuple[float, float] | None = None  # size at which an outline fills the plot
-        self._thinned_for = 0.0  # pixels across
+        self._point_items: list[list[QGraphicsItem]] = []
+        self._fitted_size: tuple[float, float] | None = None  # size at which an outline fills the plot
+        self._thinned_width = 0.0  # pixels
         super().__init__(parent, theme, centred=True)
         self._heading = QGraphicsSimpleTextItem(self._canvas)
         self._heading.setFont(font(TEXT + 1, bold=True))
         self._heading.setBrush(brush(theme.ink))
-        self._lines = [self._outline(theme.quiet, Z_CURSOR, DASHED) for _ in LETTERS]
-        self._angle = self._outline(theme.quiet, Z_CURSOR)
-        self._at_angle: float | None = None
+        self._lines = [self._outline(theme.quiet, Z_CURSOR, DASHED) for _ in POINT_NAMES]
+        self._angle_line = self._outline(theme.quiet, Z_CURSOR)
+        self._angle: float | None = None
         self._rubber = self._outline(theme.quiet, Z_CURSOR + 1.0, DASHED)
 
-    # -- what is drawn --------------------------------------------------------------------------------------
+    # -- curves ---------------------------------------------------------------------------------------------
 
     @property
     def curves(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """x and y as drawn, of all curves."""
+        """Coordinates x and y of all curves."""
         return [item.getOriginalDataset() for item in self._items]
 
     @property
     def painted(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """The points of all curves that are painted at this size and range."""
+        """Points of all curves that are painted at this size and range."""
         return [(x, y) for x, y in (item.getData() for item in self._items) if x is not None]
 
     @property
     def drawn_points(self) -> int:
-        """How many they are."""
+        """Number of the points that are painted."""
         return sum(len(x) for x, _ in self.painted)
 
     @property
     def titles(self) -> dict[str, str]:
-        """Titles of the axes: ``bottom``, ``left``, and those on the right from inside out."""
-        made = {"bottom": self._across()}
+        """Titles of the axes: ``bottom``, ``left``, and ``right1``, ``right2`` ... from inside out."""
+        titles = {"bottom": self._across()}
         for i, slot in enumerate(self._slots):
-            made["left" if slot == 0 else f"right{slot}"] = self._upwards(i)
-        return made
+            titles["left" if slot == 0 else f"right{slot}"] = self._upwards(i)
+        return titles
 
     def show_graph(
-        self, graph: Graph, found: GraphData, keep: bool = False, message: str = "", bands: Bands = NO_CHANNEL_BANDS
+        self, graph: Graph, data: GraphData, keep: bool = False, message: str = "", bands: Bands = NO_CHANNEL_BANDS
     ) -> None:
-        """Draw these curves; keep: the part that is shown stays, where the axes are the same; message: where there is none; bands: place
-        of a curve -> its x and percentiles, between which machines lie, shaded."""
+        """Draw the curves of a graph.
+
+        Parameters
+        ----------
+        graph : Graph
+        data : GraphData
+        keep : bool
+            Keep the range that is shown where the axes are the same.
+        message : str
+            Text in place of curves where there are none.
+        bands : mapping of int to (x, percentiles)
+            Number of a curve -> x (n,) and percentiles (5, n) of the machines, drawn as shaded bands.
+        """
         same = (
             keep
-            and [(a.side, a.unit) for a in found.axes] == [(a.side, a.unit) for a in self.found.axes]
-            and bool(found.series)
+            and [(a.side, a.unit) for a in data.axes] == [(a.side, a.unit) for a in self.data.axes]
+            and bool(data.series)
         )
-        sizes = rungs(found)
-        same = same and sizes == self.rungs and _scales(graph) == _scales(self.graph)
-        self.graph, self.found, self.rungs = graph, found, sizes
+        units = axis_units(data)
+        same = same and units == self.rungs and _scales(graph) == _scales(self.graph)
+        self.graph, self.data, self.rungs = graph, data, units
         for item in self._items:
             item.getViewBox().removeItem(item)
-        for view, area in self._shades:
+        for view, area in self._areas:
             view.removeItem(area)
         self.bands = bands
-        self._slots = self._seats()
-        for _, view in self._further:
+        self._slots = self._assign_slots()
+        for _, view in self._right_axes:
             view.setGeometry(self._view.geometry())
-        self._items = [self._drawn(i) for i in range(len(found.series))]
-        self._shades = [each for number, band in bands.items() for each in self._shaded(number, *band)]
-        self._message_text = "" if found.series else message
-        names = [Entry(self.colour(i), each.name, self._sign(each)) for i, each in enumerate(found.series)]
+        self._items = [self._draw(i) for i in range(len(data.series))]
+        self._areas = [area for number, band in bands.items() for area in self._shade(number, *band)]
+        self._message_text = "" if data.series else message
+        names = [Entry(self.colour(i), series.name, self._sign(series)) for i, series in enumerate(data.series)]
         self._name([*names, *([band_entry(self._theme)] if bands else [])])
         self._heading.setText(graph.title)
         self._above = float(TOP_MARGIN + (sized(TITLE_HEIGHT) if graph.title else 0))
         self._canvas.layout.setContentsMargins(EDGE, self._above, RIGHT_MARGIN, EDGE)
         self._fit_legend()
-        self.points = tuple(point for point in self.points if point.series < len(found.series))
-        self._speak()
+        self.points = tuple(point for point in self.points if point.series < len(data.series))
+        self._describe()
         if same:
-            self.show_part(self.shown)
+            self.show_range(self.shown)
         else:
             self.fit()
 
-    def _speak(self) -> None:
-        """What is drawn, in words, where somebody hears them."""
+    def _describe(self) -> None:
+        """Set name and, where a screen reader is active, description."""
         self.setAccessibleName(self.graph.title or "Graph")
         if QAccessible.isActive():
             rows = [
-                lines_words([(each.name, each.x, each.y)], self._across(), self._upwards(self.axis_of(number)))
-                for number, each in enumerate(self.found.series)
+                lines_words([(series.name, series.x, series.y)], self._across(), self._upwards(self.axis_of(number)))
+                for number, series in enumerate(self.data.series)
             ]
             self.setAccessibleDescription("; ".join(rows) or self._message_text or NOTHING_DRAWN)
 
-    def _seats(self) -> list[int]:
-        """For each axis of the graph its place: 0 on the left, from 1 on the right; those that have none are hidden."""
-        made, right = [], 0
-        for axis in self.found.axes:
-            if axis.side == RIGHT or 0 in made:
+    def _assign_slots(self) -> list[int]:
+        """Slot of each axis of the graph, 0 on the left, 1, 2 ... on the right; hides the other axes."""
+        slots, right = [], 0
+        for axis in self.data.axes:
+            if axis.side == RIGHT or 0 in slots:
                 right += 1
-                made.append(right)
+                slots.append(right)
             else:
-                made.append(0)
-        while len(self._further) < right:
-            self._further.append(self._one_more())
-        self._axes["left"].setVisible(not made or 0 in made)
-        self._axes["left"].setWidth(sized(LEFT_WIDTH) if not made or 0 in made else 8)
-        for number, (axis, _) in enumerate(self._further, 1):
-            axis.setVisible(number in made)
-            axis.setWidth(sized(RIGHT_WIDTH) if number in made else 0)
-        return made
+                slots.append(0)
+        while len(self._right_axes) < right:
+            self._right_axes.append(self._new_right_axis())
+        has_left = not slots or 0 in slots
+        self._axes["left"].setVisible(has_left)
+        self._axes["left"].setWidth(sized(LEFT_WIDTH) if has_left else 8)
+        for number, (axis, _) in enumerate(self._right_axes, 1):
+            axis.setVisible(number in slots)
+            axis.setWidth(sized(RIGHT_WIDTH) if number in slots else 0)
+        return slots
 
-    def _one_more(self) -> tuple[Axis, pg.ViewBox]:
-        """An axis further out on the right."""
+    def _new_right_axis(self) -> tuple[Axis, pg.ViewBox]:
+        """Add an axis on the right, outside the others."""
         axis, view = Axis("right", self._theme), pg.ViewBox(enableMenu=False)
-        view.setParentItem(self._canvas)  # once it is made: only then does it hear when it is to be painted
+        view.setParentItem(self._canvas)  # after its construction, else it is not notified when it must be painted
         view.setMouseEnabled(False, False)
         view.disableAutoRange()
         view.setDefaultPadding(0.0)
         view.setZValue(self._view.zValue() + 1.0)
         axis.linkToView(view)
         axis.setZValue(0.5)
-        self._canvas.layout.addItem(axis, 2, 2 + len(self._further))
+        self._canvas.layout.addItem(axis, 2, 2 + len(self._right_axes))
         return axis, view
 
     def view_of(self, axis: int) -> pg.ViewBox:
-        """What the curves of an axis of the graph stand in."""
+        """View box of the curves of an axis of the graph."""
         slot = self._slots[axis]
-        return self._view if slot == 0 else self._further[slot - 1][1]
+        return self._view if slot == 0 else self._right_axes[slot - 1][1]
 
     def axis_of(self, series: int) -> int:
-        """The axis on which a curve stands."""
-        return next(i for i, axis in enumerate(self.found.axes) if series in axis.series)
+        """Number of the axis of values of a curve."""
+        return next(i for i, axis in enumerate(self.data.axes) if series in axis.series)
 
-    def colour(self, series: int) -> str:
-        """The row's own, else the drive's, else the quantity's, those of one quantity in band_items, of many in colours of their own."""
-        each = self.found.series[series]
-        row = self.graph.curve(each.key)
+    def colour(self, number: int) -> str:
+        """Colour of a curve: the one chosen for it, else its drive's, else its quantity's.
+
+        Curves of one quantity have shades of its colour; further ones have the other colours in order.
+        """
+        series = self.data.series[number]
+        row = self.graph.curve(series.key)
         if row is not None and row.colour:
             return self._theme.seen(row.colour)
-        if each.part >= 0:
-            return self._theme.drive(each.part)
-        alike = [
-            i for i, other in enumerate(self.found.series[:series]) if other.family == each.family and other.part < 0
-        ]
-        drives = {self._theme.drive(other.part) for other in self.found.series if other.part >= 0}
-        if each.family and self._theme.family(each.family).lower() in drives:
-            alike.append(-1)  # a drive has that colour
-        if each.family and len(alike) <= SHADES:
-            return self._theme.seen(shade(self._theme.family(each.family), len(alike)))
-        return self._theme.seen(_OWN[(len(alike) - (SHADES + 1 if each.family else 0)) % len(_OWN)])
+        if series.part >= 0:
+            return self._theme.drive(series.part)
+        shade_number = sum(s.family == series.family and s.part < 0 for s in self.data.series[:number])
+        drives = {self._theme.drive(s.part) for s in self.data.series if s.part >= 0}
+        if series.family and self._theme.family(series.family).lower() in drives:
+            shade_number += 1  # a drive has that colour
+        if series.family and shade_number <= SHADES:
+            return self._theme.seen(shade(self._theme.family(series.family), shade_number))
+        other = shade_number - (SHADES + 1 if series.family else 0)
+        return self._theme.seen(_OTHER_COLOURS[other % len(_OTHER_COLOURS)])
 
     def _sign(self, series: Series) -> str:
         row = self.graph.curve(series.key)
         return "—" if row is None else SIGNS[row.dash]
 
-    def _drawn(self, number: int) -> pg.PlotDataItem:
-        """pyqtgraph thins out what is finer than a pixel, keeping every peak, and leaves out what is out of sight."""
-        series, axis = self.found.series[number], self.axis_of(number)
-        row, scale = self.graph.curve(series.key), self.found.axes[axis].scale
+    def _draw(self, number: int) -> pg.PlotDataItem:
+        """Draw a curve; pyqtgraph omits points finer than a pixel, except peaks, and points outside the range."""
+        series, axis = self.data.series[number], self.axis_of(number)
+        row, scale = self.graph.curve(series.key), self.data.axes[axis].scale
         x, y = scaled(series.x, self.graph.x.log), scaled(series.y, scale.log, self.rungs[axis].size)
         if self.graph.x.log:
             x, y = x[np.isfinite(x)], y[np.isfinite(x)]
-        whole_line = bool(np.isfinite(y).all())
+        is_finite = bool(np.isfinite(y).all())
         colour, width = self.colour(number), row.width if row else 1.0
         item = pg.PlotDataItem()
-        self.view_of(axis).addItem(
-            item, ignoreBounds=True
-        )  # first: with data it would ask the widget around for its range
+        self.view_of(axis).addItem(item, ignoreBounds=True)  # before its data, else it requests a range
         item.setData(
             x,
             y,
             pen=self._theme.pen(colour, width, DASHES[row.dash] if row else ()),
-            connect="all" if whole_line else "finite",
-            skipFiniteCheck=whole_line,
+            connect="all" if is_finite else "finite",
+            skipFiniteCheck=is_finite,
             antialias=True,
             clipToView=series.is_ordered,
             downsampleMethod="peak",
         )
         item.setZValue(Z_CURVE + number)
-        alone = np.flatnonzero(_alone(y)) if row is None or row.mark not in SYMBOLS else np.array([], dtype=int)
-        if alone.size:  # no line leads to them
-            alone = alone[:: max(1, -(-alone.size // MOST_ALONE))]
+        isolated = np.flatnonzero(_is_isolated(y)) if row is None or row.mark not in SYMBOLS else np.array([], int)
+        if isolated.size:  # no line connects them
+            isolated = isolated[:: max(1, -(-isolated.size // MOST_ISOLATED))]
             dots = pg.ScatterPlotItem(
-                x[alone], y[alone], symbol="o", size=DOT + width, pen=None, brush=colour, useCache=False
+                x[isolated], y[isolated], symbol="o", size=DOT + width, pen=None, brush=colour, useCache=False
             )
             dots.setParentItem(item)
         if row is not None and row.mark in SYMBOLS:
@@ -260,79 +290,78 @@ class GraphPlot(FixedPlot):
             )
             marks.setParentItem(item)
         if row is not None and row.mark == ANGLES:
-            others = [each.mark == ANGLES for each in self.graph.curves[: self.graph.number(row.key)]]
-            self._mark_angles(item, series, axis, colour, inwards=sum(others) % 2 == 1)
+            previous = sum(curve.mark == ANGLES for curve in self.graph.curves[: self.graph.number(row.key)])
+            self._mark_angles(item, series, axis, colour, inwards=previous % 2 == 1)
         return item
 
-    def _shaded(self, number: int, x: np.ndarray, band: np.ndarray) -> list[tuple[pg.ViewBox, Outline]]:
-        """The areas behind a curve, each with what it stands in."""
+    def _shade(self, number: int, x: np.ndarray, band: np.ndarray) -> list[tuple[pg.ViewBox, Outline]]:
+        """Shade the areas of a curve's band; returns each with its view box."""
         axis = self.axis_of(number)
-        upwards = scaled(band, self.found.axes[axis].scale.log, self.rungs[axis].size)
+        upwards = scaled(band, self.data.axes[axis].scale.log, self.rungs[axis].size)
         view = self.view_of(axis)
-        made = [(view, item) for item in band_items(scaled(x, self.graph.x.log), upwards, self.colour(number))]
-        for _, item in made:
+        areas = [(view, item) for item in band_items(scaled(x, self.graph.x.log), upwards, self.colour(number))]
+        for _, item in areas:
             view.addItem(item, ignoreBounds=True)
-        return made
+        return areas
 
     def _mark_angles(self, item: pg.PlotDataItem, series: Series, axis: int, colour: str, inwards: bool) -> None:
-        """Dots along a curve, each with its angle beside it, on the side away from the curve's middle; of every second curve on the
-        other one."""
+        """Mark angles along a curve by dots, with texts on the outer side, or on the inner side where ``inwards``."""
         marks = angle_marks(series)
         x = scaled(np.array([x for x, *_ in marks]), self.graph.x.log)
-        y = scaled(np.array([y for _, y, _ in marks]), self.found.axes[axis].scale.log, self.rungs[axis].size)
+        y = scaled(np.array([y for _, y, _ in marks]), self.data.axes[axis].scale.log, self.rungs[axis].size)
         dots = pg.ScatterPlotItem(
             x, y, symbol="o", size=MARK, pen=self._theme.pen(colour), brush=self._theme.paper, useCache=False
         )
         dots.setParentItem(item)
         middle = [0.5 * (float(np.nanmin(values)) + float(np.nanmax(values))) for values in (x, y)] if marks else []
-        for place, (*_, text) in zip(zip(x.tolist(), y.tolist(), strict=True), marks, strict=True):
-            if isfinite(place[0]) and isfinite(place[1]):
-                right, above = (place[0] >= middle[0]) != inwards, (place[1] >= middle[1]) != inwards
+        for point, (*_, text) in zip(zip(x.tolist(), y.tolist(), strict=True), marks, strict=True):
+            if isfinite(point[0]) and isfinite(point[1]):
+                right, above = (point[0] >= middle[0]) != inwards, (point[1] >= middle[1]) != inwards
                 tag = Tag(
                     text, self._theme.letters(colour), self._theme, lean=(0.0 if right else 1.0, 1.0 if above else 0.0)
                 )
                 tag.shift(6.0 if right else -6.0, -3.0 if above else 3.0)
-                tag.setPos(*place)
+                tag.setPos(*point)
                 tag.setParentItem(item)
 
     def show_angle(self, angle: float | None) -> None:
-        """A line at this x [deg]; None: no line."""
-        self._at_angle = angle
+        """Draw a line at this x [deg], or none."""
+        self._angle = angle
         path, frame = QPainterPath(), self.frame()
         if angle is not None and not self.graph.x.log:
             path.moveTo(angle, frame.low)
             path.lineTo(angle, frame.high)
-        self._angle.redraw(path)
+        self._angle_line.redraw(path)
 
-    # -- points ---------------------------------------------------------------------------------------------
+    # -- marked points --------------------------------------------------------------------------------------
 
     def show_points(self, points: Sequence[GraphPoint]) -> None:
-        """Mark these, at most two, and no others."""
+        """Mark these points, at most two, and no others."""
         self.points = tuple(points)
         self._lay()
 
-    def _place_points(self) -> None:
-        for items in self._places:
+    def _draw_points(self) -> None:
+        for items in self._point_items:
             for item in items:
                 self.scene().removeItem(item)
-        self._places = []
+        self._point_items = []
         frame = self.frame()
         for number, line in enumerate(self._lines):
             path = QPainterPath()
             if number < len(self.points):
                 point = self.points[number]
-                at = self.place(point)
+                at = self.position(point)
                 path.moveTo(at.x(), frame.low)
                 path.lineTo(at.x(), frame.high)
-                self._places.append(self._dot(point, at, LETTERS[number]))
+                self._point_items.append(self._dot(point, at, POINT_NAMES[number]))
             line.redraw(path)
 
-    def _dot(self, point: GraphPoint, at: QPointF, letter: str) -> list[QGraphicsItem]:
+    def _dot(self, point: GraphPoint, at: QPointF, name: str) -> list[QGraphicsItem]:
         colour = self.colour(point.series)
         dot = pg.ScatterPlotItem(
             [at.x()], [at.y()], symbol="o", size=POINT, pen=self._theme.pen(self._theme.paper), brush=colour
         )
-        tag = Tag(letter, self._theme.ink, self._theme, lean=(0.0, 1.0), backing=True)
+        tag = Tag(name, self._theme.ink, self._theme, lean=(0.0, 1.0), backing=True)
         tag.shift(5.0, -4.0)
         tag.setPos(at)
         view = self.view_of(self.axis_of(point.series))
@@ -341,23 +370,23 @@ class GraphPlot(FixedPlot):
             view.addItem(item, ignoreBounds=True)
         return [dot, tag] if isfinite(at.y()) else [dot]
 
-    def place(self, point: GraphPoint) -> QPointF:
-        """A point as drawn, in the numbers of its axis."""
+    def position(self, point: GraphPoint) -> QPointF:
+        """Coordinates of a point on its axes."""
         axis = self.axis_of(point.series)
         x, y = (np.array([value]) for value in (point.x, point.y))
-        shown = scaled(y, self.found.axes[axis].scale.log, self.rungs[axis].size)
+        shown = scaled(y, self.data.axes[axis].scale.log, self.rungs[axis].size)
         return QPointF(float(scaled(x, self.graph.x.log)[0]), float(shown[0]))
 
     def pixel_of(self, point: GraphPoint) -> QPointF:
-        """Where it stands in the widget."""
+        """Pixel of a point in the widget."""
         view = self.view_of(self.axis_of(point.series))
-        return QPointF(self.mapFromScene(view.mapViewToScene(self.place(point))))
+        return QPointF(self.mapFromScene(view.mapViewToScene(self.position(point))))
 
     def nearest(self, pixel: QPointF) -> GraphPoint | None:
-        """The point of the nearest curve at a place of the widget; None where none is near."""
+        """Point of the nearest curve at a pixel of the widget; None where no curve is near."""
         scene = self.mapToScene(pixel.toPoint())
         best: tuple[float, GraphPoint] | None = None
-        for number, series in enumerate(self.found.series):
+        for number, series in enumerate(self.data.series):
             view = self.view_of(self.axis_of(number))
             at = view.mapSceneToView(scene)
             across, upwards = view.viewPixelSize()
@@ -375,139 +404,136 @@ class GraphPlot(FixedPlot):
                 continue
             i = int(np.nanargmin(away))
             if away[i] <= NEAR and (best is None or away[i] < best[0]):
-                best = float(away[i]), self._taken(number, at.x(), (near.start or 0) + i)
+                best = float(away[i]), self._point(number, at.x(), (near.start or 0) + i)
         return best[1] if best is not None else None
 
-    def _taken(self, number: int, x: float, i: int) -> GraphPoint:
-        series = self.found.series[number]
+    def _point(self, number: int, x: float, i: int) -> GraphPoint:
+        """Point of a curve at coordinate x, or its point i where its x is not ordered."""
+        series = self.data.series[number]
         if not series.is_ordered:
-            kept = series.x[series.x > 0.0] if self.graph.x.log else series.x
-            other = series.y[series.x > 0.0] if self.graph.x.log else series.y
-            return GraphPoint(number, float(kept[i]), float(other[i]))
+            drawn = series.x > 0.0 if self.graph.x.log else slice(None)
+            return GraphPoint(number, float(series.x[drawn][i]), float(series.y[drawn][i]))
         at = 10.0**x if self.graph.x.log else x
         at = min(max(at, float(series.x[0])), float(series.x[-1]))
         return GraphPoint(number, at, series.at(at))
 
-    # -- what part of it ------------------------------------------------------------------------------------
+    # -- range that is shown --------------------------------------------------------------------------------
 
-    def all_of_it(self) -> Shown:
-        """The whole graph, or what is typed for it; an outline undistorted."""
+    def full_range(self) -> GraphRange:
+        """Range of the full graph, or the typed one; with one scale for an outline."""
         with_bands = [
-            replace(each, y=np.append(each.y, self.bands[i][1][[0, -1]])) if i in self.bands else each
-            for i, each in enumerate(self.found.series)
+            replace(series, y=np.append(series.y, self.bands[i][1][[0, -1]])) if i in self.bands else series
+            for i, series in enumerate(self.data.series)
         ]
-        shown = whole(replace(self.found, series=tuple(with_bands)), self.graph.x, self.rungs)
-        if not is_outline(self.found, self.graph.x):
+        shown = full_range(replace(self.data, series=tuple(with_bands)), self.graph.x, self.rungs)
+        if not is_outline(self.data, self.graph.x):
             return shown
         frame = self.frame()
-        return evenly(shown, self.found, self.rungs[0].size, frame.width, frame.height)
+        return with_one_scale(shown, self.data, self.rungs[0].size, frame.width, frame.height)
 
     def fit(self) -> None:
-        """Show the whole graph; an outline at any size of the plot."""
-        self.show_part(self.all_of_it())
+        """Show the full graph; an outline is fitted again when the plot's size changes."""
+        self.show_range(self.full_range())
         frame = self.frame()
-        self._fitted_for = (frame.width, frame.height) if is_outline(self.found, self.graph.x) else None
+        self._fitted_size = (frame.width, frame.height) if is_outline(self.data, self.graph.x) else None
 
-    def show_part(self, shown: Shown) -> None:
-        """Show this part of the axes."""
-        shown = Shown(bounded(shown.x), tuple(bounded(ends) for ends in shown.values))
-        self.shown, self._fitted_for = shown, None
-        rows = zip(self._items, self.found.series, strict=True)
-        thinned = [series.is_ordered and _is_wide(item.getOriginalDataset()[0], shown.x) for item, series in rows]
-        self._thin_out(
-            [each for each, on in zip(self._items, thinned, strict=True) if not on], False
-        )  # before it is shown so wide
+    def show_range(self, shown: GraphRange) -> None:
+        """Show these ranges of the axes."""
+        shown = GraphRange(bounded(shown.x), tuple(bounded(ends) for ends in shown.values))
+        self.shown, self._fitted_size = shown, None
+        thinned = {
+            item: series.is_ordered and _is_wide(item.getOriginalDataset()[0], shown.x)
+            for item, series in zip(self._items, self.data.series, strict=True)
+        }
+        for item in self._items:
+            if not thinned[item]:  # before the range widens
+                item.setDownsampling(auto=False)
         first = shown.values[0] if shown.values else (0.0, 1.0)
         self._view.setRange(xRange=shown.x, yRange=first, padding=0.0)
         for i, ends in enumerate(shown.values):
             self.view_of(i).setRange(xRange=shown.x, yRange=ends, padding=0.0)
-        self._thin_out([each for each, on in zip(self._items, thinned, strict=True) if on], True)
+        for item in self._items:
+            if thinned[item]:
+                item.setDownsampling(auto=True)
         self._lay()
 
-    @staticmethod
-    def _thin_out(items: Sequence[pg.PlotDataItem], on: bool) -> None:
-        for item in items:
-            item.setDownsampling(auto=on)
-
     def show_rubber(self, box: QRectF | None) -> None:
-        """A rectangle in fractions of the plot from its lower left corner; None: none."""
+        """Show a rectangle, in fractions of the plot from its lower left corner, or none."""
         path, frame = QPainterPath(), self.frame()
         if box is not None:
-            wide, high = frame.last - frame.first, frame.high - frame.low
-            path.addRect(
-                frame.first + box.x() * wide, frame.low + box.y() * high, box.width() * wide, box.height() * high
-            )
+            width, height = frame.last - frame.first, frame.high - frame.low
+            x, y = frame.first + box.x() * width, frame.low + box.y() * height
+            path.addRect(x, y, box.width() * width, box.height() * height)
         self._rubber.redraw(path)
 
     def fraction(self, pixel: QPointF) -> QPointF:
-        """A place of the widget in fractions of the plot, from its lower left corner."""
+        """Position of a pixel of the widget in fractions of the plot, from its lower left corner."""
         box, at = self._view.sceneBoundingRect(), self.mapToScene(pixel.toPoint())
         return QPointF((at.x() - box.left()) / max(box.width(), 1.0), (box.bottom() - at.y()) / max(box.height(), 1.0))
 
     # -- layout ---------------------------------------------------------------------------------------------
 
     def _across(self) -> str:
-        return _titled(self.found.x_title, self.found.x_unit) if self.found.series else ""
+        return _titled(self.data.x_title, self.data.x_unit) if self.data.series else ""
 
     def _upwards(self, axis: int) -> str:
-        return _titled(self.found.axes[axis].title, self.rungs[axis].symbol)
+        return _titled(self.data.axes[axis].title, self.rungs[axis].symbol)
 
     def _lay(self, *_: object) -> None:
-        if not hasattr(self, "_rubber"):  # still being made
+        if not hasattr(self, "_rubber"):  # under construction
             return
         frame, ink = self.frame(), self._theme.ink
-        if self._fitted_for not in (None, (frame.width, frame.height)):
+        if self._fitted_size not in (None, (frame.width, frame.height)):
             self.fit()
             return
-        there = bool(self.found.series)
         across = (
-            ticks_of(self.shown.x, frame.width, self.graph.x.log, self.found.x_unit == "°", across=True)
-            if there
+            ticks_of(self.shown.x, frame.width, self.graph.x.log, self.data.x_unit == "°", across=True)
+            if self.data.series
             else []
         )
         ticks = [
             ticks_of(ends, frame.height, axis.scale.log)
-            for axis, ends in zip(self.found.axes, self.shown.values, strict=True)
+            for axis, ends in zip(self.data.axes, self.shown.values, strict=True)
         ]
         self.draw_axes(frame, across, ticks[0] if ticks else [])
         self._axes["bottom"].show_title(self._across(), ink)
         self._axes["left"].show_title("", ink)
         for i, slot in enumerate(self._slots):
-            axis = self._axes["left"] if slot == 0 else self._further[slot - 1][0]
+            axis = self._axes["left"] if slot == 0 else self._right_axes[slot - 1][0]
             axis.show_ticks(ticks[i])
-            colours = {self.colour(number) for number in self.found.axes[i].series}
+            colours = {self.colour(number) for number in self.data.axes[i].series}
             axis.show_title(
                 self._upwards(i),
                 self._theme.letters(colours.pop()) if len(colours) == 1 and len(self._slots) > 1 else ink,
             )
-        for _, view in self._further:
+        for _, view in self._right_axes:
             view.setGeometry(self._view.geometry())
-        if frame.width != self._thinned_for:
-            self._thinned_for = frame.width
+        if frame.width != self._thinned_width:
+            self._thinned_width = frame.width
             for item in self._items:
-                item.viewRangeChanged()  # pyqtgraph thins out by the width, but does not look again where only that changes
+                item.viewRangeChanged()  # pyqtgraph thins out by the width, but ignores a change of the width alone
         box = self._heading.boundingRect()
         self._heading.setPos(
             max(float(EDGE), self._view.geometry().center().x() - 0.5 * box.width()), float(TOP_MARGIN)
         )
-        self._place_points()
-        self.show_angle(self._at_angle)
+        self._draw_points()
+        self.show_angle(self._angle)
 
 
 def _is_wide(x: np.ndarray | None, ends: tuple[float, float]) -> bool:
-    """Whether a curve is to be seen as more than an upright line, so that thinning it out leaves something of it."""
+    """Whether a curve is wider than a vertical line in this range, so that it can be thinned out."""
     return x is not None and len(x) > 1 and float(x[-1] - x[0]) * NARROW > ends[1] - ends[0]
 
 
-def _alone(y: np.ndarray) -> np.ndarray:
-    """Which values have no neighbour."""
-    there = np.isfinite(y)
-    beside = np.concatenate(([False], there, [False]))
-    return there & ~beside[:-2] & ~beside[2:]
+def _is_isolated(y: np.ndarray) -> np.ndarray:
+    """Values (n,) of bool that have no neighbour."""
+    finite = np.isfinite(y)
+    padded = np.concatenate(([False], finite, [False]))
+    return finite & ~padded[:-2] & ~padded[2:]
 
 
 def _scales(graph: Graph) -> tuple[GraphAxis, ...]:
-    """Its axes, whatever their titles."""
+    """Axes of a graph without their titles."""
     return tuple(replace(scale, title="") for scale in (graph.x, graph.left, graph.right))
 
 
@@ -515,4 +541,4 @@ def _titled(title: str, unit: str) -> str:
     return f"{title}, {with_unit('', unit).strip()}" if unit and title else title or unit
 
 
-__all__ = ["LETTERS", "GraphPlot"]
+__all__ = ["POINT_NAMES", "GraphPlot"]

@@ -1,4 +1,4 @@
-"""What part of a graph is shown: the range of each axis, as found from its curves, drawn with the mouse or stepped back to."""
+"""Ranges of a graph's axes: from its curves or from typed ends, zoomed and shifted; and the ticks of an axis."""
 
 from __future__ import annotations
 
@@ -15,98 +15,116 @@ from kindyna_gui.pictures.units import MINUS, DisplayUnit, nice_step, number, re
 from kindyna_gui.settings import sized
 
 FREE = 0.05  # of the range, left free above and below the curves
-BESIDE = 0.08  # of the range of x, free on both sides of curves that go back
-MOST_DECADES = 15.0  # below the largest value that a logarithmic axis shows by itself
-TINY = 1e-12  # of an axis: no narrower range is shown
-LARGEST = 1e290  # what an axis can reach
+FREE_ACROSS = 0.08  # of the range of x, left free on both sides of curves whose x is not ordered
+MOST_DECADES = 15.0  # below the largest value that a logarithmic axis shows without typed ends
+TINY = 1e-12  # of the values of an axis: no narrower range is shown
+LARGEST = 1e290  # end of an axis that can still be drawn
 Ends = tuple[float, float]
+
+# -- ranges -------------------------------------------------------------------------------------------------
 
 
 @frozen
-class Shown:
-    """Ranges as they are drawn, powers of ten on logarithmic axes: of x, and of each axis of values in its rung."""
+class GraphRange:
+    """Ranges of a graph's axes; of a logarithmic axis the powers of ten.
+
+    Attributes
+    ----------
+    x : ends of the x axis
+    values : ends of each axis of values, in its display unit
+    """
 
     x: Ends
     values: tuple[Ends, ...]
 
 
-def rungs(found: GraphData) -> tuple[DisplayUnit, ...]:
-    """The unit that each axis of values is read in without an exponent."""
-    made = []
-    for axis in found.axes:
-        peaks = [float(np.nanmax(np.abs(found.series[i].y))) for i in axis.series]
-        made.append(readable(axis.unit, 1.0 if axis.scale.log else max(peaks)))
-    return tuple(made)
+def axis_units(data: GraphData) -> tuple[DisplayUnit, ...]:
+    """Display unit of each axis of values, in which its values need no exponent."""
+    units = []
+    for axis in data.axes:
+        peaks = [float(np.nanmax(np.abs(data.series[i].y))) for i in axis.series]
+        units.append(readable(axis.unit, 1.0 if axis.scale.log else max(peaks)))
+    return tuple(units)
 
 
 def scaled(values: np.ndarray, log: bool, size: float = 1.0) -> np.ndarray:
-    """Values as they are drawn; nan where a logarithm has none."""
+    """Coordinates (n,) at which values (n,) are drawn; NaN where a logarithm is not defined."""
     if not log:
         return values / size if size != 1.0 else values
     with np.errstate(divide="ignore", invalid="ignore"):
-        made = np.log10(values / size)
-    return np.where(np.isfinite(made), made, np.nan)
+        powers = np.log10(values / size)
+    return np.where(np.isfinite(powers), powers, np.nan)
 
 
-def whole(found: GraphData, x: GraphAxis, sizes: Sequence[DisplayUnit]) -> Shown:
-    """All that is typed, or is to be seen. Of values above and below something is left free, and beside curves that go back."""
-    beside = BESIDE if any(not each.is_ordered for each in found.series) else 0.0
-    across = _fitting([scaled(each.x, x.log) for each in found.series], x, 1.0, beside)
-    if found.x_unit == "°" and not x.log and x.high is None and 350.0 < across[1] < 360.0:
+def full_range(data: GraphData, x: GraphAxis, units: Sequence[DisplayUnit]) -> GraphRange:
+    """Range of all curves with some room around them; a typed end takes precedence."""
+    free = FREE_ACROSS if any(not series.is_ordered for series in data.series) else 0.0
+    across = _fitting([scaled(series.x, x.log) for series in data.series], x, 1.0, free)
+    if data.x_unit == "°" and not x.log and x.high is None and 350.0 < across[1] < 360.0:
         across = (across[0], 360.0)
-    return Shown(across, tuple(_of(found, axis, rung) for axis, rung in zip(found.axes, sizes, strict=True)))
-
-
-def is_outline(found: GraphData, x: GraphAxis) -> bool:
-    """Whether lengths stand over lengths, and the curves go back: an outline, which wants one scale for both."""
-    lengths = (
-        quantity_kind(found.x_unit) == "length"
-        and len(found.axes) == 1
-        and quantity_kind(found.axes[0].unit) == "length"
+    return GraphRange(
+        across, tuple(_values_range(data, axis, unit) for axis, unit in zip(data.axes, units, strict=True))
     )
-    scales = (x, found.axes[0].scale) if lengths else ()
-    free = all(s.low is None and s.high is None and not s.log for s in scales)
-    return lengths and free and any(not each.is_ordered for each in found.series)
 
 
-def evenly(shown: Shown, found: GraphData, size: float, width: float, height: float) -> Shown:
-    """The same and more, with one scale along both axes of an outline; size: of the rung of its values."""
+def is_outline(data: GraphData, x: GraphAxis) -> bool:
+    """Whether the graph is an outline, lengths over lengths, which needs the same scale on both axes."""
+    lengths = (
+        quantity_kind(data.x_unit) == "length" and len(data.axes) == 1 and quantity_kind(data.axes[0].unit) == "length"
+    )
+    scales = (x, data.axes[0].scale) if lengths else ()
+    is_free = all(s.low is None and s.high is None and not s.log for s in scales)
+    return lengths and is_free and any(not series.is_ordered for series in data.series)
+
+
+def with_one_scale(shown: GraphRange, data: GraphData, size: float, width: float, height: float) -> GraphRange:
+    """Widen a range until both axes of an outline have the same scale.
+
+    Parameters
+    ----------
+    shown : GraphRange
+    data : GraphData
+    size : float
+        Display unit of the values in their unit.
+    width, height : float
+        Size of the plot [pixels].
+    """
     (ends,) = shown.values
-    up = size * conversion_factor(found.axes[0].unit, found.x_unit)
-    per = max((shown.x[1] - shown.x[0]) / width, up * (ends[1] - ends[0]) / height)
-    return Shown(_about(shown.x, per * width), (_about(ends, per * height / up),))
+    up = size * conversion_factor(data.axes[0].unit, data.x_unit)
+    per_pixel = max((shown.x[1] - shown.x[0]) / width, up * (ends[1] - ends[0]) / height)
+    return GraphRange(_with_width(shown.x, per_pixel * width), (_with_width(ends, per_pixel * height / up),))
 
 
-def _about(ends: Ends, wide: float) -> Ends:
+def _with_width(ends: Ends, width: float) -> Ends:
     middle = 0.5 * (ends[0] + ends[1])
-    return middle - 0.5 * wide, middle + 0.5 * wide
+    return middle - 0.5 * width, middle + 0.5 * width
 
 
-def _of(found: GraphData, axis: ValueAxis, rung: DisplayUnit) -> Ends:
+def _values_range(data: GraphData, axis: ValueAxis, unit: DisplayUnit) -> Ends:
     return _fitting(
-        [scaled(found.series[i].y, axis.scale.log, rung.size) for i in axis.series], axis.scale, rung.size, FREE
+        [scaled(data.series[i].y, axis.scale.log, unit.size) for i in axis.series], axis.scale, unit.size, FREE
     )
 
 
 def _fitting(parts: Sequence[np.ndarray], scale: GraphAxis, size: float, free: float) -> Ends:
-    """Over all parts; a typed end stands where it is typed."""
+    """Range of all parts with free room; a typed end replaces its end."""
     finite = [part[np.isfinite(part)] for part in parts]
     filled = [part for part in finite if part.size]
     low, high = (min(float(p.min()) for p in filled), max(float(p.max()) for p in filled)) if filled else (0.0, 1.0)
     if scale.log:
         low = max(low, high - MOST_DECADES)
-    low, high = _apart(low, high)
+    low, high = _with_extent(low, high)
     room = free * (high - low)
     low, high = low - room, high + room
     typed = [None if end is None or (scale.log and end <= 0.0) else end / size for end in (scale.low, scale.high)]
     logged = [None if end is None else math.log10(end) if scale.log else end for end in typed]
     low = low if logged[0] is None else logged[0]
     high = high if logged[1] is None else logged[1]
-    return _apart(low, high if high > low else low)
+    return _with_extent(low, high if high > low else low)
 
 
-def _apart(low: float, high: float) -> Ends:
-    """Never without an extent."""
+def _with_extent(low: float, high: float) -> Ends:
+    """Widen a range without extent."""
     if high - low > TINY * max(abs(low), abs(high), 1e-300):
         return low, high
     half = 0.5 * abs(low) or 0.5
@@ -114,26 +132,26 @@ def _apart(low: float, high: float) -> Ends:
 
 
 def bounded(ends: Ends) -> Ends:
-    """Numbers that can be drawn, whatever was typed."""
+    """Restrict a typed range to numbers that can be drawn."""
     low, high = (min(max(end, -LARGEST), LARGEST) for end in ends)
     return (low, high) if low < high else (0.0, 1.0)
 
 
-def narrower(before: Ends, begin: float, end: float) -> Ends:
-    """The part of a range between two of its fractions."""
+def narrowed(before: Ends, begin: float, end: float) -> Ends:
+    """Part of a range between two of its fractions."""
     low, high = min(begin, end), max(begin, end)
-    return _apart(before[0] + low * (before[1] - before[0]), before[0] + high * (before[1] - before[0]))
+    return _with_extent(before[0] + low * (before[1] - before[0]), before[0] + high * (before[1] - before[0]))
 
 
-def about(before: Ends, at: float, factor: float) -> Ends:
-    """A range so many times as wide, whose fraction ``at`` stays where it is."""
-    middle, wide = before[0] + at * (before[1] - before[0]), factor * (before[1] - before[0])
-    return _apart(middle - at * wide, middle + (1.0 - at) * wide)
+def zoomed(before: Ends, at: float, factor: float) -> Ends:
+    """Range ``factor`` times as wide, in which the fraction ``at`` keeps its value."""
+    fixed, width = before[0] + at * (before[1] - before[0]), factor * (before[1] - before[0])
+    return _with_extent(fixed - at * width, fixed + (1.0 - at) * width)
 
 
-def moved(before: Ends, by: float) -> Ends:
-    """A range so many of its widths further."""
-    step = by * (before[1] - before[0])
+def shifted(before: Ends, fraction: float) -> Ends:
+    """Range shifted by a fraction of its width."""
+    step = fraction * (before[1] - before[0])
     return before[0] + step, before[1] + step
 
 
@@ -143,7 +161,10 @@ def moved(before: Ends, by: float) -> Ends:
 def ticks_of(
     ends: Ends, pixels: float, log: bool, degrees: bool = False, across: bool = False
 ) -> list[tuple[float, str]]:
-    """Places, as drawn, and their texts; of degrees where a turn or a good part of it is shown at the usual steps."""
+    """Ticks of an axis: coordinates and texts.
+
+    Angles have steps of 15°, 30°, 60° ... where 60° to 720° are shown.
+    """
     least = LEAST_ACROSS if across else LEAST_VALUE_PIXELS
     if log:
         return _powers(ends, pixels, least)
@@ -157,7 +178,7 @@ def ticks_of(
 
 
 def _powers(ends: Ends, pixels: float, least: float) -> list[tuple[float, str]]:
-    """Powers of ten; between them 2 and 5 where there is room; round values where less than a power is shown."""
+    """Ticks at powers of ten, with 2 and 5 between them where there is room; at round values of a narrow range."""
     low, high = ends
     if high - low < 0.7 and high < 300.0:
         values = value_ticks(10.0**low, 10.0**high, pixels, least)
@@ -186,15 +207,15 @@ def _power(factor: float, power: int) -> str:
 
 __all__ = [
     "Ends",
-    "Shown",
-    "about",
+    "GraphRange",
+    "axis_units",
     "bounded",
-    "evenly",
+    "full_range",
     "is_outline",
-    "moved",
-    "narrower",
-    "rungs",
+    "narrowed",
     "scaled",
+    "shifted",
     "ticks_of",
-    "whole",
+    "with_one_scale",
+    "zoomed",
 ]

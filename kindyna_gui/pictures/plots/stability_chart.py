@@ -1,4 +1,4 @@
-"""The chart of stability: tongues as edges, the machine's point and its run-up to speed."""
+"""Stability chart: tongues of instability over frequency ratio and inertia ratio, with the machine's operating point."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from kindyna_gui.pictures.plots.plot import LEAST_ACROSS, FixedPlot, value_ticks
 from kindyna_gui.pictures.style import BLUE, DASHED, SCREEN, SMALL, VERMILION, Theme, brush
 from kindyna_gui.pictures.units import short
 
-LEAST_ETA = 0.42  # the rpm axis ends where η falls to this, beyond the first tongue ...
-TIMES_OWN = (1.25, 8.0)  # ... but within these multiples of the machine's own speed
+LEAST_ETA = 0.42  # η at the end of the rpm axis, beyond the first tongue ...
+SPEED_MULTIPLES = (1.25, 8.0)  # ... but the end is between these multiples of the machine's speed
 Z_TONGUE, Z_PATH, Z_POINT = 0.0, 10.0, 20.0
 PATH_OPACITY, FADED = 0.55, 0.35
 NAMES = (
@@ -29,13 +29,21 @@ NAMES = (
 
 
 @frozen
-class Measure:
-    """A quantity that numbers an axis. ``of``: value shown for η or Q; ``back``: η or Q of a value shown."""
+class AxisQuantity:
+    """Quantity of an axis of the chart.
+
+    Attributes
+    ----------
+    label, title : short name, and title of the axis
+    from_ratio : value of the axis for η or Q (n,) of a machine
+    to_ratio : η or Q for a value of the axis
+    needs_machine : whether it is defined only with a machine
+    """
 
     label: str
     title: str
-    of: Callable[[np.ndarray, Machine], np.ndarray]
-    back: Callable[[float, Machine], float]
+    from_ratio: Callable[[np.ndarray, Machine], np.ndarray]
+    to_ratio: Callable[[float, Machine], float]
     needs_machine: bool = True
 
 
@@ -44,22 +52,28 @@ def _rpm(eta: np.ndarray, machine: Machine) -> np.ndarray:
         return machine.rpm(1.0) / eta
 
 
-ACROSS: Mapping[str, Measure] = MappingProxyType(
+ACROSS: Mapping[str, AxisQuantity] = MappingProxyType(
     {
-        "eta": Measure("η", "Frequency ratio η = ω₀/ω", lambda e, m: e, lambda x, m: x, False),
-        "rpm": Measure("rpm", "Camshaft speed, rpm", _rpm, lambda x, m: m.rpm(1.0) / max(x, 1e-300)),
+        "eta": AxisQuantity("η", "Frequency ratio η = ω₀/ω", lambda e, m: e, lambda x, m: x, False),
+        "rpm": AxisQuantity("rpm", "Camshaft speed, rpm", _rpm, lambda x, m: m.rpm(1.0) / max(x, 1e-300)),
     }
 )
-UPWARDS: Mapping[str, Measure] = MappingProxyType(
+UPWARDS: Mapping[str, AxisQuantity] = MappingProxyType(
     {
-        "q": Measure("Q", "Inertia ratio Q", lambda q, m: q, lambda y, m: y, False),
-        "mass": Measure("masses", "Moved masses, × present", lambda q, m: q / m.q, lambda y, m: y * m.q),
+        "q": AxisQuantity("Q", "Inertia ratio Q", lambda q, m: q, lambda y, m: y, False),
+        "mass": AxisQuantity("masses", "Moved masses, × present", lambda q, m: q / m.q, lambda y, m: y * m.q),
     }
 )
 
 
 class ChartPlot(FixedPlot):
-    """A chart of tongues. Pixels in, (η, Q) out: ``place`` and ``point_at`` know the axes."""
+    """Plot of a stability chart; ``position`` and ``point_at`` convert (η, Q) to the axes and from pixels.
+
+    Attributes
+    ----------
+    machine_point : dot at the machine's operating point
+    ring : circle around the selected point
+    """
 
     def __init__(self, parent: QWidget | None = None, theme: Theme = SCREEN) -> None:
         super().__init__(parent, theme, top=True)
@@ -77,12 +91,12 @@ class ChartPlot(FixedPlot):
         dot, ring = QPainterPath(), QPainterPath()
         dot.addEllipse(QRectF(-4.5, -4.5, 9.0, 9.0))
         ring.addEllipse(QRectF(-6.0, -6.0, 12.0, 12.0))
-        self.own = self._dot(dot, theme.ink, Z_POINT)
-        self.looked = self._dot(ring, "", Z_POINT + 1.0)
+        self.machine_point = self._dot(dot, theme.ink, Z_POINT)
+        self.ring = self._dot(ring, "", Z_POINT + 1.0)
         self._tag = Tag("", theme.ink, theme, SMALL, (0.0, 1.0), backing=True)
         self._include(self._tag, Z_POINT)
-        self.looked.hide()
-        self.own.hide()
+        self.ring.hide()
+        self.machine_point.hide()
         self._name(NAMES)
 
     def _dot(self, path: QPainterPath, colour: str, z: float) -> Outline:
@@ -91,15 +105,15 @@ class ChartPlot(FixedPlot):
         self._include(item, z)
         return item
 
-    # -- what is drawn --------------------------------------------------------------------------------------
+    # -- chart ----------------------------------------------------------------------------------------------
 
     @property
     def chart(self) -> Chart | None:
-        """What is drawn; None: nothing yet."""
+        """Chart that is drawn, None before the first one."""
         return self._chart
 
     def show_chart(self, chart: Chart, across: str = "eta", upwards: str = "q") -> None:
-        """Draw a chart, its axes numbered by rows of ``ACROSS`` and ``UPWARDS``."""
+        """Draw a chart with the axes ``across`` and ``upwards``, keys of ``ACROSS`` and ``UPWARDS``."""
         self._chart = chart
         if chart.machine is None:
             across, upwards = "eta", "q"
@@ -111,28 +125,29 @@ class ChartPlot(FixedPlot):
         self._approximate.redraw(self._tongues(chart, APPROXIMATE))
         self._hull.redraw(self._bottom(chart))
         self._marked.redraw(self._rows(chart))
-        self._place_machine(chart.machine)
+        self._draw_machine(chart.machine)
         self.setAccessibleDescription(
             f"{ACROSS[across].title} across, {UPWARDS[upwards].title} upwards; {self._tag.text}"
         )
         self._lay()
 
     def _fastest(self, chart: Chart) -> float:
+        """End of the rpm axis."""
         assert chart.machine is not None
-        own = chart.machine.rpm(chart.machine.eta)
-        least, most = (times * own for times in TIMES_OWN)
-        return min(max(chart.machine.rpm(LEAST_ETA), least), most)
+        speed = chart.machine.rpm(chart.machine.eta)
+        least, greatest = (multiple * speed for multiple in SPEED_MULTIPLES)
+        return min(max(chart.machine.rpm(LEAST_ETA), least), greatest)
 
     def _x(self, eta: np.ndarray) -> np.ndarray:
-        return ACROSS[self._across].of(eta, self._machine)
+        return ACROSS[self._across].from_ratio(eta, self._machine)
 
     def _y(self, q: np.ndarray) -> np.ndarray:
-        return UPWARDS[self._upwards].of(q, self._machine)
+        return UPWARDS[self._upwards].from_ratio(q, self._machine)
 
     @property
     def _machine(self) -> Machine:
         assert self._chart is not None
-        return self._chart.machine  # type: ignore[return-value]  # rows that need one are not chosen without
+        return self._chart.machine  # type: ignore[return-value]  # axes that need a machine are not selected without
 
     def _tongues(self, chart: Chart, equation: str) -> QPainterPath:
         path = QPainterPath()
@@ -140,31 +155,32 @@ class ChartPlot(FixedPlot):
             return path
         for n in range(1, chart.tongues[equation].count + 1):
             for polygon in chart.outline(n, equation):
-                self._add(path, polygon, closed=True)
+                self._add(path, polygon)
         return path
 
-    def _add(self, path: QPainterPath, polygon: np.ndarray, closed: bool) -> None:
-        """A polygon of (η, Q), cut at what the axis shows so that no place is at infinity."""
+    def _add(self, path: QPainterPath, polygon: np.ndarray) -> None:
+        """Add a polygon (n, 2) of (η, Q), clipped near the ends of the axis so that no point is at infinity."""
         (low, high), _ = self._view.viewRange()
         x = np.clip(self._x(polygon[:, 0]), low - 1.0 * (high - low), high + 1.0 * (high - low))
         y = self._y(polygon[:, 1])
         for i, (a, b) in enumerate(zip(x.tolist(), y.tolist(), strict=True)):
             path.lineTo(a, b) if i else path.moveTo(a, b)
-        if closed and len(polygon):
+        if len(polygon):
             path.closeSubpath()
 
     def _bottom(self, chart: Chart) -> QPainterPath:
-        """What lies below the lowest edge, where everything is unstable."""
+        """Area below the lowest edge, where every design is unstable."""
         path = QPainterPath()
         exact = chart.tongues.get(EXACT)
         if exact is not None and (exact.bottom > 0.0).any():
             q, edge = chart.q, exact.bottom
             zero = np.full(q.size, 1e-9)
             polygon = np.concatenate((np.column_stack((edge, q)), np.column_stack((zero, q))[::-1]))
-            self._add(path, polygon, closed=True)
+            self._add(path, polygon)
         return path
 
     def _rows(self, chart: Chart) -> QPainterPath:
+        """Horizontal lines at the marked values of Q."""
         path = QPainterPath()
         (low, high), _ = self._view.viewRange()
         for q in chart.marked:
@@ -174,70 +190,66 @@ class ChartPlot(FixedPlot):
         return path
 
     def fade(self, on: bool) -> None:
-        """The tongues stand back while others are computed in their place."""
-        for item, usual in (
-            (self._hull, 1.0),
-            (self._exact, 1.0),
-            (self._approximate, 1.0),
-            (self._path, PATH_OPACITY),
-            (self.own, 1.0),
-        ):
-            item.setOpacity(FADED * usual if on else usual)
+        """Fade the chart while another one is computed in the background."""
+        items = (self._hull, self._exact, self._approximate, self.machine_point)
+        for item, opacity in (*((item, 1.0) for item in items), (self._path, PATH_OPACITY)):
+            item.setOpacity(FADED * opacity if on else opacity)
 
-    def _place_machine(self, machine: Machine | None) -> None:
-        """The operating point, and the run-up to it from standstill, η = ∞."""
-        self.own.setVisible(machine is not None)
+    def _draw_machine(self, machine: Machine | None) -> None:
+        """Draw the operating point, and the run-up to it from standstill, η = ∞."""
+        self.machine_point.setVisible(machine is not None)
         self._tag.setVisible(machine is not None)
         path = QPainterPath()
         if machine is not None:
-            place = self.place(machine.eta, machine.q)
+            at = self.position(machine.eta, machine.q)
             (low, high), (_, top) = self._view.viewRange()
             start = high if self._across == "eta" else low
-            if low <= place.x() <= high:
-                path.moveTo(start, place.y())
-                path.lineTo(place)
-            self.own.setPos(place)
-            self.own.setVisible(low <= place.x() <= high and place.y() <= top)
-            beyond = " →" if place.x() > high else " ↑" if place.y() > top else ""
+            if low <= at.x() <= high:
+                path.moveTo(start, at.y())
+                path.lineTo(at)
+            self.machine_point.setPos(at)
+            self.machine_point.setVisible(low <= at.x() <= high and at.y() <= top)
+            beyond = " →" if at.x() > high else " ↑" if at.y() > top else ""
             self._tag.set_text(
                 f"{short(machine.rpm(machine.eta))} rpm, η = {machine.eta:.3g}, Q = {machine.q:.3g}{beyond}"
             )
-            room = (high - place.x()) / (high - low) * self._view.width()
-            self._tag.set_lean(0.0 if room > self._tag.size[0] + 14.0 else 1.0, 1.0)
-            self._tag.shift(7.0 if room > self._tag.size[0] + 14.0 else -7.0, -6.0)
-            self._tag.setPos(min(max(place.x(), low), high), min(place.y(), top))
+            right = (high - at.x()) / (high - low) * self._view.width() > self._tag.size[0] + 14.0
+            self._tag.set_lean(0.0 if right else 1.0, 1.0)
+            self._tag.shift(7.0 if right else -7.0, -6.0)
+            self._tag.setPos(min(max(at.x(), low), high), min(at.y(), top))
         self._path.redraw(path)
 
-    def move_own(self, eta: float, q: float) -> None:
-        """Draw the machine's point somewhere else, until the chart is shown anew."""
-        self.own.setPos(self.place(eta, q))
+    def move_machine_point(self, eta: float, q: float) -> None:
+        """Draw the machine's point at other ratios until the chart is shown again."""
+        self.machine_point.setPos(self.position(eta, q))
         self._tag.setVisible(False)
 
-    def look_at(self, eta: float | None, q: float = 0.0) -> None:
-        """Ring the chosen point; None: none is chosen."""
-        self.looked.setVisible(eta is not None)
+    def ring_point(self, eta: float | None, q: float = 0.0) -> None:
+        """Draw a circle around the selected point, or none."""
+        self.ring.setVisible(eta is not None)
         if eta is not None:
-            self.looked.setPos(self.place(eta, q))
+            self.ring.setPos(self.position(eta, q))
 
-    # -- where it is ----------------------------------------------------------------------------------------
+    # -- coordinates ----------------------------------------------------------------------------------------
 
-    def place(self, eta: float, q: float) -> QPointF:
-        """A point of the chart in the numbers of the axes."""
+    def position(self, eta: float, q: float) -> QPointF:
+        """Coordinates of a point (η, Q) on the axes."""
         return QPointF(float(self._x(np.array([eta]))[0]), float(self._y(np.array([q]))[0]))
 
     def pixel(self, eta: float, q: float) -> QPointF:
-        """Where a point of the chart stands in the widget."""
-        return QPointF(self.mapFromScene(self._view.mapViewToScene(self.place(eta, q))))
+        """Pixel of a point (η, Q) in the widget."""
+        return QPointF(self.mapFromScene(self._view.mapViewToScene(self.position(eta, q))))
 
     def point_at(self, pixel: QPointF) -> tuple[float, float] | None:
-        """η and Q at a place of the widget; None beside the chart."""
+        """η and Q at a pixel of the widget; None outside the chart."""
         if self._chart is None:
             return None
         at = self._view.mapSceneToView(self.mapToScene(pixel.toPoint()))
         (low, high), (bottom, top) = self._view.viewRange()
         if not (low < at.x() <= high and bottom < at.y() <= top):
             return None
-        return ACROSS[self._across].back(at.x(), self._machine), UPWARDS[self._upwards].back(at.y(), self._machine)
+        across, upwards = ACROSS[self._across], UPWARDS[self._upwards]
+        return across.to_ratio(at.x(), self._machine), upwards.to_ratio(at.y(), self._machine)
 
     # -- layout ---------------------------------------------------------------------------------------------
 
@@ -249,20 +261,20 @@ class ChartPlot(FixedPlot):
         self._axes["left"].show_title(UPWARDS[self._upwards].title, self._theme.ink)
         self._axes["top"].show_ticks(self._numbers(frame.first, frame.last, frame.width))
         if self._chart is not None:
-            self._place_machine(self._chart.machine)
+            self._draw_machine(self._chart.machine)
 
     def _numbers(self, low: float, high: float, width: float) -> list[tuple[float, str]]:
-        """The numbers of the tongues over their tips, as far as they have room."""
+        """Ticks with the numbers of the tongues over their tips, where there is room."""
         if self._chart is None or EXACT not in self._chart.tongues:
             return []
         rows: list[tuple[float, str]] = []
         for n in range(1, self._chart.tongues[EXACT].count + 1):
             x, text = float(self._x(np.array([0.5 * n]))[0]), f"n = {n}" if n == 1 else str(n)
             half = 0.5 * text_size(text)[0] * (high - low) / width
-            free = all(abs(x - other) > 2.6 * half for other, _ in rows)
-            if low + half < x < high - half and free:
+            is_free = all(abs(x - previous) > 2.6 * half for previous, _ in rows)
+            if low + half < x < high - half and is_free:
                 rows.append((x, text))
         return rows
 
 
-__all__ = ["ACROSS", "UPWARDS", "ChartPlot", "Measure"]
+__all__ = ["ACROSS", "UPWARDS", "AxisQuantity", "ChartPlot"]

@@ -554,11 +554,11 @@ def test_a_face_nobody_asks_for_curvature_computes_none() -> None:
     study = Study(ROCKER, 36)
     flank = study.cam.flank
     _ = flank.profile, flank.pressure_angle
-    assert 2 not in study.linkage.follower.origin.made
+    assert 2 not in study.linkage.follower.origin.computed_orders
     assert callable(vars(flank)["profile_radius"])
     assert callable(vars(flank)["profile_curvature"])
     _ = flank.profile_curvature
-    assert 2 in study.linkage.follower.origin.made
+    assert 2 in study.linkage.follower.origin.computed_orders
 
 
 @pytest.mark.parametrize("name", ["tappet", "tilted, offset, clockwise"])

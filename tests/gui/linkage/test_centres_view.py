@@ -39,7 +39,7 @@ def cells(view: CentresView, table: str) -> dict[str, tuple[str, ...]]:
 
 
 def distance(view: CentresView, one: str, other: str) -> float:
-    for box, text in ((view.one, one), (view.other, other)):
+    for box, text in ((view.first, one), (view.second, other)):
         box.setCurrentIndex(box.findText(text))
         box.activated.emit(box.currentIndex())
     return number(view.distance.text())

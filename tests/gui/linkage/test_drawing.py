@@ -513,7 +513,7 @@ def test_what_is_no_mechanism_yet_is_saved_opened_and_undone(open_user: Open, tm
     drawn = pen.design
     other = open_user(tmp_path / "half.toml")
     assert other.session.typed.drive.mechanism == drawn.drive.mechanism
-    assert other.drawing().shows_sheet
+    assert other.drawing().shows_layout
     assert "B hangs loose" in other.drawing().note.text()
     again = Pen(other)
     again.user.drawing().canvas.setFocus()
@@ -526,7 +526,7 @@ def test_what_is_no_mechanism_yet_is_saved_opened_and_undone(open_user: Open, tm
     assert not other.session.is_incomplete_linkage
     again.key(Key.Key_Escape)
     again.key(Key.Key_Escape)
-    assert not other.drawing().shows_sheet
+    assert not other.drawing().shows_layout
     assert {"A", "B", "O1", "O2"} <= set(other.drawing().scene.geometry.handles(0))
     assert other.session.state()["modified"]
     other.session.restore(other.session.state())
@@ -558,7 +558,7 @@ def test_the_part_that_is_led_moves_and_the_rest_hangs_on_it(open_user: Open) ->
     pen.key(Key.Key_Escape)
     pen.key(Key.Key_Escape)
     view, player = pen.user.drawing(), pen.user.window.player
-    assert view.shows_sheet
+    assert view.shows_layout
     assert view.drawing.still == {1, 3}
     assert player.theta == pytest.approx(math.pi / 2.0)
     for theta in (2.0, 4.0, 6.0):

@@ -159,7 +159,7 @@ def test_in_a_dwell_nothing_moves_and_the_polygon_says_so(open_user: Open) -> No
 
 def test_a_cam_has_its_velocities_in_the_mechanism(user: User) -> None:
     view = polygon(user)
-    assert "drawn in the mechanism" in view.note.text()
+    assert "the mechanism shows the velocities" in view.note.text()
 
 
 def test_the_polygon_is_written_as_a_picture(six_bar: User) -> None:

@@ -47,9 +47,9 @@ RADIUS = 'path = ["cam.base_radius_mm", 410.0]'
 @pytest.mark.parametrize(
     ("do", "until", "said"),
     [
-        ('field = "cam.base_radius_mm", keys = ["409", "Return"]', RADIUS, "step 1 of 1: what must be so"),
+        ('field = "cam.base_radius_mm", keys = ["409", "Return"]', RADIUS, "step 1 of 1: conditions of until"),
         stressed('menu = "Kine > Fly"', RADIUS, "Fly: no such entry"),
-        stressed('field = "cam.nowhere"', 'path = ["cam.base_radius_mm", 400.0]', "is so before it is done"),
+        stressed('field = "cam.nowhere"', 'path = ["cam.base_radius_mm", 400.0]', "are met before the step is done"),
         stressed('drag = ["Z9"]', RADIUS, "Z9: the drawing has no such point"),
     ],
 )
@@ -67,9 +67,9 @@ def test_a_step_that_fails_is_named(
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("", "has no [[steps]]"),
+        ("", "needs [[steps]]"),
         ("[[steps]", "own.toml"),
-        (STEP.format(do='fly = "up"', until=RADIUS), "steps[0]: fly is unknown; there are menu, field, drag"),
+        (STEP.format(do='fly = "up"', until=RADIUS), "steps[0]: fly is unknown; allowed are menu, field, drag"),
         (STEP.format(do='menu = "Kine > Play"', until="moon = true"), "steps[0]: moon is unknown"),
         ('[[steps]]\ntext = "Bigger."\n', "steps[0]: needs text"),
     ],
@@ -82,7 +82,7 @@ def test_a_file_that_is_no_lesson_is_refused(
     code, lines = play(capsys, str(file), "--play")
     assert code == 2
     assert said in lines[-1]
-    assert "there is none of this name" in play(capsys, "kite", "--play")[1][-1]
+    assert "tutorial kite: not found" in play(capsys, "kite", "--play")[1][-1]
 
 
 @pytest.mark.stress
@@ -148,7 +148,7 @@ def test_a_mark_goes_with_its_dock_and_the_lesson_stays(open_user: Open) -> None
     settle()
     (mark,) = (each for each in strip.marks if each.window() is dock)
     delete(mark)  # as its window does that goes
-    strip.look()
+    strip.check()
     QTest.mouseClick(strip.leave, Qt.MouseButton.LeftButton)
     settle()
     left = user.window.findChild(TutorialStrip)

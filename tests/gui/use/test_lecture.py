@@ -76,7 +76,7 @@ def places(user: User) -> dict[str, complex]:
 def distance(user: User, one: str, other: str) -> float:
     """Chosen in the two boxes below the table, read from the label [cm]."""
     view = centres(user)
-    for box, text in ((view.one, one), (view.other, other)):
+    for box, text in ((view.first, one), (view.second, other)):
         box.setCurrentIndex(box.findText(text))
         box.activated.emit(box.currentIndex())
     return number(view.distance.text()) / 10.0
@@ -156,7 +156,7 @@ def test_centres_stand_where_the_lecture_constructs_them(name: str, open_user: O
         rows = table(centres(user).page("centres"))
         assert len(rows) == FIGURES[name]
         for centre, row in rows.items():
-            for line in row["Found"].split(" × ") if row["Found"] != "at sight" else ():
+            for line in row["Construction"].split(" × ") if row["Construction"] != "at sight" else ():
                 one, other = line.split("–")
                 if {centre, one, other} <= set(there):
                     tried += 1

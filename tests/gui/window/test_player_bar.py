@@ -14,7 +14,7 @@ from core.study import evaluations
 from kindyna_gui.documents.session import Session
 from kindyna_gui.look import wear
 from kindyna_gui.places import example
-from kindyna_gui.player import Player, speeds, step_of, usual
+from kindyna_gui.player import Player, initial_speed, speeds, step_of
 from kindyna_gui.settings import Preferences
 from kindyna_gui.window.player_bar import PlayerBar, speed_text
 from kindyna_gui.window.tasks import INSPECTOR
@@ -180,7 +180,7 @@ def test_the_number_follows_without_moving_the_cam(bar: PlayerBar) -> None:
 @pytest.mark.parametrize("rpm", [0.1, 1.0, 4.9, 5.1, 20.0, 31.0, 60.0, 300.0, 2900.0, 24000.0])
 def test_a_turn_can_be_watched_at_first(rpm: float) -> None:
     omega = rpm * pi / 30.0
-    rows, first = speeds(omega), usual(omega)
+    rows, first = speeds(omega), initial_speed(omega)
     assert first in rows
     assert [row.seconds for row in rows] == sorted((row.seconds for row in rows), reverse=True)
     assert sum(row.part == 1 for row in rows) == 1, "true time is always offered"
@@ -208,7 +208,7 @@ def test_a_speed_is_chosen(bar: PlayerBar) -> None:
     assert bar.player.speed == 0.5, "what was chosen stays through an edit"
     assert bar.speed.currentText() == "1/2 ×, 3.0 s"
     bar.session.start(load(example("card_picker")))
-    assert bar.player.speed == float(usual(bar.session.study.omega).part), "another shaft begins anew"
+    assert bar.player.speed == float(initial_speed(bar.session.study.omega).part), "another shaft begins anew"
 
 
 def test_the_speed_set_elsewhere_is_shown(bar: PlayerBar) -> None:
