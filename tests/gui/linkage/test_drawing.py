@@ -900,4 +900,4 @@ def test_a_bar_begun_on_a_link_that_is_then_deleted_begins_anew(open_user: Open)
 def test_a_drawing_that_cannot_be_put_together_is_not_copied_and_says_why(open_user: Open) -> None:
     pen = start(open_user)
     pen.choose("Edit", "Copy picture")
-    assert pen.user.window.status.currentMessage().startswith("Nothing is copied.")
+    assert pen.user.window.status.currentMessage().startswith("Nothing was copied.")
